@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Errors, configurations, random numbers and instruction sets: what every other header needs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace mneme {
+
+/// One value per joint of the planning group, in group order: radians, or metres for a prismatic joint.
+using Configuration = std::vector<double>;
+
+/// What kind of thing is wrong with the world. The programs map each kind to an exit code.
+enum class ErrorCode {
+  io,            ///< a file cannot be read, written or created
+  parse,         ///< a file's text is malformed, or a value in it has the wrong type or range
+  unsupported,   ///< well-formed, but this version of mneme does not handle it
+  invalid,       ///< an argument is out of range, or two inputs do not fit together
+  wrong_robot,   ///< a database holds the experience of another robot or decomposer
+  corrupt,       ///< a database or one of its rows is damaged
+};
+
+/// A wrong input: `message` names the file, line or object and says what was expected.
+struct Error {
+  ErrorCode code = ErrorCode::invalid;
+  std::string message;
+};
+
+/// A value, or the reason why there is none. The library never throws across its boundary.
+template <class T>
+using Result = tl::expected<T, Error>;
+
+/// Builds the failed side of any `Result`.
+[[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
+  return tl::unexpected<Error>(Error{code, std::move(message)});
+}
+
+/// Receives one line of log text without a line break. Called from the thread that works.
+using LogCallback = std::function<void(std::string_view line)>;
+
+/// Pseudo-random stream: xoshiro256++ (Blackman and Vigna, DOI 10.1145/3460772), seeded by splitmix64.
+/// The sequence depends on the seed alone. Not thread-safe: one stream per thread.
+class Rng {
+ public:
+  explicit Rng(std::uint64_t seed);
+
+  /// 64 uniform random bits.
+  std::uint64_t next() {
+    const std::uint64_t result = rotate_left(state_[0] + state_[3], 23) + state_[0];
+    const std::uint64_t shifted = state_[1] << 17;
+    state_[2] ^= state_[0];
+    state_[3] ^= state_[1];
+    state_[1] ^= state_[2];
+    state_[0] ^= state_[3];
+    state_[2] ^= shifted;
+    state_[3] = rotate_left(state_[3], 45);
+    return result;
+  }
+  /// Uniform in [0, 1).
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  /// Uniform in [lower, upper).
+  double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
+  /// Uniform integer in [0, count); `count` > 0.
+  std::uint32_t index(std::uint32_t count) {
+    return static_cast<std::uint32_t>(((next() >> 32) * count) >> 32);
+  }
+  /// Standard normal, by the ziggurat method (Marsaglia and Tsang, DOI 10.18637/jss.v005.i08).
+  double normal();
+
+ private:
+  static std::uint64_t rotate_left(std::uint64_t x, int bits) {
+    return (x << bits) | (x >> (64 - bits));
+  }
+  std::array<std::uint64_t, 4> state_;
+};
+
+/// Seed of sub-task `task` of a job seeded with `seed`: independent of thread count and order.
+[[nodiscard]] std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t task);
+
+/// The instruction sets that the kernels are compiled for.
+enum class Isa { automatic, scalar, sse, avx2, avx512 };
+
+/// The best instruction set of this machine, or the one that the environment variable MNEME_ISA names
+/// (scalar, sse, avx2, avx512) if this machine has it.
+[[nodiscard]] Isa default_isa();
+/// True if this machine can run `isa`.
+[[nodiscard]] bool is_available(Isa isa);
+[[nodiscard]] std::string_view to_string(Isa isa);
+/// The inverse of to_string; an unknown name, or one that this machine lacks, is an error.
+[[nodiscard]] Result<Isa> parse_isa(std::string_view name);
+
+/// mneme's own version, such as "0.1.0".
+[[nodiscard]] std::string_view version();
+
+}  // namespace mneme

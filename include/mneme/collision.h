@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Collision checking on SIMD kernels: single states, batches, and motions.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
+namespace mneme {
+
+struct CheckerSettings {
+  /// Largest L2 joint distance between two checked states of a motion, radians; 0 picks the robot's default:
+  /// 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion.
+  double resolution = 0;
+  /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >= 0.
+  double margin = 0;
+  Isa isa = Isa::automatic;
+};
+
+/// Work done by a checker on behalf of one caller. Not shared between threads.
+struct CheckCounters {
+  std::uint64_t states = 0;
+  std::uint64_t motions = 0;
+};
+
+/// Two things that touch or overlap.
+struct Contact {
+  std::string link;
+  std::string other;         ///< the name of an obstacle or of another link
+  bool is_self = false;      ///< true if `other` is a link
+  double distance = 0;       ///< metres between the surfaces; negative by at most the sum of the radii
+};
+
+/// How finely a motion is checked, relative to the checker's settings.
+struct MotionDetail {
+  double refinement = 1;  ///< divides the resolution; 10 for the verification of a final path
+  double margin = 0;      ///< metres added to the checker's own margin; >= 0
+};
+
+/// Decides whether configurations and straight motions of a robot are free of contact in a scene.
+/// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
+/// configurations within limits stays within them. Copies share their tables; all of it is const and
+/// parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except within
+/// about 1e-5 m of contact for a robot of 10 m reach.
+class CollisionChecker {
+ public:
+  /// Errors: an obstacle that is empty, not finite or of a kind that the kernels lack; an instruction set
+  /// that this machine lacks.
+  [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
+                                                     const CheckerSettings& settings = {});
+
+  [[nodiscard]] const Robot& robot() const;
+  [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] double resolution() const;
+  [[nodiscard]] Isa isa() const;
+
+  /// `q` has joint_count() values.
+  [[nodiscard]] bool is_valid(std::span<const float> q) const;
+  [[nodiscard]] bool is_valid(std::span<const double> q) const;
+
+  /// Many states at once: `configurations` is row-major, one configuration a row; `is_valid` receives one
+  /// 0 or 1 per row.
+  void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) const;
+
+  /// True if all states of the straight motion after `from`, up to and including `to`, are valid at the
+  /// resolution; `from` itself is taken to be valid. Continuous joints take the shorter way round. States
+  /// are checked a vector at a time, spread along the motion, coarse to fine.
+  [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to,
+                                     CheckCounters& counters, const MotionDetail& detail = {}) const;
+  [[nodiscard]] bool is_motion_valid(std::span<const double> from, std::span<const double> to,
+                                     const MotionDetail& detail = {}) const;
+
+  /// Everything that touches at `q`, in double precision by code that shares nothing with the kernels.
+  [[nodiscard]] std::vector<Contact> contacts(std::span<const double> q) const;
+
+ private:
+  struct Tables;
+  explicit CollisionChecker(std::shared_ptr<const Tables> tables) : tables_(std::move(tables)) {}
+  std::shared_ptr<const Tables> tables_;
+};
+
+}  // namespace mneme

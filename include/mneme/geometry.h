@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of B in A.
+///
+/// To add a shape: a struct and a `Shape` alternative here, its distances in src/geometry/, its columns in
+/// the scene tables of src/collision/, one row in tests/collision/oracle_test.cpp.
+#pragma once
+
+#include <string_view>
+#include <variant>
+
+#include <Eigen/Core>
+
+namespace mneme {
+
+/// A point or a direction. Neither this nor Matrix3d is over-aligned, so both may stand in any struct.
+using Vec3 = Eigen::Vector3d;
+
+/// A rigid motion: X_AB takes coordinates in frame B to coordinates in frame A.
+struct Transform {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Vec3 translation = Vec3::Zero();
+
+  [[nodiscard]] Vec3 operator*(const Vec3& p_B) const { return rotation * p_B + translation; }
+  [[nodiscard]] Transform operator*(const Transform& X_BC) const {
+    return {rotation * X_BC.rotation, rotation * X_BC.translation + translation};
+  }
+  [[nodiscard]] Transform inverse() const {
+    return {rotation.transpose(), -(rotation.transpose() * translation)};
+  }
+};
+
+/// Rotation by `angle` radians about the unit vector `axis`.
+[[nodiscard]] Eigen::Matrix3d rotation_about(const Vec3& axis, double angle);
+/// Rotation of URDF's `rpy`: roll about x, then pitch about y, then yaw about z, all fixed axes.
+[[nodiscard]] Eigen::Matrix3d rotation_from_rpy(const Vec3& rpy);
+/// Rotation of a quaternion, which is normalised first; it must not be zero.
+[[nodiscard]] Eigen::Matrix3d rotation_from_quaternion(double w, double x, double y, double z);
+
+struct Sphere {
+  Vec3 center = Vec3::Zero();
+  double radius = 0;
+};
+
+/// All points within `radius` of the segment from `a` to `b`.
+struct Capsule {
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::Zero();
+  double radius = 0;
+};
+
+struct Box {
+  Transform pose;  ///< of the box's centre
+  Vec3 half_extents = Vec3::Zero();
+};
+
+/// A solid cylinder about the z axis of `pose`, which is at its centre.
+struct Cylinder {
+  Transform pose;
+  double radius = 0;
+  double length = 0;  ///< full height, between the flat ends
+};
+
+using Shape = std::variant<Sphere, Box, Cylinder, Capsule>;
+
+/// "sphere", "box", "cylinder" or "capsule".
+[[nodiscard]] std::string_view shape_name(const Shape& shape);
+/// `shape`, given in frame B, expressed in frame A.
+[[nodiscard]] Shape transformed(const Transform& X_AB, const Shape& shape);
+/// A sphere that contains `shape`; the smallest one for each of the shapes there are.
+[[nodiscard]] Sphere bounding_sphere(const Shape& shape);
+
+/// Distance from a point to a solid: 0 inside.
+[[nodiscard]] double distance(const Vec3& point, const Shape& shape);
+/// Distance between the segment ab and a solid: 0 if they meet. A segment may be a point.
+/// Exact for spheres, boxes and capsules; for cylinders found numerically to within 1e-9 m.
+[[nodiscard]] double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape);
+/// Distance between the segments ab and cd, also when they are parallel or points.
+/// Follows Ericson, Real-Time Collision Detection, section 5.1.9, with the determinant as a cross product.
+[[nodiscard]] double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+}  // namespace mneme

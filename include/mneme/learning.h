@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Learning local samplers: by solving local queries of a primitive, offline over a grid of primitives or on a miss.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/experience.h"
+#include "mneme/planning.h"
+
+namespace mneme {
+
+struct LearnSettings {
+  int starts_per_link = 3;
+  int paths_per_start = 2;
+  int max_iterations = 20000;
+  double range = 0.4;
+  double resolution = 0;
+  bool merge_cliques = false;
+};
+
+template <class Settings, class Visitor>
+  requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("starts-per-link", s.starts_per_link, 1, 1000,
+        "local queries per link that can be the first to cross the gap; more make the sampler richer and slower to learn");
+  visit("paths-per-start", s.paths_per_start, 1, 1000,
+        "paths per local query: several are robust to obstacles outside the primitive");
+  visit("learn-iterations", s.max_iterations, 1, 100000000,
+        "iteration limit of one local query; a query that reaches it is given up");
+  visit("learn-range", s.range, 1e-3, 1e3, "extension range of local queries, radians");
+  visit("learn-resolution", s.resolution, 0.0, 1.0, "resolution of local queries, radians; 0 for the robot's default");
+  visit("merge-cliques", s.merge_cliques, false, true,
+        "merge fully connected groups of means into one component with their covariance: a smaller database");
+}
+/// The settings as one line of text, the same for equal settings: part of a row's provenance.
+[[nodiscard]] std::string describe(const LearnSettings& settings);
+
+struct LearnResult {
+  LocalSampler sampler;  ///< canonical frame; no components if no query was solved
+  int queries = 0;
+  int solved = 0;
+  std::uint64_t iterations = 0;
+  double time_s = 0;
+};
+
+/// Section IV-A of the paper: solves queries that start with the arm threaded through the gap, stratified by the
+/// first link that crosses it, and end with the arm wholly out; shortcuts the paths and places one component at
+/// each waypoint. Depends on the arguments alone if `deadline_s` is 0; otherwise it stops after that many
+/// seconds with what it has. Errors: a robot that it does not handle.
+[[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
+                                                      const LearnSettings& settings, std::uint64_t seed,
+                                                      double deadline_s = 0);
+
+/// Section V-A: greedily groups means that see each other along straight free motions, and replaces each group
+/// by one component with the group's mean, and its covariance if it has more than joint_count members.
+[[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler);
+
+/// Random configurations of a planar arm that is threaded through the gap of a pair of circles, free of contact.
+/// `first_link` (0-based) is the first link that crosses the segment between the circles. Returns nothing if none
+/// was found in `attempts` tries.
+[[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PrimitiveKey& key,
+                                                           int first_link, int attempts, Rng& rng);
+/// The first link of a planar arm that crosses the segment between the two circles, or -1: then the arm is out.
+[[nodiscard]] int first_crossing_link(const Robot& robot, const PrimitiveKey& key, std::span<const double> q);
+
+/// A range of canonical primitives (scenes/planar/grid.yaml).
+struct PrimitiveGrid {
+  std::array<double, 2> radius = {1, 2};    ///< of each circle, metres
+  std::array<double, 2> gap = {0.1, 1};     ///< between the circles, metres
+  std::array<double, 2> distance = {1, 9};  ///< from the base to the midpoint of the gap, metres
+  double max_similarity_error = 3;          ///< every primitive of the range has a match closer than this, m^2
+  int count = 0;                            ///< at least this many primitives
+};
+[[nodiscard]] Result<PrimitiveGrid> load_grid(const std::string& path);
+
+/// Draws a random primitive of the grid's range, canonical; the base lies in neither circle.
+[[nodiscard]] PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng);
+/// A sequence of canonical primitives that covers the grid, each far from those before it and from `known`;
+/// ends when the range is covered and `count` is reached. The same seed gives the same sequence.
+[[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::span<const PrimitiveKey> known,
+                                              std::uint64_t seed);
+
+struct LearnProgress {
+  std::int64_t done = 0;       ///< primitives in the database, of those asked for
+  std::int64_t total = 0;
+  std::int64_t components = 0;
+  double elapsed_s = 0;
+};
+
+struct LearnJob {
+  LearnSettings settings;
+  std::uint64_t seed = 1;
+  int jobs = 1;                ///< threads
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(const LearnProgress&)> on_progress;  ///< called about once a second, from one thread
+};
+
+struct LearnSummary {
+  std::int64_t learned = 0;   ///< primitives learned now
+  std::int64_t skipped = 0;   ///< already in the database with the same seed and settings
+  std::int64_t empty = 0;     ///< of those learned: no query was solved
+  std::int64_t components = 0;
+  bool is_cancelled = false;
+  double time_s = 0;
+};
+
+/// Learns `keys` into `database`, in parallel; rows are inserted as they come, in key order, so that a job that
+/// is killed can be run again and goes on where it was. The database's contents do not depend on `jobs`.
+[[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
+                                                    Database& database, const LearnJob& job);
+
+}  // namespace mneme

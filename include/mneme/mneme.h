@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// All of mneme, in the order of the flow.
+#pragma once
+
+#include "mneme/base.h"
+#include "mneme/geometry.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+#include "mneme/problem.h"
+#include "mneme/collision.h"
+#include "mneme/sampling.h"
+#include "mneme/planning.h"
+#include "mneme/primitive.h"
+#include "mneme/experience.h"
+#include "mneme/learning.h"
+#include "mneme/pipeline.h"
+#include "mneme/report.h"

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Algorithms 1 and 2 of the paper: from a scene to a global sampler, and from a problem to a path.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/experience.h"
+#include "mneme/learning.h"
+#include "mneme/planning.h"
+#include "mneme/primitive.h"
+#include "mneme/problem.h"
+
+namespace mneme {
+
+struct SolveSettings {
+  std::string planner = "rrt_connect";
+  std::string sampler = "gl";
+  double lambda = 0.5;
+  double sigma = 0.05;
+  double similarity = 0.5;
+  int max_matches = 8;
+  double learn_budget_s = 0;
+  double resolution = 0;
+  PlanSettings plan;
+  DecomposeSettings decompose;
+  LearnSettings learn;
+};
+
+/// Declares the settings of this struct alone; those of `plan`, `decompose` and `learn` have their own.
+template <class Settings, class Visitor>
+  requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("lambda", s.lambda, 0.0, 1.0,
+        "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner may never get anywhere");
+  visit("sigma", s.sigma, 0.0, 10.0,
+        "standard deviation of a mixture component, joint units; smaller repeats the past, larger explores around it");
+  visit("similarity", s.similarity, 0.0, 1e9,
+        "retrieve samplers whose squared key distance is less than this (m^2); the paper used 3");
+  visit("max-matches", s.max_matches, 0, 1000000,
+        "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
+  visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
+        "seconds per query for learning primitives that have no match, 0 for none; counts as planning time");
+  visit("resolution", s.resolution, 0.0, 10.0,
+        "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's default");
+}
+
+/// A primitive of the scene and what the memory knew of it.
+struct PrimitiveRetrieval {
+  LocalPrimitive primitive;
+  std::vector<Match> matches;  ///< nearest first
+  bool is_learned = false;     ///< there was no match, and it was learned just now
+};
+
+/// The result of Algorithm 2.
+struct GlSampler {
+  std::shared_ptr<const GaussianMixture> mixture;  ///< all retrieved components, in the scene's frame; may be empty
+  std::vector<PrimitiveRetrieval> primitives;
+  double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
+  double learning_time_s = 0;
+};
+
+/// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are dropped.
+/// The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
+[[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
+                                                  const SolveSettings& settings);
+
+struct SolveResult {
+  PlanResult plan;
+  GlSampler gl;                 ///< empty unless the sampler is "gl" and there is a database
+  double total_time_s = 0;      ///< solve() from call to return
+  double planning_time_s = 0;   ///< total_time_s without simplification and verification
+  std::string planner;
+  std::string sampler;
+  std::uint64_t seed = 0;
+  Isa isa = Isa::scalar;
+};
+
+/// Decomposes the scene, retrieves or learns a local sampler per primitive, synthesizes one sampler, plans.
+/// `database` may be null: then the sampler "gl" draws uniformly. Errors: an unknown planner or sampler, a
+/// setting out of range, a scene that cannot be checked or decomposed.
+[[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database, const SolveSettings& settings);
+
+/// "gl", "uniform", "halton".
+[[nodiscard]] std::span<const std::string_view> sampler_names();
+
+}  // namespace mneme

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Motion planning problems: a robot, a scene, a start and goals.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
+namespace mneme {
+
+struct Problem {
+  std::string name;
+  Robot robot;
+  std::string robot_path;  ///< the URDF that was read
+  Scene scene;
+  Configuration start;
+  std::vector<Configuration> goals;  ///< any of them will do; not empty
+};
+
+/// What may be set from outside the problem's file.
+struct ProblemOptions {
+  std::string robot_path;            ///< URDF to use instead of the one that the problem names
+  std::optional<Configuration> start;
+  std::optional<Configuration> goal;
+};
+
+/// Reads one problem. `where` is a YAML file, or FILE.json#NAME (or #INDEX) for one problem of a compact file.
+/// The start and goals are not validated here: that is part of planning.
+[[nodiscard]] Result<Problem> load_problem(const std::string& where, const ProblemOptions& options = {});
+
+/// Names of the problems in a compact file, in order; those without a name have their index.
+[[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);
+
+/// Text of a problem file with the scene inside; `robot` is written as given.
+[[nodiscard]] std::string to_yaml(const Problem& problem, const std::string& robot);
+
+}  // namespace mneme

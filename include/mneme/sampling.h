@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Sources of configurations for sampling-based planners. Planners know only this interface.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/robot.h"
+
+namespace mneme {
+
+/// Which source a configuration came from: kUniformOrigin, or the index of a local sampler.
+using Origin = int;
+inline constexpr Origin kUniformOrigin = -1;
+
+/// What a planner did with a configuration.
+enum class SampleOutcome { rejected, extended, connected };
+
+/// One query's stream of configurations. Not thread-safe.
+class SampleStream {
+ public:
+  virtual ~SampleStream() = default;
+  /// Writes a configuration within the joint limits into `q` (joint_count() values).
+  virtual Origin next(std::span<float> q) = 0;
+  /// Tells the source what became of its latest configuration.
+  virtual void report(Origin, SampleOutcome) {}
+};
+
+/// A distribution over configurations: immutable, shareable between threads.
+class Sampler {
+ public:
+  virtual ~Sampler() = default;
+  /// A stream that depends on `seed` alone.
+  [[nodiscard]] virtual std::unique_ptr<SampleStream> start(std::uint64_t seed) const = 0;
+};
+
+/// Uniform within the joint limits.
+[[nodiscard]] std::unique_ptr<Sampler> make_uniform_sampler(const Robot& robot);
+
+/// Halton points in the bases of the first primes, shifted by a random vector modulo the limits per seed.
+/// Halton, DOI 10.1007/BF01386213; the shift is that of Cranley and Patterson, DOI 10.1137/0713071.
+[[nodiscard]] std::unique_ptr<Sampler> make_halton_sampler(const Robot& robot);
+
+/// A Gaussian mixture with equiprobable components, eq. (1) of the paper. Means are float32, row-major.
+struct GaussianMixture {
+  int joint_count = 0;
+  std::vector<float> means;    ///< component_count() rows of joint_count values
+  /// Per component the row of `factors` that shapes it, or -1 for the sampler's sigma; empty: all -1.
+  std::vector<int> factor_rows;
+  /// Rows of joint_count * (joint_count + 1) / 2 values: lower triangles, row by row, of Cholesky factors L
+  /// of covariances L L^T.
+  std::vector<float> factors;
+  std::vector<Origin> origins;  ///< per component the source it counts for; empty: all 0
+
+  [[nodiscard]] int component_count() const {
+    return joint_count == 0 ? 0 : static_cast<int>(means.size()) / joint_count;
+  }
+};
+
+/// Draws a component with equal probability, then a configuration from it. `sigma` is the standard deviation
+/// in joint units of components without a factor, >= 0. Continuous joints wrap, the others clamp to their
+/// limits. The mixture must have components.
+[[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(const Robot& robot,
+                                                            std::shared_ptr<const GaussianMixture> mixture,
+                                                            double sigma);
+
+/// Algorithm 1, line 2: with probability `lambda` in [0, 1] from `first`, otherwise from `second`.
+[[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(double lambda, std::shared_ptr<const Sampler> first,
+                                                          std::shared_ptr<const Sampler> second);
+
+}  // namespace mneme
