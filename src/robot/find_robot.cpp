@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/robot.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace mneme {
+namespace {
+
+constexpr std::string_view kExtension = ".urdf";
+
+/// The directories in which robots are looked for, in this order.
+std::vector<std::string> search_directories() {
+  std::vector<std::string> directories;
+  const char* variable = std::getenv("MNEME_ROBOT_PATH");
+  std::string_view rest = variable == nullptr ? "" : variable;
+  while (!rest.empty()) {
+    const std::string_view directory = rest.substr(0, rest.find(':'));
+    if (!directory.empty()) directories.emplace_back(directory);
+    rest.remove_prefix(std::min(rest.size(), directory.size() + 1));
+  }
+  directories.emplace_back(MNEME_ROBOT_DIRECTORY);
+  return directories;
+}
+
+}  // namespace
+
+Result<std::string> find_robot(const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos) {
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}' is no robot's name: expected one without '/'", name));
+  }
+  const std::string file = name.ends_with(kExtension) ? name : name + std::string(kExtension);
+  std::string tried;
+  for (const std::string& directory : search_directories()) {
+    std::string path = directory + "/" + file;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) return path;
+    tried += (tried.empty() ? "" : ", ") + directory;
+  }
+  return fail(ErrorCode::io, fmt::format("there is no robot '{}': no {} in {}", name, file, tried));
+}
+
+}  // namespace mneme

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/robot_hash.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+namespace mneme::internal {
+namespace {
+
+constexpr int kVersion = 1;
+
+/// The bytes to be hashed, little-endian.
+class Bytes {
+ public:
+  void add(std::uint64_t word) {
+    for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<char>(word >> shift));
+  }
+  void add(int value) { add(static_cast<std::uint64_t>(value)); }
+  void add(double value) {
+    // Rounding makes the hash independent of the last bits of sin and cos, which differ between C
+    // libraries.
+    const double rounded = std::abs(value) < 1e6 ? std::round(value * 1e9) : value * 1e9;
+    add(std::bit_cast<std::uint64_t>(rounded == 0 ? 0.0 : rounded));
+  }
+  void add(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+  void add_count(std::size_t count) { add(static_cast<std::uint64_t>(count)); }
+  [[nodiscard]] std::uint64_t hash() const { return XXH3_64bits(bytes_.data(), bytes_.size()); }
+
+ private:
+  std::string bytes_;
+};
+
+void add_shapes(Bytes& bytes, const Link& link) {
+  bytes.add_count(link.spheres.size());
+  for (const Sphere& sphere : link.spheres) {
+    bytes.add(sphere.center);
+    bytes.add(sphere.radius);
+  }
+  bytes.add_count(link.capsules.size());
+  for (const Capsule& capsule : link.capsules) {
+    bytes.add(capsule.a);
+    bytes.add(capsule.b);
+    bytes.add(capsule.radius);
+  }
+}
+
+void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group) {
+  bytes.add(static_cast<int>(joint.type));
+  bytes.add(joint.parent_link);
+  bytes.add(joint.child_link);
+  for (int i = 0; i < 3; ++i) bytes.add(Vec3(joint.origin.rotation.col(i)));
+  bytes.add(joint.origin.translation);
+  if (joint.type == JointType::fixed) return;
+  bytes.add(joint.axis);
+  if (is_in_group) {
+    bytes.add(joint.lower);
+    bytes.add(joint.upper);
+  } else {
+    bytes.add(joint.fixed_value);
+  }
+}
+
+}  // namespace
+
+std::string hash_robot(std::span<const Link> links, std::span<const Joint> joints,
+                       std::span<const int> group,
+                       std::span<const std::pair<int, int>> self_pairs) {
+  Bytes bytes;
+  bytes.add(kVersion);
+  bytes.add_count(links.size());
+  for (const Link& link : links) add_shapes(bytes, link);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    add_joint(bytes, joints[i], std::ranges::find(group, static_cast<int>(i)) != group.end());
+  }
+  bytes.add_count(group.size());
+  for (const int joint : group) bytes.add(joint);
+  bytes.add_count(self_pairs.size());
+  for (const auto& [first, second] : self_pairs) {
+    bytes.add(first);
+    bytes.add(second);
+  }
+  return fmt::format("{:016x}", bytes.hash());
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/robot_tree.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace mneme::internal {
+namespace {
+
+/// Bounds the memory for pairs of links, which are quadratic in number.
+constexpr std::size_t kMaxLinkCount = 4096;
+constexpr double kMinAxisNorm = 1e-9;
+
+using Fault = std::optional<PartsFault>;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+template <class Part>
+std::optional<std::size_t> find_doubled_name(const std::vector<Part>& parts) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!names.insert(parts[i].name).second) return i;
+  }
+  return std::nullopt;
+}
+
+bool is_radius(double value) { return std::isfinite(value) && value >= 0; }
+
+Fault check_link(const Link& link, int i) {
+  for (const Sphere& sphere : link.spheres) {
+    if (!sphere.center.allFinite()) {
+      return PartsFault{fmt::format("link '{}': the centre of a sphere is not finite", link.name),
+                        i};
+    }
+    if (!is_radius(sphere.radius)) {
+      return PartsFault{fmt::format("link '{}': a sphere has the radius {}, expected 0 or more",
+                                    link.name, sphere.radius),
+                        i};
+    }
+  }
+  for (const Capsule& capsule : link.capsules) {
+    if (!capsule.a.allFinite() || !capsule.b.allFinite()) {
+      return PartsFault{fmt::format("link '{}': an end of a capsule is not finite", link.name), i};
+    }
+    if (!is_radius(capsule.radius)) {
+      return PartsFault{fmt::format("link '{}': a capsule has the radius {}, expected 0 or more",
+                                    link.name, capsule.radius),
+                        i};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> describe_motion_fault(const Joint& joint) {
+  if (!joint.origin.rotation.allFinite() || !joint.origin.translation.allFinite()) {
+    return "its origin is not finite";
+  }
+  if (joint.type == JointType::fixed) return std::nullopt;
+  const double norm = joint.axis.norm();
+  if (!std::isfinite(norm) || norm < kMinAxisNorm) {
+    return fmt::format("its axis ({}, {}, {}) is no direction", joint.axis.x(), joint.axis.y(),
+                       joint.axis.z());
+  }
+  if (joint.type == JointType::continuous) return std::nullopt;
+  if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) {
+    return fmt::format("its limits [{}, {}] are not finite", joint.lower, joint.upper);
+  }
+  if (joint.lower > joint.upper) {
+    return fmt::format("its lower limit {} is above its upper limit {}", joint.lower, joint.upper);
+  }
+  return std::nullopt;
+}
+
+Fault check_joint(const Joint& joint, int i, int link_count) {
+  for (const int link : {joint.parent_link, joint.child_link}) {
+    if (link < 0 || link >= link_count) {
+      return PartsFault{fmt::format("joint '{}': there is no link {}", joint.name, link), -1, i};
+    }
+  }
+  if (const auto fault = describe_motion_fault(joint)) {
+    return PartsFault{fmt::format("joint '{}': {}", joint.name, *fault), -1, i};
+  }
+  return std::nullopt;
+}
+
+Fault check_values(const Robot::Parts& parts) {
+  if (parts.links.empty()) return PartsFault{"there is no link"};
+  if (parts.links.size() > kMaxLinkCount) {
+    return PartsFault{
+        fmt::format("there are {} links, expected at most {}", parts.links.size(), kMaxLinkCount)};
+  }
+  if (const auto i = find_doubled_name(parts.links)) {
+    return PartsFault{fmt::format("link '{}' is defined twice", parts.links[*i].name),
+                      static_cast<int>(*i)};
+  }
+  if (const auto i = find_doubled_name(parts.joints)) {
+    return PartsFault{fmt::format("joint '{}' is defined twice", parts.joints[*i].name), -1,
+                      static_cast<int>(*i)};
+  }
+  int i = 0;
+  for (const Link& link : parts.links) {
+    if (auto fault = check_link(link, i++)) return fault;
+  }
+  i = 0;
+  for (const Joint& joint : parts.joints) {
+    if (auto fault = check_joint(joint, i++, static_cast<int>(parts.links.size()))) return fault;
+  }
+  return std::nullopt;
+}
+
+Fault assign_parents(Robot::Parts& parts) {
+  for (Link& link : parts.links) link.parent_joint = -1;
+  for (std::size_t i = 0; i < parts.joints.size(); ++i) {
+    Link& child = parts.links[index(parts.joints[i].child_link)];
+    if (child.parent_joint >= 0) {
+      return PartsFault{
+          fmt::format("link '{}' is the child of two joints, '{}' and '{}'", child.name,
+                      parts.joints[index(child.parent_joint)].name, parts.joints[i].name),
+          -1, static_cast<int>(i)};
+    }
+    child.parent_joint = static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
+/// The loop that is met on the way up from `link`, which has no root above it.
+PartsFault describe_loop(const Robot::Parts& parts, int link) {
+  const auto parent_of = [&](int child) {
+    return parts.joints[index(parts.links[index(child)].parent_joint)].parent_link;
+  };
+  for (std::size_t i = 0; i < parts.links.size(); ++i) link = parent_of(link);
+  std::string names;
+  const int first = link;
+  int count = 0;
+  do {
+    const int joint = parts.links[index(link)].parent_joint;
+    if (++count <= 8) names += fmt::format(" '{}'", parts.joints[index(joint)].name);
+    link = parent_of(link);
+  } while (link != first);
+  return {fmt::format("{} joint(s) form a loop:{}{}", count, names, count > 8 ? " ..." : ""), -1,
+          parts.links[index(first)].parent_joint};
+}
+
+tl::expected<int, PartsFault> find_root(const Robot::Parts& parts) {
+  int root = -1;
+  for (std::size_t i = 0; i < parts.links.size(); ++i) {
+    if (parts.links[i].parent_joint >= 0) continue;
+    if (root >= 0) {
+      return tl::unexpected(PartsFault{
+          fmt::format("there are several root links: neither '{}' nor '{}' is the child of a joint",
+                      parts.links[index(root)].name, parts.links[i].name),
+          static_cast<int>(i)});
+    }
+    root = static_cast<int>(i);
+  }
+  if (root < 0) return tl::unexpected(describe_loop(parts, 0));
+  return root;
+}
+
+/// Joints depth first; iterative, because a chain may be long.
+std::vector<int> joints_in_order(const Robot::Parts& parts, int root) {
+  std::vector<std::vector<int>> below(parts.links.size());
+  for (std::size_t i = parts.joints.size(); i-- > 0;) {
+    below[index(parts.joints[i].parent_link)].push_back(static_cast<int>(i));
+  }
+  std::vector<int> order;
+  std::vector<int> waiting = below[index(root)];
+  while (!waiting.empty()) {
+    const int joint = waiting.back();
+    waiting.pop_back();
+    order.push_back(joint);
+    const std::vector<int>& next = below[index(parts.joints[index(joint)].child_link)];
+    waiting.insert(waiting.end(), next.begin(), next.end());
+  }
+  return order;
+}
+
+/// Joint with unit axis, and the limits that its type implies.
+Joint canonical(Joint joint) {
+  if (joint.type != JointType::fixed) joint.axis.normalize();
+  if (joint.type == JointType::continuous) {
+    joint.lower = -std::numbers::pi;
+    joint.upper = std::numbers::pi;
+  }
+  return joint;
+}
+
+Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& order) {
+  Robot::Parts sorted;
+  sorted.name = std::move(parts.name);
+  std::vector<int> new_link(parts.links.size(), 0);
+  sorted.links.push_back(std::move(parts.links[index(root)]));
+  for (const int old_joint : order) {
+    Joint joint = canonical(std::move(parts.joints[index(old_joint)]));
+    const int link = static_cast<int>(sorted.links.size());
+    new_link[index(joint.child_link)] = link;
+    sorted.links.push_back(std::move(parts.links[index(joint.child_link)]));
+    sorted.links.back().parent_joint = link - 1;
+    joint.parent_link = new_link[index(joint.parent_link)];
+    joint.child_link = link;
+    sorted.joints.push_back(std::move(joint));
+  }
+  return sorted;
+}
+
+}  // namespace
+
+tl::expected<Robot::Parts, PartsFault> sort_tree(Robot::Parts parts) {
+  if (auto fault = check_values(parts)) return tl::unexpected(*fault);
+  if (auto fault = assign_parents(parts)) return tl::unexpected(*fault);
+  const auto root = find_root(parts);
+  if (!root) return tl::unexpected(root.error());
+  const std::vector<int> order = joints_in_order(parts, *root);
+  if (order.size() == parts.joints.size()) return reordered(std::move(parts), *root, order);
+  std::vector<bool> is_reached(parts.joints.size(), false);
+  for (const int joint : order) is_reached[index(joint)] = true;
+  int lost = 0;
+  while (is_reached[index(lost)]) ++lost;
+  return tl::unexpected(describe_loop(parts, parts.joints[index(lost)].child_link));
+}
+
+}  // namespace mneme::internal

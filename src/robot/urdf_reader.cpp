@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/robot.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "robot/robot_tree.h"
+#include "robot/xml_reader.h"
+
+namespace mneme {
+namespace {
+
+using internal::XmlElement;
+using internal::XmlReader;
+
+constexpr std::size_t kMaxFileSize = std::size_t{64} << 20;
+
+/// Reads the parts of a robot from URDF, and remembers the lines on which they stand.
+class UrdfReader {
+ public:
+  explicit UrdfReader(const std::string& source) : xml_(source) {}
+
+  Result<Robot::Parts> read(std::string_view urdf);
+  [[nodiscard]] int robot_line() const { return robot_line_; }
+
+ private:
+  void read_robot(const XmlElement& element);
+  void read_link(const XmlElement& element);
+  void read_collision(const XmlElement& element, Link& link);
+  void add_shape(const XmlElement& shape, const Transform& X_link_shape, Link& link);
+  void read_joint(const XmlElement& element);
+  JointType read_type(const XmlElement& element);
+  void read_motion(const XmlElement& element, Joint& joint);
+  Transform read_origin(const XmlElement& element);
+  void connect_joints();
+  int find_link(const XmlElement& joint, const char* end);
+  Result<Robot::Parts> sorted();
+
+  XmlReader xml_;
+  Robot::Parts parts_;
+  int robot_line_ = 1;
+  std::vector<int> link_lines_;
+  std::vector<const XmlElement*> joint_elements_;
+  std::map<std::string, int> link_indices_;
+};
+
+Result<Robot::Parts> UrdfReader::read(std::string_view urdf) {
+  tinyxml2::XMLDocument document;
+  if (urdf.size() > kMaxFileSize) xml_.note(1, "the text is longer than 64 MB");
+  const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, urdf, "robot");
+  if (robot != nullptr) read_robot(*robot);
+  return xml_.fault() ? tl::unexpected(*xml_.fault()) : sorted();
+}
+
+void UrdfReader::read_robot(const XmlElement& element) {
+  robot_line_ = element.GetLineNum();
+  parts_.name = xml_.text(element, "name");
+  xml_.check_children(element, {}, {"link", "joint", "material", "gazebo", "transmission"});
+  for (const auto* child = element.FirstChildElement(); child;
+       child = child->NextSiblingElement()) {
+    if (xml_.fault()) return;
+    if (child->Name() == std::string_view("link")) read_link(*child);
+    if (child->Name() == std::string_view("joint")) read_joint(*child);
+    xml_.set_context("");
+  }
+  connect_joints();
+}
+
+void UrdfReader::read_link(const XmlElement& element) {
+  Link link;
+  link.name = xml_.text(element, "name");
+  xml_.set_context(fmt::format("link '{}'", link.name));
+  // <contact> holds friction and damping.
+  xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
+  for (const auto* collision = element.FirstChildElement("collision"); collision;
+       collision = collision->NextSiblingElement("collision")) {
+    read_collision(*collision, link);
+  }
+  link_indices_.emplace(link.name, static_cast<int>(parts_.links.size()));
+  link_lines_.push_back(element.GetLineNum());
+  parts_.links.push_back(std::move(link));
+}
+
+void UrdfReader::read_collision(const XmlElement& element, Link& link) {
+  xml_.check_children(element, {"origin", "geometry"}, {"material"});
+  const Transform X_link_shape = read_origin(element);
+  const XmlElement* geometry = xml_.required_child(element, "geometry");
+  if (geometry == nullptr) return;
+  xml_.check_children(*geometry, {"sphere", "capsule", "box", "cylinder", "mesh"}, {});
+  const XmlElement* shape = geometry->FirstChildElement();
+  if (shape == nullptr || shape->NextSiblingElement() != nullptr) {
+    xml_.note(geometry->GetLineNum(), "<geometry>: expected exactly one shape");
+    return;
+  }
+  add_shape(*shape, X_link_shape, link);
+}
+
+void UrdfReader::add_shape(const XmlElement& shape, const Transform& X_link_shape, Link& link) {
+  const std::string_view kind = shape.Name();
+  if (kind == "sphere") {
+    xml_.check_attributes(shape, {"radius"});
+    link.spheres.push_back({X_link_shape.translation, xml_.non_negative_number(shape, "radius")});
+  } else if (kind == "capsule") {
+    xml_.check_attributes(shape, {"radius", "length"});
+    const Vec3 half(0, 0, 0.5 * xml_.non_negative_number(shape, "length"));
+    link.capsules.push_back({X_link_shape * Vec3(-half), X_link_shape * half,
+                             xml_.non_negative_number(shape, "radius")});
+  } else {
+    xml_.note(shape.GetLineNum(),
+              fmt::format("<{}>: collision geometry of this kind is not supported yet; expected "
+                          "<sphere> or <capsule>",
+                          kind),
+              ErrorCode::unsupported);
+  }
+}
+
+Transform UrdfReader::read_origin(const XmlElement& element) {
+  const XmlElement* origin = element.FirstChildElement("origin");
+  if (origin == nullptr) return {};
+  xml_.check_attributes(*origin, {"xyz", "rpy"});
+  return {rotation_from_rpy(xml_.vector(*origin, "rpy", Vec3::Zero())),
+          xml_.vector(*origin, "xyz", Vec3::Zero())};
+}
+
+JointType UrdfReader::read_type(const XmlElement& element) {
+  const std::string type = xml_.text(element, "type");
+  if (type == "fixed") return JointType::fixed;
+  if (type == "revolute") return JointType::revolute;
+  if (type == "continuous") return JointType::continuous;
+  if (type == "prismatic") return JointType::prismatic;
+  const bool is_known = type == "planar" || type == "floating";
+  xml_.note(element.GetLineNum(),
+            fmt::format("<joint>: type '{}' is {}; expected fixed, revolute, continuous or "
+                        "prismatic",
+                        type, is_known ? "not supported" : "unknown"),
+            is_known ? ErrorCode::unsupported : ErrorCode::parse);
+  return JointType::fixed;
+}
+
+void UrdfReader::read_joint(const XmlElement& element) {
+  Joint joint;
+  joint.name = xml_.text(element, "name");
+  xml_.set_context(fmt::format("joint '{}'", joint.name));
+  xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
+                      {"dynamics", "safety_controller", "calibration", "gazebo"});
+  if (const XmlElement* mimic = element.FirstChildElement("mimic")) {
+    xml_.note(mimic->GetLineNum(), "<mimic>: joints that follow others are not supported",
+              ErrorCode::unsupported);
+  }
+  joint.type = read_type(element);
+  joint.origin = read_origin(element);
+  if (joint.type != JointType::fixed) read_motion(element, joint);
+  joint_elements_.push_back(&element);
+  parts_.joints.push_back(std::move(joint));
+}
+
+void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
+  if (const XmlElement* axis = element.FirstChildElement("axis")) {
+    xml_.check_attributes(*axis, {"xyz"});
+    xml_.text(*axis, "xyz");
+    joint.axis = xml_.vector(*axis, "xyz", joint.axis);
+  }
+  if (joint.type == JointType::continuous) return;
+  const XmlElement* limit = xml_.required_child(element, "limit");
+  if (limit == nullptr) return;
+  xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
+  joint.lower = xml_.number(*limit, "lower");
+  joint.upper = xml_.number(*limit, "upper");
+}
+
+void UrdfReader::connect_joints() {
+  for (std::size_t i = 0; i < parts_.joints.size() && !xml_.fault(); ++i) {
+    xml_.set_context(fmt::format("joint '{}'", parts_.joints[i].name));
+    parts_.joints[i].parent_link = find_link(*joint_elements_[i], "parent");
+    parts_.joints[i].child_link = find_link(*joint_elements_[i], "child");
+  }
+  xml_.set_context("");
+}
+
+int UrdfReader::find_link(const XmlElement& joint, const char* end) {
+  const XmlElement* element = xml_.required_child(joint, end);
+  if (element == nullptr) return -1;
+  xml_.check_attributes(*element, {"link"});
+  const std::string name = xml_.text(*element, "link");
+  const auto found = link_indices_.find(name);
+  if (found != link_indices_.end()) return found->second;
+  xml_.note(element->GetLineNum(), fmt::format("<{}>: there is no link '{}'", end, name));
+  return -1;
+}
+
+Result<Robot::Parts> UrdfReader::sorted() {
+  auto result = internal::sort_tree(std::move(parts_));
+  if (result) return std::move(*result);
+  const internal::PartsFault& fault = result.error();
+  int line = robot_line_;
+  if (fault.link >= 0) line = link_lines_[static_cast<std::size_t>(fault.link)];
+  if (fault.joint >= 0) {
+    line = joint_elements_[static_cast<std::size_t>(fault.joint)]->GetLineNum();
+  }
+  xml_.note(line, fault.message);
+  return tl::unexpected(*xml_.fault());
+}
+
+/// The whole file; one byte beyond kMaxFileSize is enough to know that it is too long.
+Result<std::string> read_file(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (file && text.size() <= kMaxFileSize) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad() || !file.is_open()) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path,
+                                           errno != 0 ? std::strerror(errno) : "input error"));
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
+                          const RobotOptions& options) {
+  UrdfReader reader(source);
+  auto parts = reader.read(urdf);
+  if (!parts) return tl::unexpected(parts.error());
+  auto robot = make_robot(std::move(*parts), options);
+  if (robot) return robot;
+  return fail(robot.error().code,
+              fmt::format("{}:{}: {}", source, reader.robot_line(), robot.error().message));
+}
+
+Result<Robot> load_robot(const std::string& path, const RobotOptions& options) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_robot(*text, path, options);
+}
+
+}  // namespace mneme

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/xml_reader.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::size_t kMaxQuotedLength = 60;
+
+/// `text` short enough for a message.
+std::string quoted(std::string_view text) {
+  const bool is_long = text.size() > kMaxQuotedLength;
+  return fmt::format("'{}{}'", text.substr(0, kMaxQuotedLength), is_long ? "..." : "");
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> result;
+  for (auto at = text.begin(); at != text.end();) {
+    const auto begin = std::find_if_not(at, text.end(), is_space);
+    at = std::find_if(begin, text.end(), is_space);
+    if (begin != at) result.emplace_back(begin, at);
+  }
+  return result;
+}
+
+std::optional<double> parse_number(std::string_view word) {
+  // XML allows a plus sign, which from_chars does not.
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  double value = 0;
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_number = code == std::errc() && end == word.data() + word.size();
+  return is_number && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// tinyxml2's own words for its error, such as "mismatched element".
+std::string describe(const tinyxml2::XMLDocument& document) {
+  std::string_view name = document.ErrorName();
+  constexpr std::string_view kPrefix = "XML_ERROR_";
+  if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
+  std::string words(name);
+  std::ranges::transform(words, words.begin(), [](char c) {
+    return c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return words;
+}
+
+bool contains(std::initializer_list<std::string_view> names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace
+
+void XmlReader::note(int line, std::string_view what, ErrorCode code) {
+  if (fault_) return;
+  const std::string context = context_.empty() ? "" : context_ + ": ";
+  fault_ = Error{code, fmt::format("{}:{}: {}{}", source_, std::max(line, 1), context, what)};
+}
+
+void XmlReader::note(const XmlElement& element, std::string_view what) {
+  note(element.GetLineNum(), fmt::format("<{}>: {}", element.Name(), what));
+}
+
+const XmlElement* XmlReader::read_root(tinyxml2::XMLDocument& document, std::string_view text,
+                                       const char* name) {
+  const auto null = std::ranges::find(text, '\0');
+  if (null != text.end()) {
+    note(1 + static_cast<int>(std::count(text.begin(), null, '\n')), "a null byte is no XML");
+    return nullptr;
+  }
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    note(document.ErrorLineNum(), "malformed XML: " + describe(document));
+    return nullptr;
+  }
+  const XmlElement* root = document.RootElement();
+  if (root == nullptr || root->Name() != std::string_view(name)) {
+    note(root == nullptr ? 1 : root->GetLineNum(),
+         fmt::format("the document is no <{}> element", name));
+    return nullptr;
+  }
+  for (const tinyxml2::XMLNode* node = root->NextSibling(); node; node = node->NextSibling()) {
+    if (node->ToComment() == nullptr) {
+      note(node->GetLineNum(), fmt::format("there is more than one <{}> element", name));
+    }
+  }
+  return root;
+}
+
+void XmlReader::check_children(const XmlElement& element,
+                               std::initializer_list<std::string_view> single,
+                               std::initializer_list<std::string_view> repeated) {
+  for (const tinyxml2::XMLNode* node = element.FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToComment() != nullptr) continue;
+    const XmlElement* child = node->ToElement();
+    if (child == nullptr) {
+      note(node->GetLineNum(), fmt::format("<{}>: text {} is not expected here", element.Name(),
+                                           quoted(node->Value())));
+      return;
+    }
+    const std::string_view name = child->Name();
+    if (!contains(single, name) && !contains(repeated, name)) {
+      note(child->GetLineNum(),
+           fmt::format("unknown element <{}> in <{}>; expected one of: {}, {}", name,
+                       element.Name(), fmt::join(single, ", "), fmt::join(repeated, ", ")));
+    }
+    if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
+      note(child->GetLineNum(),
+           fmt::format("there is a second <{}> in <{}>", name, element.Name()));
+    }
+  }
+}
+
+void XmlReader::check_attributes(const XmlElement& element,
+                                 std::initializer_list<std::string_view> known) {
+  for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) {
+    if (contains(known, attribute->Name())) continue;
+    note(element, fmt::format("unknown attribute '{}'; expected one of: {}", attribute->Name(),
+                              fmt::join(known, ", ")));
+  }
+}
+
+const XmlElement* XmlReader::required_child(const XmlElement& element, const char* name) {
+  const XmlElement* child = element.FirstChildElement(name);
+  if (child == nullptr) note(element, fmt::format("the element <{}> is missing", name));
+  return child;
+}
+
+std::string XmlReader::text(const XmlElement& element, const char* attribute) {
+  const char* value = element.Attribute(attribute);
+  if (value == nullptr) note(element, fmt::format("attribute '{}' is missing", attribute));
+  if (value != nullptr && *value == '\0') note(element, fmt::format("'{}' is empty", attribute));
+  return value == nullptr ? "" : value;
+}
+
+double XmlReader::number(const XmlElement& element, const char* attribute) {
+  const std::string value = text(element, attribute);
+  const auto fields = words(value);
+  const auto result = fields.size() == 1 ? parse_number(fields[0]) : std::nullopt;
+  if (!result) {
+    note(element, fmt::format("{} is {}, expected a finite number", attribute, quoted(value)));
+  }
+  return result.value_or(0);
+}
+
+double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) {
+  const double value = number(element, attribute);
+  if (value < 0) note(element, fmt::format("{} is {}, expected 0 or more", attribute, value));
+  return value;
+}
+
+Vec3 XmlReader::vector(const XmlElement& element, const char* attribute, const Vec3& fallback) {
+  const char* value = element.Attribute(attribute);
+  if (value == nullptr) return fallback;
+  const auto fields = words(value);
+  Vec3 result = fallback;
+  bool is_vector = fields.size() == 3;
+  for (std::size_t i = 0; is_vector && i < 3; ++i) {
+    const auto component = parse_number(fields[i]);
+    is_vector = component.has_value();
+    result[static_cast<Eigen::Index>(i)] = component.value_or(0);
+  }
+  if (!is_vector) {
+    note(element, fmt::format("{} is {}, expected three finite numbers", attribute, quoted(value)));
+  }
+  return result;
+}
+
+}  // namespace mneme::internal
