@@ -124,8 +124,8 @@ void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, i
               CheckCounters& counters);
 
 /// The first motion of `path` that is in contact at ten times the checker's resolution, or -1 if none is.
-/// Motions that touch neither end are checked with a margin of kVerificationMargin, so that a path also
-/// survives a check at other states of the same density.
+/// Motions are checked with a margin of kVerificationMargin, so that a path also survives a check at other
+/// states of the same density; only the first and the last one do without if their ends lie closer to contact.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
                                       CheckCounters& counters);
 inline constexpr double kVerificationMargin = 1e-4;  ///< metres

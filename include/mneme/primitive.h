@@ -4,9 +4,11 @@
 /// Local primitives: the pieces of a workspace that experience is bound to.
 #pragma once
 
+#include <concepts>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "mneme/base.h"
@@ -36,7 +38,7 @@ struct Symmetry {
 
 /// A local primitive lw_i of a scene.
 struct LocalPrimitive {
-  std::vector<int> obstacles;  ///< indices into the scene
+  std::vector<int> obstacles;  ///< indices into the scene; of make_scene(key) if it came from make_primitive()
   PrimitiveKey key;            ///< canonical: the midpoint of the two centres lies on the positive x axis
   Symmetry to_scene;           ///< takes the canonical primitive to the scene
   double gap = 0;              ///< metres between the two obstacles

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/collision.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "collision/collision_kernels.h"
+#include "collision/contacts.h"
+#include "collision/make_tables.h"
+#include "robot/joint_space.h"
+
+namespace mneme {
+namespace {
+
+using FloatConfiguration = std::array<float, internal::kMaxRows>;
+
+FloatConfiguration to_float(std::span<const double> q) {
+  FloatConfiguration result;
+  std::transform(q.begin(), q.end(), result.begin(), [](double x) { return static_cast<float>(x); });
+  return result;
+}
+
+constexpr double kPlanarResolution = 0.02;
+constexpr double kSpatialResolution = 1.0 / 32;
+
+}  // namespace
+
+struct CollisionChecker::Tables {
+  Robot robot;
+  Scene scene;
+  double resolution = 0;
+  float margin = 0;
+  Isa isa = Isa::scalar;
+  internal::JointSpace space;
+  internal::RobotTables robot_tables;
+  internal::SceneTables scene_tables;
+  const internal::CollisionKernels* kernels = nullptr;
+  /// A link that no joint of the group moves is in contact: then no state is valid.
+  bool is_blocked = false;
+};
+
+Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene& scene,
+                                                const CheckerSettings& settings) {
+  if (!(settings.resolution >= 0 && settings.margin >= 0) || !std::isfinite(settings.margin) ||
+      !std::isfinite(settings.resolution)) {
+    return fail(ErrorCode::invalid, "resolution and margin must be finite and not negative");
+  }
+  if (!is_available(settings.isa)) {
+    return fail(ErrorCode::unsupported,
+                "this machine does not have the instruction set " + std::string(to_string(settings.isa)));
+  }
+  auto robot_tables = internal::make_robot_tables(robot);
+  if (!robot_tables) return tl::unexpected(robot_tables.error());
+  auto scene_tables = internal::make_scene_tables(scene);
+  if (!scene_tables) return tl::unexpected(scene_tables.error());
+
+  const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
+  auto tables = std::make_shared<Tables>(Tables{
+      robot, scene, settings.resolution > 0 ? settings.resolution : preset,
+      static_cast<float>(settings.margin), isa, internal::JointSpace(robot), std::move(*robot_tables),
+      std::move(*scene_tables), &internal::collision_kernels(isa), false});
+  tables->is_blocked = internal::has_fixed_contact(robot, scene, settings.margin);
+  return CollisionChecker(std::move(tables));
+}
+
+const Robot& CollisionChecker::robot() const { return tables_->robot; }
+const Scene& CollisionChecker::scene() const { return tables_->scene; }
+double CollisionChecker::resolution() const { return tables_->resolution; }
+Isa CollisionChecker::isa() const { return tables_->isa; }
+
+bool CollisionChecker::is_valid(std::span<const float> q) const {
+  std::uint8_t is_free = 0;
+  check_states(q, {&is_free, 1});
+  return is_free != 0;
+}
+
+bool CollisionChecker::is_valid(std::span<const double> q) const {
+  const FloatConfiguration values = to_float(q);
+  return is_valid(std::span<const float>(values.data(), q.size()));
+}
+
+void CollisionChecker::check_states(std::span<const float> configurations,
+                                    std::span<std::uint8_t> is_valid) const {
+  const Tables& t = *tables_;
+  if (t.is_blocked) {
+    std::fill(is_valid.begin(), is_valid.end(), std::uint8_t{0});
+    return;
+  }
+  t.kernels->check_states(t.robot_tables, t.scene_tables, configurations.data(),
+                          static_cast<int>(is_valid.size()), t.margin, is_valid.data());
+}
+
+bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<const float> to,
+                                       CheckCounters& counters, const MotionDetail& detail) const {
+  const Tables& t = *tables_;
+  ++counters.motions;
+  if (t.is_blocked) return false;
+  FloatConfiguration delta;
+  const float length = t.space.difference(from.data(), to.data(), delta.data());
+  // A motion so long that its states cannot be counted is longer than any joint space with finite limits.
+  const double states = std::min(std::ceil(length * detail.refinement / t.resolution), 1e9);
+  return t.kernels->is_motion_free(t.robot_tables, t.scene_tables, from.data(), delta.data(),
+                                   static_cast<int>(states), t.margin + static_cast<float>(detail.margin),
+                                   counters.states);
+}
+
+bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,
+                                       const MotionDetail& detail) const {
+  const FloatConfiguration a = to_float(from), b = to_float(to);
+  CheckCounters counters;
+  return is_motion_valid(std::span<const float>(a.data(), from.size()),
+                         std::span<const float>(b.data(), to.size()), counters, detail);
+}
+
+std::vector<Contact> CollisionChecker::contacts(std::span<const double> q) const {
+  return internal::find_contacts(tables_->robot, tables_->scene, q, tables_->margin);
+}
+
+}  // namespace mneme

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/contacts.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mneme::internal {
+namespace {
+
+/// A segment with a radius: a sphere is one of length zero.
+std::vector<Capsule> posed_shapes(const Link& link, const Transform& X_WL) {
+  std::vector<Capsule> shapes;
+  for (const Sphere& sphere : link.spheres) {
+    const Vec3 center = X_WL * sphere.center;
+    shapes.push_back({center, center, sphere.radius});
+  }
+  for (const Capsule& capsule : link.capsules) {
+    shapes.push_back({X_WL * capsule.a, X_WL * capsule.b, capsule.radius});
+  }
+  return shapes;
+}
+
+double distance_to_obstacle(const std::vector<Capsule>& link, const Obstacle& obstacle) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Capsule& own : link) {
+    for (const Shape& shape : obstacle.shapes) {
+      least = std::min(least, distance_to_segment(own.a, own.b, shape) - own.radius);
+    }
+  }
+  return least;
+}
+
+double distance_between(const std::vector<Capsule>& first, const std::vector<Capsule>& second) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Capsule& p : first) {
+    for (const Capsule& q : second) {
+      least = std::min(least, segment_distance(p.a, p.b, q.a, q.b) - p.radius - q.radius);
+    }
+  }
+  return least;
+}
+
+void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string& link, const Scene& scene,
+                           double margin, std::vector<Contact>& contacts) {
+  for (const Obstacle& obstacle : scene.obstacles) {
+    const double gap = distance_to_obstacle(shapes, obstacle);
+    if (gap < margin) contacts.push_back({link, obstacle.name, false, gap});
+  }
+}
+
+}  // namespace
+
+std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene, std::span<const double> q,
+                                   double margin) {
+  const std::vector<Transform> poses = robot.link_poses(q);
+  std::vector<std::vector<Capsule>> shapes;
+  std::vector<Contact> contacts;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Link& link = robot.links()[i];
+    shapes.push_back(posed_shapes(link, poses[i]));
+    add_obstacle_contacts(shapes.back(), link.name, scene, margin, contacts);
+  }
+  for (const auto& [a, b] : robot.self_pairs()) {
+    const double gap =
+        distance_between(shapes[static_cast<std::size_t>(a)], shapes[static_cast<std::size_t>(b)]);
+    if (gap < 0) {
+      contacts.push_back({robot.links()[static_cast<std::size_t>(a)].name,
+                          robot.links()[static_cast<std::size_t>(b)].name, true, gap});
+    }
+  }
+  return contacts;
+}
+
+bool has_fixed_contact(const Robot& robot, const Scene& scene, double margin) {
+  std::vector<bool> is_moving(robot.joints().size(), false);
+  for (const int joint : robot.group()) is_moving[static_cast<std::size_t>(joint)] = true;
+  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
+  const std::vector<Transform> poses = robot.link_poses(zero);
+  std::vector<bool> is_fixed(robot.links().size(), true);
+  std::vector<Contact> contacts;
+  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+    const Link& link = robot.links()[i];
+    if (link.parent_joint >= 0) {
+      const auto joint = static_cast<std::size_t>(link.parent_joint);
+      is_fixed[i] = !is_moving[joint] && is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
+    }
+    if (is_fixed[i]) add_obstacle_contacts(posed_shapes(link, poses[i]), link.name, scene, margin, contacts);
+  }
+  return !contacts.empty();
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// A growing set of configurations with nearest-neighbour queries by linear scan.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mneme/base.h"
+#include "planning/nearest_kernels.h"
+#include "robot/joint_space.h"
+
+namespace mneme::internal {
+
+/// Not thread-safe while it grows.
+class ConfigurationSet {
+ public:
+  /// `space` must outlive the set.
+  ConfigurationSet(const JointSpace& space, Isa isa) : space_(space), kernels_(nearest_kernels(isa)) {}
+
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] std::span<const float> operator[](int index) const {
+    return {rows_.data() + static_cast<std::size_t>(index) * joints(), joints()};
+  }
+  /// Returns the new configuration's index.
+  int add(std::span<const float> q);
+  void clear();
+
+  /// Index and squared distance of the configuration nearest to `q`. The set must not be empty. O(size).
+  [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const {
+    return kernels_.nearest(blocks_.data(), block_count(), space_.joint_count(), q.data(),
+                            space_.periods().data());
+  }
+  /// Indices of the `count` configurations nearest to `q`, nearest first, fewer if the set is smaller. O(size).
+  void nearest(std::span<const float> q, int count, std::vector<int>& indices);
+
+ private:
+  [[nodiscard]] std::size_t joints() const { return static_cast<std::size_t>(space_.joint_count()); }
+  [[nodiscard]] int block_count() const { return (size_ + kBlockSize - 1) / kBlockSize; }
+
+  const JointSpace& space_;
+  const NearestKernels& kernels_;
+  int size_ = 0;
+  std::vector<float> rows_;
+  /// Lanes of the last block that hold no configuration repeat configuration 0, which then wins ties.
+  std::vector<float> blocks_;
+  std::vector<float> distances_;
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/path_conversion.h"
+
+#include <fmt/format.h>
+
+namespace mneme::internal {
+
+std::vector<float> to_floats(const Configuration& q) {
+  std::vector<float> result;
+  result.reserve(q.size());
+  for (const double value : q) result.push_back(static_cast<float>(value));
+  return result;
+}
+
+Path to_path(const std::vector<std::vector<float>>& path) {
+  Path result;
+  result.reserve(path.size());
+  for (const std::vector<float>& q : path) result.emplace_back(q.begin(), q.end());
+  return result;
+}
+
+std::string format_seconds(double seconds) { return fmt::format("{:g} s", seconds); }
+
+}  // namespace mneme::internal

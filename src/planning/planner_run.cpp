@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/planner_run.h"
+
+#include <algorithm>
+
+#include "planning/path_conversion.h"
+
+namespace mneme::internal {
+namespace {
+
+/// Reading the clock costs about as much as a tenth of a fast iteration.
+constexpr std::uint64_t kIterationsPerClockCheck = 16;
+constexpr int kShortcutAttempts = 100;
+
+std::string describe_contacts(const std::vector<Contact>& contacts) {
+  constexpr std::size_t kMostNamed = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
+    const Contact& contact = contacts[i];
+    text += (i == 0 ? "" : ", ");
+    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") + " '" +
+            contact.other + "'";
+  }
+  if (contacts.size() > kMostNamed) text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
+  return text;
+}
+
+}  // namespace
+
+PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
+                       const PlanSettings& settings)
+    : checker_(checker),
+      query_(query),
+      settings_(settings),
+      space_(checker.robot()),
+      range_(static_cast<float>(settings.range > 0 ? settings.range : default_range(checker.robot()))),
+      stream_(sampler.start(settings.seed)) {
+  validate();
+}
+
+void PlannerRun::refuse(PlanStatus status, std::string message) {
+  result_.status = status;
+  result_.message = std::move(message);
+}
+
+void PlannerRun::validate() {
+  const Robot& robot = checker_.robot();
+  // Both kernels and exact distances must agree: the kernels decide what the planner sees.
+  const auto find_problem = [&](const Configuration& q, const std::string& what) -> std::optional<std::string> {
+    if (auto violation = robot.describe_violation(q, what)) return violation;
+    const Configuration inside = robot.normalized(q);
+    const std::vector<Contact> contacts = checker_.contacts(inside);
+    if (!contacts.empty()) return what + " is in contact: " + describe_contacts(contacts);
+    if (!checker_.is_valid(std::span<const double>(inside))) {
+      return what + " is within rounding error of contact";
+    }
+    return std::nullopt;
+  };
+  if (auto problem = find_problem(query_.start, "start")) return refuse(PlanStatus::invalid_start, *problem);
+  if (query_.goals.empty()) return refuse(PlanStatus::invalid_goal, "there is no goal");
+  for (std::size_t i = 0; i < query_.goals.size(); ++i) {
+    const std::string what = query_.goals.size() == 1 ? "goal" : "goal " + std::to_string(i);
+    if (auto problem = find_problem(query_.goals[i], what)) return refuse(PlanStatus::invalid_goal, *problem);
+    goals_.push_back(to_floats(robot.normalized(query_.goals[i])));
+  }
+  start_ = to_floats(robot.normalized(query_.start));
+  is_ready_ = true;
+}
+
+bool PlannerRun::begin_iterations(int count) {
+  if (settings_.max_iterations > 0 && result_.iterations >= settings_.max_iterations) {
+    refuse(PlanStatus::iteration_limit,
+           "no path within " + std::to_string(settings_.max_iterations) + " iterations");
+    return false;
+  }
+  if (result_.iterations >= next_clock_check_) {
+    next_clock_check_ = result_.iterations + kIterationsPerClockCheck;
+    if (settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed)) {
+      refuse(PlanStatus::cancelled, "cancelled");
+      return false;
+    }
+    if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
+      refuse(PlanStatus::timeout, "no path within " + format_seconds(settings_.timeout_s));
+      return false;
+    }
+  }
+  result_.iterations += static_cast<std::uint64_t>(count);
+  return true;
+}
+
+int PlannerRun::find_direct_goal() {
+  if (settings_.timeout_s <= 0) return -1;
+  for (std::size_t i = 0; i < goals_.size(); ++i) {
+    if (is_motion_valid(start_, goals_[i]) && find_invalid_motion({start_, goals_[i]}) < 0) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+int PlannerRun::find_invalid_motion(const FloatPath& path) {
+  if (!settings_.verify) return -1;
+  const Stopwatch stopwatch;
+  const int invalid = mneme::find_invalid_motion(checker_, to_path(path), counters_);
+  result_.verification_time_s += stopwatch.elapsed_s();
+  return invalid;
+}
+
+PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
+  const Robot& robot = checker_.robot();
+  result_.status = PlanStatus::solved;
+  result_.message.clear();
+  result_.path = to_path(path);
+  // The ends are the query's own, not rounded to float.
+  result_.path.front() = robot.normalized(query_.start);
+  result_.path.back() = robot.normalized(query_.goals[static_cast<std::size_t>(goal)]);
+  if (settings_.simplify) simplify();
+  return take_result(node_count);
+}
+
+void PlannerRun::simplify() {
+  const Stopwatch stopwatch;
+  const Path planned = result_.path;
+  shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts, counters_);
+  result_.simplification_time_s = stopwatch.elapsed_s();
+  if (!settings_.verify) return;
+  // Cutting a motion moves the states that are looked at.
+  const Stopwatch verification;
+  if (mneme::find_invalid_motion(checker_, result_.path, counters_) >= 0) result_.path = planned;
+  result_.verification_time_s += verification.elapsed_s();
+}
+
+PlanResult PlannerRun::give_up(int node_count) { return take_result(node_count); }
+
+PlanResult PlannerRun::take_result(int node_count) {
+  result_.nodes = static_cast<std::uint64_t>(node_count);
+  result_.states_checked = counters_.states;
+  result_.motions_checked = counters_.motions;
+  result_.planning_time_s =
+      stopwatch_.elapsed_s() - result_.simplification_time_s - result_.verification_time_s;
+  return std::move(result_);
+}
+
+}  // namespace mneme::internal

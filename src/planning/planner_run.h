@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What all planners do around their algorithm: validation, limits, verification, simplification.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mneme/planning.h"
+#include "base/stopwatch.h"
+#include "robot/joint_space.h"
+
+namespace mneme::internal {
+
+using FloatPath = std::vector<std::vector<float>>;
+
+/// One call of a planner. Not thread-safe.
+class PlannerRun {
+ public:
+  /// Validates start and goals; check is_ready() before planning.
+  PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
+             const PlanSettings& settings);
+
+  [[nodiscard]] bool is_ready() const { return is_ready_; }
+  [[nodiscard]] const JointSpace& space() const { return space_; }
+  [[nodiscard]] float range() const { return range_; }
+  [[nodiscard]] const PlanSettings& settings() const { return settings_; }
+  [[nodiscard]] Isa isa() const { return checker_.isa(); }
+  [[nodiscard]] const std::vector<float>& start() const { return start_; }
+  [[nodiscard]] const FloatPath& goals() const { return goals_; }
+
+  /// Counts `count` iterations; false once a limit is reached or the run is cancelled.
+  bool begin_iterations(int count = 1);
+  Origin sample(std::span<float> q) { return stream_->next(q); }
+  void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }
+  [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
+    return checker_.is_motion_valid(from, to, counters_);
+  }
+  void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) {
+    counters_.states += is_valid.size();
+    checker_.check_states(configurations, is_valid);
+  }
+  /// The goal that a straight motion from the start reaches, or -1.
+  [[nodiscard]] int find_direct_goal();
+
+  /// The first motion of `path` that fails verification, or -1. Its time is not planning time.
+  [[nodiscard]] int find_invalid_motion(const FloatPath& path);
+
+  /// Ends the run with a verified path from the start to goal number `goal`.
+  [[nodiscard]] PlanResult finish(const FloatPath& path, int goal, int node_count);
+  /// Ends the run without a path.
+  [[nodiscard]] PlanResult give_up(int node_count);
+
+ private:
+  void validate();
+  void simplify();
+  void refuse(PlanStatus status, std::string message);
+  [[nodiscard]] PlanResult take_result(int node_count);
+
+  Stopwatch stopwatch_;
+  const CollisionChecker& checker_;
+  const PlanQuery& query_;
+  const PlanSettings& settings_;
+  JointSpace space_;
+  float range_;
+  std::vector<float> start_;
+  FloatPath goals_;
+  std::unique_ptr<SampleStream> stream_;
+  CheckCounters counters_;
+  PlanResult result_;
+  bool is_ready_ = false;
+  std::uint64_t next_clock_check_ = 0;
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// PRM: Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439, grown until start and goal meet. As there,
+// milestones that are connected already are not connected again, so that the roadmap is a forest.
+#include <algorithm>
+#include <numeric>
+
+#include "mneme/planning.h"
+#include "planning/configuration_set.h"
+#include "planning/planner_run.h"
+
+namespace mneme {
+namespace internal {
+namespace {
+
+/// Samples are drawn and validated this many at a time, because a vector of states costs as much as one.
+constexpr int kBatch = 16;
+
+class Prm {
+ public:
+  explicit Prm(PlannerRun& run) : run_(run), milestones_(run.space(), run.isa()) {
+    add_milestone(run.start());
+    for (const std::vector<float>& goal : run.goals()) add_milestone(goal);
+  }
+
+  PlanResult solve() {
+    const std::size_t joints = run_.start().size();
+    std::vector<float> batch(kBatch * joints);
+    std::vector<std::uint8_t> is_valid(kBatch);
+    std::vector<Origin> origins(kBatch);
+    while (run_.begin_iterations(kBatch)) {
+      for (std::size_t i = 0; i < kBatch; ++i) origins[i] = run_.sample({batch.data() + i * joints, joints});
+      run_.check_states(batch, is_valid);
+      for (std::size_t i = 0; i < kBatch; ++i) {
+        if (is_valid[i] == 0) {
+          run_.report(origins[i], SampleOutcome::rejected);
+          continue;
+        }
+        const int degree = add_milestone({batch.data() + i * joints, joints});
+        run_.report(origins[i], degree > 1 ? SampleOutcome::connected : SampleOutcome::extended);
+        if (const int goal = find_connected_goal(); goal >= 0) {
+          return run_.finish(path_, goal, milestones_.size());
+        }
+      }
+    }
+    return run_.give_up(milestones_.size());
+  }
+
+ private:
+  static constexpr int kStart = 0;
+
+  /// Connects a new milestone to near ones of other components; returns the number of connections.
+  int add_milestone(std::span<const float> q) {
+    milestones_.nearest(q, run_.settings().neighbours, neighbours_);
+    const int milestone = milestones_.add(q);
+    component_.push_back(milestone);
+    edges_.emplace_back();
+    int degree = 0;
+    for (const int neighbour : neighbours_) {
+      if (find(neighbour) == find(milestone)) continue;
+      if (!run_.is_motion_valid(milestones_[neighbour], q)) continue;
+      connect(neighbour, milestone);
+      ++degree;
+    }
+    return degree;
+  }
+
+  void connect(int a, int b) {
+    edges_[static_cast<std::size_t>(a)].push_back(b);
+    edges_[static_cast<std::size_t>(b)].push_back(a);
+    component_[static_cast<std::size_t>(find(a))] = find(b);
+  }
+
+  /// The representative of a milestone's component.
+  int find(int milestone) {
+    auto i = static_cast<std::size_t>(milestone);
+    while (component_[i] != static_cast<int>(i)) {
+      component_[i] = component_[static_cast<std::size_t>(component_[i])];
+      i = static_cast<std::size_t>(component_[i]);
+    }
+    return static_cast<int>(i);
+  }
+
+  /// The goal that a verified path leads to, which is then in path_, or -1.
+  int find_connected_goal() {
+    for (int goal = 0; goal < static_cast<int>(run_.goals().size()); ++goal) {
+      while (find(kStart) == find(1 + goal)) {
+        const std::vector<int> chain = find_chain(1 + goal);
+        path_.clear();
+        for (const int i : chain) path_.emplace_back(milestones_[i].begin(), milestones_[i].end());
+        const int invalid = run_.find_invalid_motion(path_);
+        if (invalid < 0) return goal;
+        const auto i = static_cast<std::size_t>(invalid);
+        disconnect(chain[i], chain[i + 1]);
+      }
+    }
+    return -1;
+  }
+
+  /// Milestones from the start to `target`, which is in the same component.
+  [[nodiscard]] std::vector<int> find_chain(int target) const {
+    std::vector<int> previous(edges_.size(), -1), queue = {kStart};
+    previous[kStart] = kStart;
+    for (std::size_t i = 0; i < queue.size() && previous[static_cast<std::size_t>(target)] < 0; ++i) {
+      for (const int next : edges_[static_cast<std::size_t>(queue[i])]) {
+        if (previous[static_cast<std::size_t>(next)] >= 0) continue;
+        previous[static_cast<std::size_t>(next)] = queue[i];
+        queue.push_back(next);
+      }
+    }
+    std::vector<int> chain = {target};
+    while (chain.back() != kStart) chain.push_back(previous[static_cast<std::size_t>(chain.back())]);
+    std::reverse(chain.begin(), chain.end());
+    return chain;
+  }
+
+  void disconnect(int a, int b) {
+    std::erase(edges_[static_cast<std::size_t>(a)], b);
+    std::erase(edges_[static_cast<std::size_t>(b)], a);
+    std::iota(component_.begin(), component_.end(), 0);
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      for (const int j : edges_[i]) component_[static_cast<std::size_t>(find(j))] = find(static_cast<int>(i));
+    }
+  }
+
+  PlannerRun& run_;
+  ConfigurationSet milestones_;
+  std::vector<int> component_;  ///< union-find parents
+  std::vector<std::vector<int>> edges_;
+  std::vector<int> neighbours_;
+  FloatPath path_;
+};
+
+}  // namespace
+}  // namespace internal
+
+PlanResult prm(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
+               const PlanSettings& settings) {
+  internal::PlannerRun run(checker, query, sampler, settings);
+  if (!run.is_ready()) return run.give_up(0);
+  if (const int goal = run.find_direct_goal(); goal >= 0) {
+    return run.finish({run.start(), run.goals()[static_cast<std::size_t>(goal)]}, goal, 2);
+  }
+  return internal::Prm(run).solve();
+}
+
+}  // namespace mneme

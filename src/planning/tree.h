@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The tree of RRT and RRT-Connect.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planning/configuration_set.h"
+#include "planning/planner_run.h"
+
+namespace mneme::internal {
+
+/// Nodes are configurations, edges are valid motions from parent to child. A parent has a lower index than its
+/// children. Not thread-safe.
+class Tree {
+ public:
+  explicit Tree(PlannerRun& run)
+      : run_(run), nodes_(run.space(), run.isa()), delta_(run.start().size()), target_(run.start().size()) {}
+
+  [[nodiscard]] int size() const { return nodes_.size(); }
+  [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
+  /// The root that `node` descends from.
+  [[nodiscard]] int root_of(int node) const;
+
+  /// Adds a node; `parent` is -1 for a root.
+  int add(std::span<const float> q, int parent);
+  [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
+
+  /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is blocked.
+  /// `is_reached` tells whether the step ends at `q`.
+  int extend(int node, std::span<const float> q, bool& is_reached);
+  /// Steps from `node` towards `q` until blocked. Returns the last node before `q` if `q` is in sight of it
+  /// (`q` itself is not added), otherwise -1.
+  int connect(int node, std::span<const float> q);
+
+  /// Configurations from the root to `node`.
+  [[nodiscard]] FloatPath path_to(int node) const;
+  /// The node at `depth` edges from the root on the way to `node`.
+  [[nodiscard]] int ancestor_at(int node, int depth) const;
+  /// Removes `node`, which is no root, with all its descendants. O(size).
+  void remove(int node);
+
+ private:
+  /// Writes the end of one step from `node` towards `q` into target_; false if that would be past `q`.
+  bool is_step_short(int node, std::span<const float> q);
+
+  PlannerRun& run_;
+  ConfigurationSet nodes_;
+  std::vector<int> parents_;
+  std::vector<float> delta_, target_;
+};
+
+}  // namespace mneme::internal

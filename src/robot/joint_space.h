@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The configuration space in single precision, for the inner loops of samplers and planners.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "mneme/robot.h"
+
+namespace mneme::internal {
+
+/// Limits and wrapping of the planning group's joints. Const and parallel-safe.
+class JointSpace {
+ public:
+  explicit JointSpace(const Robot& robot) {
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      const Joint& joint = robot.group_joint(i);
+      lower_.push_back(static_cast<float>(joint.lower));
+      upper_.push_back(static_cast<float>(joint.upper));
+      periods_.push_back(joint.type == JointType::continuous ? kTurn : 0.0f);
+    }
+  }
+
+  [[nodiscard]] int joint_count() const { return static_cast<int>(lower_.size()); }
+  [[nodiscard]] float lower(int joint) const { return lower_[static_cast<std::size_t>(joint)]; }
+  [[nodiscard]] float upper(int joint) const { return upper_[static_cast<std::size_t>(joint)]; }
+  /// Per joint 2 pi if it is continuous, otherwise 0.
+  [[nodiscard]] std::span<const float> periods() const { return periods_; }
+
+  /// `value` wrapped if the joint is continuous, clamped to its limits otherwise.
+  [[nodiscard]] float into_limits(int joint, float value) const {
+    const auto i = static_cast<std::size_t>(joint);
+    if (periods_[i] > 0) return value - kTurn * std::nearbyint(value / kTurn);
+    return value < lower_[i] ? lower_[i] : value > upper_[i] ? upper_[i] : value;
+  }
+
+  /// Writes the shortest displacement from `a` to `b`; returns its L2 norm.
+  float difference(const float* a, const float* b, float* delta) const {
+    float sum = 0;
+    for (std::size_t i = 0; i < lower_.size(); ++i) {
+      delta[i] = b[i] - a[i];
+      if (periods_[i] > 0) delta[i] -= kTurn * std::nearbyint(delta[i] / kTurn);
+      sum += delta[i] * delta[i];
+    }
+    return std::sqrt(sum);
+  }
+
+ private:
+  static constexpr float kTurn = 6.28318530718f;
+  std::vector<float> lower_, upper_, periods_;
+};
+
+}  // namespace mneme::internal

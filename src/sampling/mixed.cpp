@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/sampling.h"
+
+namespace mneme {
+namespace {
+
+/// Algorithm 1, lines 2 to 6.
+class MixedStream final : public SampleStream {
+ public:
+  MixedStream(double lambda, std::unique_ptr<SampleStream> first, std::unique_ptr<SampleStream> second,
+              std::uint64_t seed)
+      : lambda_(lambda), first_(std::move(first)), second_(std::move(second)), rng_(seed) {}
+
+  Origin next(std::span<float> q) override {
+    latest_ = rng_.uniform() < lambda_ ? first_.get() : second_.get();
+    return latest_->next(q);
+  }
+
+  void report(Origin origin, SampleOutcome outcome) override {
+    if (latest_ != nullptr) latest_->report(origin, outcome);
+  }
+
+ private:
+  double lambda_;
+  std::unique_ptr<SampleStream> first_, second_;
+  SampleStream* latest_ = nullptr;
+  Rng rng_;
+};
+
+class MixedSampler final : public Sampler {
+ public:
+  MixedSampler(double lambda, std::shared_ptr<const Sampler> first, std::shared_ptr<const Sampler> second)
+      : lambda_(lambda), first_(std::move(first)), second_(std::move(second)) {}
+
+  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
+    return std::make_unique<MixedStream>(lambda_, first_->start(derive_seed(seed, 1)),
+                                         second_->start(derive_seed(seed, 2)), derive_seed(seed, 3));
+  }
+
+ private:
+  double lambda_;
+  std::shared_ptr<const Sampler> first_, second_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sampler> make_mixed_sampler(double lambda, std::shared_ptr<const Sampler> first,
+                                            std::shared_ptr<const Sampler> second) {
+  return std::make_unique<MixedSampler>(lambda, std::move(first), std::move(second));
+}
+
+}  // namespace mneme

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Vectors of points and the few functions on lanes that Highway 1.0.3 lacks. Included once per target.
+#if defined(MNEME_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_SIMD_LANES_INL_H_
+#undef MNEME_SIMD_LANES_INL_H_
+#else
+#define MNEME_SIMD_LANES_INL_H_
+#endif
+
+#include <cstddef>
+
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Tag = hn::ScalableTag<float>;
+using V = hn::Vec<Tag>;
+using M = hn::Mask<Tag>;
+
+HWY_INLINE V splat(float x) { return hn::Set(Tag(), x); }
+
+/// A point per lane.
+struct V3 {
+  V x, y, z;
+};
+
+HWY_INLINE V3 splat(const float* p) { return {splat(p[0]), splat(p[1]), splat(p[2])}; }
+HWY_INLINE V3 operator+(const V3& a, const V3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE V3 operator-(const V3& a, const V3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE V3 negated(const V3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+/// a + s b
+HWY_INLINE V3 mul_add(V s, const V3& b, const V3& a) {
+  return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
+}
+HWY_INLINE V dot(const V3& a, const V3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE V squared_norm(const V3& a) { return dot(a, a); }
+HWY_INLINE V3 cross(const V3& a, const V3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V clamp01(V x) { return hn::Min(hn::Max(x, hn::Zero(Tag())), splat(1.0f)); }
+
+/// Sine and cosine for |x| up to about 1e4: reduction by pi/2 in three terms (Cody and Waite), then
+/// minimax polynomials on [-pi/4, pi/4]. Absolute error below 1.5e-7.
+HWY_INLINE void sin_cos(V x, V& sine, V& cosine) {
+  const Tag d;
+  const V quadrant = hn::Round(hn::Mul(x, splat(0.636619772f)));
+  V r = hn::NegMulAdd(quadrant, splat(1.5703125f), x);
+  r = hn::NegMulAdd(quadrant, splat(4.837512969970703125e-4f), r);
+  r = hn::NegMulAdd(quadrant, splat(7.54978995489188e-8f), r);
+  const V r2 = hn::Mul(r, r);
+  const V s = hn::MulAdd(
+      hn::Mul(hn::MulAdd(hn::MulAdd(splat(-1.9515295891e-4f), r2, splat(8.3321608736e-3f)), r2,
+                         splat(-1.6666654611e-1f)),
+              r2),
+      r, r);
+  const V c = hn::MulAdd(
+      hn::Mul(hn::MulAdd(hn::MulAdd(splat(2.443315711809948e-5f), r2, splat(-1.388731625493765e-3f)),
+                         r2, splat(4.166664568298827e-2f)),
+              r2),
+      r2, hn::NegMulAdd(splat(0.5f), r2, splat(1.0f)));
+  const hn::RebindToSigned<Tag> di;
+  const auto n = hn::ConvertTo(di, quadrant);
+  const M is_odd = hn::RebindMask(d, hn::TestBit(n, hn::Set(di, 1)));
+  const V sine_sign = hn::BitCast(d, hn::ShiftLeft<30>(hn::And(n, hn::Set(di, 2))));
+  const V cosine_sign =
+      hn::BitCast(d, hn::ShiftLeft<30>(hn::And(hn::Add(n, hn::Set(di, 1)), hn::Set(di, 2))));
+  sine = hn::Xor(hn::IfThenElse(is_odd, c, s), sine_sign);
+  cosine = hn::Xor(hn::IfThenElse(is_odd, s, c), cosine_sign);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#endif  // MNEME_SIMD_LANES_INL_H_
