@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "robot/small_robots.h"
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+/// Sets MNEME_ROBOT_PATH for one scope.
+class RobotPath {
+ public:
+  explicit RobotPath(const std::string& value) {
+    if (const char* old = std::getenv("MNEME_ROBOT_PATH")) old_ = old;
+    ::setenv("MNEME_ROBOT_PATH", value.c_str(), 1);
+  }
+  ~RobotPath() {
+    if (old_) {
+      ::setenv("MNEME_ROBOT_PATH", old_->c_str(), 1);
+    } else {
+      ::unsetenv("MNEME_ROBOT_PATH");
+    }
+  }
+
+ private:
+  std::optional<std::string> old_;
+};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("robots that came with mneme are found by name, with or without extension") {
+    const RobotPath nothing("");
+    for (const char* name : {"planar8", "planar8.urdf"}) {
+      const auto path = find_robot(name);
+      REQUIRE(path.has_value());
+      CHECK(load_robot(*path).has_value());
+    }
+  }
+
+  TEST_CASE("the directories of MNEME_ROBOT_PATH come first, in their order") {
+    const test::TemporaryDirectory first, second;
+    test::write_file(second / "planar8.urdf", "");
+    const RobotPath path(first / "" + "::" + second / "");
+    CHECK(std::filesystem::equivalent(find_robot("planar8").value(), second / "planar8.urdf"));
+    test::write_file(first / "planar8.urdf", "");
+    CHECK(std::filesystem::equivalent(find_robot("planar8").value(), first / "planar8.urdf"));
+  }
+
+  TEST_CASE("an unknown robot is an error that names the directories") {
+    const RobotPath path("/nowhere");
+    const auto found = find_robot("no_such_robot");
+    REQUIRE_FALSE(found.has_value());
+    CHECK(found.error().code == ErrorCode::io);
+    CHECK(test::contains(found.error().message, "'no_such_robot'"));
+    CHECK(test::contains(found.error().message, "/nowhere, "));
+  }
+
+  TEST_CASE("a path is no name") {
+    CHECK(find_robot("../robots/planar8").error().code == ErrorCode::invalid);
+    CHECK(find_robot("").error().code == ErrorCode::invalid);
+  }
+}
+
+}  // namespace mneme

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Robots made of parts for the tests of this room.
+#pragma once
+
+#include <numbers>
+#include <string>
+
+#include "support/support.h"
+
+namespace mneme::test {
+
+inline constexpr double kPi = std::numbers::pi;
+
+inline Joint make_joint(const std::string& name, JointType type, int parent, int child) {
+  Joint joint;
+  joint.name = name;
+  joint.type = type;
+  joint.parent_link = parent;
+  joint.child_link = child;
+  joint.origin.translation = Vec3(1, 0, 0);
+  joint.axis = Vec3::UnitZ();
+  joint.lower = -2;
+  joint.upper = 2;
+  return joint;
+}
+
+inline Link make_link(const std::string& name) {
+  Link link;
+  link.name = name;
+  link.spheres.push_back({Vec3(0.5, 0, 0), 0.1});
+  return link;
+}
+
+/// Links l0 to l<n>, each with a sphere; joint j<i> joins l<i-1> to l<i>, is 1 m further along x
+/// and turns about z.
+inline Robot::Parts make_chain(int joint_count, JointType type = JointType::revolute) {
+  Robot::Parts parts;
+  parts.name = "chain";
+  parts.links.push_back(make_link("l0"));
+  for (int i = 1; i <= joint_count; ++i) {
+    parts.links.push_back(make_link("l" + std::to_string(i)));
+    parts.joints.push_back(make_joint("j" + std::to_string(i), type, i - 1, i));
+  }
+  return parts;
+}
+
+inline Robot require_robot(Robot::Parts parts, const RobotOptions& options = {}) {
+  auto robot = make_robot(std::move(parts), options);
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return *robot;
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/xml_reader.h"
+
+#include <clocale>
+#include <string>
+#include <vector>
+
+#include "robot/small_robots.h"
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+using internal::XmlElement;
+using internal::XmlReader;
+using test::contains;
+
+/// A document `<r a="value"/>` and the reader of it.
+struct Fixture {
+  explicit Fixture(const std::string& value) : text("<r a=\"" + value + "\"/>") {
+    root = reader.read_root(document, text, "r");
+    REQUIRE(root != nullptr);
+  }
+  std::string text;
+  tinyxml2::XMLDocument document;
+  XmlReader reader{"f"};
+  const XmlElement* root = nullptr;
+};
+
+std::string fault_of_document(const std::string& text) {
+  tinyxml2::XMLDocument document;
+  XmlReader reader("f");
+  reader.read_root(document, text, "r");
+  return reader.fault() ? reader.fault()->message : "";
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("numbers are read in all the ways that XML writes them") {
+    const std::vector<std::pair<std::string, double>> cases{
+        {"1", 1}, {"1.", 1}, {".5", 0.5}, {"-2e-3", -2e-3}, {"+3.25", 3.25}, {"  7\n", 7}};
+    for (const auto& [text, expected] : cases) {
+      Fixture f(text);
+      CAPTURE(text);
+      CHECK(f.reader.number(*f.root, "a") == expected);
+      CHECK_FALSE(f.reader.fault());
+    }
+  }
+
+  TEST_CASE("whatever is not one finite number is a fault") {
+    for (const char* text : {"", " ", "1,5", "1.5m", "nan", "inf", "-inf", "0x10", "1e999", "+-1",
+                             "1 2", "+", "--1", "one", "${pi}"}) {
+      Fixture f(text);
+      CAPTURE(text);
+      f.reader.number(*f.root, "a");
+      REQUIRE(f.reader.fault());
+      CHECK(contains(f.reader.fault()->message, "f:1: <r>: "));
+    }
+  }
+
+  TEST_CASE("numbers do not depend on the locale") {
+    const std::string old = std::setlocale(LC_NUMERIC, nullptr);
+    const char* comma = nullptr;
+    for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "fr_FR"}) {
+      if (comma == nullptr) comma = std::setlocale(LC_NUMERIC, name);
+    }
+    if (comma == nullptr) MESSAGE("idle: no locale with a decimal comma is installed");
+    Fixture f("1.5");
+    CHECK(f.reader.number(*f.root, "a") == 1.5);
+    std::setlocale(LC_NUMERIC, old.c_str());
+  }
+
+  TEST_CASE("vectors have three numbers") {
+    Fixture good("1 -2\t3.5");
+    CHECK(good.reader.vector(*good.root, "a", Vec3::Zero()) == Vec3(1, -2, 3.5));
+    CHECK(good.reader.vector(*good.root, "b", Vec3(4, 5, 6)) == Vec3(4, 5, 6));
+    CHECK_FALSE(good.reader.fault());
+    for (const char* text : {"", "1 2", "1 2 3 4", "1 2 x", "1 nan 3", "1,2,3"}) {
+      Fixture bad(text);
+      CAPTURE(text);
+      bad.reader.vector(*bad.root, "a", Vec3::Zero());
+      CHECK(bad.reader.fault());
+    }
+  }
+
+  TEST_CASE("the first fault stays and carries its context") {
+    Fixture f("-1");
+    f.reader.set_context("link 'x'");
+    f.reader.non_negative_number(*f.root, "a");
+    f.reader.number(*f.root, "missing");
+    CHECK(f.reader.fault()->message == "f:1: link 'x': <r>: a is -1, expected 0 or more");
+    CHECK(f.reader.fault()->code == ErrorCode::parse);
+  }
+
+  TEST_CASE("documents that are not one element of the right name are refused") {
+    CHECK(fault_of_document("<r/>").empty());
+    CHECK(fault_of_document("<?xml version=\"1.0\"?><!-- c --><r/><!-- c -->").empty());
+    CHECK(contains(fault_of_document(""), "f:1: malformed XML: "));
+    CHECK(contains(fault_of_document("hello"), "f:1: "));
+    CHECK(contains(fault_of_document("\n<s/>"), "f:2: the document is no <r> element"));
+    CHECK(contains(fault_of_document("<r/>\n<r/>"), "f:2: there is more than one <r> element"));
+    CHECK(contains(fault_of_document("<r>\n</s>"), "f:1: malformed XML: mismatched element"));
+    CHECK(contains(fault_of_document("<r a='1' a='2'/>"), "f:1: malformed XML"));
+    CHECK(contains(fault_of_document("<r>"), "malformed XML"));
+    CHECK(contains(fault_of_document(std::string("<r/>\n\0<x>", 9)), "f:2: a null byte"));
+  }
+
+  TEST_CASE("elements nested too deeply are refused") {
+    std::string text = "<r>";
+    for (int i = 0; i < 100000; ++i) text += "<x>";
+    CHECK(contains(fault_of_document(text), "depth exceeded"));
+  }
+}
+
+}  // namespace mneme
