@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/database_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+namespace mneme::internal {
+namespace {
+
+std::int64_t size_or_zero(const std::string& path) {
+  std::error_code missing;
+  const auto size = std::filesystem::file_size(path, missing);
+  return missing ? 0 : static_cast<std::int64_t>(size);
+}
+
+std::string log_path(const std::string& path) { return path + "-wal"; }
+
+/// Only asks about the file: opening and closing it here would drop the locks that this process may
+/// hold on it.
+Result<void> check_access(const std::string& path, int access, const char* verb) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(status)) {
+    return fail(ErrorCode::io, fmt::format("{}: is a directory; expected a database file", path));
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return fail(ErrorCode::io, fmt::format("{}: is no regular file", path));
+  }
+  if (::access(path.c_str(), access) != 0) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be {}: {}", path, verb,
+                                           std::generic_category().message(errno)));
+  }
+  return {};
+}
+
+/// Makes SQLite look at the file: until then it has read nothing.
+Result<Connection> probed(Result<Connection> connection, const char* settings) {
+  if (!connection) return connection;
+  const auto version = connection->integer("PRAGMA schema_version");
+  if (!version) return tl::unexpected(version.error());
+  const auto set = connection->execute(settings);
+  if (!set) return tl::unexpected(set.error());
+  return connection;
+}
+
+constexpr const char* kReading = "PRAGMA cell_size_check = ON; PRAGMA query_only = ON";
+constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronous = FULL";
+
+}  // namespace
+
+Result<Connection> open_for_reading(const std::string& path) {
+  const auto checked = check_access(path, R_OK, "read");
+  if (!checked) return tl::unexpected(checked.error());
+  // A writing handle, where that is allowed, so that the log of a killed process is put in order.
+  auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
+  if (connection || connection.error().code != ErrorCode::io) return connection;
+  if (size_or_zero(log_path(path)) > 0) {
+    return fail(ErrorCode::io,
+                fmt::format("{}; its log {} holds unfinished work: open it once where its "
+                            "directory may be written",
+                            connection.error().message, log_path(path)));
+  }
+  return probed(Connection::open(path, Connection::Access::immutable), kReading);
+}
+
+Result<Connection> open_for_writing(const std::string& path, bool can_create) {
+  std::error_code ignored;
+  const bool is_new = can_create && !std::filesystem::exists(path, ignored);
+  if (!is_new) {
+    const auto checked = check_access(path, R_OK | W_OK, "written");
+    if (!checked) return tl::unexpected(checked.error());
+  }
+  const auto access = is_new ? Connection::Access::create : Connection::Access::read_write;
+  auto connection = probed(Connection::open(path, access), kWriting);
+  if (connection && !connection->is_read_only()) return connection;
+  if (!connection && connection.error().code != ErrorCode::io) return connection;
+  return fail(ErrorCode::io,
+              fmt::format("{}; expected a file that may be written in a directory that may be "
+                          "written",
+                          connection ? path + ": is read-only" : connection.error().message));
+}
+
+std::int64_t bytes_on_disk(const std::string& path) {
+  return size_or_zero(path) + size_or_zero(log_path(path));
+}
+
+}  // namespace mneme::internal

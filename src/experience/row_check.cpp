@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/row_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size) {
+  if (key.size() != static_cast<std::size_t>(key_size)) {
+    return fmt::format("its key has {} numbers; expected {}", key.size(), key_size);
+  }
+  // Written so that a NaN fails it.
+  const auto is_length = [](double value) { return std::abs(value) <= kMaxKeyMagnitude; };
+  const auto flaw = std::find_if_not(key.begin(), key.end(), is_length);
+  if (flaw == key.end()) return std::nullopt;
+  return fmt::format("number {} of its key is {}; expected metres, at most {}", flaw - key.begin(),
+                     *flaw, kMaxKeyMagnitude);
+}
+
+std::optional<std::string> describe_not_finite(const std::vector<float>& values, const char* what) {
+  const auto flaw =
+      std::find_if_not(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+  if (flaw == values.end()) return std::nullopt;
+  return fmt::format("number {} of its {} is {}; expected a finite one", flaw - values.begin(),
+                     what, *flaw);
+}
+
+std::optional<std::string> describe_factor_flaw(const LocalSampler& sampler, std::size_t joints) {
+  const std::size_t triangle = joints * (joints + 1) / 2;
+  if (sampler.factors.size() % triangle != 0) {
+    return fmt::format("its {} factor values are no multiple of {}", sampler.factors.size(),
+                       triangle);
+  }
+  const auto row_count = static_cast<long long>(sampler.factors.size() / triangle);
+  for (const int row : sampler.factor_rows) {
+    if (row < -1 || row >= row_count) {
+      return fmt::format("it refers to factor row {} of {}", row, row_count);
+    }
+  }
+  return describe_not_finite(sampler.factors, "factors");
+}
+
+}  // namespace
+
+std::optional<std::string> describe_flaw(const Experience& experience,
+                                         const ExperienceSpace& space) {
+  if (auto flaw = describe_key_flaw(experience.key, space.key_size)) return flaw;
+  const LocalSampler& sampler = experience.sampler;
+  const bool is_blank = sampler.joint_count == 0 && sampler.means.empty();
+  if (!is_blank && sampler.joint_count != space.joint_count) {
+    return fmt::format("its sampler is for {} joints; expected {}", sampler.joint_count,
+                       space.joint_count);
+  }
+  const auto joints = static_cast<std::size_t>(space.joint_count);
+  if (sampler.means.size() % joints != 0) {
+    return fmt::format("its {} mean values are no multiple of {}", sampler.means.size(), joints);
+  }
+  const std::size_t components = sampler.means.size() / joints;
+  for (const auto& column : {&sampler.factor_rows, &sampler.origins}) {
+    if (!column->empty() && column->size() != components) {
+      return fmt::format("it has {} {} for {} components", column->size(),
+                         column == &sampler.origins ? "origins" : "factor rows", components);
+    }
+  }
+  if (auto flaw = describe_not_finite(sampler.means, "means")) return flaw;
+  return describe_factor_flaw(sampler, joints);
+}
+
+}  // namespace mneme::internal
