@@ -97,7 +97,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("normal numbers fill bins as the normal distribution does, tails included") {
     // Bins of 0.25 from -4.5 to 4.5 and one beyond each side; the tail begins at 3.654.
-    const int count = 4000000;
+    const int count = 20000000;
     std::array<double, 38> observed{};
     Rng rng(4);
     for (int i = 0; i < count; ++i) {
