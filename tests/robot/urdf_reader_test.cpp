@@ -201,7 +201,8 @@ TEST_SUITE("unit") {
         {"<link name=\"base\"/>", "<link name=\"\"/>", 2, "<link>: 'name' is empty"},
         {"</robot>", "<link name=\"tool\"/></robot>", 18, "link 'tool' is defined twice"},
         {"</robot>", "<link name=\"far\"/></robot>", 18, "several root links: neither 'base'"},
-        {"<parent link=\"base\"/>", "<parent link=\"tool\"/>", 11, "1 joint(s) form a loop: 'turn'"},
+        {"<parent link=\"base\"/>", "<parent link=\"tool\"/>", 11,
+         "1 joint(s) form a loop: 'turn'"},
         {"</robot>",
          "<joint name=\"turn\" type=\"fixed\"><parent link=\"base\"/><child link=\"tool\"/></joint>"
          "</robot>",
