@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme db: looks into a database.
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/experience.h"
+#include "mneme/pipeline.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct DbOptions {
+  std::string url;
+  bool is_json = false;
+  std::optional<std::int64_t> limit;
+  std::optional<PrimitiveKey> key;
+  std::string problem;
+  SolveSettings settings;
+};
+
+// info
+
+Json to_json(const DatabaseInfo& info) {
+  const Json space = {{"robot_name", info.space.robot_name},
+                      {"robot_hash", info.space.robot_hash},
+                      {"decomposer", info.space.decomposer},
+                      {"joint_count", info.space.joint_count},
+                      {"key_size", info.space.key_size}};
+  return {{"url", info.url},
+          {"samplers", info.samplers},
+          {"components", info.components},
+          {"spaces", Json::array({space})},
+          {"robot_hash", info.space.robot_hash},
+          {"decomposer", info.space.decomposer},
+          {"bytes", info.bytes},
+          {"schema_version", info.schema_version}};
+}
+
+void print_info(const DatabaseInfo& info) {
+  fmt::print("database    {}\n", info.url);
+  fmt::print("robot       {}, {} joints, hash {}\n", info.space.robot_name, info.space.joint_count,
+             info.space.robot_hash);
+  fmt::print("decomposer  {}, keys of {} numbers\n", info.space.decomposer, info.space.key_size);
+  fmt::print("samplers    {}\n", info.samplers);
+  fmt::print("components  {}\n", info.components);
+  fmt::print("size        {} bytes\n", info.bytes);
+  fmt::print("schema      version {}\n", info.schema_version);
+}
+
+Result<ExitCode> run_info(const DbOptions& options) {
+  const Result<Database> database = inspect_database(options.url);
+  if (!database) return tl::unexpected(database.error());
+  if (options.is_json) {
+    print_json(to_json(database->info()));
+  } else {
+    print_info(database->info());
+  }
+  return ExitCode::done;
+}
+
+// list
+
+Json to_json(const Experience& row) {
+  return {{"id", row.id},
+          {"key", row.key},
+          {"components", row.sampler.component_count()},
+          {"seed", row.provenance.seed},
+          {"time", row.provenance.time},
+          {"tool", row.provenance.tool},
+          {"settings", row.provenance.settings}};
+}
+
+void print_row(const Experience& row) {
+  fmt::print("{:>8}  {:>8.4f}  {:>10}  {:>6}  {}\n", row.id, fmt::join(row.key, " "),
+             row.sampler.component_count(), row.provenance.seed, row.provenance.time);
+}
+
+Result<ExitCode> run_list(const DbOptions& options) {
+  const Result<Database> database = inspect_database(options.url);
+  if (!database) return tl::unexpected(database.error());
+  const std::int64_t count = std::min(options.limit.value_or(database->size()), database->size());
+  if (options.is_json) {
+    Json rows = Json::array();
+    for (std::int64_t i = 0; i < count; ++i) rows.push_back(to_json(database->get(i)));
+    print_json({{"samplers", database->size()}, {"rows", rows}});
+    return ExitCode::done;
+  }
+  fmt::print("{:>8}  {:<53}  {:>10}  {:>6}  {}\n", "id", "key (x y r x y r)", "components", "seed",
+             "time");
+  for (std::int64_t i = 0; i < count; ++i) print_row(database->get(i));
+  if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
+  return ExitCode::done;
+}
+
+// query
+
+Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
+                                                       const Database& database) {
+  if (options.key) return std::vector<LocalPrimitive>{make_primitive(*options.key)};
+  const Result<Problem> problem = load_problem(options.problem);
+  if (!problem) return tl::unexpected(problem.error());
+  if (problem->robot.hash() != database.space().robot_hash) {
+    return fail(ErrorCode::wrong_robot,
+                fmt::format("'{}' holds experience of the robot '{}' (hash {}), the problem is for "
+                            "'{}' (hash {})",
+                            options.url, database.space().robot_name, database.space().robot_hash,
+                            problem->robot.name(), problem->robot.hash()));
+  }
+  return decompose(problem->robot, problem->scene, options.settings.decompose);
+}
+
+Json to_json(const Match& match) {
+  return {{"id", match.experience->id},
+          {"similarity_error", match.similarity_error},
+          {"components", match.experience->sampler.component_count()},
+          {"key", match.experience->key},
+          {"rotation", match.to_scene.rotation},
+          {"is_mirrored", match.to_scene.is_mirrored}};
+}
+
+void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& matches) {
+  fmt::print("primitive {:.4f}, gap {:.4f} m: {} matches\n", fmt::join(primitive.key, " "),
+             primitive.gap, matches.size());
+  for (const Match& match : matches) {
+    fmt::print("  id {}, similarity error {:.4f} m^2, {} components, turned by {:.4f} rad{}\n",
+               match.experience->id, match.similarity_error,
+               match.experience->sampler.component_count(), match.to_scene.rotation,
+               match.to_scene.is_mirrored ? ", mirrored" : "");
+  }
+}
+
+Result<ExitCode> run_query(const DbOptions& options) {
+  const Result<Database> database = inspect_database(options.url);
+  if (!database) return tl::unexpected(database.error());
+  const auto primitives = queried_primitives(options, *database);
+  if (!primitives) return tl::unexpected(primitives.error());
+  Json found = Json::array();
+  for (const LocalPrimitive& primitive : *primitives) {
+    const std::vector<Match> matches =
+        database->find(primitive, options.settings.similarity, options.settings.max_matches);
+    if (!options.is_json) print_matches(primitive, matches);
+    Json rows = Json::array();
+    for (const Match& match : matches) rows.push_back(to_json(match));
+    found.push_back({{"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
+  }
+  if (options.is_json) print_json({{"primitives", found}});
+  return ExitCode::done;
+}
+
+// verify
+
+Result<ExitCode> run_verify(const DbOptions& options) {
+  const Result<std::string> path = database_path(options.url);
+  if (!path) return tl::unexpected(path.error());
+  const Result<std::vector<Damage>> damages = verify_database(*path);
+  if (!damages) return tl::unexpected(damages.error());
+  Json rows = Json::array();
+  for (const Damage& damage : *damages) {
+    if (!options.is_json) {
+      fmt::print("{}: {}\n", damage.id == 0 ? "file" : fmt::format("row {}", damage.id),
+                 damage.what);
+    }
+    rows.push_back({{"id", damage.id}, {"what", damage.what}});
+  }
+  if (options.is_json) {
+    print_json({{"is_clean", damages->empty()}, {"damages", rows}});
+  } else if (damages->empty()) {
+    fmt::print("{} is sound\n", options.url);
+  }
+  return damages->empty() ? ExitCode::done : ExitCode::bad_database;
+}
+
+CLI::App* add_verb(CLI::App& group, const std::string& name, const std::string& description,
+                   const std::string& example, DbOptions& options) {
+  CLI::App* command = group.add_subcommand(name, description);
+  command->footer("Example:\n  mneme db " + name + " planar.db" + example);
+  command->add_option("URL", options.url, "SQLite file")->required();
+  add_json(*command, options.is_json);
+  return command;
+}
+
+void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Action& action) {
+  CLI::App* command = add_verb(group, "query", "Find the stored primitives similar to others",
+                               " --key 3,1,1.2,3,-1.5,1 --similarity 3", *options);
+  const auto read_key = [options](const std::string& text) {
+    options->key = parse_numbers("--key", text);
+    if (options->key->size() == 6) return;
+    throw CLI::ValidationError("--key", fmt::format("has {} numbers; expected x,y,r of two circles",
+                                                    options->key->size()));
+  };
+  add_text(*command, "--key", read_key, "two circles, metres")->type_name("X,Y,R,X,Y,R");
+  command->add_option("--problem", options->problem,
+                      "problem whose primitives to look up: YAML file, or FILE.json#NAME");
+  add_settings(*command, options->settings, {"similarity", "max-matches"});
+  add_settings(*command, options->settings.decompose);
+  command->callback([options, &action] {
+    if (options->key.has_value() == !options->problem.empty()) {
+      throw CLI::RequiredError("either --key or --problem");
+    }
+    action = [options] { return run_query(*options); };
+  });
+}
+
+}  // namespace
+
+void add_db(CLI::App& program, Action& action) {
+  CLI::App* group = program.add_subcommand("db", "Look into a database of experience");
+  group->require_subcommand(1);
+  group->footer("Example:\n  mneme db info planar.db");
+  const auto options = std::make_shared<DbOptions>();
+  add_verb(*group, "info", "What the database holds", " --json", *options)
+      ->callback([options, &action] { action = [options] { return run_info(*options); }; });
+  CLI::App* list = add_verb(*group, "list", "List its rows", " --limit 10", *options);
+  add_number(*list, "--limit", options->limit, 0, std::numeric_limits<std::int64_t>::max(),
+             "rows to print; without it, all");
+  list->callback([options, &action] { action = [options] { return run_list(*options); }; });
+  add_query(*group, options, action);
+  add_verb(*group, "verify", "Check the file and every row's checksum", "", *options)
+      ->callback([options, &action] { action = [options] { return run_verify(*options); }; });
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme learn: fills a database with local samplers.
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <glob.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/learning.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "learning_run.h"
+#include "options.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct LearnOptions {
+  std::string robot;
+  std::string grid;
+  std::vector<std::string> scenes;
+  std::string db;
+  std::optional<int> count;
+  std::optional<double> similarity_error;
+  bool is_json = false;
+  LearnJob job;
+  DecomposeSettings decompose;
+};
+
+Result<PrimitiveGrid> read_grid(const LearnOptions& options) {
+  return load_grid(options.grid).map([&](PrimitiveGrid grid) {
+    grid.count = options.count.value_or(grid.count);
+    grid.max_similarity_error = options.similarity_error.value_or(grid.max_similarity_error);
+    return grid;
+  });
+}
+
+/// The files that a pattern stands for; a problem's "#NAME" is no part of the pattern.
+Result<std::vector<std::string>> expand(const std::string& pattern) {
+  const std::size_t json = pattern.find(".json#");
+  const std::size_t end = json == std::string::npos ? pattern.size() : json + 5;
+  glob_t found = {};
+  const int status = glob(pattern.substr(0, end).c_str(), 0, nullptr, &found);
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+    files.push_back(found.gl_pathv[i] + pattern.substr(end));
+  }
+  globfree(&found);
+  if (status == 0) return files;
+  return fail(ErrorCode::io, fmt::format("no file matches '{}'", pattern));
+}
+
+/// The scenes and problems that a pattern stands for: all problems of a compact file without
+/// "#NAME".
+Result<std::vector<std::string>> expand_problems(const std::string& pattern) {
+  const Result<std::vector<std::string>> files = expand(pattern);
+  if (!files) return files;
+  std::vector<std::string> problems;
+  for (const std::string& file : *files) {
+    if (!file.ends_with(".json")) {
+      problems.push_back(file);
+      continue;
+    }
+    const Result<std::vector<std::string>> names = list_problems(file);
+    if (!names) return names;
+    for (const std::string& name : *names) problems.push_back(file + "#" + name);
+  }
+  return problems;
+}
+
+Result<void> append_primitives(const std::string& where, const Robot& robot,
+                               const DecomposeSettings& settings, std::vector<PrimitiveKey>& keys) {
+  const Result<Workspace> workspace = load_workspace(where);
+  if (!workspace) return tl::unexpected(workspace.error());
+  const auto primitives = decompose(robot, workspace->scene, settings);
+  if (!primitives) return tl::unexpected(primitives.error());
+  for (const LocalPrimitive& primitive : *primitives) {
+    const bool is_new = std::find(keys.begin(), keys.end(), primitive.key) == keys.end();
+    if (is_new) keys.push_back(primitive.key);
+  }
+  return {};
+}
+
+Result<std::vector<PrimitiveKey>> scene_keys(const LearnOptions& options, const Robot& robot) {
+  std::vector<PrimitiveKey> keys;
+  for (const std::string& pattern : options.scenes) {
+    const Result<std::vector<std::string>> problems = expand_problems(pattern);
+    if (!problems) return tl::unexpected(problems.error());
+    for (const std::string& problem : *problems) {
+      const Result<void> added = append_primitives(problem, robot, options.decompose, keys);
+      if (!added) return tl::unexpected(added.error());
+    }
+  }
+  return keys;
+}
+
+Json to_json(const LearnSummary& summary, const Database& database) {
+  return {{"learned", summary.learned},  {"skipped", summary.skipped},
+          {"empty", summary.empty},      {"components", summary.components},
+          {"time_s", summary.time_s},    {"is_cancelled", summary.is_cancelled},
+          {"samplers", database.size()}, {"bytes", database.info().bytes}};
+}
+
+Json to_json(const Coverage& coverage, double threshold) {
+  return {{"samples", coverage.samples}, {"similarity_error", threshold},
+          {"matched", coverage.matched}, {"p50", coverage.p50},
+          {"p95", coverage.p95},         {"max", coverage.max}};
+}
+
+void print_summary(const LearnSummary& summary, const Database& database) {
+  fmt::print("learned {} primitives ({} of them are impassable) in {:.1f} s, {} components\n",
+             summary.learned, summary.empty, summary.time_s, summary.components);
+  if (summary.skipped > 0) fmt::print("skipped {}: learned before\n", summary.skipped);
+  const DatabaseInfo info = database.info();
+  fmt::print("{} now holds {} samplers with {} components in {} bytes\n", info.url, info.samplers,
+             info.components, info.bytes);
+}
+
+void print_coverage(const Coverage& coverage, double threshold) {
+  fmt::print("coverage: {:.1f} % of {} random primitives have a match under {} m^2\n",
+             100 * coverage.matched, coverage.samples, threshold);
+  fmt::print("similarity error of the nearest: p50 {:.3f}, p95 {:.3f}, max {:.3f} m^2\n",
+             coverage.p50, coverage.p95, coverage.max);
+}
+
+ExitCode report(const LearnOptions& options, const LearnSummary& summary, const Database& database,
+                const std::optional<PrimitiveGrid>& grid) {
+  std::optional<Coverage> coverage;
+  if (grid && database.size() > 0) coverage = measure_coverage(database, *grid);
+  if (options.is_json) {
+    Json json = to_json(summary, database);
+    json["coverage"] = coverage ? to_json(*coverage, grid->max_similarity_error) : Json();
+    print_json(json);
+  } else {
+    print_summary(summary, database);
+    if (coverage) print_coverage(*coverage, grid->max_similarity_error);
+  }
+  if (!summary.is_cancelled) return ExitCode::done;
+  print_note("interrupted; the same command goes on from here");
+  return ExitCode::interrupted;
+}
+
+Result<ExitCode> run_learn(const LearnOptions& options) {
+  const Result<Robot> robot = load_named_robot(options.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  std::optional<PrimitiveGrid> grid;
+  if (!options.grid.empty()) {
+    const Result<PrimitiveGrid> read = read_grid(options);
+    if (!read) return tl::unexpected(read.error());
+    grid = *read;
+  }
+  Result<std::vector<PrimitiveKey>> keys = scene_keys(options, *robot);
+  if (!keys) return tl::unexpected(keys.error());
+  Result<Database> database =
+      open_database(options.db, *robot, OpenMode::create, options.decompose.decomposer);
+  if (!database) return tl::unexpected(database.error());
+  if (grid) {
+    const std::vector<PrimitiveKey> known = keys_before(*database, options.job.seed);
+    const std::vector<PrimitiveKey> covering = cover(*grid, known, options.job.seed);
+    keys->insert(keys->end(), covering.begin(), covering.end());
+  }
+  const Result<LearnSummary> summary = learn_with_progress(*robot, *keys, *database, options.job);
+  if (!summary) return tl::unexpected(summary.error());
+  return report(options, *summary, *database, grid);
+}
+
+void add_flags(CLI::App& command, LearnOptions& options) {
+  command.add_option("--robot", options.robot, "URDF file or name of a robot")->required();
+  command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
+  command.add_option("--scenes", options.scenes,
+                     "scenes or problems whose primitives to learn: files or patterns");
+  command.add_option("--db", options.db, "SQLite file to add to; made if missing")->required();
+  add_jobs(command, options.job.jobs);
+  add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
+             "seed; another one adds other primitives to the same database");
+  add_number(command, "--count", options.count, 0, 100000000,
+             "at least this many primitives, instead of the grid's number");
+  add_number(command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
+             "every primitive of the range gets a match closer than this, m^2, instead of the "
+             "grid's value");
+  add_settings(command, options.job.settings);
+  add_settings(command, options.decompose);
+}
+
+}  // namespace
+
+void add_learn(CLI::App& program, Action& action) {
+  CLI::App* command =
+      program.add_subcommand("learn", "Learn local samplers into a database; resumable");
+  command->footer(
+      "Example:\n  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml "
+      "--db planar.db --jobs 2");
+  const auto options = std::make_shared<LearnOptions>();
+  add_flags(*command, *options);
+  add_isa(*command);
+  add_json(*command, options->is_json);
+  command->callback([options, &action] {
+    if (options->grid.empty() && options->scenes.empty()) {
+      throw CLI::RequiredError("--primitives or --scenes");
+    }
+    action = [options] { return run_learn(*options); };
+  });
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme plan: solves one problem.
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "mneme/pipeline.h"
+#include "mneme/report.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "interrupt.h"
+#include "options.h"
+#include "output_file.h"
+
+namespace mneme::app {
+namespace {
+
+struct PlanOptions {
+  std::string problem;
+  std::string robot;
+  std::optional<Configuration> start;
+  std::optional<Configuration> goal;
+  std::string db;
+  std::string svg;
+  bool has_sampler = false;
+  bool is_json = false;
+  SolveSettings settings;
+};
+
+struct LoadedPlan {
+  Problem problem;
+  std::optional<Database> database;
+  double load_time_s = 0;
+};
+
+Result<std::optional<Database>> open_memory(const PlanOptions& options, const Robot& robot) {
+  if (options.db.empty()) return std::nullopt;
+  const OpenMode mode =
+      options.settings.learn_budget_s > 0 ? OpenMode::create : OpenMode::read_only;
+  return open_database(options.db, robot, mode, options.settings.decompose.decomposer)
+      .map([](Database database) { return std::optional<Database>(std::move(database)); });
+}
+
+Result<LoadedPlan> load(const PlanOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  ProblemOptions overrides{"", options.start, options.goal};
+  if (!options.robot.empty()) {
+    const Result<std::string> robot = robot_file(options.robot);
+    if (!robot) return tl::unexpected(robot.error());
+    overrides.robot_path = *robot;
+  }
+  Result<Problem> problem = load_problem(options.problem, overrides);
+  if (!problem) return tl::unexpected(problem.error());
+  Result<std::optional<Database>> database = open_memory(options, problem->robot);
+  if (!database) return tl::unexpected(database.error());
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  return LoadedPlan{std::move(*problem), std::move(*database), elapsed.count()};
+}
+
+void print_memory(const Problem& problem, const GlSampler& gl) {
+  std::size_t retrieved = 0;
+  for (const PrimitiveRetrieval& found : gl.primitives) retrieved += found.matches.size();
+  fmt::print("memory      {} primitives, {} samplers retrieved, {} components\n",
+             gl.primitives.size(), retrieved, gl.mixture ? gl.mixture->component_count() : 0);
+  for (const PrimitiveRetrieval& found : gl.primitives) {
+    std::vector<std::string_view> names;
+    for (const int index : found.primitive.obstacles) {
+      names.push_back(problem.scene.obstacles.at(static_cast<std::size_t>(index)).name);
+    }
+    fmt::print("  {}, gap {:.3f} m: {} matches", fmt::join(names, " and "), found.primitive.gap,
+               found.matches.size());
+    if (!found.matches.empty()) {
+      fmt::print(", similarity error {:.3f} to {:.3f} m^2", found.matches.front().similarity_error,
+                 found.matches.back().similarity_error);
+    }
+    fmt::print("{}\n", found.is_learned ? ", learned just now" : "");
+  }
+}
+
+void print_path(const Robot& robot, const Path& path) {
+  if (path.empty()) return;
+  fmt::print("path        {} configurations, length {:.4f}\n", path.size(),
+             path_length(robot, path));
+  for (const Configuration& q : path) fmt::print("  {:.6f}\n", fmt::join(q, ","));
+}
+
+void print_result(const LoadedPlan& loaded, const SolveResult& result) {
+  const PlanResult& plan = result.plan;
+  fmt::print("{}: {}, sampler {}, seed {}, {}\n", to_string(plan.status), result.planner,
+             result.sampler, result.seed, to_string(result.isa));
+  fmt::print("planning    {:.3f} ms, of it retrieval {:.3f} ms and learning {:.3f} ms\n",
+             1e3 * result.planning_time_s, 1e3 * result.gl.retrieval_time_s,
+             1e3 * result.gl.learning_time_s);
+  fmt::print("afterwards  simplification {:.3f} ms, verification {:.3f} ms\n",
+             1e3 * plan.simplification_time_s, 1e3 * plan.verification_time_s);
+  fmt::print("in all      {:.3f} ms, after {:.3f} ms of loading\n", 1e3 * result.total_time_s,
+             1e3 * loaded.load_time_s);
+  fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
+             plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
+  if (loaded.database) print_memory(loaded.problem, result.gl);
+  print_path(loaded.problem.robot, plan.path);
+}
+
+bool can_draw(const Problem& problem) {
+  if (problem.robot.describe_violation(problem.start, "start")) return false;
+  return std::none_of(problem.goals.begin(), problem.goals.end(), [&](const Configuration& goal) {
+    return problem.robot.describe_violation(goal, "goal").has_value();
+  });
+}
+
+Result<void> write_picture(const std::string& path, const Problem& problem,
+                           const SolveResult& result) {
+  if (!can_draw(problem)) {
+    print_note(fmt::format("'{}' was not written: start or goal is no configuration", path));
+    return {};
+  }
+  PlanarPicture picture;
+  picture.problem = &problem;
+  picture.gl = &result.gl;
+  picture.path = result.plan.path;
+  picture.title =
+      fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
+                  result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
+  return to_svg(picture).and_then([&](const std::string& svg) { return write_file(path, svg); });
+}
+
+Result<ExitCode> run_plan(const PlanOptions& options) {
+  Result<LoadedPlan> loaded = load(options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  SolveSettings settings = options.settings;
+  if (!options.has_sampler) settings.sampler = loaded->database ? "gl" : "uniform";
+  if (settings.sampler == "gl" && !loaded->database) {
+    print_note("without --db there is no memory: the sampler 'gl' draws uniformly");
+  }
+  settings.plan.cancel = interrupt_flag();
+  Database* database = loaded->database ? &*loaded->database : nullptr;
+  const Result<SolveResult> result = solve(loaded->problem, database, settings);
+  if (!result) return tl::unexpected(result.error());
+
+  if (options.is_json) {
+    fmt::print("{}\n", to_json(loaded->problem, *result, loaded->load_time_s));
+  } else {
+    print_result(*loaded, *result);
+  }
+  if (!result->plan.is_solved()) print_error(result->plan.message);
+  if (!options.svg.empty()) {
+    const Result<void> written = write_picture(options.svg, loaded->problem, *result);
+    if (!written) return tl::unexpected(written.error());
+  }
+  return exit_code(result->plan.status);
+}
+
+std::vector<std::string> planner_names() {
+  std::vector<std::string> names;
+  for (const PlannerEntry& planner : planners()) names.emplace_back(planner.name);
+  return names;
+}
+
+void add_problem_flags(CLI::App& command, PlanOptions& options) {
+  command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
+  command.add_option("--robot", options.robot,
+                     "robot to use instead of the problem's: a URDF file or a name");
+  add_number_list(command, "--start", options.start, "start instead of the problem's");
+  add_number_list(command, "--goal", options.goal, "goal instead of the problem's");
+  command.add_option("--db", options.db,
+                     "memory: an SQLite file; made if missing when there is a --learn-budget");
+}
+
+void add_solve_flags(CLI::App& command, PlanOptions& options) {
+  SolveSettings& settings = options.settings;
+  add_choice(command, "--planner", "planner", settings.planner, planner_names(),
+             fmt::format("planner (default {})", settings.planner));
+  const std::vector<std::string> samplers(sampler_names().begin(), sampler_names().end());
+  add_choice(command, "--sampler", "sampler", settings.sampler, samplers,
+             "source of configurations (default gl with --db, uniform without)");
+  add_settings(command, settings);
+  add_settings(command, settings.plan);
+  add_settings(command, settings.decompose);
+  add_settings(command, settings.learn);
+}
+
+}  // namespace
+
+void add_plan(CLI::App& program, Action& action) {
+  CLI::App* command = program.add_subcommand("plan", "Solve a motion planning problem");
+  command->footer("Example:\n  mneme plan problems.json#S1 --db planar.db --svg s1.svg");
+  const auto options = std::make_shared<PlanOptions>();
+  add_problem_flags(*command, *options);
+  add_solve_flags(*command, *options);
+  add_isa(*command);
+  command->add_option("--svg", options->svg, "write a picture of a planar robot's plan");
+  add_json(*command, options->is_json);
+  command->callback([command, options, &action] {
+    options->has_sampler = command->count("--sampler") > 0;
+    if (options->settings.learn_budget_s > 0 && options->db.empty()) {
+      throw CLI::ValidationError("--learn-budget", "needs --db, where it puts what is learned");
+    }
+    action = [options] { return run_plan(*options); };
+  });
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme robot: looks at robots, checks configurations and makes planar arms.
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/collision.h"
+#include "mneme/robot.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+#include "output_file.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RobotCommandOptions {
+  std::string robot;
+  std::string scene;
+  Configuration q;
+  bool is_json = false;
+};
+
+struct PlanarOptions {
+  std::vector<double> links;
+  double thickness = 0.001;
+  std::string name;
+  std::string output = "-";
+  bool is_json = false;
+};
+
+std::string_view to_string(JointType type) {
+  switch (type) {
+    case JointType::fixed:
+      return "fixed";
+    case JointType::revolute:
+      return "revolute";
+    case JointType::continuous:
+      return "continuous";
+    case JointType::prismatic:
+      return "prismatic";
+  }
+  return "";
+}
+
+// info
+
+const std::string& link_name(const Robot& robot, int link) {
+  return robot.links()[static_cast<std::size_t>(link)].name;
+}
+
+Json to_json(const Robot& robot, const Joint& joint) {
+  return {{"name", joint.name},
+          {"type", to_string(joint.type)},
+          {"parent", link_name(robot, joint.parent_link)},
+          {"child", link_name(robot, joint.child_link)},
+          {"lower", joint.lower},
+          {"upper", joint.upper}};
+}
+
+Json to_json(const Robot& robot, const std::string& path) {
+  Json joints = Json::array();
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    joints.push_back(to_json(robot, robot.group_joint(i)));
+  }
+  Json links = Json::array();
+  for (const Link& link : robot.links()) {
+    links.push_back({{"name", link.name},
+                     {"spheres", link.spheres.size()},
+                     {"capsules", link.capsules.size()}});
+  }
+  return {{"name", robot.name()},
+          {"path", path},
+          {"hash", robot.hash()},
+          {"is_planar", robot.is_planar()},
+          {"joint_count", robot.joint_count()},
+          {"joints", joints},
+          {"links", links},
+          {"self_pairs", robot.self_pairs().size()}};
+}
+
+void print_robot(const Robot& robot, const std::string& path) {
+  fmt::print("robot   {} ({})\n", robot.name(), path);
+  fmt::print("hash    {}\n", robot.hash());
+  fmt::print("planar  {}\n", robot.is_planar() ? "yes" : "no");
+  fmt::print("pairs   {} pairs of links are checked against each other\n",
+             robot.self_pairs().size());
+  fmt::print("joints  {}\n", robot.joint_count());
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.group_joint(i);
+    fmt::print("  {:<20} {:<11} {:>9.5f} to {:>9.5f}  moves {}\n", joint.name,
+               to_string(joint.type), joint.lower, joint.upper, link_name(robot, joint.child_link));
+  }
+  fmt::print("links   {}\n", robot.links().size());
+  for (const Link& link : robot.links()) {
+    fmt::print("  {:<20} {} spheres, {} capsules\n", link.name, link.spheres.size(),
+               link.capsules.size());
+  }
+}
+
+Result<ExitCode> run_info(const RobotCommandOptions& options) {
+  const Result<std::string> path = robot_file(options.robot);
+  if (!path) return tl::unexpected(path.error());
+  const Result<Robot> robot = load_robot(*path);
+  if (!robot) return tl::unexpected(robot.error());
+  if (options.is_json) {
+    print_json(to_json(*robot, *path));
+  } else {
+    print_robot(*robot, *path);
+  }
+  return ExitCode::done;
+}
+
+// check
+
+ExitCode report_contacts(const std::vector<Contact>& contacts, bool is_json) {
+  Json rows = Json::array();
+  for (const Contact& contact : contacts) {
+    if (!is_json) {
+      fmt::print("{} touches {} {} ({:.6f} m)\n", contact.link,
+                 contact.is_self ? "link" : "obstacle", contact.other, contact.distance);
+    }
+    rows.push_back({{"link", contact.link},
+                    {"other", contact.other},
+                    {"is_self", contact.is_self},
+                    {"distance", contact.distance}});
+  }
+  if (is_json) {
+    print_json({{"is_valid", contacts.empty()}, {"violation", nullptr}, {"contacts", rows}});
+  } else if (contacts.empty()) {
+    fmt::print("valid\n");
+  }
+  return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
+}
+
+Result<ExitCode> run_check(const RobotCommandOptions& options) {
+  const Result<Robot> robot = load_named_robot(options.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  if (const auto violation = robot->describe_violation(options.q, "configuration")) {
+    if (options.is_json) {
+      print_json({{"is_valid", false}, {"violation", *violation}, {"contacts", Json::array()}});
+    } else {
+      fmt::print("{}\n", *violation);
+    }
+    return ExitCode::invalid_ends;
+  }
+  Scene scene;
+  if (!options.scene.empty()) {
+    const Result<Workspace> workspace = load_workspace(options.scene);
+    if (!workspace) return tl::unexpected(workspace.error());
+    scene = workspace->scene;
+  }
+  return CollisionChecker::make(*robot, scene).map([&](const CollisionChecker& checker) {
+    return report_contacts(checker.contacts(options.q), options.is_json);
+  });
+}
+
+// planar
+
+Result<ExitCode> run_planar(const PlanarOptions& options) {
+  const std::string name =
+      options.name.empty() ? fmt::format("planar{}", options.links.size()) : options.name;
+  const Result<std::string> urdf = planar_arm_urdf(name, options.links, options.thickness);
+  if (!urdf) return tl::unexpected(urdf.error());
+  if (options.output == "-") {
+    fmt::print("{}", *urdf);
+    return ExitCode::done;
+  }
+  const Result<void> written = write_file(options.output, *urdf);
+  if (!written) return tl::unexpected(written.error());
+  if (options.is_json) {
+    print_json({{"path", options.output}, {"name", name}, {"links", options.links}});
+  } else {
+    fmt::print("wrote {}: {}, {} links\n", options.output, name, options.links.size());
+  }
+  return ExitCode::done;
+}
+
+void add_info(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
+              Action& action) {
+  CLI::App* command = group.add_subcommand("info", "Show joints, limits, links and hash");
+  command->footer("Example:\n  mneme robot info planar8");
+  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_info(*options); }; });
+}
+
+void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
+               Action& action) {
+  CLI::App* command = group.add_subcommand("check", "Say what touches at a configuration");
+  command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
+  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  add_number_list(*command, "--q", options->q, "configuration")->required();
+  command->add_option("--scene", options->scene, "scene or problem with the obstacles");
+  add_isa(*command);
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_check(*options); }; });
+}
+
+void add_planar(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<PlanarOptions>();
+  CLI::App* command = group.add_subcommand("planar", "Make the URDF of a planar arm");
+  command->footer("Example:\n  mneme robot planar --links 1.6,1.4,1.8 -o arm.urdf");
+  const auto read_links = [options](const std::string& text) {
+    options->links = parse_numbers("--links", text);
+    for (const double length : options->links) {
+      if (length > 0 && length < 1e6) continue;
+      throw CLI::ValidationError("--links",
+                                 fmt::format("{} is not a length of more than 0 m", length));
+    }
+  };
+  add_text(*command, "--links", read_links, "lengths, metres")->type_name("X,X,..")->required();
+  add_number(*command, "--thickness", options->thickness, 0, 10, "diameter of the links, metres");
+  command->add_option("--name", options->name, "name of the robot (default planar and the count)");
+  command->add_option("-o,--output", options->output,
+                      "file to write, - for standard output (default -)");
+  add_json(*command, options->is_json);
+  command->callback([options, &action] {
+    if (options->is_json && options->output == "-") {
+      throw CLI::ValidationError("--json", "needs -o, because the URDF is on standard output");
+    }
+    action = [options] { return run_planar(*options); };
+  });
+}
+
+}  // namespace
+
+void add_robot(CLI::App& program, Action& action) {
+  CLI::App* group = program.add_subcommand("robot", "Look at robots, or make a planar arm");
+  group->require_subcommand(1);
+  group->footer("Example:\n  mneme robot info planar8");
+  const auto options = std::make_shared<RobotCommandOptions>();
+  add_info(*group, options, action);
+  add_check(*group, options, action);
+  add_planar(*group, action);
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme scene: looks at workspaces.
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/primitive.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SceneInfoOptions {
+  std::string scene;
+  std::string robot;
+  bool is_json = false;
+  DecomposeSettings decompose;
+};
+
+/// Nothing if no robot is known.
+using Primitives = std::optional<std::vector<LocalPrimitive>>;
+
+Result<Primitives> find_primitives(const SceneInfoOptions& options, const Workspace& workspace) {
+  const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
+  if (!options.robot.empty()) {
+    const Result<Robot> robot = load_named_robot(options.robot);
+    if (!robot) return tl::unexpected(robot.error());
+    return decompose(*robot, workspace.scene, options.decompose).map(wrap);
+  }
+  if (!workspace.problem) return Primitives();
+  return decompose(workspace.problem->robot, workspace.scene, options.decompose).map(wrap);
+}
+
+std::vector<std::string> obstacle_names(const Scene& scene, const LocalPrimitive& primitive) {
+  std::vector<std::string> names;
+  for (const int index : primitive.obstacles) {
+    names.push_back(scene.obstacles.at(static_cast<std::size_t>(index)).name);
+  }
+  return names;
+}
+
+std::vector<std::string_view> shape_names(const Obstacle& obstacle) {
+  std::vector<std::string_view> names;
+  for (const Shape& shape : obstacle.shapes) names.push_back(shape_name(shape));
+  return names;
+}
+
+Json to_json(const Scene& scene, const Primitives& primitives) {
+  Json obstacles = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) {
+    obstacles.push_back({{"name", obstacle.name}, {"shapes", shape_names(obstacle)}});
+  }
+  Json found;
+  if (primitives) found = Json::array();
+  for (const LocalPrimitive& primitive : primitives.value_or(std::vector<LocalPrimitive>())) {
+    found.push_back({{"obstacles", obstacle_names(scene, primitive)},
+                     {"key", primitive.key},
+                     {"gap", primitive.gap}});
+  }
+  return {{"name", scene.name}, {"obstacles", obstacles}, {"primitives", found}};
+}
+
+void print_scene(const Scene& scene, const Primitives& primitives) {
+  fmt::print("scene       {}\n", scene.name);
+  fmt::print("obstacles   {}\n", scene.obstacles.size());
+  for (const Obstacle& obstacle : scene.obstacles) {
+    fmt::print("  {}: {}\n", obstacle.name, fmt::join(shape_names(obstacle), ", "));
+  }
+  if (!primitives) {
+    fmt::print("primitives  depend on the robot: give --robot\n");
+    return;
+  }
+  fmt::print("primitives  {}\n", primitives->size());
+  for (const LocalPrimitive& primitive : *primitives) {
+    fmt::print("  {}: gap {:.4f} m, key {:.4f}\n",
+               fmt::join(obstacle_names(scene, primitive), " and "), primitive.gap,
+               fmt::join(primitive.key, " "));
+  }
+}
+
+Result<ExitCode> run_info(const SceneInfoOptions& options) {
+  const Result<Workspace> workspace = load_workspace(options.scene);
+  if (!workspace) return tl::unexpected(workspace.error());
+  const Result<Primitives> primitives = find_primitives(options, *workspace);
+  if (!primitives) return tl::unexpected(primitives.error());
+  if (options.is_json) {
+    print_json(to_json(workspace->scene, *primitives));
+  } else {
+    print_scene(workspace->scene, *primitives);
+  }
+  return ExitCode::done;
+}
+
+void add_info(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<SceneInfoOptions>();
+  CLI::App* command = group.add_subcommand("info", "Show obstacles, primitives and gaps");
+  command->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
+  command->add_option("SCENE", options->scene, "scene or problem: YAML file, or FILE.json#NAME")
+      ->required();
+  command->add_option("--robot", options->robot,
+                      "robot that decides about primitives: URDF file or name (default: that of "
+                      "the problem)");
+  add_settings(*command, options->decompose);
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_info(*options); }; });
+}
+
+}  // namespace
+
+void add_scene(CLI::App& program, Action& action) {
+  CLI::App* group = program.add_subcommand("scene", "Look at workspaces");
+  group->require_subcommand(1);
+  group->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
+  add_info(*group, action);
+}
+
+}  // namespace mneme::app

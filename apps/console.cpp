@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "console.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace mneme::app {
+namespace {
+
+constexpr double kBarInterval = 0.1;
+constexpr double kLineInterval = 5;
+constexpr int kBarWidth = 24;
+
+bool has_terminal() {
+  const char* type = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && type != nullptr && std::string_view(type) != "dumb";
+}
+
+bool has_colour() {
+  const char* no_colour = std::getenv("NO_COLOR");
+  return has_terminal() && (no_colour == nullptr || *no_colour == '\0');
+}
+
+std::string coloured(std::string_view text, std::string_view code) {
+  return has_colour() ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+}
+
+std::string format_duration(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
+  return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
+}
+
+std::string bar(double fraction) {
+  const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBarWidth);
+  std::string cells(static_cast<std::size_t>(filled), '#');
+  cells = coloured(cells, "32");
+  return "[" + cells + std::string(static_cast<std::size_t>(kBarWidth - filled), '.') + "]";
+}
+
+}  // namespace
+
+void print_error(std::string_view message) {
+  fmt::print(stderr, "mneme: {} {}\n", coloured("error:", "1;31"), message);
+}
+
+void print_note(std::string_view message) { fmt::print(stderr, "mneme: {}\n", message); }
+
+void print_json(const nlohmann::ordered_json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+Progress::Progress(std::string label) : label_(std::move(label)), is_terminal_(has_terminal()) {}
+
+Progress::~Progress() {
+  if (has_bar_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::update(std::int64_t done, std::int64_t total, std::string_view detail) {
+  if (done_at_start_ < 0) done_at_start_ = done;
+  const Clock::time_point now = Clock::now();
+  const double since_shown = std::chrono::duration<double>(now - shown_).count();
+  if (since_shown < (is_terminal_ ? kBarInterval : kLineInterval)) return;
+  shown_ = now;
+
+  const double elapsed = std::chrono::duration<double>(now - started_).count();
+  const double rate = static_cast<double>(done - done_at_start_) / std::max(elapsed, 1e-9);
+  const std::string left =
+      rate > 0 ? format_duration(static_cast<double>(total - done) / rate) + " left" : "";
+  std::string line = fmt::format("{} of {}, {:.3g}/s", done, total, rate);
+  for (const std::string_view part : {std::string_view(left), detail}) {
+    if (!part.empty()) line.append(", ").append(part);
+  }
+  if (is_terminal_) {
+    const double fraction = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0;
+    fmt::print(stderr, "\r\033[K{} {} {}", label_, bar(fraction), line);
+    std::fflush(stderr);
+    has_bar_ = true;
+  } else {
+    print_note(fmt::format("{}: {}", label_, line));
+  }
+}
+
+}  // namespace mneme::app

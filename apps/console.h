@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What people read while they wait, on standard error; results go to standard output.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::app {
+
+void print_error(std::string_view message);
+void print_note(std::string_view message);
+/// Prints to standard output; text that is not UTF-8, such as a file's name, has its bad bytes
+/// replaced.
+void print_json(const nlohmann::ordered_json& json);
+
+/// Progress of a long task: a bar on a terminal, otherwise a line about every five seconds. Not
+/// thread-safe.
+class Progress {
+ public:
+  explicit Progress(std::string label);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// Removes the bar.
+  ~Progress();
+
+  /// Shows that `done` of `total` units are done; `detail` is free text. Cheap to call often.
+  void update(std::int64_t done, std::int64_t total, std::string_view detail = "");
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string label_;
+  bool is_terminal_;
+  bool has_bar_ = false;
+  Clock::time_point started_ = Clock::now();
+  Clock::time_point shown_ = Clock::now();
+  std::int64_t done_at_start_ = -1;
+};
+
+}  // namespace mneme::app

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "inputs.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace mneme::app {
+
+Result<std::string> robot_file(const std::string& robot) {
+  std::error_code ignored;
+  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(".urdf");
+  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
+  return find_robot(robot);
+}
+
+Result<Robot> load_named_robot(const std::string& robot) {
+  return robot_file(robot).and_then([](const std::string& path) { return load_robot(path); });
+}
+
+Result<Workspace> load_workspace(const std::string& where) {
+  const auto from_problem = [](Problem problem) {
+    return Workspace{problem.scene, std::move(problem)};
+  };
+  const bool is_compact = where.find(".json#") != std::string::npos || where.ends_with(".json");
+  if (is_compact) return load_problem(where).map(from_problem);
+
+  Result<Scene> scene = load_scene(where);
+  if (scene) return Workspace{std::move(*scene), std::nullopt};
+  if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
+  const Result<Problem> problem = load_problem(where);
+  if (problem) return from_problem(*problem);
+  return fail(problem.error().code,
+              fmt::format("'{}' is neither a scene ({}) nor a problem ({})", where,
+                          scene.error().message, problem.error().message));
+}
+
+Result<std::string> database_path(const std::string& url) {
+  const std::size_t scheme = url.find("://");
+  if (scheme == std::string::npos) return url;
+  return fail(ErrorCode::unsupported,
+              fmt::format("cannot open '{}': expected the path of an SQLite file; databases of "
+                          "kind '{}' are not supported",
+                          url, url.substr(0, scheme)));
+}
+
+Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
+                               const std::string& decomposer) {
+  const Result<std::string> path = database_path(url);
+  if (!path) return tl::unexpected(path.error());
+  const Result<ExperienceSpace> space = make_space(robot, decomposer);
+  if (!space) return tl::unexpected(space.error());
+  return Database::open(*path, *space, mode);
+}
+
+Result<Database> inspect_database(const std::string& url) {
+  const Result<std::string> path = database_path(url);
+  if (!path) return tl::unexpected(path.error());
+  return Database::inspect(*path);
+}
+
+}  // namespace mneme::app

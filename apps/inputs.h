@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What several subcommands are given: robots by name, scenes alone or in problems, databases.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mneme/experience.h"
+#include "mneme/problem.h"
+
+namespace mneme::app {
+
+/// The URDF file that `robot`, a file or the name of a known robot, stands for.
+[[nodiscard]] Result<std::string> robot_file(const std::string& robot);
+[[nodiscard]] Result<Robot> load_named_robot(const std::string& robot);
+
+/// A scene, and the problem that it came in, if it did.
+struct Workspace {
+  Scene scene;
+  std::optional<Problem> problem;
+};
+/// Reads a scene file or a problem (a file, or FILE.json#NAME).
+[[nodiscard]] Result<Workspace> load_workspace(const std::string& where);
+
+/// Opens the database at `url` for the experience of `robot`.
+[[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
+                                             OpenMode mode,
+                                             const std::string& decomposer = "pairs");
+/// Opens the database at `url` to look at it.
+[[nodiscard]] Result<Database> inspect_database(const std::string& url);
+/// The path of the SQLite file that `url` names.
+[[nodiscard]] Result<std::string> database_path(const std::string& url);
+
+}  // namespace mneme::app

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cstdio>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "mneme/base.h"
+
+#include "commands.h"
+#include "console.h"
+#include "interrupt.h"
+#include "options.h"
+#include "suggestion.h"
+
+namespace mneme::app {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  mneme demo
+  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db
+  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg scenario1.svg
+  mneme db info planar.db
+
+Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit,
+  4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";
+
+void set_up(CLI::App& program, Action& action) {
+  program.name("mneme");
+  program.formatter(make_help_formatter());
+  program.set_version_flag("--version", fmt::format("mneme {}", version()));
+  program.footer(kExamples);
+  add_demo(program, action);
+  add_plan(program, action);
+  add_learn(program, action);
+  add_db(program, action);
+  add_robot(program, action);
+  add_scene(program, action);
+  program.require_subcommand(1);
+}
+
+/// The subcommand that was chosen, as far as it was understood.
+const CLI::App& chosen_command(const CLI::App& program) {
+  const std::vector<CLI::App*> chosen = program.get_subcommands();
+  return chosen.empty() ? program : chosen_command(*chosen.front());
+}
+
+std::string full_name(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
+}
+
+int report_usage_error(const CLI::App& program, const std::string& message) {
+  print_error(message);
+  print_note(fmt::format("see '{} --help'", full_name(chosen_command(program))));
+  return static_cast<int>(ExitCode::usage);
+}
+
+int act(const Action& action) {
+  const Result<ExitCode> outcome = action();
+  if (!outcome) {
+    print_error(outcome.error().message);
+    return static_cast<int>(exit_code(outcome.error().code));
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    print_error("cannot write to standard output");
+    return static_cast<int>(ExitCode::failure);
+  }
+  return static_cast<int>(*outcome);
+}
+
+int run(int argument_count, char** arguments) {
+  CLI::App program(
+      "Motion planning from memory: an arm threads itself through gaps because it "
+      "remembers how.");
+  Action action;
+  set_up(program, action);
+  if (const auto complaint =
+          unknown_command(program, {arguments + 1, arguments + argument_count})) {
+    return report_usage_error(program, *complaint);
+  }
+  try {
+    program.parse(argument_count, arguments);
+  } catch (const CLI::Success& request) {
+    return program.exit(request);
+  } catch (const CLI::ExtrasError& error) {
+    return report_usage_error(program, error.what() + suggest_flags(chosen_command(program)));
+  } catch (const CLI::ParseError& error) {
+    return report_usage_error(program, error.what());
+  }
+  catch_interrupts();
+  return act(action);
+}
+
+}  // namespace
+}  // namespace mneme::app
+
+int main(int argument_count, char** arguments) {
+  try {
+    return mneme::app::run(argument_count, arguments);
+  } catch (const std::exception& error) {
+    mneme::app::print_error(error.what());
+  }
+  return static_cast<int>(mneme::app::ExitCode::failure);
+}

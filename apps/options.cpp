@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "options.h"
+
+#include "mneme/base.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <thread>
+
+#include <fmt/ranges.h>
+
+namespace mneme::app {
+namespace {
+
+constexpr std::size_t kFlagColumn = 30;
+constexpr std::size_t kHelpWidth = 100;
+
+class WrappingFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    std::string wrapped;
+    std::size_t column = 0;
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word;) {
+      const bool fits = column + word.size() < kHelpWidth - kFlagColumn;
+      if (!wrapped.empty()) wrapped += fits ? ' ' : '\n';
+      column = (fits ? column + 1 : 0) + word.size();
+      wrapped += word;
+    }
+    return wrapped;
+  }
+};
+
+}  // namespace
+
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  T number{};
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stopped != end) return std::nullopt;
+  return number;
+}
+template std::optional<double> parse_number(std::string_view);
+template std::optional<int> parse_number(std::string_view);
+template std::optional<std::int64_t> parse_number(std::string_view);
+template std::optional<std::uint64_t> parse_number(std::string_view);
+
+std::vector<double> parse_numbers(const std::string& flag, std::string_view text, char separator) {
+  std::vector<double> numbers;
+  while (true) {
+    const std::size_t end = std::min(text.find(separator), text.size());
+    const std::string_view item = text.substr(0, end);
+    const std::optional<double> number = parse_number<double>(item);
+    if (!number) {
+      throw CLI::ValidationError(
+          flag, fmt::format("item {} is '{}', which is not a number", numbers.size() + 1, item));
+    }
+    numbers.push_back(*number);
+    if (end == text.size()) return numbers;
+    text.remove_prefix(end + 1);
+  }
+}
+
+CLI::Option* add_text(CLI::App& app, const std::string& flag,
+                      std::function<void(const std::string&)> read, const std::string& help) {
+  const auto callback = [read = std::move(read)](const CLI::results_t& results) {
+    read(results.at(0));
+    return true;
+  };
+  return app.add_option(flag, callback, help)->type_name("TEXT");
+}
+
+CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::string& what,
+                        std::string& value, std::vector<std::string> names,
+                        const std::string& help) {
+  const std::string list = fmt::format("{}", fmt::join(names, ", "));
+  const auto read = [=, &value](const std::string& text) {
+    if (std::find(names.begin(), names.end(), text) == names.end()) {
+      throw CLI::ValidationError(
+          flag, fmt::format("unknown {} '{}': expected one of {}", what, text, list));
+    }
+    value = text;
+  };
+  return add_text(app, flag, read, fmt::format("{}: {}", help, list))->type_name("NAME");
+}
+
+bool SettingsFlags::is_wanted(std::string_view name) const {
+  return only_.empty() || std::find(only_.begin(), only_.end(), name) != only_.end();
+}
+
+void SettingsFlags::add_switch(std::string_view name, bool& value, std::string_view sentence) {
+  app_.add_flag(fmt::format("--{0},!--no-{0}", name), value,
+                fmt::format("{} (default {})", sentence, value ? "on" : "off"));
+}
+
+void add_isa(CLI::App& app) {
+  const auto read = [](const std::string& name) {
+    const Result<Isa> isa = parse_isa(name);
+    if (!isa) throw CLI::ValidationError("--isa", isa.error().message);
+    // The one switch that all kernels follow.
+    setenv("MNEME_ISA", name.c_str(), 1);
+  };
+  add_text(app, "--isa", read, "instruction set of the kernels: scalar, sse, avx2 or avx512")
+      ->type_name("NAME");
+}
+
+void add_json(CLI::App& app, bool& is_json) {
+  app.add_flag("--json", is_json, "print the result as JSON");
+}
+
+void add_jobs(CLI::App& app, int& jobs) {
+  jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  add_number(app, "--jobs", jobs, 1, 4096, "threads");
+}
+
+std::shared_ptr<CLI::Formatter> make_help_formatter() {
+  auto formatter = std::make_shared<WrappingFormatter>();
+  formatter->column_width(kFlagColumn);
+  return formatter;
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Command line flags: numbers read strictly, and the settings that the public headers declare.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace mneme::app {
+
+/// The number that is all of `text`, or nothing; "nan" and "inf" are numbers of type double.
+template <class T>
+[[nodiscard]] std::optional<T> parse_number(std::string_view text);
+
+/// Items of `text` between `separator`s; a usage error that names `flag` and the first item that is
+/// no number.
+[[nodiscard]] std::vector<double> parse_numbers(const std::string& flag, std::string_view text,
+                                                char separator = ',');
+
+/// A flag whose value is handed to `read`, which throws CLI::ValidationError if it is wrong.
+CLI::Option* add_text(CLI::App& app, const std::string& flag,
+                      std::function<void(const std::string&)> read, const std::string& help);
+
+/// A flag for a comma-separated list of numbers.
+template <class List>
+CLI::Option* add_number_list(CLI::App& app, const std::string& flag, List& list,
+                             const std::string& help) {
+  const auto read = [flag, &list](const std::string& text) { list = parse_numbers(flag, text); };
+  return add_text(app, flag, read, help)->type_name("X,X,..");
+}
+
+template <class T>
+[[nodiscard]] std::string describe_range(T least, T most) {
+  return most == std::numeric_limits<T>::max() ? fmt::format("{} or more", least)
+                                               : fmt::format("{} to {}", least, most);
+}
+
+/// The number from `least` to `most` that `text` is; otherwise a usage error that names `flag`.
+template <class T>
+[[nodiscard]] T parse_in_range(const std::string& flag, const std::string& text, T least, T most) {
+  const std::optional<T> number = parse_number<T>(text);
+  // Written so that a NaN is out of range.
+  if (number && *number >= least && *number <= most) return *number;
+  throw CLI::ValidationError(flag, fmt::format("'{}' is not {} of {}", text,
+                                               std::integral<T> ? "a whole number" : "a number",
+                                               describe_range(least, most)));
+}
+
+/// A flag for a number from `least` to `most`; its default is the value it has.
+template <class T>
+CLI::Option* add_number(CLI::App& app, const std::string& flag, T& value,
+                        std::type_identity_t<T> least, std::type_identity_t<T> most,
+                        const std::string& help) {
+  const auto read = [=, &value](const std::string& text) {
+    value = parse_in_range<T>(flag, text, least, most);
+  };
+  const std::string range = describe_range<T>(least, most);
+  return add_text(app, flag, read, fmt::format("{} (default {}; {})", help, value, range))
+      ->type_name(std::integral<T> ? "N" : "X");
+}
+
+/// A flag for a number that has no default.
+template <class T>
+CLI::Option* add_number(CLI::App& app, const std::string& flag, std::optional<T>& value,
+                        std::type_identity_t<T> least, std::type_identity_t<T> most,
+                        const std::string& help) {
+  const auto read = [=, &value](const std::string& text) {
+    value = parse_in_range<T>(flag, text, least, most);
+  };
+  return add_text(app, flag, read, fmt::format("{} ({})", help, describe_range<T>(least, most)))
+      ->type_name(std::integral<T> ? "N" : "X");
+}
+
+/// A flag that takes one of `names`.
+CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::string& what,
+                        std::string& value, std::vector<std::string> names,
+                        const std::string& help);
+
+/// Turns the declarations of visit_settings into flags; with `only`, just the ones named.
+class SettingsFlags {
+ public:
+  SettingsFlags(CLI::App& app, std::initializer_list<std::string_view> only)
+      : app_(app), only_(only) {}
+
+  template <class T>
+  void operator()(std::string_view name, T& value, std::type_identity_t<T> least,
+                  std::type_identity_t<T> most, std::string_view sentence) {
+    if (!is_wanted(name)) return;
+    if constexpr (std::same_as<T, bool>) {
+      add_switch(name, value, sentence);
+    } else {
+      add_number(app_, fmt::format("--{}", name), value, least, most, std::string(sentence));
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_wanted(std::string_view name) const;
+  void add_switch(std::string_view name, bool& value, std::string_view sentence);
+  CLI::App& app_;
+  std::vector<std::string_view> only_;
+};
+
+template <class Settings>
+void add_settings(CLI::App& app, Settings& settings,
+                  std::initializer_list<std::string_view> only = {}) {
+  visit_settings(settings, SettingsFlags(app, only));
+}
+
+/// The flag --isa, which forces the instruction set of all kernels.
+void add_isa(CLI::App& app);
+/// The flag --json.
+void add_json(CLI::App& app, bool& is_json);
+/// The flag --jobs: threads; the default is one per hardware thread.
+void add_jobs(CLI::App& app, int& jobs);
+
+/// Help whose descriptions are wrapped to the width of a terminal.
+[[nodiscard]] std::shared_ptr<CLI::Formatter> make_help_formatter();
+
+}  // namespace mneme::app

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "output_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace mneme::app {
+namespace {
+
+tl::unexpected<Error> cannot_write(const std::string& path) {
+  return fail(ErrorCode::io, "cannot write '" + path + "': " + std::strerror(errno));
+}
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Pipes and devices have no name to replace.
+Result<void> write_in_place(const std::string& path, std::string_view text) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text);
+  if (::close(file) != 0 || !is_written) return cannot_write(path);
+  return {};
+}
+
+mode_t default_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return static_cast<mode_t>(0666) & ~mask;
+}
+
+}  // namespace
+
+Result<void> write_file(const std::string& path, std::string_view text) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  const bool is_special = std::filesystem::exists(status) &&
+                          !std::filesystem::is_regular_file(status) &&
+                          !std::filesystem::is_directory(status);
+  if (is_special) return write_in_place(path, text);
+
+  // A symbolic link stays one: what it points to is replaced.
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, ignored);
+  const std::string target = real.empty() ? path : real.string();
+  std::string temporary = target + ".XXXXXX";
+  const int file = ::mkstemp(temporary.data());
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text) && ::fchmod(file, default_mode()) == 0;
+  const bool is_closed = ::close(file) == 0;
+  if (!is_written || !is_closed || std::rename(temporary.c_str(), target.c_str()) != 0) {
+    const auto error = cannot_write(path);
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return {};
+}
+
+Result<void> make_directory(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    return fail(ErrorCode::io, "cannot make the directory '" + path + "': " + error.message());
+  }
+  return {};
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the user may have meant by a word that is no subcommand or flag.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace mneme::app {
+
+/// The complaint about the first of the leading `words` that is no subcommand where one is
+/// expected, if there is one.
+[[nodiscard]] std::optional<std::string> unknown_command(const CLI::App& program,
+                                                         const std::vector<std::string>& words);
+
+/// Suggestions for the flags that `command` was given but does not have: text that ends a
+/// complaint.
+[[nodiscard]] std::string suggest_flags(const CLI::App& command);
+
+}  // namespace mneme::app
