@@ -32,9 +32,9 @@ struct Symmetry {
 /// `first`, then `second`, as one motion.
 [[nodiscard]] Symmetry compose(const Symmetry& second, const Symmetry& first);
 /// The configuration whose body is that of `q`, moved by `motion`. Joint 1 is wrapped to [-pi, pi).
-[[nodiscard]] Configuration moved(const Symmetry& motion, std::span<const double> q);
+[[nodiscard]] Configuration moved_configuration(const Symmetry& motion, std::span<const double> q);
 /// The pair of circles `key`, moved by `motion`.
-[[nodiscard]] PrimitiveKey moved(const Symmetry& motion, const PrimitiveKey& key);
+[[nodiscard]] PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key);
 
 /// A local primitive lw_i of a scene.
 struct LocalPrimitive {

@@ -78,15 +78,15 @@ std::string now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
 }
 
-/// Makes the file a database of `space` if there is nothing in it yet.
-Result<void> create_if_empty(Connection& connection, const ExperienceSpace& space) {
+/// Makes the file a database of `space` if there is nothing in it yet, and ready to be written.
+Result<void> prepare_for_writing(Connection& connection, const ExperienceSpace& space) {
   const auto kind = internal::identify(connection);
   if (!kind) return tl::unexpected(kind.error());
   if (*kind == FileKind::empty) {
     const auto created = internal::create_schema(connection, space);
     if (!created) return created;
   }
-  return connection.enter_wal_mode();
+  return internal::check_pages(connection).and_then([&] { return connection.enter_wal_mode(); });
 }
 
 Result<void> load_rows(Connection& connection, const ExperienceSpace& space,
@@ -150,7 +150,7 @@ Result<std::unique_ptr<Database::State>> Database::State::open(const std::string
                               : internal::open_for_reading(path);
   if (!connection) return tl::unexpected(connection.error());
   if (is_writer) {
-    const auto created = create_if_empty(*connection, *wanted);
+    const auto created = prepare_for_writing(*connection, *wanted);
     if (!created) return tl::unexpected(created.error());
   }
   auto state = load(*connection, wanted);

@@ -137,6 +137,15 @@ Result<void> create_schema(Connection& connection, const ExperienceSpace& space)
       .and_then([&] { return transaction->commit(); });
 }
 
+Result<void> check_pages(Connection& connection) {
+  auto statement = connection.prepare("PRAGMA quick_check(1)");
+  if (!statement) return tl::unexpected(statement.error());
+  const auto has_row = statement->step();
+  if (!has_row) return tl::unexpected(has_row.error());
+  if (*has_row && statement->text(0) == "ok") return {};
+  return damaged(connection, statement->text(0));
+}
+
 Result<ExperienceSpace> read_space(Connection& connection) {
   auto statement = connection.prepare(
       "SELECT robot_name, robot_hash, decomposer, joint_count, key_size, checksum FROM space");

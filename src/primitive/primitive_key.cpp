@@ -13,14 +13,14 @@ constexpr std::size_t kPairKeySize = 6;
 
 double squared(double value) { return value * value; }
 
-/// Adds one circle's share to the squared distances of a plain [0] and a mirrored [1] image. The
-/// terms come in the order of the key, as in any other sum over it, so that equal questions get
-/// equal answers to the last bit.
-void add_circle(const double* a, const double* b, double sums[2]) {
-  const double x = squared(a[0] - b[0]);
-  const double radius = squared(a[2] - b[2]);
-  sums[0] = sums[0] + x + squared(a[1] - b[1]) + radius;
-  sums[1] = sums[1] + x + squared(a[1] + b[1]) + radius;
+/// Squared distance between the circles (p, q) and the key `b`, or the mirror image of it if that
+/// is nearer. Neither image is ever written down: the mirror only turns differences of y into sums.
+double nearer_image(const double* p, const double* q, const double* b) {
+  const double common =
+      (squared(p[0] - b[0]) + squared(p[2] - b[2])) + (squared(q[0] - b[3]) + squared(q[2] - b[5]));
+  const double plain = squared(p[1] - b[1]) + squared(q[1] - b[4]);
+  const double mirrored = squared(p[1] + b[1]) + squared(q[1] + b[4]);
+  return common + std::min(plain, mirrored);
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ LocalPrimitive make_primitive(const PrimitiveKey& circles) {
   const double x = circles[0] + circles[3];
   const double y = circles[1] + circles[4];
   primitive.to_scene.rotation = std::atan2(y, x);
-  primitive.key = moved(Symmetry{-primitive.to_scene.rotation, false}, circles);
+  primitive.key = moved_key(Symmetry{-primitive.to_scene.rotation, false}, circles);
   primitive.gap =
       std::hypot(circles[3] - circles[0], circles[4] - circles[1]) - circles[2] - circles[5];
   return primitive;
@@ -59,13 +59,9 @@ std::vector<KeyImage> images(const PrimitiveKey& canonical) {
 
 double similarity_error(const PrimitiveKey& a, const PrimitiveKey& b) {
   assert(a.size() == kPairKeySize && b.size() == kPairKeySize);
-  double same_order[2] = {0, 0};
-  add_circle(a.data(), b.data(), same_order);
-  add_circle(a.data() + 3, b.data() + 3, same_order);
-  double swapped[2] = {0, 0};
-  add_circle(a.data() + 3, b.data(), swapped);
-  add_circle(a.data(), b.data() + 3, swapped);
-  return std::min(std::min(same_order[0], same_order[1]), std::min(swapped[0], swapped[1]));
+  const double* first = a.data();
+  const double* second = first + 3;
+  return std::min(nearer_image(first, second, b.data()), nearer_image(second, first, b.data()));
 }
 
 }  // namespace mneme

@@ -28,7 +28,7 @@ Symmetry compose(const Symmetry& second, const Symmetry& first) {
   return {wrapped(second.rotation + first_rotation), second.is_mirrored != first.is_mirrored};
 }
 
-Configuration moved(const Symmetry& motion, std::span<const double> q) {
+Configuration moved_configuration(const Symmetry& motion, std::span<const double> q) {
   Configuration result(q.begin(), q.end());
   if (motion.is_mirrored) {
     for (double& value : result) value = -value;
@@ -37,7 +37,7 @@ Configuration moved(const Symmetry& motion, std::span<const double> q) {
   return result;
 }
 
-PrimitiveKey moved(const Symmetry& motion, const PrimitiveKey& key) {
+PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key) {
   assert(key.size() % 3 == 0);
   const double cosine = std::cos(motion.rotation);
   const double sine = std::sin(motion.rotation);

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitive/random_pairs.h"
+
+#include <cmath>
+
+namespace mneme::test {
+
+TEST_SUITE("unit") {
+  TEST_CASE("a canonical pair has its midpoint on the positive x axis and knows its gap") {
+    const LocalPrimitive primitive = make_primitive({0, 2, 0.5, 0, 6, 1.5});
+    CHECK(largest_difference(primitive.key, PrimitiveKey{2, 0, 0.5, 6, 0, 1.5}) < 1e-15);
+    CHECK(primitive.to_scene.rotation == doctest::Approx(std::numbers::pi / 2));
+    CHECK(!primitive.to_scene.is_mirrored);
+    CHECK(primitive.gap == doctest::Approx(2));
+  }
+
+  TEST_CASE("the scene of a key holds its two circles") {
+    const Scene scene = make_scene({1, 2, 0.5, 3, -4, 0.25});
+    REQUIRE(scene.obstacles.size() == 2);
+    CHECK(scene.obstacles[0].name == "circle_a");
+    CHECK(scene.obstacles[1].name == "circle_b");
+    const auto& b = std::get<Sphere>(scene.obstacles[1].shapes.at(0));
+    CHECK(b.center == Vec3(3, -4, 0));
+    CHECK(b.radius == 0.25);
+  }
+
+  TEST_CASE("a key has four images, itself first") {
+    const PrimitiveKey key = {3, 1, 0.5, 4, -1, 0.75};
+    const auto all = images(key);
+    REQUIRE(all.size() == 4);
+    CHECK(all[0].key == key);
+    CHECK(!all[0].is_mirrored);
+    CHECK(all[1].key == PrimitiveKey{4, -1, 0.75, 3, 1, 0.5});
+    CHECK(!all[1].is_mirrored);
+    CHECK(all[2].key == PrimitiveKey{3, -1, 0.5, 4, 1, 0.75});
+    CHECK(all[2].is_mirrored);
+    CHECK(all[3].key == PrimitiveKey{4, 1, 0.75, 3, -1, 0.5});
+    CHECK(all[3].is_mirrored);
+  }
+
+  TEST_CASE("the similarity error is a squared distance") {
+    CHECK(similarity_error({5, 1, 1, 5, -1, 1}, {5, 1, 1, 5, -1, 3}) == doctest::Approx(4));
+    CHECK(similarity_error({5, 1, 1, 5, -1, 1}, {8, 1, 1, 8, -1, 1}) == doctest::Approx(18));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a primitive's motion takes its canonical key back to the scene") {
+    Rng rng(21);
+    for (int i = 0; i < 1000; ++i) {
+      const PrimitiveKey pair = random_pair(rng);
+      const LocalPrimitive primitive = make_primitive(pair);
+      REQUIRE(largest_difference(moved_key(primitive.to_scene, primitive.key), pair) < 1e-13);
+      REQUIRE(std::abs(primitive.key[1] + primitive.key[4]) < 1e-13);
+      REQUIRE(primitive.key[0] + primitive.key[3] >= 0);
+    }
+  }
+
+  TEST_CASE("the canonical key does not depend on where around the base the pair stands") {
+    Rng rng(22);
+    for (int i = 0; i < 1000; ++i) {
+      const PrimitiveKey pair = random_pair(rng);
+      const Symmetry turn{rng.uniform(-3, 3), false};
+      const LocalPrimitive turned = make_primitive(moved_key(turn, pair));
+      REQUIRE(largest_difference(turned.key, make_primitive(pair).key) < 1e-11);
+      REQUIRE(turned.gap == doctest::Approx(make_primitive(pair).gap).epsilon(1e-12));
+    }
+  }
+
+  TEST_CASE("swapping, mirroring or turning either primitive leaves the similarity error alone") {
+    Rng rng(23);
+    for (int i = 0; i < 1000; ++i) {
+      const PrimitiveKey a = random_pair(rng);
+      const PrimitiveKey b = random_pair(rng);
+      const double error = similarity_error(make_primitive(a).key, make_primitive(b).key);
+      const PrimitiveKey other_a = make_primitive(moved_key(random_symmetry(rng), swapped(a))).key;
+      const PrimitiveKey other_b = make_primitive(moved_key(random_symmetry(rng), b)).key;
+      REQUIRE(similarity_error(other_a, other_b) == doctest::Approx(error).epsilon(1e-10));
+      REQUIRE(similarity_error(other_b, other_a) == doctest::Approx(error).epsilon(1e-10));
+    }
+  }
+
+  TEST_CASE("images are at error zero from each other, and only congruent pairs are") {
+    Rng rng(24);
+    for (int i = 0; i < 1000; ++i) {
+      const PrimitiveKey key = make_primitive(random_pair(rng)).key;
+      for (const KeyImage& first : images(key)) {
+        for (const KeyImage& second : images(key)) {
+          REQUIRE(similarity_error(first.key, second.key) == 0);
+        }
+      }
+      PrimitiveKey changed = key;
+      changed[rng.index(6)] += 1e-3;
+      REQUIRE(similarity_error(key, changed) > 1e-9);
+      REQUIRE(similarity_error(key, changed) <= 1.0001e-6);
+    }
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("the similarity error is the least squared distance over the images") {
+    const std::uint64_t seed = 25;
+    Rng rng(seed);
+    for (int i = 0; i < 1000; ++i) {
+      const PrimitiveKey a = make_primitive(random_pair(rng)).key;
+      const PrimitiveKey b = make_primitive(random_pair(rng)).key;
+      double least = 1e300;
+      for (const KeyImage& image : images(a)) {
+        double sum = 0;
+        for (std::size_t k = 0; k < b.size(); ++k) sum += std::pow(image.key[k] - b[k], 2);
+        least = std::min(least, sum);
+      }
+      INFO("seed " << seed << ", pair " << i);
+      REQUIRE(similarity_error(a, b) == doctest::Approx(least).epsilon(1e-12));
+    }
+  }
+}
+
+}  // namespace mneme::test
