@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/input.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace mneme::internal {
+namespace {
+
+/// YAML's numbers, whatever the locale. Hexadecimal and octal integers are not among them.
+std::optional<double> parse_number(std::string_view text) {
+  const bool is_signed = !text.empty() && (text.front() == '+' || text.front() == '-');
+  const double sign = is_signed && text.front() == '-' ? -1.0 : 1.0;
+  text.remove_prefix(is_signed ? 1 : 0);
+  if (text == ".inf" || text == ".Inf" || text == ".INF") {
+    return sign * std::numeric_limits<double>::infinity();
+  }
+  if (!is_signed && (text == ".nan" || text == ".NaN" || text == ".NAN")) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  if (text.empty() || (text.front() != '.' && (text.front() < '0' || text.front() > '9'))) {
+    return std::nullopt;
+  }
+  double magnitude = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, magnitude);
+  return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kShown = 40;
+  return text.size() <= kShown ? fmt::format("\"{}\"", text)
+                               : fmt::format("\"{}...\"", text.substr(0, kShown));
+}
+
+struct Describe {
+  std::string operator()(std::monostate) const { return "nothing"; }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(double value) const { return fmt::format("{}", value); }
+  std::string operator()(const InputValue::Text& text) const {
+    const auto value = text.is_quoted ? std::nullopt : parse_number(text.text);
+    return value ? text.text : quoted(text.text);
+  }
+  std::string operator()(const InputValue::List& list) const {
+    return fmt::format("a list of {}", list.size());
+  }
+  std::string operator()(const InputValue::Map&) const { return "a map"; }
+};
+
+}  // namespace
+
+void Input::fail(ErrorCode code, const std::string& what) const {
+  const std::string place =
+      value_->line > 0 ? fmt::format("{}:{}", *source_, value_->line) : *source_;
+  throw InputFailure{{code, key_.empty() ? fmt::format("{}: {}", place, what)
+                                         : fmt::format("{}: key {}: {}", place, key_, what)}};
+}
+
+void Input::fail_expecting(const std::string& expected) const {
+  fail(ErrorCode::parse,
+       fmt::format("expected {}, got {}", expected, std::visit(Describe{}, value_->content)));
+}
+
+Input Input::child(const InputValue& value, std::string_view key) const {
+  return {value, *source_, key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key)};
+}
+
+void Input::allow_keys(const std::vector<std::string_view>& keys) const {
+  for (const auto& [key, input] : entries()) {
+    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+      input.fail(ErrorCode::parse,
+                 fmt::format("unknown key, expected one of {}", fmt::join(keys, ", ")));
+    }
+  }
+}
+
+std::optional<Input> Input::find(std::string_view key) const {
+  const auto* map = std::get_if<InputValue::Map>(&value_->content);
+  if (map == nullptr) {
+    fail_expecting("a map");
+  }
+  for (const InputEntry& entry : *map) {
+    if (entry.key == key) {
+      return child(entry.value, key);
+    }
+  }
+  return std::nullopt;
+}
+
+Input Input::at(std::string_view key) const {
+  auto found = find(key);
+  if (!found) {
+    fail(ErrorCode::parse, fmt::format("expected the key {}, which is missing", key));
+  }
+  return *std::move(found);
+}
+
+std::vector<std::pair<std::string, Input>> Input::entries() const {
+  const auto* map = std::get_if<InputValue::Map>(&value_->content);
+  if (map == nullptr) {
+    fail_expecting("a map");
+  }
+  std::vector<std::pair<std::string, Input>> result;
+  for (const InputEntry& entry : *map) {
+    result.emplace_back(entry.key, child(entry.value, entry.key));
+  }
+  return result;
+}
+
+std::vector<Input> Input::items() const {
+  const auto* list = std::get_if<InputValue::List>(&value_->content);
+  if (list == nullptr) {
+    fail_expecting("a list");
+  }
+  std::vector<Input> result;
+  for (const InputValue& item : *list) {
+    result.emplace_back(item, *source_, fmt::format("{}[{}]", key_, result.size()));
+  }
+  return result;
+}
+
+double Input::number() const {
+  if (const auto* number = std::get_if<double>(&value_->content)) {
+    return *number;
+  }
+  const auto* text = std::get_if<InputValue::Text>(&value_->content);
+  const auto number = text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
+  if (!number) {
+    fail_expecting("a number");
+  }
+  return *number;
+}
+
+double Input::finite_number() const {
+  const double value = number();
+  if (!std::isfinite(value)) {
+    fail_expecting("a finite number");
+  }
+  return value;
+}
+
+double Input::positive_number() const {
+  const double value = finite_number();
+  if (value <= 0.0) {
+    fail_expecting("a number above 0");
+  }
+  return value;
+}
+
+std::string Input::text() const {
+  const auto* text = std::get_if<InputValue::Text>(&value_->content);
+  if (text == nullptr) {
+    fail_expecting("a text");
+  }
+  return text->text;
+}
+
+std::vector<double> Input::numbers() const {
+  std::vector<double> result;
+  for (const Input& item : items()) {
+    result.push_back(item.number());
+  }
+  return result;
+}
+
+std::vector<double> Input::finite_numbers(std::size_t count, std::string_view what) const {
+  if (!is_list() || items().size() != count) {
+    fail_expecting(fmt::format("{} numbers ({})", count, what));
+  }
+  std::vector<double> result;
+  for (const Input& item : items()) {
+    result.push_back(item.finite_number());
+  }
+  return result;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// A tree of values read from YAML or JSON, and a way to read it that says where it went wrong.
+#pragma once
+
+#include <array>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "mneme/base.h"
+
+namespace mneme::internal {
+
+struct InputEntry;
+
+struct InputValue {
+  using List = std::vector<InputValue>;
+  using Map = std::vector<InputEntry>;
+
+  /// Text of YAML that is not quoted may turn out to be a number when a number is asked for.
+  struct Text {
+    std::string text;
+    bool is_quoted = false;
+  };
+  std::variant<std::monostate, bool, double, Text, List, Map> content;
+  int line = 0;  ///< from 1; 0 if unknown
+};
+
+struct InputEntry {
+  std::string key;
+  InputValue value;
+};
+
+/// Thrown by everything that reads input, and turned into an Error by without_throwing().
+struct InputFailure {
+  Error error;
+};
+
+/// The result of `read`, or the error that it threw.
+template <class Read>
+auto without_throwing(Read&& read) -> Result<decltype(read())> {
+  try {
+    return read();
+  } catch (const InputFailure& failure) {
+    return tl::unexpected<Error>(failure.error);
+  }
+}
+
+/// The value, or InputFailure with the error.
+template <class T>
+T value_or_throw(Result<T> result) {
+  if (!result) {
+    throw InputFailure{std::move(result.error())};
+  }
+  return *std::move(result);
+}
+
+/// A value and the way to it. The value and the name of its source must outlive it. Whatever does
+/// not find what it expects throws InputFailure with "SOURCE:LINE: key KEY: expected ..., got ...".
+class Input {
+ public:
+  Input(const InputValue& value, const std::string& source, std::string key = {})
+      : value_(&value), source_(&source), key_(std::move(key)) {}
+
+  [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
+  /// Fails with "expected EXPECTED, got" and a description of the value.
+  [[noreturn]] void fail_expecting(const std::string& expected) const;
+
+  [[nodiscard]] bool is_map() const {
+    return std::holds_alternative<InputValue::Map>(value_->content);
+  }
+  [[nodiscard]] bool is_list() const {
+    return std::holds_alternative<InputValue::List>(value_->content);
+  }
+  [[nodiscard]] bool is_text() const {
+    return std::holds_alternative<InputValue::Text>(value_->content);
+  }
+
+  /// Fails if this is no map or has a key that is not one of `keys`.
+  void allow_keys(const std::vector<std::string_view>& keys) const;
+  [[nodiscard]] std::optional<Input> find(std::string_view key) const;
+  [[nodiscard]] Input at(std::string_view key) const;
+  [[nodiscard]] std::vector<std::pair<std::string, Input>> entries() const;
+  [[nodiscard]] std::vector<Input> items() const;
+
+  /// Also infinite or not a number, as YAML can say.
+  [[nodiscard]] double number() const;
+  [[nodiscard]] double finite_number() const;
+  /// Finite and above zero.
+  [[nodiscard]] double positive_number() const;
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::vector<double> numbers() const;
+  /// Exactly `count` finite numbers; `what` describes them in the message.
+  [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
+
+ private:
+  [[nodiscard]] Input child(const InputValue& value, std::string_view key) const;
+
+  const InputValue* value_;
+  const std::string* source_;
+  std::string key_;
+};
+
+}  // namespace mneme::internal

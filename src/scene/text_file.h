@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Files as text.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "mneme/base.h"
+
+namespace mneme::internal {
+
+inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
+
+/// The bytes of the file `path`, which may have at most `max_bytes`.
+[[nodiscard]] Result<std::string> read_text_file(const std::string& path,
+                                                 std::size_t max_bytes = kMaxFileBytes);
+
+}  // namespace mneme::internal

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/scene.h"
+
+#include <doctest/doctest.h>
+
+#include "geometry/random_shapes.h"
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("unit") {
+  TEST_CASE("a scene is written one shape a line") {
+    const Scene scene{"room",
+                      {{"ball", {Sphere{{1, 2, 3}, 0.5}}},
+                       {"table", {Box{{}, {0.5, 0.5, 0.1}}, Cylinder{{}, 0.1, 1}}}}};
+    CHECK(to_yaml(scene) ==
+          "name: room\n"
+          "obstacles:\n"
+          "  - {name: ball, type: sphere, position: [1, 2, 3], radius: 0.5}\n"
+          "  - {body: table, type: box, position: [0, 0, 0], size: [1, 1, 0.2]}\n"
+          "  - {body: table, type: cylinder, position: [0, 0, 0], radius: 0.1, length: 1}\n");
+  }
+
+  TEST_CASE("a scene without obstacles reads back") {
+    const auto scene = parse_scene(to_yaml(Scene{"", {}}), "f");
+    REQUIRE(scene.has_value());
+    CHECK(scene->name.empty());
+    CHECK(scene->obstacles.empty());
+  }
+}
+
+/// Points are exact; rotations go through a quaternion.
+void check_same(const Shape& read, const Shape& written) {
+  REQUIRE(read.index() == written.index());
+  if (const auto* sphere = std::get_if<Sphere>(&written)) {
+    REQUIRE(std::get<Sphere>(read).center == sphere->center);
+    REQUIRE(std::get<Sphere>(read).radius == sphere->radius);
+  } else if (const auto* box = std::get_if<Box>(&written)) {
+    REQUIRE(std::get<Box>(read).half_extents == box->half_extents);
+    REQUIRE(std::get<Box>(read).pose.translation == box->pose.translation);
+    REQUIRE((std::get<Box>(read).pose.rotation - box->pose.rotation).norm() < 1e-14);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&written)) {
+    REQUIRE(std::get<Cylinder>(read).radius == cylinder->radius);
+    REQUIRE(std::get<Cylinder>(read).length == cylinder->length);
+    REQUIRE((std::get<Cylinder>(read).pose.rotation - cylinder->pose.rotation).norm() < 1e-14);
+  } else if (const auto* capsule = std::get_if<Capsule>(&written)) {
+    REQUIRE(std::get<Capsule>(read).a == capsule->a);
+    REQUIRE(std::get<Capsule>(read).b == capsule->b);
+    REQUIRE(std::get<Capsule>(read).radius == capsule->radius);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a written scene reads back to the same scene") {
+    Rng rng(81);
+    for (int i = 0; i < 300; ++i) {
+      Scene scene{"scene " + std::to_string(i), {}};
+      const std::uint32_t obstacles = rng.index(6);
+      for (std::uint32_t j = 0; j < obstacles; ++j) {
+        Obstacle obstacle{"obstacle: " + std::to_string(j), {}};
+        const std::uint32_t shapes = 1 + rng.index(3);
+        for (std::uint32_t k = 0; k < shapes; ++k) {
+          obstacle.shapes.push_back(random_shape(static_cast<int>(rng.index(kShapeKinds)), rng));
+        }
+        scene.obstacles.push_back(obstacle);
+      }
+      INFO("seed 81, case " << i);
+      const auto read = parse_scene(to_yaml(scene), "f");
+      REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+      REQUIRE(read->name == scene.name);
+      REQUIRE(read->obstacles.size() == scene.obstacles.size());
+      for (std::size_t j = 0; j < obstacles; ++j) {
+        REQUIRE(read->obstacles[j].name == scene.obstacles[j].name);
+        REQUIRE(read->obstacles[j].shapes.size() == scene.obstacles[j].shapes.size());
+        for (std::size_t k = 0; k < scene.obstacles[j].shapes.size(); ++k) {
+          check_same(read->obstacles[j].shapes[k], scene.obstacles[j].shapes[k]);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
