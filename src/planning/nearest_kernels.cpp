@@ -16,6 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
+namespace {
 
 /// Squared distances of the configurations at `column`, one per lane.
 HWY_INLINE V squared_distance(const float* column, int joint_count, const float* q, const float* periods) {
@@ -78,6 +79,7 @@ const NearestKernels* kernels() {
   return &table;
 }
 
+}  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace mneme::internal
 HWY_AFTER_NAMESPACE();

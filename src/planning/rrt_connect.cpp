@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are roots of one
-// tree; a path whose motions fail verification costs the tree the failing branch, and planning goes on.
+// tree; the smaller tree grows; a path whose motions fail verification costs the tree the failing branch, and planning goes on.
 #include <algorithm>
+#include <utility>
 
 #include "mneme/planning.h"
 #include "planning/planner_run.h"
@@ -22,9 +23,8 @@ class RrtConnect {
 
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
-    Tree* growing = &start_tree_;
-    Tree* other = &goal_tree_;
-    for (; run_.begin_iterations(); std::swap(growing, other)) {
+    for (int turn = 1; run_.begin_iterations(); ++turn) {
+      auto [growing, other] = choose_trees(turn);
       const Origin origin = run_.sample(q);
       const int node = grow(*growing, q);
       if (node < 0) {
@@ -44,6 +44,16 @@ class RrtConnect {
   }
 
  private:
+  /// The tree to grow and the one to connect to it. The smaller tree grows, so that the one in the open does not
+  /// fill up while the other one is still in a passage; now and then the larger one, lest it starve.
+  std::pair<Tree*, Tree*> choose_trees(int turn) {
+    constexpr int kTurnsPerLargerTree = 8;
+    const bool is_start_smaller = start_tree_.size() <= goal_tree_.size();
+    const bool is_larger_due = turn % kTurnsPerLargerTree == 0;
+    if (is_start_smaller != is_larger_due) return {&start_tree_, &goal_tree_};
+    return {&goal_tree_, &start_tree_};
+  }
+
   int grow(Tree& tree, std::span<const float> q) {
     bool is_reached = false;
     return tree.extend(tree.nearest(q), q, is_reached);
