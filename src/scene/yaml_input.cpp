@@ -2,162 +2,113 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/yaml_input.h"
 
+#include "scene/tree_builder.h"
+
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
 #include <map>
-#include <set>
 #include <sstream>
 
 namespace mneme::internal {
 namespace {
 
-/// Builds the tree from the parser's events: yaml-cpp's own tree keeps doubled keys, and its reader
-/// of several documents does not return from some malformed texts.
-class TreeBuilder : public YAML::EventHandler {
- public:
-  explicit TreeBuilder(const std::string& source) : source_(source) {}
+int line_of(const YAML::Mark& mark) { return mark.line + 1; }
 
-  [[noreturn]] void refuse(const YAML::Mark& mark, const std::string& what) const {
-    throw InputFailure{{ErrorCode::parse, fmt::format("{}:{}: {}", source_, mark.line + 1, what)}};
+int count_values(const InputValue& value) {
+  int count = 1;
+  if (const auto* list = std::get_if<InputValue::List>(&value.content)) {
+    for (const InputValue& item : *list) count += count_values(item);
+  } else if (const auto* map = std::get_if<InputValue::Map>(&value.content)) {
+    for (const InputEntry& entry : *map) count += count_values(entry.value);
   }
-  InputValue take() { return std::move(root_); }
+  return count;
+}
+
+/// Listens to the parser itself: yaml-cpp's tree keeps doubled keys, and its reader of several
+/// documents does not return from some malformed texts.
+class YamlListener : public YAML::EventHandler {
+ public:
+  explicit YamlListener(TreeBuilder& tree) : tree_(tree) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ > 1) {
-      refuse(mark, "expected the end of the text after one YAML document");
+      tree_.refuse(line_of(mark), "expected the end of the text after one YAML document");
     }
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    // The parser notices what is missing only where the next thing begins.
-    const bool is_left_out = !levels_.empty() && levels_.back().key;
-    open(is_left_out ? levels_.back().key_mark : mark, {}, anchor);
+    // The parser notices that a value is missing only where the next thing begins.
+    open(tree_.key_line().value_or(line_of(mark)), {}, anchor);
     close();
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& text) override {
-    if (!levels_.empty() && levels_.back().is_key_next()) {
-      set_key(mark, text);
+    if (tree_.is_key_next()) {
+      tree_.set_key(line_of(mark), text);
       return;
     }
-    open(mark, InputValue::Text{text, tag == "!"}, anchor);
+    open(line_of(mark), InputValue::Text{text, tag == "!"}, anchor);
     close();
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
-    open(mark, InputValue::List{}, anchor);
+    open(line_of(mark), InputValue::List{}, anchor);
   }
   void OnSequenceEnd() override { close(); }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
-    open(mark, InputValue::Map{}, anchor);
+    open(line_of(mark), InputValue::Map{}, anchor);
   }
   void OnMapEnd() override { close(); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    const auto found = anchored_.find(anchor);
-    if (found == anchored_.end()) {
-      refuse(mark, "expected an alias of a value that has ended");
+    const auto anchored = anchored_.find(anchor);
+    if (anchored == anchored_.end()) {
+      tree_.refuse(line_of(mark), "expected an alias of a value that has ended");
     }
-    open(mark, found->second.value.content, 0);
-    count(mark, found->second.size);
+    tree_.count(line_of(mark), count_values(anchored->second) - 1);
+    open(line_of(mark), anchored->second.content, 0);
     close();
   }
 
  private:
-  struct Level {
-    InputValue value;
-    YAML::anchor_t anchor = 0;
-    int values_before = 0;
-    std::set<std::string> keys;      ///< of a map, so far
-    std::optional<std::string> key;  ///< of the next value of a map
-    YAML::Mark key_mark;
-
-    [[nodiscard]] bool is_map() const {
-      return std::holds_alternative<InputValue::Map>(value.content);
-    }
-    [[nodiscard]] bool is_key_next() const { return is_map() && !key; }
-  };
-  struct Anchored {
-    InputValue value;
-    int size = 0;
-  };
-
-  // Aliases can make a small text a huge tree.
-  static constexpr int kMaxValues = 4'000'000;
-  static constexpr std::size_t kMaxDepth = 64;
-
-  void count(const YAML::Mark& mark, int values) {
-    if (values > kMaxValues - values_) {
-      refuse(mark, fmt::format("expected at most {} values", kMaxValues));
-    }
-    values_ += values;
+  void open(int line, TreeBuilder::Content content, YAML::anchor_t anchor) {
+    tree_.open(line, std::move(content));
+    anchors_.push_back(anchor);
   }
-
-  void set_key(const YAML::Mark& mark, const std::string& key) {
-    Level& level = levels_.back();
-    if (!level.keys.insert(key).second) {
-      refuse(mark, fmt::format("key {}: expected once, got a second time", key));
-    }
-    level.key = key;
-    level.key_mark = mark;
-  }
-
-  void open(const YAML::Mark& mark, decltype(InputValue::content) content, YAML::anchor_t anchor) {
-    if (!levels_.empty() && levels_.back().is_key_next()) {
-      refuse(mark, "expected a key that is a text");
-    }
-    if (levels_.size() >= kMaxDepth) {
-      refuse(mark, fmt::format("expected values nested at most {} deep", kMaxDepth));
-    }
-    count(mark, 1);
-    levels_.push_back({{std::move(content), mark.line + 1}, anchor, values_ - 1, {}, {}, {}});
-  }
-
   void close() {
-    Level level = std::move(levels_.back());
-    levels_.pop_back();
-    if (level.anchor != 0) {
-      anchored_[level.anchor] = {level.value, values_ - level.values_before};
+    const InputValue& value = tree_.close();
+    if (anchors_.back() != 0) {
+      anchored_[anchors_.back()] = value;
     }
-    if (levels_.empty()) {
-      root_ = std::move(level.value);
-      return;
-    }
-    Level& parent = levels_.back();
-    if (parent.is_map()) {
-      std::get<InputValue::Map>(parent.value.content)
-          .push_back({std::move(*parent.key), std::move(level.value)});
-      parent.key.reset();
-    } else {
-      std::get<InputValue::List>(parent.value.content).push_back(std::move(level.value));
-    }
+    anchors_.pop_back();
   }
 
-  const std::string& source_;
-  InputValue root_{{}, 1};
-  std::vector<Level> levels_;
-  std::map<YAML::anchor_t, Anchored> anchored_;
+  TreeBuilder& tree_;
+  std::vector<YAML::anchor_t> anchors_;  ///< of the values that are open, 0 for none
+  std::map<YAML::anchor_t, InputValue> anchored_;
   int documents_ = 0;
-  int values_ = 0;
 };
 
 }  // namespace
 
 InputValue parse_yaml(std::string_view yaml, const std::string& source) {
-  TreeBuilder builder(source);
+  // Aliases can make a small text a huge tree.
+  constexpr int kMaxValues = 4'000'000;
+  TreeBuilder tree(source, kMaxValues);
+  YamlListener listener(tree);
   try {
     std::istringstream stream{std::string(yaml)};
     YAML::Parser parser(stream);
-    if (parser.HandleNextDocument(builder)) {
-      parser.HandleNextDocument(builder);
+    if (parser.HandleNextDocument(listener)) {
+      parser.HandleNextDocument(listener);
     }
-    return builder.take();
+    return tree.take();
   } catch (const YAML::Exception& error) {
-    builder.refuse(error.mark,
-                   fmt::format("expected YAML: {} (column {})", error.msg, error.mark.column + 1));
+    tree.refuse(line_of(error.mark),
+                fmt::format("expected YAML: {} (column {})", error.msg, error.mark.column + 1));
   }
 }
 
