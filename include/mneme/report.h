@@ -24,7 +24,8 @@ struct PlanarPicture {
   std::string title;
   int max_arms = 60;              ///< component arms drawn at most
 };
-/// Errors: unsupported if the robot is not planar.
+/// Errors: unsupported if the robot is not planar; invalid if a configuration, a primitive or the mixture
+/// does not fit it.
 [[nodiscard]] Result<std::string> to_svg(const PlanarPicture& picture);
 
 /// One run of a benchmark.
@@ -44,7 +45,7 @@ struct BenchmarkRow {
   int components = 0;
 };
 
-/// Order statistics of runs, failures counted as longer than any success.
+/// Nearest-rank order statistics of planning times, failures counted as longer than any success.
 struct TimeSummary {
   int runs = 0;
   int solved = 0;
@@ -53,11 +54,13 @@ struct TimeSummary {
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
 
 /// True if every state of `path` at `resolution` radians or finer is free, by exact distances in double precision
-/// that share no code with the kernels.
+/// that share no code with the kernels. False for an empty path and for one that leaves the joint limits.
 [[nodiscard]] bool is_path_free(const CollisionChecker& checker, const Path& path, double resolution);
 
+/// One line per run below a header (RFC 4180, but lines end in a line feed); solved and path_valid are 0 or 1.
 [[nodiscard]] std::string to_csv(std::span<const BenchmarkRow> rows);
-/// A text table: one line per problem, planner and sampler, in order of appearance.
+/// A text table: one line per problem, planner and sampler, in order of appearance. Planning times in ms;
+/// ">" marks those of failures.
 [[nodiscard]] std::string to_table(std::span<const BenchmarkRow> rows);
 
 struct ReportPicture {

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "report/drawing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+namespace mneme::internal {
+namespace {
+
+constexpr int kMostFanArms = 36;
+constexpr double kFanStep = 0.3;  // radians between neighbours of the fan
+constexpr int kTraceStates = 241;
+constexpr std::size_t kMostLongLabels = 3;
+constexpr double kFrameMargin = 0.12;  // metres between a primitive's circles and its frame
+
+std::optional<Error> misfit(const Robot& robot, const Configuration& q, std::string_view what) {
+  if (static_cast<int>(q.size()) != robot.joint_count()) {
+    return Error{ErrorCode::invalid,
+                 fmt::format("picture: {} has {} values; robot {} has {} joints", what, q.size(),
+                             robot.name(), robot.joint_count())};
+  }
+  if (!std::ranges::all_of(q, [](double value) { return std::isfinite(value); })) {
+    return Error{ErrorCode::invalid,
+                 fmt::format("picture: {} has a value that is not a finite number", what)};
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> find_misfit(const PlanarPicture& picture) {
+  const Robot& robot = picture.problem->robot;
+  if (auto error = misfit(robot, picture.problem->start, "the start")) return error;
+  for (const Configuration& goal : picture.problem->goals) {
+    if (auto error = misfit(robot, goal, "a goal")) return error;
+  }
+  for (const Configuration& waypoint : picture.path) {
+    if (auto error = misfit(robot, waypoint, "a waypoint")) return error;
+  }
+  if (picture.gl == nullptr) return std::nullopt;
+  const GaussianMixture* mixture = picture.gl->mixture.get();
+  if (mixture != nullptr && mixture->component_count() > 0 &&
+      mixture->joint_count != robot.joint_count()) {
+    return Error{ErrorCode::invalid,
+                 fmt::format("picture: the mixture has {} joints; robot {} has {}",
+                             mixture->joint_count, robot.name(), robot.joint_count())};
+  }
+  for (const PrimitiveRetrieval& retrieval : picture.gl->primitives) {
+    if (retrieval.primitive.key.size() == 6) continue;
+    return Error{ErrorCode::invalid,
+                 fmt::format("picture: a primitive's key has {} numbers; a pair of circles has 6",
+                             retrieval.primitive.key.size())};
+  }
+  return std::nullopt;
+}
+
+/// The rectangle along the line of centres around both circles of a key in the scene's frame.
+std::vector<Point> frame_around(const PrimitiveKey& key) {
+  const Point a = {key[0], key[1]};
+  const double length = std::hypot(key[3] - a.x, key[4] - a.y);
+  const Point along =
+      length > 0 ? Point{(key[3] - a.x) / length, (key[4] - a.y) / length} : Point{1, 0};
+  const double first = std::min(-key[2], length - key[5]) - kFrameMargin;
+  const double last = std::max(key[2], length + key[5]) + kFrameMargin;
+  const double side = std::max(key[2], key[5]) + kFrameMargin;
+  const auto corner = [&](double s, double t) {
+    return Point{a.x + s * along.x - t * along.y, a.y + s * along.y + t * along.x};
+  };
+  return {corner(first, -side), corner(last, -side), corner(last, side), corner(first, side)};
+}
+
+std::string describe(const PrimitiveRetrieval& retrieval, bool is_brief) {
+  const std::size_t count = retrieval.matches.size();
+  if (count == 0) return retrieval.is_learned ? "learned now" : "no match";
+  const std::string error = short_number(retrieval.matches.front().similarity_error, 3);
+  if (is_brief) return fmt::format("{} \u00b7 {}", count, error);
+  return fmt::format("{}{} match{}, error {}", retrieval.is_learned ? "learned now, " : "", count,
+                     count == 1 ? "" : "es", error);
+}
+
+void add_memories(const PlanarPicture& picture, Drawing& drawing) {
+  const bool is_brief = picture.gl->primitives.size() > kMostLongLabels;
+  for (const PrimitiveRetrieval& retrieval : picture.gl->primitives) {
+    const PrimitiveKey key = moved_key(retrieval.primitive.to_scene, retrieval.primitive.key);
+    drawing.primitives.push_back({frame_around(key), describe(retrieval, is_brief)});
+  }
+  if (picture.gl->mixture == nullptr) return;
+  const GaussianMixture& mixture = *picture.gl->mixture;
+  for (const int component : choose_components(mixture, picture.max_arms)) {
+    const auto index = static_cast<std::size_t>(component);
+    const auto first = mixture.means.begin() + component * mixture.joint_count;
+    const Configuration mean(first, first + mixture.joint_count);
+    drawing.memories.push_back({mixture.origins.empty() ? 0 : mixture.origins[index],
+                                arm_at(picture.problem->robot, mean)});
+  }
+}
+
+void add_path(const PlanarPicture& picture, Drawing& drawing) {
+  const Robot& robot = picture.problem->robot;
+  const bool has_path = !picture.path.empty();
+  drawing.start = arm_at(robot, has_path ? picture.path.front() : picture.problem->start);
+  if (!has_path) {
+    for (const Configuration& goal : picture.problem->goals) {
+      drawing.goals.push_back(arm_at(robot, goal));
+    }
+    return;
+  }
+  drawing.goals.push_back(arm_at(robot, picture.path.back()));
+  const double steps = path_length(robot, picture.path) / kFanStep;
+  const int count = std::clamp(static_cast<int>(std::ceil(steps)) + 1, 2, kMostFanArms);
+  const std::vector<Configuration> states = spread_along(robot, picture.path, count);
+  for (std::size_t i = 1; i + 1 < states.size(); ++i) {
+    drawing.fan.push_back(arm_at(robot, states[i]));
+  }
+  for (const Configuration& q : spread_along(robot, picture.path, kTraceStates)) {
+    const Arm arm = arm_at(robot, q);
+    if (!arm.empty()) drawing.tip_trace.push_back(arm.back().points.back());
+  }
+}
+
+/// Distance from the first joint that no point of the robot's moving links can exceed.
+double reach_of(const Robot& robot) {
+  std::vector<double> offsets(robot.links().size(), 0);
+  double reach = 0;
+  for (const Joint& joint : robot.joints()) {
+    const auto link = static_cast<std::size_t>(joint.child_link);
+    const bool is_base = &joint == &robot.group_joint(0);
+    offsets[link] = is_base ? 0
+                            : offsets[static_cast<std::size_t>(joint.parent_link)] +
+                                  joint.origin.translation.norm();
+    for (const Capsule& capsule : robot.links()[link].capsules) {
+      const double extent = std::max(capsule.a.norm(), capsule.b.norm()) + capsule.radius;
+      reach = std::max(reach, offsets[link] + extent);
+    }
+    for (const Sphere& sphere : robot.links()[link].spheres) {
+      reach = std::max(reach, offsets[link] + sphere.center.norm() + sphere.radius);
+    }
+  }
+  return reach;
+}
+
+}  // namespace
+
+Result<Drawing> make_drawing(const PlanarPicture& picture) {
+  assert(picture.problem != nullptr);
+  const Problem& problem = *picture.problem;
+  if (!problem.robot.is_planar()) {
+    return fail(
+        ErrorCode::unsupported,
+        fmt::format("picture: robot {} is not planar; only arms whose joints all turn about "
+                    "z and whose links stay in the plane z = 0 can be drawn",
+                    problem.robot.name()));
+  }
+  if (auto error = find_misfit(picture)) return tl::unexpected(std::move(*error));
+  Drawing drawing;
+  for (const Obstacle& obstacle : problem.scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      if (auto outline = planar_outline(shape)) drawing.obstacles.push_back(std::move(*outline));
+    }
+  }
+  const auto poses = problem.robot.link_poses(problem.start);
+  const auto first_link = static_cast<std::size_t>(problem.robot.group_joint(0).child_link);
+  drawing.base = {poses[first_link].translation.x(), poses[first_link].translation.y()};
+  drawing.reach = reach_of(problem.robot);
+  if (picture.gl != nullptr) add_memories(picture, drawing);
+  add_path(picture, drawing);
+  return drawing;
+}
+
+Bounds bounds_of(const Drawing& drawing) {
+  Bounds bounds;
+  bounds.include(drawing.base);
+  const auto include = [&bounds](const Arm& arm) {
+    for (const ArmLine& line : arm) bounds.include(line.points);
+  };
+  include(drawing.start);
+  for (const Arm& goal : drawing.goals) include(goal);
+  for (const Arm& arm : drawing.fan) include(arm);
+  for (const RememberedArm& memory : drawing.memories) include(memory.arm);
+  Bounds reachable;
+  reachable.include(drawing.base, drawing.reach);
+  const auto include_reachable = [&](const Bounds& all) {
+    const Bounds seen = all.clipped(reachable);
+    if (seen.is_empty()) return;
+    bounds.include({seen.left, seen.bottom});
+    bounds.include({seen.right, seen.top});
+  };
+  for (const Outline& outline : drawing.obstacles) include_reachable(bounds_of(outline));
+  for (const FramedPrimitive& primitive : drawing.primitives) {
+    include_reachable(bounds_of(Outline(primitive.corners)));
+  }
+  return bounds;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/report.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t retrieved_count(const GlSampler& gl) {
+  std::size_t count = 0;
+  for (const PrimitiveRetrieval& retrieval : gl.primitives) count += retrieval.matches.size();
+  return count;
+}
+
+void add_times(Json& json, const SolveResult& result, double load_time_s) {
+  json["total_time_s"] = result.total_time_s;
+  json["planning_time_s"] = result.planning_time_s;
+  json["retrieval_time_s"] = result.gl.retrieval_time_s;
+  json["learning_time_s"] = result.gl.learning_time_s;
+  json["simplification_time_s"] = result.plan.simplification_time_s;
+  json["verification_time_s"] = result.plan.verification_time_s;
+  json["load_time_s"] = load_time_s;
+}
+
+}  // namespace
+
+std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s) {
+  Json json;
+  json["problem"] = problem.name;
+  json["robot"] = problem.robot.name();
+  json["status"] = to_string(result.plan.status);
+  json["solved"] = result.plan.is_solved();
+  if (!result.plan.is_solved()) json["message"] = result.plan.message;
+  json["path"] = result.plan.path;
+  json["path_length"] = path_length(problem.robot, result.plan.path);
+  add_times(json, result, load_time_s);
+  json["iterations"] = result.plan.iterations;
+  json["states_checked"] = result.plan.states_checked;
+  json["motions_checked"] = result.plan.motions_checked;
+  json["primitives"] = result.gl.primitives.size();
+  json["retrieved"] = retrieved_count(result.gl);
+  json["components"] = result.gl.mixture ? result.gl.mixture->component_count() : 0;
+  json["sampler"] = result.sampler;
+  json["planner"] = result.planner;
+  json["seed"] = result.seed;
+  json["isa"] = to_string(result.isa);
+  // Names come from files and may hold any bytes; JSON must be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace mneme

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/report.h"
+
+#include "report/report_support.h"
+
+namespace mneme {
+namespace {
+
+std::string svg_of(const PlanarPicture& picture) {
+  const auto svg = to_svg(picture);
+  REQUIRE_MESSAGE(svg.has_value(), (svg ? "" : svg.error().message));
+  return *svg;
+}
+
+/// True if a number in `text` has more than three digits after its point.
+bool has_long_number(const std::string& text) {
+  int decimals = -1;
+  for (const char c : text) {
+    if (c == '.') {
+      decimals = 0;
+    } else if (decimals >= 0 && c >= '0' && c <= '9') {
+      if (++decimals > 3) return true;
+    } else {
+      decimals = -1;
+    }
+  }
+  return false;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("A picture shows obstacles, primitives, remembered arms, path and ends") {
+    const Problem problem = test::gap_problem();
+    const GlSampler gl = test::gap_memory(100);
+    PlanarPicture picture = test::picture_of(problem);
+    picture.gl = &gl;
+    picture.path = {problem.start, problem.goals[0]};
+    picture.title = "Through the gap";
+    picture.max_arms = 30;
+    const test::SvgReader svg(svg_of(picture));
+    CHECK(std::string(svg.root()->Attribute("xmlns")) == "http://www.w3.org/2000/svg");
+    CHECK(svg.count("obstacles", "circle") == 2);
+    CHECK(svg.count("primitives", "polygon") == 1);
+    CHECK(svg.count("labels", "text") == 1);
+    CHECK(svg.count("memories", "polyline") == 30);
+    CHECK(svg.count("path", "polyline") == 5);
+    CHECK(svg.count("start", "circle") == 4);
+    CHECK(svg.count("goal", "circle") == 4);
+    CHECK(svg.count("base", "rect") == 1);
+    CHECK(svg.count("legend", "text") == 5);
+    CHECK(std::string(svg.find("title", "text")[0]->GetText()) == "Through the gap");
+  }
+
+  TEST_CASE("Without memory and path a picture shows the problem: the start and all goals") {
+    Problem problem = test::gap_problem();
+    problem.goals.push_back({2, 0, 0});
+    const test::SvgReader svg(svg_of(test::picture_of(problem)));
+    CHECK(svg.count("start", "circle") == 4);
+    CHECK(svg.count("goal", "circle") == 8);
+    CHECK(svg.count("memories", "polyline") == 0);
+    CHECK(svg.count("path", "polyline") == 0);
+    CHECK(svg.count("legend", "text") == 2);
+    CHECK(std::string(svg.root()->FirstChildElement("title")->GetText()) == "gap");
+  }
+
+  TEST_CASE("Any title is escaped") {
+    const Problem problem = test::gap_problem();
+    PlanarPicture picture = test::picture_of(problem);
+    picture.title = "a < b & \"c\" \x01\xFF";
+    const test::SvgReader svg(svg_of(picture));
+    CHECK(std::string(svg.find("title", "text")[0]->GetText()) ==
+          "a < b & \"c\" \xEF\xBF\xBD\xEF\xBF\xBD");
+  }
+
+  TEST_CASE("A robot that is not planar is refused") {
+    Problem problem = test::gap_problem();
+    problem.robot = test::unit_arm(3, Vec3::UnitX());
+    const auto svg = to_svg(test::picture_of(problem));
+    REQUIRE_FALSE(svg.has_value());
+    CHECK(svg.error().code == ErrorCode::unsupported);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("Everything that is drawn lies within the panel, in short numbers") {
+    Rng rng(7);
+    for (int round = 0; round < 20; ++round) {
+      CAPTURE(round);
+      Problem problem = test::gap_problem();
+      PlanarPicture picture = test::picture_of(problem);
+      for (int i = 0; i < 4; ++i)
+        picture.path.push_back(test::random_configuration(problem.robot, rng));
+      const std::string text = svg_of(picture);
+      CHECK_FALSE(has_long_number(text));
+      const test::SvgReader svg(text);
+      const auto* panel = svg.find("panel", "svg")[0];
+      const double left = panel->DoubleAttribute("x");
+      const double top = panel->DoubleAttribute("y");
+      for (const auto* joint : svg.find("start", "circle")) {
+        CHECK(joint->DoubleAttribute("cx") > left);
+        CHECK(joint->DoubleAttribute("cx") < left + panel->DoubleAttribute("width"));
+        CHECK(joint->DoubleAttribute("cy") > top);
+        CHECK(joint->DoubleAttribute("cy") < top + panel->DoubleAttribute("height"));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme
