@@ -4,9 +4,12 @@
 /// Learning local samplers: by solving local queries of a primitive, offline over a grid of primitives or on a miss.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -75,17 +78,25 @@ struct PrimitiveGrid {
   std::array<double, 2> radius = {1, 2};    ///< of each circle, metres
   std::array<double, 2> gap = {0.1, 1};     ///< between the circles, metres
   std::array<double, 2> distance = {1, 9};  ///< from the base to the midpoint of the gap, metres
-  double max_similarity_error = 3;          ///< every primitive of the range has a match closer than this, m^2
+  double max_similarity_error = 3;          ///< every primitive of the range shall have a match closer than this, m^2
   int count = 0;                            ///< at least this many primitives
 };
 [[nodiscard]] Result<PrimitiveGrid> load_grid(const std::string& path);
 
 /// Draws a random primitive of the grid's range, canonical; the base lies in neither circle.
 [[nodiscard]] PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng);
-/// A sequence of canonical primitives that covers the grid, each far from those before it and from `known`;
-/// ends when the range is covered and `count` is reached. The same seed gives the same sequence.
-[[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::span<const PrimitiveKey> known,
-                                              std::uint64_t seed);
+/// A sequence of canonical primitives that covers the grid, each far from those before it; ends when `count` is
+/// reached and random primitives of the range keep finding a match. The same seed gives the same sequence, and a
+/// larger count continues it.
+[[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed);
+
+/// How well keys cover a grid: the similarity error of random primitives of the range to their nearest key.
+struct Coverage {
+  int probes = 0;
+  double median = 0, p95 = 0, max = 0;  ///< squared distances, m^2
+};
+[[nodiscard]] Coverage measure_coverage(const PrimitiveGrid& grid, std::span<const PrimitiveKey> keys,
+                                        int probes, std::uint64_t seed);
 
 struct LearnProgress {
   std::int64_t done = 0;       ///< primitives in the database, of those asked for

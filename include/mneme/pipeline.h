@@ -26,6 +26,7 @@ struct SolveSettings {
   int max_matches = 8;
   double learn_budget_s = 0;
   double resolution = 0;
+  Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
   DecomposeSettings decompose;
   LearnSettings learn;

@@ -56,7 +56,7 @@ template <class Settings, class Visitor>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 0.0, 1e3,
         "longest single extension of a tree, radians of L2 joint distance; 0 picks the robot's default "
-        "(0.4 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones explore slowly");
+        "(0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones explore slowly");
   visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
   visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
         "iteration limit, 0 for none; with a seed it makes a run repeatable whatever the machine's load");
@@ -118,9 +118,10 @@ struct PlannerEntry {
 /// The robot's default extension range, radians.
 [[nodiscard]] double default_range(const Robot& robot);
 
-/// Shortens `path` by replacing stretches between random points of it with straight motions that are free at
-/// ten times the resolution (Geraerts and Overmars, DOI 10.1177/0278364907079280). Keeps both ends.
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
+/// Shortens `path` by replacing stretches between random points of it with straight free motions (Geraerts and
+/// Overmars, DOI 10.1177/0278364907079280). Keeps both ends. With `verify` the new motions are free at
+/// kVerificationRefinement times the resolution.
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts, bool verify,
               CheckCounters& counters);
 
 /// The first motion of `path` that is in contact at ten times the checker's resolution, or -1 if none is.

@@ -20,6 +20,7 @@ struct Problem {
   Scene scene;
   Configuration start;
   std::vector<Configuration> goals;  ///< any of them will do; not empty
+  std::vector<std::string> warnings;  ///< what was left aside while reading, such as values of unknown joints
 };
 
 /// What may be set from outside the problem's file.

@@ -20,6 +20,6 @@ Path to_path(const std::vector<std::vector<float>>& path) {
   return result;
 }
 
-std::string format_seconds(double seconds) { return fmt::format("{:g} s", seconds); }
+std::string format_seconds(double seconds) { return fmt::format("{:.3g} s", seconds); }
 
 }  // namespace mneme::internal

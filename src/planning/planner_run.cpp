@@ -122,7 +122,8 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
 void PlannerRun::simplify() {
   const Stopwatch stopwatch;
   const Path planned = result_.path;
-  shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts, counters_);
+  shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts,
+           settings_.verify, counters_);
   result_.simplification_time_s = stopwatch.elapsed_s();
   if (!settings_.verify) return;
   // Cutting a motion moves the states that are looked at.

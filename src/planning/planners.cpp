@@ -15,7 +15,7 @@ constexpr std::array<PlannerEntry, 3> kPlanners = {{
     {"prm", &prm, "a roadmap grown until start and goal are connected"},
 }};
 
-constexpr double kPlanarRange = 0.4;
+constexpr double kPlanarRange = 0.64;
 constexpr double kSpatialRange = 0.5;
 
 }  // namespace

@@ -23,10 +23,11 @@ class RrtConnect {
 
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
-    for (int turn = 1; run_.begin_iterations(); ++turn) {
-      auto [growing, other] = choose_trees(turn);
+    while (run_.begin_iterations()) {
+      auto [growing, other] = choose_trees();
       const Origin origin = run_.sample(q);
       const int node = grow(*growing, q);
+      rejections_ = node < 0 ? rejections_ + 1 : 0;
       if (node < 0) {
         run_.report(origin, SampleOutcome::rejected);
         continue;
@@ -45,11 +46,12 @@ class RrtConnect {
 
  private:
   /// The tree to grow and the one to connect to it. The smaller tree grows, so that the one in the open does not
-  /// fill up while the other one is still in a passage; now and then the larger one, lest it starve.
-  std::pair<Tree*, Tree*> choose_trees(int turn) {
-    constexpr int kTurnsPerLargerTree = 8;
+  /// fill up while the other one is still in a passage; after many rejections the larger one, lest it starve.
+  std::pair<Tree*, Tree*> choose_trees() {
+    constexpr int kPatience = 1000;
     const bool is_start_smaller = start_tree_.size() <= goal_tree_.size();
-    const bool is_larger_due = turn % kTurnsPerLargerTree == 0;
+    const bool is_larger_due = rejections_ >= kPatience;
+    if (is_larger_due) rejections_ = 0;
     if (is_start_smaller != is_larger_due) return {&start_tree_, &goal_tree_};
     return {&goal_tree_, &start_tree_};
   }
@@ -84,6 +86,7 @@ class RrtConnect {
 
   PlannerRun& run_;
   Tree start_tree_, goal_tree_;
+  int rejections_ = 0;  ///< in a row
   FloatPath path_;
   int goal_ = 0;
 };

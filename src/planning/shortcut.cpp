@@ -18,8 +18,8 @@ struct PathPoint {
 
 class Shortcutter {
  public:
-  Shortcutter(const CollisionChecker& checker, Path& path, CheckCounters& counters)
-      : checker_(checker), path_(path), space_(checker.robot()), counters_(counters) {
+  Shortcutter(const CollisionChecker& checker, Path& path, bool verify, CheckCounters& counters)
+      : checker_(checker), path_(path), space_(checker.robot()), verify_(verify), counters_(counters) {
     for (const Configuration& q : path) nodes_.push_back(internal::to_floats(q));
     measure();
   }
@@ -68,7 +68,7 @@ class Shortcutter {
  private:
   bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end) {
     return checker_.is_motion_valid(from, to, counters_) &&
-           internal::is_motion_verified(checker_, from, to, is_at_end, counters_);
+           (!verify_ || internal::is_motion_verified(checker_, from, to, is_at_end, counters_));
   }
 
   void erase_between(std::size_t first, std::size_t last) {
@@ -106,6 +106,7 @@ class Shortcutter {
   const CollisionChecker& checker_;
   Path& path_;
   internal::JointSpace space_;
+  bool verify_;
   CheckCounters& counters_;
   std::vector<std::vector<float>> nodes_;
   std::vector<float> lengths_, delta_;
@@ -120,10 +121,10 @@ double path_length(const Robot& robot, const Path& path) {
   return length;
 }
 
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts, bool verify,
               CheckCounters& counters) {
   if (path.size() < 3) return;
-  Shortcutter shortcutter(checker, path, counters);
+  Shortcutter shortcutter(checker, path, verify, counters);
   shortcutter.drop_waypoints();
   Rng rng(seed);
   for (int i = 0; i < attempts; ++i) shortcutter.attempt(rng);

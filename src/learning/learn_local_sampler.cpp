@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Section IV-A of the paper. One departure makes learning cheap: queries go from the last link to the first, that
+// is from shallow to deep, and each one samples with Algorithm 1 from what the shallower ones have taught.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.h"
+#include "learning/planar_chain.h"
+#include "learning/threaded.h"
+#include "mneme/learning.h"
+
+namespace mneme {
+namespace {
+
+constexpr int kThreadedAttempts = 300;
+constexpr int kFreeAttempts = 100;
+constexpr int kGoalsPerQuery = 4;
+constexpr double kBootstrapLambda = 0.5;
+constexpr double kBootstrapSigma = 0.1;
+
+class Learner {
+ public:
+  Learner(const CollisionChecker& checker, const internal::PlanarChain& chain, const PrimitiveKey& key,
+          const LearnSettings& settings, std::uint64_t seed, double deadline_s)
+      : checker_(checker),
+        chain_(chain),
+        key_(key),
+        settings_(settings),
+        rng_(seed),
+        deadline_s_(deadline_s),
+        uniform_(make_uniform_sampler(checker.robot())) {
+    result_.sampler.joint_count = checker.robot().joint_count();
+  }
+
+  LearnResult run() {
+    for (int link = chain_.link_count() - 1; link >= 0 && !is_late(); --link) learn_from_link(link);
+    if (settings_.merge_cliques && result_.sampler.component_count() > 0) {
+      result_.sampler = merge_cliques(checker_, result_.sampler);
+    }
+    result_.time_s = stopwatch_.elapsed_s();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool is_late() const { return deadline_s_ > 0 && stopwatch_.elapsed_s() >= deadline_s_; }
+
+  void learn_from_link(int link) {
+    const std::shared_ptr<const Sampler> sampler = make_sampler();
+    for (int i = 0; i < settings_.starts_per_link && !is_late(); ++i) {
+      const auto start = internal::sample_threaded(checker_, chain_, key_, link, kThreadedAttempts, rng_);
+      if (!start) return;
+      PlanQuery query{*start, free_configurations()};
+      if (query.goals.empty()) return;
+      for (int j = 0; j < settings_.paths_per_start && !is_late(); ++j) {
+        if (!learn_from_query(query, *sampler)) break;
+      }
+    }
+  }
+
+  /// Algorithm 1 over what was learned so far.
+  std::shared_ptr<const Sampler> make_sampler() {
+    if (result_.sampler.component_count() == 0) return uniform_;
+    auto so_far = std::make_shared<const GaussianMixture>(result_.sampler);
+    return make_mixed_sampler(kBootstrapLambda,
+                              make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma), uniform_);
+  }
+
+  std::vector<Configuration> free_configurations() {
+    std::vector<Configuration> found;
+    for (int i = 0; i < kFreeAttempts && static_cast<int>(found.size()) < kGoalsPerQuery; ++i) {
+      Configuration q;
+      for (int j = 0; j < checker_.robot().joint_count(); ++j) {
+        const Joint& joint = checker_.robot().group_joint(j);
+        q.push_back(rng_.uniform(joint.lower, joint.upper));
+      }
+      const bool is_out = internal::first_crossing_link(chain_, key_, q) < 0;
+      if (is_out && checker_.is_valid(std::span<const double>(q))) found.push_back(std::move(q));
+    }
+    return found;
+  }
+
+  bool learn_from_query(const PlanQuery& query, const Sampler& sampler) {
+    PlanSettings plan;
+    plan.range = settings_.range;
+    plan.max_iterations = static_cast<std::uint64_t>(settings_.max_iterations);
+    plan.timeout_s = deadline_s_ > 0 ? std::max(0.0, deadline_s_ - stopwatch_.elapsed_s()) : 1e6;
+    plan.seed = rng_.next();
+    plan.verify = false;
+    const PlanResult planned = rrt_connect(checker_, query, sampler, plan);
+    ++result_.queries;
+    result_.iterations += planned.iterations;
+    if (!planned.is_solved()) return false;
+    ++result_.solved;
+    // The last waypoint is an arbitrary configuration outside; it says nothing about the gap.
+    for (std::size_t i = 0; i + 1 < planned.path.size(); ++i) {
+      std::vector<float>& means = result_.sampler.means;
+      means.insert(means.end(), planned.path[i].begin(), planned.path[i].end());
+    }
+    return true;
+  }
+
+  internal::Stopwatch stopwatch_;
+  const CollisionChecker& checker_;
+  const internal::PlanarChain& chain_;
+  const PrimitiveKey& key_;
+  const LearnSettings& settings_;
+  Rng rng_;
+  double deadline_s_;
+  std::shared_ptr<const Sampler> uniform_;
+  LearnResult result_;
+};
+
+}  // namespace
+
+std::string describe(const LearnSettings& settings) {
+  std::string text;
+  visit_settings(settings, [&](const char* name, const auto& value, auto, auto, const char*) {
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value);
+  });
+  return text;
+}
+
+Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
+                                        const LearnSettings& settings, std::uint64_t seed, double deadline_s) {
+  const auto chain = internal::PlanarChain::make(robot);
+  if (!chain) return tl::unexpected(chain.error());
+  CheckerSettings checking;
+  checking.resolution = settings.resolution;
+  const auto checker = CollisionChecker::make(robot, make_scene(key), checking);
+  if (!checker) return tl::unexpected(checker.error());
+  return Learner(*checker, *chain, key, settings, seed, deadline_s).run();
+}
+
+}  // namespace mneme

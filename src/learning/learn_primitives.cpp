@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <condition_variable>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "base/stopwatch.h"
+#include "mneme/learning.h"
+
+namespace mneme {
+namespace {
+
+/// Rows that wait for one transaction: a commit costs a few milliseconds, a killed job loses at most these.
+constexpr std::size_t kRowsPerTransaction = 32;
+
+/// Seed of one primitive: depends on the primitive, not on its place in a list.
+std::uint64_t task_seed(std::uint64_t seed, const PrimitiveKey& key) {
+  for (const double value : key) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    seed = derive_seed(seed, bits);
+  }
+  return seed;
+}
+
+class LearnRun {
+ public:
+  LearnRun(const Robot& robot, std::span<const PrimitiveKey> keys, Database& database, const LearnJob& job)
+      : robot_(robot), database_(database), job_(job), settings_text_(describe(job.settings)) {
+    std::set<std::uint64_t> known;
+    for (std::int64_t i = 0; i < database.size(); ++i) {
+      const Provenance& provenance = database.get(i).provenance;
+      if (provenance.settings == settings_text_) known.insert(provenance.seed);
+    }
+    for (const PrimitiveKey& key : keys) {
+      const std::uint64_t seed = task_seed(job.seed, key);
+      if (known.insert(seed).second) tasks_.push_back({key, seed});
+    }
+    summary_.skipped = static_cast<std::int64_t>(keys.size() - tasks_.size());
+  }
+
+  Result<LearnSummary> run() {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < std::max(1, job_.jobs); ++i) workers.emplace_back([this] { work(); });
+    store_results();
+    workers.clear();
+    if (error_) return tl::unexpected(*error_);
+    summary_.is_cancelled = is_cancelled();
+    summary_.time_s = stopwatch_.elapsed_s();
+    return summary_;
+  }
+
+ private:
+  struct Task {
+    PrimitiveKey key;
+    std::uint64_t seed = 0;
+  };
+
+  [[nodiscard]] bool is_cancelled() const { return job_.cancel != nullptr && job_.cancel->load(); }
+
+  void work() {
+    for (;;) {
+      const std::size_t task = next_task_.fetch_add(1);
+      if (task >= tasks_.size() || has_failed_.load() || is_cancelled()) return;
+      auto learned =
+          learn_local_sampler(robot_, tasks_[task].key, job_.settings, tasks_[task].seed);
+      const std::lock_guard lock(mutex_);
+      finished_.emplace(task, std::move(learned));
+      is_finished_.notify_one();
+    }
+  }
+
+  /// Inserts results in the order of the keys, so that the file does not depend on the threads.
+  void store_results() {
+    std::vector<Experience> rows;
+    double last_progress_s = 0;
+    for (std::size_t task = 0; task < tasks_.size() && !has_failed_.load(); ++task) {
+      auto learned = wait_for(task);
+      if (!learned) break;
+      if (!*learned) return stop_with(learned->error());
+      rows.push_back(make_row(tasks_[task], std::move((*learned)->sampler)));
+      if (rows.size() >= kRowsPerTransaction && !insert(rows)) return;
+      if (job_.on_progress && stopwatch_.elapsed_s() - last_progress_s >= 1) {
+        last_progress_s = stopwatch_.elapsed_s();
+        report_progress();
+      }
+    }
+    if (!insert(rows)) return;
+    if (job_.on_progress) report_progress();
+  }
+
+  /// The result of `task`, or nothing if the job was cancelled before it.
+  std::optional<Result<LearnResult>> wait_for(std::size_t task) {
+    std::unique_lock lock(mutex_);
+    while (!finished_.contains(task)) {
+      if (is_cancelled()) return std::nullopt;
+      is_finished_.wait_for(lock, std::chrono::milliseconds(50));
+    }
+    auto node = finished_.extract(task);
+    return std::move(node.mapped());
+  }
+
+  Experience make_row(const Task& task, LocalSampler sampler) {
+    ++summary_.learned;
+    summary_.components += sampler.component_count();
+    if (sampler.component_count() == 0) ++summary_.empty;
+    Experience row;
+    row.key = task.key;
+    row.sampler = std::move(sampler);
+    row.provenance.tool = "mneme " + std::string(version());
+    row.provenance.settings = settings_text_;
+    row.provenance.seed = task.seed;
+    return row;
+  }
+
+  bool insert(std::vector<Experience>& rows) {
+    if (rows.empty()) return true;
+    auto inserted = database_.insert(std::exchange(rows, {}));
+    if (!inserted) stop_with(inserted.error());
+    return inserted.has_value();
+  }
+
+  void stop_with(Error error) {
+    error_ = std::move(error);
+    has_failed_.store(true);
+  }
+
+  void report_progress() const {
+    const auto total = static_cast<std::int64_t>(tasks_.size()) + summary_.skipped;
+    job_.on_progress(
+        {summary_.learned + summary_.skipped, total, summary_.components, stopwatch_.elapsed_s()});
+  }
+
+  internal::Stopwatch stopwatch_;
+  const Robot& robot_;
+  Database& database_;
+  const LearnJob& job_;
+  std::string settings_text_;
+  std::vector<Task> tasks_;
+  std::atomic<std::size_t> next_task_ = 0;
+  std::atomic<bool> has_failed_ = false;
+  std::mutex mutex_;
+  std::condition_variable is_finished_;
+  std::map<std::size_t, Result<LearnResult>> finished_;
+  std::optional<Error> error_;
+  LearnSummary summary_;
+};
+
+}  // namespace
+
+Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
+                                      Database& database, const LearnJob& job) {
+  return LearnRun(robot, keys, database, job).run();
+}
+
+}  // namespace mneme

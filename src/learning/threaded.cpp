@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Threaded configurations are built link by link: the links before the gap at random, the two links that lead into
+// it by two-link inverse kinematics onto a random point of the gap, the links behind it at random again.
+#include "learning/threaded.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mneme {
+namespace internal {
+namespace {
+
+constexpr int kTriesPerLink = 8;
+
+class ThreadedBuilder {
+ public:
+  ThreadedBuilder(const PlanarChain& chain, const PrimitiveKey& key, Rng& rng)
+      : chain_(chain), key_(key), gap_(gap_segment(key)), rng_(rng) {}
+
+  /// Directions of all links, or nothing if this attempt failed.
+  std::optional<std::vector<double>> build(int first_link) {
+    points_.assign(1, Vec2::Zero());
+    directions_.clear();
+    const int random_links = std::max(0, first_link - 1);
+    for (int link = 0; link < random_links; ++link) {
+      if (!add_random_link(false)) return std::nullopt;
+    }
+    if (!(first_link == 0 ? aim_one_link() : aim_two_links())) return std::nullopt;
+    for (int link = first_link + 1; link < chain_.link_count(); ++link) {
+      if (!add_random_link(true)) return std::nullopt;
+    }
+    return directions_;
+  }
+
+ private:
+  /// Appends a link if it is free: outside both circles, crossing no link but its neighbour, and crossing the
+  /// gap only if it `may_cross`.
+  bool add_link(double direction, bool may_cross) {
+    const auto link = static_cast<int>(directions_.size());
+    const Vec2 from = points_.back();
+    const Vec2 to = from + chain_.length(link) * Vec2(std::cos(direction), std::sin(direction));
+    if (hits_circle(from, to, 0) || hits_circle(from, to, 3)) return false;
+    if (!may_cross && do_segments_cross(from, to, gap_.a, gap_.b)) return false;
+    for (std::size_t i = 0; i + 2 < points_.size(); ++i) {
+      if (do_segments_cross(from, to, points_[i], points_[i + 1])) return false;
+    }
+    directions_.push_back(direction);
+    points_.push_back(to);
+    return true;
+  }
+
+  bool add_random_link(bool may_cross) {
+    for (int i = 0; i < kTriesPerLink; ++i) {
+      if (add_link(rng_.uniform(-std::numbers::pi, std::numbers::pi), may_cross)) return true;
+    }
+    return false;
+  }
+
+  bool hits_circle(const Vec2& from, const Vec2& to, std::size_t circle) const {
+    const Vec2 center(key_[circle], key_[circle + 1]);
+    const Vec2 along = to - from;
+    const double t = std::clamp((center - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (from + t * along - center).norm() <= key_[circle + 2];
+  }
+
+  Vec2 random_gap_point() { return gap_.a + rng_.uniform() * (gap_.b - gap_.a); }
+
+  bool aim_one_link() {
+    const Vec2 target = random_gap_point() - points_.back();
+    if (target.norm() > chain_.length(0)) return false;
+    return add_link(std::atan2(target.y(), target.x()), true);
+  }
+
+  /// Link k - 1, then link k through a point of the gap at a random fraction of its length.
+  bool aim_two_links() {
+    const auto first = static_cast<int>(directions_.size());
+    const Vec2 target = random_gap_point() - points_.back();
+    const double distance = target.norm();
+    const double a = chain_.length(first);
+    const double b = rng_.uniform() * chain_.length(first + 1);
+    if (distance >= a + b || distance <= std::abs(a - b)) return false;
+    const double toward = std::atan2(target.y(), target.x());
+    const double shoulder = std::acos((a * a + distance * distance - b * b) / (2 * a * distance));
+    const double direction = toward + (rng_.index(2) == 0 ? shoulder : -shoulder);
+    if (!add_link(direction, false)) return false;
+    const Vec2 rest = target - a * Vec2(std::cos(direction), std::sin(direction));
+    return add_link(std::atan2(rest.y(), rest.x()), true);
+  }
+
+  const PlanarChain& chain_;
+  const PrimitiveKey& key_;
+  GapSegment gap_;
+  Rng& rng_;
+  std::vector<Vec2> points_;
+  std::vector<double> directions_;
+};
+
+}  // namespace
+
+int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key, std::span<const double> q) {
+  std::vector<Vec2> points;
+  chain.points(q, points);
+  const GapSegment gap = gap_segment(key);
+  for (int link = 0; link < chain.link_count(); ++link) {
+    const auto i = static_cast<std::size_t>(link);
+    if (do_segments_cross(points[i], points[i + 1], gap.a, gap.b)) return link;
+  }
+  return -1;
+}
+
+std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PlanarChain& chain,
+                                             const PrimitiveKey& key, int first_link, int attempts, Rng& rng) {
+  ThreadedBuilder builder(chain, key, rng);
+  for (int i = 0; i < attempts; ++i) {
+    const auto directions = builder.build(first_link);
+    if (!directions) continue;
+    Configuration q = chain.joint_values(*directions);
+    if (checker.is_valid(std::span<const double>(q))) return q;
+  }
+  return std::nullopt;
+}
+
+}  // namespace internal
+
+int first_crossing_link(const Robot& robot, const PrimitiveKey& key, std::span<const double> q) {
+  const auto chain = internal::PlanarChain::make(robot);
+  return chain ? internal::first_crossing_link(*chain, key, q) : -1;
+}
+
+std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PrimitiveKey& key,
+                                             int first_link, int attempts, Rng& rng) {
+  const auto chain = internal::PlanarChain::make(checker.robot());
+  if (!chain) return std::nullopt;
+  return internal::sample_threaded(checker, *chain, key, first_link, attempts, rng);
+}
+
+}  // namespace mneme

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Algorithm 2 of the paper, "Create GL-Sampler".
+#include "base/stopwatch.h"
+#include "mneme/pipeline.h"
+#include "pipeline/synthesize.h"
+
+namespace mneme {
+namespace {
+
+/// Lines 6 and 7: creates the local sampler of a primitive that has no match, and inserts it.
+Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, double deadline_s,
+                           Database& database, PrimitiveRetrieval& retrieval) {
+  LearnSettings learning = settings.learn;
+  learning.resolution = settings.resolution;
+  auto learned = learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed, deadline_s);
+  if (!learned) return tl::unexpected(learned.error());
+  // What a short budget left without a component may be no obstacle with a longer one.
+  if (learned->sampler.component_count() == 0) return {};
+  Experience row;
+  row.key = retrieval.primitive.key;
+  row.sampler = std::move(learned->sampler);
+  row.provenance = {"mneme " + std::string(version()), describe(learning) + " budget", settings.plan.seed, {}};
+  std::vector<Experience> rows;
+  rows.push_back(std::move(row));
+  if (auto inserted = database.insert(std::move(rows)); !inserted) return tl::unexpected(inserted.error());
+  retrieval.is_learned = true;
+  return {};
+}
+
+}  // namespace
+
+Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
+                                    const SolveSettings& settings) {
+  const internal::Stopwatch stopwatch;
+  GlSampler gl;
+  auto primitives = decompose(robot, scene, settings.decompose);
+  if (!primitives) return tl::unexpected(primitives.error());
+  const auto retrieve = [&](const LocalPrimitive& primitive) {
+    return database.find(primitive, settings.similarity, settings.max_matches);
+  };
+  for (LocalPrimitive& primitive : *primitives) {
+    PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
+    retrieval.primitive = std::move(primitive);
+    retrieval.matches = retrieve(retrieval.primitive);
+    const double budget_s = settings.learn_budget_s - gl.learning_time_s;
+    if (!retrieval.matches.empty() || budget_s <= 0) continue;
+    const internal::Stopwatch learning;
+    auto learned = learn_on_miss(robot, settings, budget_s, database, retrieval);
+    if (!learned) return tl::unexpected(learned.error());
+    if (retrieval.is_learned) retrieval.matches = retrieve(retrieval.primitive);
+    gl.learning_time_s += learning.elapsed_s();
+  }
+  gl.mixture = std::make_shared<const GaussianMixture>(internal::synthesize(robot, gl.primitives));
+  gl.retrieval_time_s = stopwatch.elapsed_s() - gl.learning_time_s;
+  return gl;
+}
+
+}  // namespace mneme

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/synthesize.h"
+
+#include <algorithm>
+
+#include "robot/joint_space.h"
+
+namespace mneme::internal {
+namespace {
+
+class Synthesizer {
+ public:
+  explicit Synthesizer(const Robot& robot) : space_(robot) { pooled_.joint_count = robot.joint_count(); }
+
+  void add(const Match& match, Origin origin) {
+    const GaussianMixture& local = match.experience->sampler;
+    const auto joints = static_cast<std::size_t>(local.joint_count);
+    const std::size_t row_size = joints * (joints + 1) / 2;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(local.component_count()); ++i) {
+      if (!add_moved_mean(match.to_scene, {local.means.data() + i * joints, joints})) continue;
+      pooled_.origins.push_back(origin);
+      const int row = local.factor_rows.empty() ? -1 : local.factor_rows[i];
+      if (row < 0) {
+        pooled_.factor_rows.push_back(-1);
+        continue;
+      }
+      // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
+      pooled_.factor_rows.push_back(static_cast<int>(pooled_.factors.size() / row_size));
+      const auto begin = local.factors.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * row_size);
+      pooled_.factors.insert(pooled_.factors.end(), begin, begin + static_cast<std::ptrdiff_t>(row_size));
+    }
+  }
+
+  GaussianMixture take() { return std::move(pooled_); }
+
+ private:
+  bool add_moved_mean(const Symmetry& motion, std::span<const float> mean) {
+    const std::size_t begin = pooled_.means.size();
+    const float sign = motion.is_mirrored ? -1.0f : 1.0f;
+    for (const float value : mean) pooled_.means.push_back(sign * value);
+    pooled_.means[begin] += static_cast<float>(motion.rotation);
+    bool is_inside = true;
+    for (std::size_t j = 0; j < mean.size(); ++j) {
+      const float value = pooled_.means[begin + j];
+      const float inside = space_.into_limits(static_cast<int>(j), value);
+      is_inside = is_inside && (space_.periods()[j] > 0 || std::abs(inside - value) <= kLimitTolerance);
+      pooled_.means[begin + j] = inside;
+    }
+    if (!is_inside) pooled_.means.resize(begin);
+    return is_inside;
+  }
+
+  static constexpr float kLimitTolerance = 1e-5f;
+  JointSpace space_;
+  GaussianMixture pooled_;
+};
+
+}  // namespace
+
+GaussianMixture synthesize(const Robot& robot, std::span<const PrimitiveRetrieval> primitives) {
+  Synthesizer synthesizer(robot);
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    for (const Match& match : primitives[i].matches) synthesizer.add(match, static_cast<Origin>(i));
+  }
+  return synthesizer.take();
+}
+
+}  // namespace mneme::internal
