@@ -42,12 +42,25 @@ struct Database::State {
     rows.push_back(std::move(row));
   }
 
+  /// The platform's shared locks let readers in as long as there are any. Whoever waits to write
+  /// keeps the door, so that threads that search without a pause cannot hold up an insertion for
+  /// ever.
+  [[nodiscard]] std::shared_lock<std::shared_mutex> lock_to_read() const {
+    const std::lock_guard entering(door);
+    return std::shared_lock(mutex);
+  }
+  [[nodiscard]] std::unique_lock<std::shared_mutex> lock_to_write() const {
+    const std::lock_guard entering(door);
+    return std::unique_lock(mutex);
+  }
+
   const std::string url;
   const ExperienceSpace space;
   const int schema_version;
   std::mutex writing;
   std::optional<Connection> connection;  // none if opened for reading
 
+  mutable std::mutex door;
   mutable std::shared_mutex mutex;
   std::deque<Experience> rows;  // never moves an element, so that Matches stay valid
   internal::ExperienceIndex index;
@@ -183,7 +196,7 @@ Result<Database> Database::inspect(const std::string& path) {
 const ExperienceSpace& Database::space() const { return state_->space; }
 
 DatabaseInfo Database::info() const {
-  const std::shared_lock lock(state_->mutex);
+  const auto lock = state_->lock_to_read();
   return {state_->url,
           state_->space,
           static_cast<std::int64_t>(state_->rows.size()),
@@ -193,12 +206,12 @@ DatabaseInfo Database::info() const {
 }
 
 std::int64_t Database::size() const {
-  const std::shared_lock lock(state_->mutex);
+  const auto lock = state_->lock_to_read();
   return static_cast<std::int64_t>(state_->rows.size());
 }
 
 const Experience& Database::get(std::int64_t position) const {
-  const std::shared_lock lock(state_->mutex);
+  const auto lock = state_->lock_to_read();
   return state_->rows[static_cast<std::size_t>(position)];
 }
 
@@ -206,7 +219,7 @@ std::vector<Match> Database::find(const LocalPrimitive& primitive, double thresh
                                   int max_matches) const {
   if (primitive.key.size() != static_cast<std::size_t>(state_->space.key_size)) return {};
   const std::vector<KeyImage> queries = images(primitive.key);
-  const std::shared_lock lock(state_->mutex);
+  const auto lock = state_->lock_to_read();
   std::vector<Match> matches;
   for (const auto& found : state_->index.find(queries, threshold, max_matches)) {
     const Symmetry to_canonical{0, queries[found.image].is_mirrored};
@@ -225,7 +238,7 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
   }
   auto ids = internal::append_rows(*state_->connection, rows);
   if (!ids) return ids;
-  const std::unique_lock lock(state_->mutex);
+  const auto lock = state_->lock_to_write();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].id = (*ids)[i];
     state_->append(std::move(rows[i]));

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/fixtures.h"
+
+namespace mneme::test {
+namespace {
+
+constexpr int kRowCount = 40;
+
+std::string sound_file(const std::string& path) {
+  Rng rng(81);
+  {
+    Database database = open_database(path);
+    for (int i = 0; i < kRowCount / 4; ++i) REQUIRE(database.insert(random_rows(rng, 4, 30)));
+  }
+  return read_file(path);
+}
+
+void remove_database(const std::string& path) {
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(path + suffix);
+  }
+}
+
+bool has_same_rows(const Database& a, const Database& b) {
+  if (a.size() != b.size()) return false;
+  for (std::int64_t i = 0; i < a.size(); ++i) {
+    if (a.get(i).id != b.get(i).id || !is_same_content(a.get(i), b.get(i))) return false;
+  }
+  return true;
+}
+
+/// True if the file is either refused, and then known to be damaged, or as good as the sound one.
+bool is_refused_or_sound(const std::string& path, const Database& sound) {
+  const auto opened = Database::open(path, arm_space(), OpenMode::read_only);
+  const auto damages = verify_database(path);
+  if (opened) return has_same_rows(*opened, sound);
+  const bool is_known_reason =
+      opened.error().code == ErrorCode::corrupt || opened.error().code == ErrorCode::unsupported;
+  return is_known_reason && (!damages || !damages->empty());
+}
+
+/// True if a row can be added without harm to those there are, or is refused.
+bool can_grow_or_is_refused(const std::string& path, const Experience& row) {
+  {
+    auto opened = Database::open(path, arm_space(), OpenMode::read_write);
+    if (!opened || !opened->insert({row})) return true;
+  }
+  const auto reopened = Database::open(path, arm_space(), OpenMode::read_only);
+  return reopened && reopened->size() == kRowCount + 1 && verify_database(path)->empty();
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("a flipped bit is noticed or does no harm") {
+    const std::uint64_t seed = 82;
+    const TemporaryDirectory directory;
+    const std::string bytes = sound_file(directory / "sound.db");
+    const Database sound = open_database(directory / "sound.db", OpenMode::read_only);
+    Rng rng(seed);
+    int refused = 0;
+    for (int i = 0; i < 600; ++i) {
+      // Half of the flips hit the first pages, where the file is described.
+      const std::size_t range = i % 2 == 0 ? bytes.size() : 4 * 8192;
+      const std::size_t position = i < 100 ? static_cast<std::size_t>(i) : rng.index(range);
+      const int bit = static_cast<int>(rng.index(8));
+      std::string damaged = bytes;
+      damaged[position] = static_cast<char>(damaged[position] ^ (1 << bit));
+      write_file(directory / "a.db", damaged);
+      INFO("seed " << seed << ", bit " << bit << " of byte " << position);
+      REQUIRE(is_refused_or_sound(directory / "a.db", sound));
+      if (!Database::open(directory / "a.db", arm_space(), OpenMode::read_only)) ++refused;
+      if (i < 100 || i % 10 == 0) {
+        REQUIRE(can_grow_or_is_refused(directory / "a.db", sound.get(0)));
+      }
+      remove_database(directory / "a.db");
+    }
+    CHECK(refused > 100);
+  }
+
+  TEST_CASE("a file that was cut short is refused unless nothing is left of it") {
+    const std::uint64_t seed = 83;
+    const TemporaryDirectory directory;
+    const std::string bytes = sound_file(directory / "sound.db");
+    Rng rng(seed);
+    // SQLite takes a file of one byte for an empty one.
+    std::vector<std::size_t> sizes = {2, 15, 16, 50, 99, 100, 511, 512, 4096, bytes.size() - 1};
+    for (std::size_t size = 8192; size < bytes.size(); size += 8192) sizes.push_back(size);
+    for (int i = 0; i < 100; ++i) {
+      sizes.push_back(1 + rng.index(static_cast<std::uint32_t>(bytes.size()) - 1));
+    }
+    for (const std::size_t size : sizes) {
+      write_file(directory / "a.db", bytes.substr(0, size));
+      INFO("seed " << seed << ", " << size << " of " << bytes.size() << " bytes");
+      REQUIRE(open_error(directory / "a.db").code == ErrorCode::corrupt);
+      REQUIRE(open_error(directory / "a.db", OpenMode::create).code == ErrorCode::corrupt);
+      REQUIRE(!first_damage(directory / "a.db").empty());
+      remove_database(directory / "a.db");
+    }
+  }
+}
+
+}  // namespace mneme::test

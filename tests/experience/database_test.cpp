@@ -1,0 +1,268 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/fixtures.h"
+
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+PrimitiveKey swapped(const PrimitiveKey& key) {
+  return {key[3], key[4], key[5], key[0], key[1], key[2]};
+}
+
+double largest_difference(const PrimitiveKey& a, const PrimitiveKey& b) {
+  double result = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
+  return result;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("what is inserted can be read at once and after the next opening") {
+    const TemporaryDirectory directory;
+    Rng rng(51);
+    auto rows = random_rows(rng, 7);
+    rows[3].sampler = {};
+    {
+      Database database = open_database(directory / "a.db");
+      CHECK(database.size() == 0);
+      CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7});
+      CHECK(database.insert({rows[0]}) == std::vector<std::int64_t>{8});
+      CHECK(database.size() == 8);
+    }
+    rows[3].sampler.joint_count = 3;
+    rows.push_back(rows[0]);
+    for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
+      const Database database = open_database(directory / "a.db", mode);
+      REQUIRE(database.size() == 8);
+      for (int i = 0; i < 8; ++i) {
+        CHECK(database.get(i).id == i + 1);
+        CHECK(is_same_content(database.get(i), rows[static_cast<std::size_t>(i)]));
+      }
+    }
+  }
+
+  TEST_CASE("info counts samplers, components and bytes") {
+    const TemporaryDirectory directory;
+    Rng rng(52);
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert(random_rows(rng, 3, 5)));
+    const DatabaseInfo info = database.info();
+    CHECK(info.url == directory / "a.db");
+    CHECK(info.samplers == 3);
+    CHECK(info.components == 15);
+    CHECK(info.bytes > 8192);
+    CHECK(info.schema_version == 1);
+    CHECK(info.space.robot_name == "arm");
+  }
+
+  TEST_CASE("the time of insertion is filled in unless it is given") {
+    const TemporaryDirectory directory;
+    Rng rng(53);
+    auto rows = random_rows(rng, 2);
+    rows[1].provenance.time.clear();
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert(rows));
+    CHECK(database.get(0).provenance.time == "2020-01-02T03:04:05Z");
+    const std::string time = database.get(1).provenance.time;
+    REQUIRE(time.size() == 20);
+    CHECK(time.starts_with("20"));
+    CHECK(time[10] == 'T');
+    CHECK(time[19] == 'Z');
+  }
+
+  TEST_CASE("rows that do not fit are refused, and with them the whole batch") {
+    const TemporaryDirectory directory;
+    Rng rng(54);
+    Database database = open_database(directory / "a.db");
+    auto rows = random_rows(rng, 3);
+    rows[2].key[0] = std::numeric_limits<double>::quiet_NaN();
+    const auto inserted = database.insert(rows);
+    REQUIRE(!inserted.has_value());
+    CHECK(inserted.error().code == ErrorCode::invalid);
+    CHECK(inserted.error().message.find("row 2 of 3") != std::string::npos);
+    CHECK(database.size() == 0);
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 0);
+  }
+
+  TEST_CASE("a database that was opened for reading refuses rows") {
+    const TemporaryDirectory directory;
+    Rng rng(55);
+    open_database(directory / "a.db");
+    Database database = open_database(directory / "a.db", OpenMode::read_only);
+    const auto inserted = database.insert(random_rows(rng, 1));
+    REQUIRE(!inserted.has_value());
+    CHECK(inserted.error().code == ErrorCode::io);
+    CHECK(inserted.error().message.find("reading only") != std::string::npos);
+  }
+
+  TEST_CASE("the database of another robot is refused with both names and hashes") {
+    const TemporaryDirectory directory;
+    open_database(directory / "a.db");
+    ExperienceSpace other = arm_space();
+    other.robot_name = "panda";
+    other.robot_hash = "fedcba9876543210";
+    const Error error = open_error(directory / "a.db", OpenMode::read_write, other);
+    CHECK(error.code == ErrorCode::wrong_robot);
+    for (const char* part : {"'arm'", "0123456789abcdef", "'panda'", "fedcba9876543210"}) {
+      CHECK_MESSAGE(error.message.find(part) != std::string::npos, error.message);
+    }
+  }
+
+  TEST_CASE("each part of the space but the robot's name decides whether a database fits") {
+    const TemporaryDirectory directory;
+    open_database(directory / "a.db");
+    ExperienceSpace other = arm_space();
+    other.robot_name = "the same arm by another name";
+    CHECK(Database::open(directory / "a.db", other, OpenMode::read_write).has_value());
+    const std::vector<std::function<void(ExperienceSpace&)>> changes = {
+        [](ExperienceSpace& s) { s.robot_hash = "0"; },
+        [](ExperienceSpace& s) { s.decomposer = "pairs/2"; },
+        [](ExperienceSpace& s) { s.joint_count = 4; }, [](ExperienceSpace& s) { s.key_size = 7; }};
+    for (const auto& change : changes) {
+      other = arm_space();
+      change(other);
+      CHECK(open_error(directory / "a.db", OpenMode::create, other).code == ErrorCode::wrong_robot);
+    }
+  }
+
+  TEST_CASE("a missing file is an error unless it may be created") {
+    const TemporaryDirectory directory;
+    CHECK(open_error(directory / "a.db", OpenMode::read_only).code == ErrorCode::io);
+    CHECK(open_error(directory / "a.db", OpenMode::read_write).code == ErrorCode::io);
+    CHECK(!std::filesystem::exists(directory / "a.db"));
+    CHECK(!Database::inspect(directory / "a.db").has_value());
+  }
+
+  TEST_CASE("an empty file counts as an empty database") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 0);
+    CHECK(std::filesystem::file_size(directory / "a.db") == 0);
+    CHECK(Database::inspect(directory / "a.db")->info().schema_version == 0);
+    CHECK(verify_database(directory / "a.db")->empty());
+    Rng rng(56);
+    REQUIRE(open_database(directory / "a.db", OpenMode::read_write).insert(random_rows(rng, 1)));
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 1);
+  }
+
+  TEST_CASE("inspecting shows a database of any robot") {
+    const TemporaryDirectory directory;
+    Rng rng(57);
+    REQUIRE(open_database(directory / "a.db").insert(random_rows(rng, 2)));
+    const auto database = Database::inspect(directory / "a.db");
+    REQUIRE(database.has_value());
+    CHECK(database->space().robot_hash == "0123456789abcdef");
+    CHECK(database->size() == 2);
+  }
+
+  TEST_CASE("a space without joints cannot have a database") {
+    const TemporaryDirectory directory;
+    const Error error = open_error(directory / "a.db", OpenMode::create, ExperienceSpace{});
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(!std::filesystem::exists(directory / "a.db"));
+  }
+
+  TEST_CASE("matches stay valid while rows are added and the database is moved") {
+    const TemporaryDirectory directory;
+    Rng rng(58);
+    Database first = open_database(directory / "a.db");
+    const Experience row = random_experience(rng);
+    REQUIRE(first.insert({row}));
+    const auto matches = first.find(make_primitive(row.key), 0.1, 1);
+    REQUIRE(matches.size() == 1);
+    REQUIRE(first.insert(random_rows(rng, 2000, 1)));
+    const Database second = std::move(first);
+    CHECK(matches[0].experience == &second.get(0));
+    CHECK(is_same_content(*matches[0].experience, row));
+  }
+
+  TEST_CASE("a key of another size matches nothing") {
+    const TemporaryDirectory directory;
+    Rng rng(59);
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert(random_rows(rng, 3)));
+    LocalPrimitive primitive;
+    primitive.key = {1, 2, 3};
+    CHECK(database.find(primitive, 1e9, 0).empty());
+  }
+
+  TEST_CASE("a database that is read while another writes shows what was complete by then") {
+    const TemporaryDirectory directory;
+    Rng rng(60);
+    Database writer = open_database(directory / "a.db");
+    REQUIRE(writer.insert(random_rows(rng, 2)));
+    const Database reader = open_database(directory / "a.db", OpenMode::read_only);
+    REQUIRE(writer.insert(random_rows(rng, 3)));
+    CHECK(reader.size() == 2);
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 5);
+  }
+
+  TEST_CASE("closing the last writer leaves one file") {
+    const TemporaryDirectory directory;
+    Rng rng(61);
+    {
+      Database database = open_database(directory / "a.db");
+      REQUIRE(database.insert(random_rows(rng, 5)));
+      CHECK(std::filesystem::exists(directory / "a.db-wal"));
+    }
+    CHECK(!std::filesystem::exists(directory / "a.db-wal"));
+    CHECK(!std::filesystem::exists(directory / "a.db-shm"));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a stored primitive is found wherever it turns up, and its motion takes it there") {
+    const TemporaryDirectory directory;
+    Rng rng(62);
+    Database database = open_database(directory / "a.db");
+    const auto rows = random_rows(rng, 300, 1);
+    REQUIRE(database.insert(rows));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Symmetry motion{rng.uniform(-3, 3), rng.index(2) == 1};
+      const PrimitiveKey there = moved_key(motion, rows[i].key);
+      const PrimitiveKey pair = rng.index(2) == 1 ? swapped(there) : there;
+      const auto matches = database.find(make_primitive(pair), 1e-9, 0);
+      REQUIRE(matches.size() == 1);
+      REQUIRE(matches[0].experience->id == static_cast<std::int64_t>(i) + 1);
+      const PrimitiveKey arrived = moved_key(matches[0].to_scene, matches[0].experience->key);
+      REQUIRE(std::min(largest_difference(arrived, pair),
+                       largest_difference(arrived, swapped(pair))) < 1e-11);
+    }
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("find returns the nearest of all primitives under the threshold, nearest first") {
+    const std::uint64_t seed = 63;
+    const TemporaryDirectory directory;
+    Rng rng(seed);
+    Database database = open_database(directory / "a.db");
+    const auto rows = random_rows(rng, 800, 1);
+    REQUIRE(database.insert(rows));
+    for (int i = 0; i < 200; ++i) {
+      const LocalPrimitive primitive = make_primitive(random_key(rng));
+      const double threshold = rng.uniform(0, 3);
+      std::vector<std::pair<double, std::int64_t>> expected;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double error = similarity_error(primitive.key, rows[k].key);
+        if (error < threshold) expected.emplace_back(error, static_cast<std::int64_t>(k) + 1);
+      }
+      std::sort(expected.begin(), expected.end());
+      const auto all = database.find(primitive, threshold, 0);
+      const auto some = database.find(primitive, threshold, 8);
+      INFO("seed " << seed << ", query " << i);
+      REQUIRE(all.size() == expected.size());
+      REQUIRE(some.size() == std::min<std::size_t>(8, expected.size()));
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        REQUIRE(all[k].experience->id == expected[k].second);
+        REQUIRE(all[k].similarity_error == doctest::Approx(expected[k].first).epsilon(1e-12));
+        if (k < some.size()) REQUIRE(some[k].experience == all[k].experience);
+      }
+    }
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Experience to store, and child processes to kill.
+#pragma once
+
+#include "support/support.h"
+
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <functional>
+
+namespace mneme::test {
+
+inline ExperienceSpace arm_space() { return {"arm", "0123456789abcdef", "pairs/1", 3, 6}; }
+
+/// A canonical key of a pair with a gap.
+inline PrimitiveKey random_key(Rng& rng) {
+  const double a = rng.uniform(1, 2);
+  const double b = rng.uniform(1, 2);
+  const double half = 0.5 * (a + b + rng.uniform(0.1, 1));
+  const double x = rng.uniform(1, 9);
+  const double angle = rng.uniform(-3, 3);
+  const double dx = half * std::cos(angle);
+  const double dy = half * std::sin(angle);
+  return make_primitive({x + dx, dy, a, x - dx, -dy, b}).key;
+}
+
+/// `components` random means, some of them with a covariance of their own.
+inline Experience random_experience(Rng& rng, int components = 5) {
+  Experience experience;
+  experience.key = random_key(rng);
+  experience.sampler.joint_count = 3;
+  for (int i = 0; i < 3 * components; ++i) {
+    experience.sampler.means.push_back(static_cast<float>(rng.uniform(-3, 3)));
+  }
+  for (int i = 0; i < components; ++i) {
+    experience.sampler.factor_rows.push_back(i % 2 == 0 ? -1 : 0);
+    experience.sampler.origins.push_back(i);
+  }
+  for (int i = 0; i < 6; ++i) {
+    experience.sampler.factors.push_back(static_cast<float>(rng.uniform(0, 1)));
+  }
+  experience.provenance = {"test", "starts=3", rng.next(), "2020-01-02T03:04:05Z"};
+  return experience;
+}
+
+inline std::vector<Experience> random_rows(Rng& rng, int count, int components = 5) {
+  std::vector<Experience> rows;
+  for (int i = 0; i < count; ++i) rows.push_back(random_experience(rng, components));
+  return rows;
+}
+
+inline bool is_same_content(const Experience& a, const Experience& b) {
+  return a.key == b.key && a.sampler.joint_count == b.sampler.joint_count &&
+         a.sampler.means == b.sampler.means && a.sampler.factor_rows == b.sampler.factor_rows &&
+         a.sampler.factors == b.sampler.factors && a.sampler.origins == b.sampler.origins &&
+         a.provenance.tool == b.provenance.tool && a.provenance.settings == b.provenance.settings &&
+         a.provenance.seed == b.provenance.seed && a.provenance.time == b.provenance.time;
+}
+
+inline Database open_database(const std::string& path, OpenMode mode = OpenMode::create) {
+  auto database = Database::open(path, arm_space(), mode);
+  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
+  return std::move(*database);
+}
+
+/// Why opening fails; it must.
+inline Error open_error(const std::string& path, OpenMode mode = OpenMode::read_only,
+                        const ExperienceSpace& space = arm_space()) {
+  const auto database = Database::open(path, space, mode);
+  REQUIRE(!database.has_value());
+  CHECK(database.error().message.find(path) != std::string::npos);
+  return database.error();
+}
+
+inline std::string first_damage(const std::string& path) {
+  const auto damages = verify_database(path);
+  if (!damages) return damages.error().message;
+  return damages->empty() ? "" : damages->front().what;
+}
+
+/// Does to a file what mneme would not.
+inline void run_sql(const std::string& path, const std::string& sql) {
+  sqlite3* handle = nullptr;
+  REQUIRE(sqlite3_open(path.c_str(), &handle) == SQLITE_OK);
+  char* message = nullptr;
+  sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, &message);
+  CHECK_MESSAGE(message == nullptr, message);
+  sqlite3_free(message);
+  sqlite3_close(handle);
+}
+
+/// Starts `body` in a process of its own, which ends with its result.
+inline pid_t start_child(const std::function<int()>& body) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(body());
+  return child;
+}
+
+/// The exit status of a child, or -1 if it was killed.
+inline int wait_for(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/fixtures.h"
+
+#include "experience/row_check.h"
+
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+/// What is wrong with a sound row once `change` was done to it.
+std::string flaw_after(const std::function<void(Experience&)>& change) {
+  Rng rng(41);
+  Experience experience = random_experience(rng);
+  change(experience);
+  return internal::describe_flaw(experience, arm_space()).value_or("");
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a row whose sizes fit and whose numbers are finite is sound") {
+    CHECK(flaw_after([](Experience&) {}).empty());
+    CHECK(flaw_after([](Experience& e) { e.sampler.origins.clear(); }).empty());
+    CHECK(flaw_after([](Experience& e) {
+            e.sampler.factor_rows.clear();
+            e.sampler.factors.clear();
+          }).empty());
+  }
+
+  TEST_CASE("an empty sampler is sound whether or not it says for how many joints") {
+    CHECK(flaw_after([](Experience& e) { e.sampler = {}; }).empty());
+    CHECK(flaw_after([](Experience& e) {
+            e.sampler = {};
+            e.sampler.joint_count = 3;
+          }).empty());
+  }
+
+  TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {
+    CHECK(flaw_after([](Experience& e) { e.key.pop_back(); }) ==
+          "its key has 5 numbers; expected 6");
+    CHECK(flaw_after([](Experience& e) { e.key[2] = kNan; }).find("number 2 of its key") == 0);
+    CHECK(flaw_after([](Experience& e) { e.key[0] = -kInfinity; }).find("number 0") == 0);
+    CHECK(flaw_after([](Experience& e) { e.key[5] = 1.1e6; }).find("number 5") == 0);
+  }
+
+  TEST_CASE("a sampler of the wrong shape is a flaw") {
+    CHECK(flaw_after([](Experience& e) { e.sampler.joint_count = 4; }) ==
+          "its sampler is for 4 joints; expected 3");
+    CHECK(flaw_after([](Experience& e) { e.sampler.means.pop_back(); }) ==
+          "its 14 mean values are no multiple of 3");
+    CHECK(flaw_after([](Experience& e) { e.sampler.origins.pop_back(); }) ==
+          "it has 4 origins for 5 components");
+    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows.push_back(0); }) ==
+          "it has 6 factor rows for 5 components");
+    CHECK(flaw_after([](Experience& e) { e.sampler.factors.pop_back(); }) ==
+          "its 5 factor values are no multiple of 6");
+    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows[3] = 1; }) ==
+          "it refers to factor row 1 of 1");
+    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows[3] = -2; }) ==
+          "it refers to factor row -2 of 1");
+  }
+
+  TEST_CASE("a number that is not finite is a flaw") {
+    CHECK(flaw_after([](Experience& e) {
+            e.sampler.means[4] = kNan;
+          }).find("number 4 of its means") == 0);
+    CHECK(flaw_after([](Experience& e) {
+            e.sampler.factors[1] = kInfinity;
+          }).find("number 1 of its factors") == 0);
+  }
+}
+
+}  // namespace mneme::test
