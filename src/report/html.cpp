@@ -30,17 +30,21 @@ p { max-width: 72ch; margin: 0 0 12px; }
 .note, figcaption { color: var(--soft); font-size: 14px; }
 .card { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 18px;
   overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
-th, td { padding: 6px 12px; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
+table { border-collapse: collapse; width: 100%; font-size: 14px;
+  font-variant-numeric: tabular-nums; }
+th, td { padding: 6px 12px; text-align: left; border-bottom: 1px solid var(--line);
+  white-space: nowrap; }
 th { color: var(--soft); font-weight: 600; }
 tbody tr:last-child td { border-bottom: 0; }
 .number { text-align: right; }
 .bad { color: var(--bad); font-weight: 600; }
-.pictures { display: grid; gap: 20px; grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
+.pictures { display: grid; gap: 20px;
+  grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
 figure { margin: 0; }
 figure > svg { display: block; width: 100%; height: auto; }
 figcaption { padding-top: 10px; }
-.chart { display: block; width: 100%; min-width: 640px; max-width: 1080px; height: auto; font-size: 13px; }
+.chart { display: block; width: 100%; min-width: 640px; max-width: 1080px;
+  height: auto; font-size: 13px; }
 .chart text { fill: var(--ink); }
 .chart > text { fill: var(--soft); }
 .chart .grid { stroke: var(--line); }
