@@ -47,7 +47,8 @@ inline Problem gap_problem() {
           .robot_path = "",
           .scene = make_circle_scene("gap", {{2, 1, 0.7}, {2, -1, 0.6}}),
           .start = {0, 0, 0},
-          .goals = {{1.5, 0.4, 0.3}}};
+          .goals = {{1.5, 0.4, 0.3}},
+          .warnings = {}};
 }
 
 /// What the memory knew of that gap: one primitive with two matches, `components` means.
