@@ -55,11 +55,15 @@ struct Describe {
 
 }  // namespace
 
-void Input::fail(ErrorCode code, const std::string& what) const {
-  const std::string place =
+std::string Input::place(const std::string& what) const {
+  const std::string source =
       value_->line > 0 ? fmt::format("{}:{}", *source_, value_->line) : *source_;
-  throw InputFailure{{code, key_.empty() ? fmt::format("{}: {}", place, what)
-                                         : fmt::format("{}: key {}: {}", place, key_, what)}};
+  return key_.empty() ? fmt::format("{}: {}", source, what)
+                      : fmt::format("{}: key {}: {}", source, key_, what);
+}
+
+void Input::fail(ErrorCode code, const std::string& what) const {
+  throw InputFailure{{code, place(what)}};
 }
 
 void Input::fail_expecting(const std::string& expected) const {

@@ -67,7 +67,11 @@ class Input {
  public:
   Input(const InputValue& value, const std::string& source, std::string key = {})
       : value_(&value), source_(&source), key_(std::move(key)) {}
+  Input(const InputValue&, std::string&&, std::string = {}) = delete;
+  Input(InputValue&&, const std::string&, std::string = {}) = delete;
 
+  /// "SOURCE:LINE: key KEY: WHAT"
+  [[nodiscard]] std::string place(const std::string& what) const;
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
   /// Fails with "expected EXPECTED, got" and a description of the value.
   [[noreturn]] void fail_expecting(const std::string& expected) const;

@@ -11,6 +11,8 @@
 namespace mneme::test {
 namespace {
 
+const std::string kSource = "f";
+
 using internal::Input;
 
 /// Applies `read` to the YAML text and returns the message of its failure, or "" if there is none.
@@ -18,7 +20,7 @@ template <class Read>
 std::string failure(const std::string& yaml, Read&& read) {
   const auto result = internal::without_throwing([&] {
     const auto value = internal::parse_yaml(yaml, "f");
-    read(Input(value, "f"));
+    read(Input(value, kSource));
     return 0;
   });
   return result ? "" : result.error().message;
@@ -26,7 +28,7 @@ std::string failure(const std::string& yaml, Read&& read) {
 
 double number(const std::string& yaml) {
   const auto value = internal::parse_yaml(yaml, "f");
-  return Input(value, "f").number();
+  return Input(value, kSource).number();
 }
 
 TEST_SUITE("unit") {

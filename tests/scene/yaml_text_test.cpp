@@ -13,6 +13,8 @@
 namespace mneme::test {
 namespace {
 
+const std::string kSource = "f";
+
 using internal::Input;
 
 TEST_SUITE("unit") {
@@ -41,7 +43,7 @@ TEST_SUITE("law") {
       const double value = (rng.uniform() - 0.5) * std::pow(10.0, rng.uniform(-300, 300));
       const internal::InputValue read = {
           internal::InputValue::Text{internal::yaml_number(value), false}, 1};
-      REQUIRE(Input(read, "f").number() == value);
+      REQUIRE(Input(read, kSource).number() == value);
     }
   }
 
@@ -59,7 +61,7 @@ TEST_SUITE("law") {
     for (const std::string& text : texts) {
       CAPTURE(text);
       const auto read = internal::parse_yaml("k: " + internal::yaml_string(text), "f");
-      REQUIRE(Input(read, "f").at("k").text() == text);
+      REQUIRE(Input(read, kSource).at("k").text() == text);
     }
   }
 }

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Compact files: many problems of one robot as JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mneme/problem.h"
+
+namespace mneme::internal {
+
+/// FILE.json and NAME of "FILE.json#NAME"; without a file of that extension, nothing.
+struct CompactAddress {
+  std::string path;
+  std::string name;  ///< empty if not given
+};
+[[nodiscard]] std::optional<CompactAddress> split_address(const std::string& where);
+
+/// Throws InputFailure.
+[[nodiscard]] Problem read_compact_problem(const CompactAddress& address,
+                                           const ProblemOptions& options);
+
+}  // namespace mneme::internal

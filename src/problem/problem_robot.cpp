@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/problem_robot.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace mneme::internal {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+
+bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
+
+std::string find_path(const Input& input, const std::string& directory,
+                      const std::string& override_path) {
+  if (!override_path.empty()) {
+    return override_path;
+  }
+  const Input named = input.at("robot");
+  const std::string robot = named.text();
+  if (robot.find('/') != std::string::npos || robot.ends_with(".urdf")) {
+    return (std::filesystem::path(directory) / robot).string();
+  }
+  const Result<std::string> found = find_robot(robot);
+  if (!found) {
+    named.fail(found.error().code, found.error().message);
+  }
+  return *found;
+}
+
+/// Why the value of a joint cannot be fixed, or nothing.
+std::string describe_obstruction(const Robot& robot, const std::string& name) {
+  const auto joints = robot.joints();
+  const auto joint = std::find_if(joints.begin(), joints.end(),
+                                  [&](const Joint& candidate) { return candidate.name == name; });
+  if (joint == joints.end()) {
+    return "no such joint";
+  }
+  const auto group = robot.group();
+  if (std::find(group.begin(), group.end(), joint - joints.begin()) != group.end()) {
+    return "planned for";
+  }
+  return joint->type == JointType::fixed ? "a fixed joint" : "";
+}
+
+}  // namespace
+
+ProblemRobot read_robot(const Input& input, const std::string& directory,
+                        const std::string& override_path) {
+  const std::string path = find_path(input, directory, override_path);
+  RobotOptions options;
+  if (const auto joints = input.find("joints")) {
+    for (const Input& joint : joints->items()) {
+      options.joints.push_back(joint.text());
+    }
+  }
+  ProblemRobot result{path, value_or_throw(load_robot(path, options)), {}};
+  const auto fixed_joints = input.find("fixed_joints");
+  if (!fixed_joints) {
+    return result;
+  }
+  std::vector<std::string> left_aside;
+  for (const auto& [name, value] : fixed_joints->entries()) {
+    const double position = value.finite_number();
+    const std::string obstruction = describe_obstruction(result.robot, name);
+    if (obstruction.empty()) {
+      options.fixed_values[name] = position;
+    } else {
+      left_aside.push_back(fmt::format("{} ({})", name, obstruction));
+    }
+  }
+  if (!options.fixed_values.empty()) {
+    result.robot = value_or_throw(load_robot(path, options));
+  }
+  if (!left_aside.empty()) {
+    result.warnings.push_back(fixed_joints->place(fmt::format(
+        "left aside for robot {}: {}", result.robot.name(), fmt::join(left_aside, ", "))));
+  }
+  return result;
+}
+
+void check_robot_facts(const Input& input, const Robot& robot) {
+  if (const auto links = input.find("links")) {
+    std::vector<double> lengths;
+    for (const Link& link : robot.links()) {
+      for (const Capsule& capsule : link.capsules) {
+        lengths.push_back((capsule.b - capsule.a).norm());
+      }
+    }
+    const std::vector<double> expected = links->numbers();
+    if (!std::equal(lengths.begin(), lengths.end(), expected.begin(), expected.end(), is_close)) {
+      links->fail(ErrorCode::invalid,
+                  fmt::format("expected the lengths of robot {}'s capsules, [{}], got [{}]",
+                              robot.name(), fmt::join(lengths, ", "), fmt::join(expected, ", ")));
+    }
+  }
+  if (const auto limits = input.find("joint_limits")) {
+    const std::vector<double> range =
+        limits->finite_numbers(2, "lower and upper limit of all joints");
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      const Joint& joint = robot.group_joint(i);
+      if (!is_close(joint.lower, range[0]) || !is_close(joint.upper, range[1])) {
+        limits->fail(ErrorCode::invalid,
+                     fmt::format("expected the limits of robot {}'s joint {}, [{}, {}], got [{}]",
+                                 robot.name(), joint.name, joint.lower, joint.upper,
+                                 fmt::join(range, ", ")));
+      }
+    }
+  }
+}
+
+Transform read_frame(const Input& input, const Robot& robot) {
+  const auto frame = input.find("frame");
+  if (!frame) {
+    return {};
+  }
+  const auto links = robot.links();
+  const auto found = std::find_if(links.begin(), links.end(),
+                                  [name = frame->text()](const Link& l) { return l.name == name; });
+  if (found == links.end()) {
+    frame->fail(ErrorCode::invalid, fmt::format("expected a link of robot {}, got \"{}\"",
+                                                robot.name(), frame->text()));
+  }
+  Transform X_RF;
+  for (const Link* link = &*found; link->parent_joint >= 0;) {
+    const Joint& joint = robot.joints()[static_cast<std::size_t>(link->parent_joint)];
+    if (joint.type != JointType::fixed) {
+      frame->fail(ErrorCode::unsupported,
+                  fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
+                              "which joint {} moves",
+                              robot.name(), frame->text(), joint.name));
+    }
+    X_RF = joint.origin * X_RF;
+    link = &links[static_cast<std::size_t>(joint.parent_link)];
+  }
+  return X_RF;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/problem.h"
+
+#include "scene/yaml_text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace mneme {
+namespace {
+
+/// The keys `joints` and `fixed_joints`, where they say more than the robot's file.
+std::string describe_group(const Robot& robot) {
+  std::vector<int> movable;
+  std::vector<std::string> fixed;
+  for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
+    const Joint& joint = robot.joints()[static_cast<std::size_t>(i)];
+    if (joint.type == JointType::fixed) {
+      continue;
+    }
+    movable.push_back(i);
+    const bool is_planned = std::count(robot.group().begin(), robot.group().end(), i) > 0;
+    if (!is_planned && joint.fixed_value != 0.0) {
+      fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),
+                                  internal::yaml_number(joint.fixed_value)));
+    }
+  }
+  std::string text;
+  if (!std::equal(movable.begin(), movable.end(), robot.group().begin(), robot.group().end())) {
+    std::vector<std::string> names;
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      names.push_back(internal::yaml_string(robot.group_joint(i).name));
+    }
+    text += fmt::format("joints: [{}]\n", fmt::join(names, ", "));
+  }
+  if (!fixed.empty()) {
+    text += fmt::format("fixed_joints: {{{}}}\n", fmt::join(fixed, ", "));
+  }
+  return text;
+}
+
+std::string indented(const std::string& text) {
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    result += "  " + line + "\n";
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string to_yaml(const Problem& problem, const std::string& robot) {
+  std::string text = fmt::format("name: {}\nrobot: {}\n{}scene:\n{}start: {}\n",
+                                 internal::yaml_string(problem.name), internal::yaml_string(robot),
+                                 describe_group(problem.robot), indented(to_yaml(problem.scene)),
+                                 internal::yaml_numbers(problem.start));
+  if (problem.goals.size() == 1) {
+    return text + fmt::format("goal: {}\n", internal::yaml_numbers(problem.goals.front()));
+  }
+  text += "goals:\n";
+  for (const Configuration& goal : problem.goals) {
+    text += fmt::format("  - {}\n", internal::yaml_numbers(goal));
+  }
+  return text;
+}
+
+}  // namespace mneme
