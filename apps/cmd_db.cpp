@@ -86,7 +86,7 @@ Json to_json(const Experience& row) {
 }
 
 void print_row(const Experience& row) {
-  fmt::print("{:>8}  {:>8.4f}  {:>10}  {:>6}  {}\n", row.id, fmt::join(row.key, " "),
+  fmt::print("{:>8}  {:>8.4f}  {:>10}  {:>20}  {}\n", row.id, fmt::join(row.key, " "),
              row.sampler.component_count(), row.provenance.seed, row.provenance.time);
 }
 
@@ -100,7 +100,7 @@ Result<ExitCode> run_list(const DbOptions& options) {
     print_json({{"samplers", database->size()}, {"rows", rows}});
     return ExitCode::done;
   }
-  fmt::print("{:>8}  {:<53}  {:>10}  {:>6}  {}\n", "id", "key (x y r x y r)", "components", "seed",
+  fmt::print("{:>8}  {:<53}  {:>10}  {:>20}  {}\n", "id", "key (x y r x y r)", "components", "seed",
              "time");
   for (std::int64_t i = 0; i < count; ++i) print_row(database->get(i));
   if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
@@ -112,7 +112,7 @@ Result<ExitCode> run_list(const DbOptions& options) {
 Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                                                        const Database& database) {
   if (options.key) return std::vector<LocalPrimitive>{make_primitive(*options.key)};
-  const Result<Problem> problem = load_problem(options.problem);
+  const Result<Problem> problem = read_problem(options.problem);
   if (!problem) return tl::unexpected(problem.error());
   if (problem->robot.hash() != database.space().robot_hash) {
     return fail(ErrorCode::wrong_robot,
@@ -134,8 +134,8 @@ Json to_json(const Match& match) {
 }
 
 void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& matches) {
-  fmt::print("primitive {:.4f}, gap {:.4f} m: {} matches\n", fmt::join(primitive.key, " "),
-             primitive.gap, matches.size());
+  fmt::print("primitive {:.4f}, gap {:.4f} m: {}\n", fmt::join(primitive.key, " "), primitive.gap,
+             counted(matches.size(), "match", "matches"));
   for (const Match& match : matches) {
     fmt::print("  id {}, similarity error {:.4f} m^2, {} components, turned by {:.4f} rad{}\n",
                match.experience->id, match.similarity_error,

@@ -58,8 +58,7 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   if (!robot) return tl::unexpected(robot.error());
   Result<Database> database = open_database(options.out + "/planar.db", *robot, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
-  const std::vector<PrimitiveKey> known = keys_before(*database, options.job.seed);
-  const std::vector<PrimitiveKey> keys = cover(*grid, known, options.job.seed);
+  const std::vector<PrimitiveKey> keys = cover(*grid, options.job.seed);
   Result<LearnSummary> summary = learn_with_progress(*robot, keys, *database, options.job);
   if (!summary) return tl::unexpected(summary.error());
   print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary->learned,
@@ -75,7 +74,7 @@ Result<std::vector<Problem>> load_problems(const std::string& directory) {
       print_note(fmt::format("skipped: there is no '{}'", path));
       continue;
     }
-    Result<Problem> problem = load_problem(path);
+    Result<Problem> problem = read_problem(path);
     if (!problem) return tl::unexpected(problem.error());
     problems.push_back(std::move(*problem));
   }

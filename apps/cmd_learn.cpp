@@ -111,9 +111,11 @@ Json to_json(const LearnSummary& summary, const Database& database) {
 }
 
 Json to_json(const Coverage& coverage, double threshold) {
-  return {{"samples", coverage.samples}, {"similarity_error", threshold},
-          {"matched", coverage.matched}, {"p50", coverage.p50},
-          {"p95", coverage.p95},         {"max", coverage.max}};
+  return {{"probes", coverage.probes},
+          {"threshold", threshold},
+          {"median", coverage.median},
+          {"p95", coverage.p95},
+          {"max", coverage.max}};
 }
 
 void print_summary(const LearnSummary& summary, const Database& database) {
@@ -126,10 +128,10 @@ void print_summary(const LearnSummary& summary, const Database& database) {
 }
 
 void print_coverage(const Coverage& coverage, double threshold) {
-  fmt::print("coverage: {:.1f} % of {} random primitives have a match under {} m^2\n",
-             100 * coverage.matched, coverage.samples, threshold);
-  fmt::print("similarity error of the nearest: p50 {:.3f}, p95 {:.3f}, max {:.3f} m^2\n",
-             coverage.p50, coverage.p95, coverage.max);
+  fmt::print("coverage: similarity error to the nearest, over {} random primitives of the range:\n",
+             coverage.probes);
+  fmt::print("  median {:.3f}, p95 {:.3f}, max {:.3f} m^2; {} was asked for\n", coverage.median,
+             coverage.p95, coverage.max, threshold);
 }
 
 ExitCode report(const LearnOptions& options, const LearnSummary& summary, const Database& database,
@@ -164,8 +166,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
       open_database(options.db, *robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
   if (grid) {
-    const std::vector<PrimitiveKey> known = keys_before(*database, options.job.seed);
-    const std::vector<PrimitiveKey> covering = cover(*grid, known, options.job.seed);
+    const std::vector<PrimitiveKey> covering = cover(*grid, options.job.seed);
     keys->insert(keys->end(), covering.begin(), covering.end());
   }
   const Result<LearnSummary> summary = learn_with_progress(*robot, *keys, *database, options.job);

@@ -57,7 +57,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
     if (!robot) return tl::unexpected(robot.error());
     overrides.robot_path = *robot;
   }
-  Result<Problem> problem = load_problem(options.problem, overrides);
+  Result<Problem> problem = read_problem(options.problem, overrides);
   if (!problem) return tl::unexpected(problem.error());
   Result<std::optional<Database>> database = open_memory(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
@@ -68,15 +68,18 @@ Result<LoadedPlan> load(const PlanOptions& options) {
 void print_memory(const Problem& problem, const GlSampler& gl) {
   std::size_t retrieved = 0;
   for (const PrimitiveRetrieval& found : gl.primitives) retrieved += found.matches.size();
-  fmt::print("memory      {} primitives, {} samplers retrieved, {} components\n",
-             gl.primitives.size(), retrieved, gl.mixture ? gl.mixture->component_count() : 0);
+  fmt::print("memory      {}, {} retrieved, {}\n",
+             counted(gl.primitives.size(), "primitive", "primitives"),
+             counted(retrieved, "sampler", "samplers"),
+             counted(gl.mixture ? static_cast<std::size_t>(gl.mixture->component_count()) : 0,
+                     "component", "components"));
   for (const PrimitiveRetrieval& found : gl.primitives) {
     std::vector<std::string_view> names;
     for (const int index : found.primitive.obstacles) {
       names.push_back(problem.scene.obstacles.at(static_cast<std::size_t>(index)).name);
     }
-    fmt::print("  {}, gap {:.3f} m: {} matches", fmt::join(names, " and "), found.primitive.gap,
-               found.matches.size());
+    fmt::print("  {}, gap {:.3f} m: {}", fmt::join(names, " and "), found.primitive.gap,
+               counted(found.matches.size(), "match", "matches"));
     if (!found.matches.empty()) {
       fmt::print(", similarity error {:.3f} to {:.3f} m^2", found.matches.front().similarity_error,
                  found.matches.back().similarity_error);

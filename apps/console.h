@@ -19,6 +19,9 @@ void print_note(std::string_view message);
 /// replaced.
 void print_json(const nlohmann::ordered_json& json);
 
+/// "1 match", "2 matches".
+[[nodiscard]] std::string counted(std::size_t count, std::string_view one, std::string_view many);
+
 /// Progress of a long task: a bar on a terminal, otherwise a line about every five seconds. Not
 /// thread-safe.
 class Progress {

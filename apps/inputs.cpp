@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "console.h"
+
 namespace mneme::app {
 
 Result<std::string> robot_file(const std::string& robot) {
@@ -20,17 +22,24 @@ Result<Robot> load_named_robot(const std::string& robot) {
   return robot_file(robot).and_then([](const std::string& path) { return load_robot(path); });
 }
 
+Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
+  Result<Problem> problem = load_problem(where, options);
+  if (!problem) return problem;
+  for (const std::string& warning : problem->warnings) print_note("warning: " + warning);
+  return problem;
+}
+
 Result<Workspace> load_workspace(const std::string& where) {
   const auto from_problem = [](Problem problem) {
     return Workspace{problem.scene, std::move(problem)};
   };
   const bool is_compact = where.find(".json#") != std::string::npos || where.ends_with(".json");
-  if (is_compact) return load_problem(where).map(from_problem);
+  if (is_compact) return read_problem(where).map(from_problem);
 
   Result<Scene> scene = load_scene(where);
   if (scene) return Workspace{std::move(*scene), std::nullopt};
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
-  const Result<Problem> problem = load_problem(where);
+  const Result<Problem> problem = read_problem(where);
   if (problem) return from_problem(*problem);
   return fail(problem.error().code,
               fmt::format("'{}' is neither a scene ({}) nor a problem ({})", where,

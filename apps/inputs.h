@@ -17,6 +17,10 @@ namespace mneme::app {
 [[nodiscard]] Result<std::string> robot_file(const std::string& robot);
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot);
 
+/// load_problem, with its warnings as notes on standard error.
+[[nodiscard]] Result<Problem> read_problem(const std::string& where,
+                                           const ProblemOptions& options = {});
+
 /// A scene, and the problem that it came in, if it did.
 struct Workspace {
   Scene scene;

@@ -84,10 +84,9 @@ int run(int argument_count, char** arguments) {
     program.parse(argument_count, arguments);
   } catch (const CLI::Success& request) {
     return program.exit(request);
-  } catch (const CLI::ExtrasError& error) {
-    return report_usage_error(program, error.what() + suggest_flags(chosen_command(program)));
   } catch (const CLI::ParseError& error) {
-    return report_usage_error(program, error.what());
+    const auto unexpected = unexpected_argument(chosen_command(program));
+    return report_usage_error(program, unexpected.value_or(error.what()));
   }
   catch_interrupts();
   return act(action);

@@ -20,6 +20,12 @@ constexpr std::size_t kHelpWidth = 100;
 
 class WrappingFormatter : public CLI::Formatter {
  public:
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    // CLI11 shows the value that a negated flag stands for.
+    return CLI::detail::find_and_replace(CLI::Formatter::make_option_name(option, is_positional),
+                                         "{false}", "");
+  }
+
   std::string make_option_desc(const CLI::Option* option) const override {
     std::string wrapped;
     std::size_t column = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,7 +29,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// ": did you mean ...?" if one of `names` is close to `word`.
+/// "; did you mean ...?" if one of `names` is close to `word`.
 std::string suggestion(std::string_view word, const std::vector<std::string>& names) {
   const auto is_closer = [&](const std::string& a, const std::string& b) {
     return edit_distance(word, a) < edit_distance(word, b);
@@ -42,6 +43,14 @@ std::vector<std::string> subcommand_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
     names.push_back(subcommand->get_name());
+  }
+  return names;
+}
+
+std::vector<std::string> flag_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   return names;
 }
@@ -65,16 +74,16 @@ std::optional<std::string> unknown_command(const CLI::App& program,
   return std::nullopt;
 }
 
-std::string suggest_flags(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  std::string suggestions;
-  for (const std::string& word : command.remaining()) {
-    if (word.starts_with("--")) suggestions += suggestion(word.substr(0, word.find('=')), names);
-  }
-  return suggestions;
+std::optional<std::string> unexpected_argument(const CLI::App& command) {
+  const std::vector<std::string> words = command.remaining();
+  if (words.empty()) return std::nullopt;
+  // An unknown flag leaves its value over too: the flag is what to complain about.
+  auto word = std::find_if(words.begin(), words.end(),
+                           [](const std::string& w) { return w.starts_with('-'); });
+  if (word == words.end()) word = words.begin();
+  const std::string flag = word->substr(0, word->find('='));
+  return fmt::format("unexpected argument '{}'{}", *word,
+                     flag.starts_with("--") ? suggestion(flag, flag_names(command)) : "");
 }
 
 }  // namespace mneme::app

@@ -17,8 +17,7 @@ namespace mneme::app {
 [[nodiscard]] std::optional<std::string> unknown_command(const CLI::App& program,
                                                          const std::vector<std::string>& words);
 
-/// Suggestions for the flags that `command` was given but does not have: text that ends a
-/// complaint.
-[[nodiscard]] std::string suggest_flags(const CLI::App& command);
+/// The complaint about what `command` was given but does not take, if there is such a thing.
+[[nodiscard]] std::optional<std::string> unexpected_argument(const CLI::App& command);
 
 }  // namespace mneme::app

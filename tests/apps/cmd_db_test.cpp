@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json run_json(std::vector<std::string> arguments, int exit_code = 0) {
+  arguments.emplace_back("--json");
+  const ProgramRun run = run_program(arguments);
+  REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
+  return Json::parse(run.out);
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("info tells whose experience a database holds and how much") {
+    const PlanarFiles files;
+    const Json json = run_json({"db", "info", files.database()});
+    CHECK(json["samplers"] == 1);
+    CHECK(json["components"] > 0);
+    CHECK(json["robot_hash"] == planar8().hash());
+    CHECK(json["spaces"][0]["joint_count"] == 8);
+    CHECK(json["bytes"] == std::filesystem::file_size(files.database()));
+    CHECK(json["schema_version"] >= 1);
+    const ProgramRun words = run_program({"db", "info", files.database()});
+    CHECK(has_text(words.out, planar8().hash()));
+  }
+
+  TEST_CASE("list shows rows up to a limit") {
+    const PlanarFiles files;
+    const Json json = run_json({"db", "list", files.database()});
+    REQUIRE(json["rows"].size() == 1);
+    CHECK(json["rows"][0]["key"].size() == 6);
+    CHECK(json["rows"][0]["components"] > 0);
+    CHECK(json["rows"][0]["time"].get<std::string>().ends_with("Z"));
+    CHECK(run_json({"db", "list", files.database(), "--limit", "0"})["rows"].empty());
+    const ProgramRun words = run_program({"db", "list", files.database(), "--limit", "0"});
+    CHECK(has_text(words.out, "and 1 more"));
+  }
+
+  TEST_CASE("query finds the primitive that was learned, however it is turned or mirrored") {
+    const PlanarFiles files;
+    const auto& [a, b] = std::tie(kTwoCircles[0], kTwoCircles[1]);
+    const auto key = [](double ax, double ay, double ar, double bx, double by, double br) {
+      std::string text;
+      for (const double value : {ax, ay, ar, bx, by, br}) {
+        text += (text.empty() ? "" : ",") + std::to_string(value);
+      }
+      return text;
+    };
+    for (const std::string& turned :
+         {key(a[0], a[1], a[2], b[0], b[1], b[2]), key(b[0], b[1], b[2], a[0], a[1], a[2]),
+          key(-a[0], a[1], a[2], -b[0], b[1], b[2]), key(-a[1], a[0], a[2], -b[1], b[0], b[2])}) {
+      const Json json = run_json({"db", "query", files.database(), "--key", turned});
+      REQUIRE(json["primitives"].size() == 1);
+      REQUIRE(json["primitives"][0]["matches"].size() == 1);
+      CHECK(json["primitives"][0]["matches"][0]["similarity_error"] < 1e-9);
+      CHECK(json["primitives"][0]["matches"][0]["id"] == 1);
+    }
+  }
+
+  TEST_CASE("query looks up the primitives of a problem, under a threshold") {
+    const PlanarFiles files;
+    const Json json = run_json({"db", "query", files.database(), "--problem", files.problem()});
+    REQUIRE(json["primitives"].size() == 1);
+    CHECK(json["primitives"][0]["matches"].size() == 1);
+    const Json far = run_json(
+        {"db", "query", files.database(), "--key", "3,1.5,1,3,-1.5,1", "--similarity", "0.001"});
+    CHECK(far["primitives"][0]["matches"].empty());
+    const ProgramRun words =
+        run_program({"db", "query", files.database(), "--problem", files.problem()});
+    CHECK(has_text(words.out, "id 1, similarity error 0.0000"));
+  }
+
+  TEST_CASE("verify passes a sound database and reports damage") {
+    const PlanarFiles files;
+    CHECK(run_json({"db", "verify", files.database()})["is_clean"] == true);
+    CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
+
+    std::string bytes = read_file(files.database());
+    const Json key = run_json({"db", "list", files.database()})["rows"][0]["key"];
+    // The row's key as it stands in the file, whichever width its numbers have.
+    const double first = key[0].get<double>();
+    const std::string stored(reinterpret_cast<const char*>(&first), sizeof first);
+    const std::size_t at = bytes.find(stored);
+    REQUIRE(at != std::string::npos);
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    write_file(files / "damaged.db", bytes);
+    const Json damage = run_json({"db", "verify", files / "damaged.db"}, 5);
+    CHECK(damage["is_clean"] == false);
+    REQUIRE(damage["damages"].size() == 1);
+    CHECK(damage["damages"][0]["id"] == 1);
+    CHECK(has_text(run_program({"db", "verify", files / "damaged.db"}).out, "row 1: "));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong questions to a database end with a message and an exit code") {
+    const PlanarFiles files;
+    write_file(files / "text.db", std::string(5000, 'x'));
+    const std::string database = files.database();
+    check_bad_inputs({
+        {{"db", "info"}, 2, {"URL is required"}},
+        {{"db", "query", database}, 2, {"either --key or --problem"}},
+        {{"db", "query", database, "--key", "1,2,3"}, 2, {"--key", "3 numbers"}},
+        {{"db", "query", database, "--key", "1,2,3,4,5,z"}, 2, {"--key", "'z'"}},
+        {{"db", "query", database, "--key", "1,2,1,4,5,1", "--similarity", "-1"},
+         2,
+         {"--similarity", "'-1'"}},
+        {{"db", "list", database, "--limit", "-1"}, 2, {"--limit"}},
+        {{"db", "info", files / "missing.db"}, 1, {"missing.db"}},
+        {{"db", "verify", files / "missing.db"}, 1, {"missing.db"}},
+        {{"db", "info", files / ""}, 1, {"directory"}},
+        {{"db", "info", files / "text.db"}, 5, {"text.db"}},
+        {{"db", "query", database, "--problem", files / "none.yaml"}, 1, {"none.yaml"}},
+        {{"db", "query", database, "--problem", files.short_arm_problem()}, 5, {"short"}},
+        {{"db", "info", "postgresql://host/x"}, 1, {"not supported"}},
+    });
+    CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <sys/stat.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kCoarseGrid =
+    "radius: [1, 1.2]\ngap: [0.5, 0.7]\ndistance: [4, 4.5]\nmax_similarity_error: 3\ncount: 3\n";
+
+/// `mneme learn` of a small grid with few paths.
+std::vector<std::string> small_learn(const PlanarFiles& files, const std::string& database,
+                                     const std::vector<std::string>& more = {}) {
+  write_file(files / "grid.yaml", kCoarseGrid);
+  std::vector<std::string> command = {"learn",
+                                      "--robot",
+                                      "planar8",
+                                      "--primitives",
+                                      files / "grid.yaml",
+                                      "--db",
+                                      database,
+                                      "--starts-per-link",
+                                      "1",
+                                      "--paths-per-start",
+                                      "1"};
+  command.insert(command.end(), more.begin(), more.end());
+  return command;
+}
+
+std::vector<std::string> listed_keys(const std::string& database) {
+  const ProgramRun run = run_program({"db", "list", database, "--json"});
+  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+  std::vector<std::string> keys;
+  const Json json = Json::parse(run.out);
+  for (const Json& row : json["rows"]) {
+    keys.push_back(row["key"].dump() + " " + row["components"].dump());
+  }
+  return keys;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("a grid is learned into a database, and the summary tells its coverage") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program(small_learn(files, files / "new.db", {"--json"}));
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const Json json = Json::parse(run.out);
+    CHECK(json["learned"] >= 3);
+    CHECK(json["skipped"] == 0);
+    CHECK(json["samplers"] == json["learned"]);
+    CHECK(json["coverage"]["threshold"] == 3.0);
+    CHECK(json["coverage"]["max"] < 3.0);
+    CHECK(json["is_cancelled"] == false);
+  }
+
+  TEST_CASE("learning the same again adds nothing, and another seed adds") {
+    const PlanarFiles files;
+    const std::string database = files / "new.db";
+    REQUIRE(run_program(small_learn(files, database)).exit_code == 0);
+    const std::vector<std::string> before = listed_keys(database);
+    const ProgramRun again = run_program(small_learn(files, database, {"--json"}));
+    REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+    CHECK(Json::parse(again.out)["learned"] == 0);
+    CHECK(listed_keys(database) == before);
+
+    REQUIRE(run_program(small_learn(files, database, {"--seed", "2"})).exit_code == 0);
+    const std::vector<std::string> both = listed_keys(database);
+    CHECK(both.size() > before.size());
+    CHECK(run_program(small_learn(files, database)).exit_code == 0);
+    CHECK(listed_keys(database) == both);
+  }
+
+  TEST_CASE("the number of threads does not change what is learned") {
+    const PlanarFiles files;
+    REQUIRE(run_program(small_learn(files, files / "one.db", {"--jobs", "1"})).exit_code == 0);
+    REQUIRE(run_program(small_learn(files, files / "two.db", {"--jobs", "3"})).exit_code == 0);
+    CHECK(listed_keys(files / "one.db") == listed_keys(files / "two.db"));
+  }
+
+  TEST_CASE("the primitives of scenes are learned once each") {
+    const PlanarFiles files;
+    std::filesystem::copy_file(files.problem(), files / "problem2.yaml");
+    const ProgramRun run =
+        run_program({"learn", "--robot", "planar8", "--scenes", files / "problem*.yaml", "--db",
+                     files / "new.db", "--starts-per-link", "1", "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["learned"] == 1);
+    CHECK(Json::parse(run.out)["coverage"].is_null());
+  }
+
+  TEST_CASE("an interrupt leaves a sound database, and the same command goes on") {
+    const PlanarFiles files;
+    const std::string database = files / "new.db";
+    const auto command = small_learn(files, database, {"--count", "1000"});
+    RunningProgram program(command);
+    REQUIRE(has_text(program.read_err(), "learning"));
+    program.send(SIGINT);
+    const ProgramRun run = program.wait();
+    CHECK_MESSAGE(run.exit_code == 130, run.err);
+    CHECK(has_text(run.err, "the same command goes on from here"));
+    CHECK(run_program({"db", "verify", database}).exit_code == 0);
+    CHECK(run_program(small_learn(files, database)).exit_code == 0);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a wrong command line of learn is a usage error") {
+    check_bad_inputs({
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml"}, 2, {"--db is required"}},
+        {{"learn", "--robot", "planar8", "--db", "x.db"}, 2, {"--primitives or --scenes"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--jobs", "0"},
+         2,
+         {"--jobs", "'0'"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--count", "a"},
+         2,
+         {"--count", "'a'"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db",
+          "--similarity-error", "0"},
+         2,
+         {"--similarity-error"}},
+    });
+  }
+
+  TEST_CASE("files that learn cannot use are failures that name the file") {
+    const PlanarFiles files;
+    write_file(files / "broken_grid.yaml", "radius: [2, 1\n");
+    write_file(files / "reversed_grid.yaml", "radius: [2, 1]\n");
+    write_file(files / "good.yaml", kCoarseGrid);
+    const auto learn = [](const std::string& grid, const std::string& database) {
+      return std::vector<std::string>{"learn", "--robot", "planar8", "--primitives",
+                                      grid,    "--db",    database};
+    };
+    const std::string database = files / "new.db";
+    check_bad_inputs({
+        {learn(files / "missing.yaml", database), 1, {"missing.yaml"}},
+        {learn(files / "broken_grid.yaml", database), 1, {"broken_grid.yaml"}},
+        {learn(files / "reversed_grid.yaml", database), 1, {"reversed_grid.yaml", "radius"}},
+        {learn(files / "good.yaml", files / "no/directory/new.db"), 1, {"no/directory/new.db"}},
+        {{"learn", "--robot", "nobody", "--scenes", files.problem(), "--db", database},
+         1,
+         {"nobody"}},
+        {{"learn", "--robot", "planar8", "--scenes", files / "none*.yaml", "--db", database},
+         1,
+         {"none*.yaml"}},
+        {{"learn", "--robot", "planar8", "--scenes", files / "broken_grid.yaml", "--db", database},
+         1,
+         {"broken_grid.yaml"}},
+    });
+    CHECK_FALSE(std::filesystem::exists(database));
+  }
+
+  TEST_CASE("a database of another robot is not added to") {
+    const PlanarFiles files;
+    const std::string database = files.database();
+    const std::string before = read_file(database);
+    static_cast<void>(files.short_arm_problem());
+    auto command = small_learn(files, database);
+    command[2] = files / "short.urdf";
+    check_bad_inputs({{command, 5, {"short", "planar8"}}});
+    CHECK(read_file(database) == before);
+  }
+
+  TEST_CASE("a database that may only be read is not added to, but plans") {
+    const PlanarFiles files;
+    const std::string database = files.database();
+    chmod((files / "").c_str(), 0555);
+    chmod(database.c_str(), 0444);
+    const ProcessChanges powerless{{}, true};
+    auto command = small_learn(files, database);
+    const ProgramRun learned = run_program(command, powerless);
+    const ProgramRun planned = run_program({"plan", files.problem(), "--db", database}, powerless);
+    chmod((files / "").c_str(), 0755);
+    if (learned.exit_code == 126 || learned.exit_code == 127) {
+      MESSAGE("skipped: the program cannot be run as nobody here");
+      return;
+    }
+    CHECK_MESSAGE(learned.exit_code == 1, learned.err);
+    CHECK(has_text(learned.err, database));
+    CHECK_MESSAGE(planned.exit_code == 0, planned.err);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

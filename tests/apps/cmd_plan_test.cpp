@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <sys/stat.h>
+
+#include "apps/planar_files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string list_of(const Configuration& q) {
+  std::string text;
+  for (const double value : q) text += (text.empty() ? "" : ",") + std::to_string(value);
+  return text;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("a problem is solved without memory, and the JSON has the stable keys") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program({"plan", files.problem(), "--json", "--seed", "7"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const Json json = Json::parse(run.out);
+    for (const char* key : {"status",
+                            "solved",
+                            "path",
+                            "path_length",
+                            "total_time_s",
+                            "planning_time_s",
+                            "retrieval_time_s",
+                            "learning_time_s",
+                            "simplification_time_s",
+                            "verification_time_s",
+                            "load_time_s",
+                            "iterations",
+                            "states_checked",
+                            "motions_checked",
+                            "primitives",
+                            "retrieved",
+                            "components",
+                            "sampler",
+                            "planner",
+                            "seed",
+                            "isa"}) {
+      CHECK_MESSAGE(json.contains(key), key);
+    }
+    CHECK(json["status"] == "solved");
+    CHECK(json["sampler"] == "uniform");
+    CHECK(json["planner"] == "rrt_connect");
+    CHECK(json["seed"] == 7);
+    CHECK(json["load_time_s"] > 0);
+    const auto path = json["path"].get<std::vector<Configuration>>();
+    REQUIRE(path.size() >= 2);
+    CHECK(planar8().distance(path.front(), kStart) < 1e-6);
+    CHECK(planar8().distance(path.back(), kGoal) < 1e-6);
+  }
+
+  TEST_CASE("the words for people name status, times, memory and path") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program({"plan", files.problem(), "--db", files.database()});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(run.out, "solved: rrt_connect, sampler gl, seed 1"));
+    CHECK(has_text(run.out, "1 primitive, 1 sampler retrieved"));
+    CHECK(has_text(run.out, "similarity error 0.000"));
+    CHECK(has_text(run.out, "configurations, length"));
+  }
+
+  TEST_CASE("the same seed gives the same path, and with memory the sampler is gl") {
+    const PlanarFiles files;
+    const std::vector<std::string> command = {
+        "plan", files.problem(), "--db", files.database(), "--seed", "3", "--json"};
+    const Json first = Json::parse(run_program(command).out);
+    const Json second = Json::parse(run_program(command).out);
+    CHECK(first["sampler"] == "gl");
+    CHECK(first["retrieved"] == 1);
+    CHECK(first["components"] > 0);
+    CHECK(first["path"] == second["path"]);
+  }
+
+  TEST_CASE("every planner and sampler of the help can be chosen") {
+    const PlanarFiles files;
+    for (const PlannerEntry& planner : planners()) {
+      for (const char* sampler : {"gl", "uniform", "halton"}) {
+        const ProgramRun run =
+            run_program({"plan", files.problem(), "--planner", std::string(planner.name),
+                         "--sampler", sampler, "--max-iterations", "50", "--json"});
+        INFO(planner.name << " " << sampler << ": " << run.err);
+        REQUIRE((run.exit_code == 0 || run.exit_code == 3));
+        CHECK(Json::parse(run.out)["planner"] == planner.name);
+        CHECK(Json::parse(run.out)["sampler"] == sampler);
+      }
+    }
+  }
+
+  TEST_CASE("an instruction set can be forced") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program({"plan", files.problem(), "--isa", "scalar", "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["isa"] == "scalar");
+  }
+
+  TEST_CASE("a picture is written, also to a file with odd characters in its name") {
+    const PlanarFiles files;
+    const std::string picture = files / "a picture; of \"two\" \xc3\xa4\xff%s.svg";
+    const ProgramRun run = run_program({"plan", files.problem(), "--svg", picture});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(read_file(picture), "<svg"));
+    CHECK(has_text(read_file(picture), "</svg>"));
+  }
+
+  TEST_CASE("problems, databases and robots may have odd characters in their names") {
+    const PlanarFiles files;
+    const std::string problem = files / "-a b'c\"d$e \xff.yaml";
+    const std::string database = files / "m m#?%20'.db";
+    const std::string robot = files / "r [1].urdf";
+    std::filesystem::copy_file(files.problem(), problem);
+    std::filesystem::copy_file(files.database(), database);
+    std::filesystem::copy_file(source_file("robots/planar8.urdf"), robot);
+    const ProgramRun run =
+        run_program({"plan", problem, "--db", database, "--robot", robot, "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["retrieved"] == 1);
+  }
+
+  TEST_CASE("a primitive that the memory lacks is learned on the spot and kept") {
+    const PlanarFiles files;
+    const std::vector<std::string> command = {
+        "plan",  files.problem(),     "--db", files / "new.db",    "--learn-budget",
+        "30",    "--starts-per-link", "1",    "--paths-per-start", "1",
+        "--json"};
+    const ProgramRun first = run_program(command);
+    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+    CHECK(Json::parse(first.out)["learning_time_s"] > 0);
+    const ProgramRun second = run_program(command);
+    REQUIRE_MESSAGE(second.exit_code == 0, second.err);
+    CHECK(Json::parse(second.out)["retrieved"] == 1);
+    CHECK(Json::parse(second.out)["learning_time_s"] == 0);
+  }
+
+  TEST_CASE("problems of a compact file are planned by name") {
+    const auto problems = data_file("planar/problems.json");
+    if (!problems) return;
+    const ProgramRun run = run_program({"plan", *problems + "#S1", "--json"});
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    check_bad_inputs({{{"plan", *problems + "#S99"}, 1, {"S99"}}});
+  }
+
+  TEST_CASE("an interrupt ends a search with exit code 130") {
+    const PlanarFiles files;
+    // A wall along the x axis that the first link cannot cross.
+    std::vector<std::array<double, 3>> wall;
+    for (double x = 0.5; x < 12; x += 0.4) {
+      wall.push_back({x, 0, 0.3});
+      wall.push_back({-x, 0, 0.3});
+    }
+    write_file(files / "locked.yaml", planar_problem_text(wall));
+    RunningProgram program({"plan", files / "locked.yaml", "--sampler", "gl", "--timeout", "100",
+                            "--start", "1.57,0,0,0,0,0,0,0", "--goal", "-1.57,0,0,0,0,0,0,0"});
+    // The note that there is no memory comes once interrupts are caught.
+    REQUIRE(has_text(program.read_err(), "no memory"));
+    program.send(SIGINT);
+    const ProgramRun run = program.wait();
+    CHECK_MESSAGE(run.exit_code == 130, run.err);
+    CHECK(has_text(run.out, "cancelled"));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong flags are usage errors") {
+    const std::string problem = "any.yaml";
+    check_bad_inputs({
+        {{"plan", problem, "--planner", "rrtt"}, 2, {"unknown planner 'rrtt'", "rrt_connect"}},
+        {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
+        {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
+        {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0 to 1000"}},
+        {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
+        {{"plan", problem, "--lambda", "nan"}, 2, {"--lambda", "'nan'"}},
+        {{"plan", problem, "--timeout", "1s"}, 2, {"--timeout", "'1s'", "a number"}},
+        {{"plan", problem, "--timeout", "-1"}, 2, {"--timeout", "'-1'"}},
+        {{"plan", problem, "--max-matches", "2.5"}, 2, {"--max-matches", "a whole number"}},
+        {{"plan", problem, "--seed", "-1"}, 2, {"--seed", "'-1'"}},
+        {{"plan", problem, "--seed", "99999999999999999999"}, 2, {"--seed"}},
+        {{"plan", problem, "--start", "1,2,x"}, 2, {"--start", "item 3 is 'x'"}},
+        {{"plan", problem, "--goal", "1,,2"}, 2, {"--goal", "item 2 is ''"}},
+        {{"plan", problem, "--start", "0x10"}, 2, {"--start", "item 1 is '0x10'"}},
+        {{"plan", problem, "--isa", "mmx"}, 2, {"--isa", "mmx"}},
+        {{"plan", problem, "--learn-budget", "1"}, 2, {"--learn-budget", "--db"}},
+        {{"plan", problem, "--timeout"}, 2, {"--timeout"}},
+    });
+  }
+
+  TEST_CASE("files that are missing or malformed are failures that name the file") {
+    const PlanarFiles files;
+    write_file(files / "broken.yaml", "robot: [planar8\n");
+    write_file(files / "scalar.yaml", "just text\n");
+    write_file(files / "broken.json", "{\"problems\": [");
+    write_file(files / "binary.yaml", std::string("\0\1\2\xff", 4));
+    write_file(files / "broken.urdf", "<robot name=\"r\"><link name=\"a\">");
+    write_file(files / "mesh.urdf",
+               "<robot name=\"r\"><link name=\"a\"><collision><geometry>"
+               "<mesh filename=\"m.stl\"/></geometry></collision></link></robot>");
+    check_bad_inputs({
+        {{"plan", files / "missing.yaml"}, 1, {"missing.yaml"}},
+        {{"plan", files / "broken.yaml"}, 1, {"broken.yaml"}},
+        {{"plan", files / "scalar.yaml"}, 1, {"scalar.yaml"}},
+        {{"plan", files / "binary.yaml"}, 1, {"binary.yaml"}},
+        {{"plan", files / "broken.json#a"}, 1, {"broken.json"}},
+        {{"plan", files / ""}, 1, {files / ""}},
+        {{"plan", files.problem(), "--robot", files / "missing.urdf"}, 1, {"missing.urdf"}},
+        {{"plan", files.problem(), "--robot", "no_such_robot"}, 1, {"no_such_robot"}},
+        {{"plan", files.problem(), "--robot", files / "broken.urdf"}, 1, {"broken.urdf"}},
+        {{"plan", files.problem(), "--robot", files / "mesh.urdf"}, 1, {"mesh.urdf", "mesh"}},
+    });
+  }
+
+  TEST_CASE("a start or goal that is no free configuration has an exit code of its own") {
+    const PlanarFiles files;
+    const std::string straight = "-2.2,0,0,0,0,0,0,0";
+    check_bad_inputs({
+        {{"plan", files.problem(), "--start", "1,2"}, 4, {"start", "8"}},
+        {{"plan", files.problem(), "--start", "nan,0,0,0,0,0,0,0"}, 4, {"start"}},
+        {{"plan", files.problem(), "--goal", "0,inf,0,0,0,0,0,0"}, 4, {"goal"}},
+        {{"plan", files.problem(), "--goal", "0,3.5,0,0,0,0,0,0"}, 4, {"goal", "3.5"}},
+        {{"plan", files.problem(), "--start", straight}, 4, {"start is in contact", "link"}},
+        {{"plan", files.problem(), "--goal", straight}, 4, {"goal is in contact", "link"}},
+    });
+    const ProgramRun run = run_program({"plan", files.problem(), "--start", straight, "--json"});
+    CHECK(Json::parse(run.out)["status"] == "invalid_start");
+    CHECK(Json::parse(run.out)["solved"] == false);
+    const std::string circle = make_circle_scene("", kTwoCircles).obstacles[1].name;
+    CHECK_MESSAGE(has_text(run.err, "'" + circle + "'"), run.err);
+  }
+
+  TEST_CASE("no path within the limit has an exit code of its own, with the result printed") {
+    const PlanarFiles files;
+    check_bad_inputs({{{"plan", files.problem(), "--timeout", "0"}, 3, {"no path"}},
+                      {{"plan", files.problem(), "--max-iterations", "1"}, 3, {"no path"}}});
+    const ProgramRun run = run_program({"plan", files.problem(), "--timeout", "0", "--json"});
+    const Json json = Json::parse(run.out);
+    CHECK(json["status"] == "timeout");
+    CHECK(json["solved"] == false);
+    CHECK(json["path"].empty());
+  }
+
+  TEST_CASE("a database that does not fit is refused") {
+    const PlanarFiles files;
+    write_file(files / "text.db", std::string(5000, 'x'));
+    const std::string text = read_file(files.database());
+    write_file(files / "half.db", text.substr(0, text.size() / 2));
+    const std::string problem = files.problem();
+    check_bad_inputs({
+        {{"plan", problem, "--db", files / "missing.db"}, 1, {"missing.db"}},
+        {{"plan", problem, "--db", files / "text.db"}, 5, {"text.db"}},
+        {{"plan", problem, "--db", files / "half.db"}, 5, {"half.db"}},
+        {{"plan", problem, "--db", "postgresql://host/x"}, 1, {"postgresql", "not supported"}},
+        {{"plan", files.short_arm_problem(), "--db", files.database()}, 5, {"planar8", "short"}},
+    });
+    CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
+  }
+
+  TEST_CASE("a picture that cannot be written is a failure that names the file") {
+    const PlanarFiles files;
+    const std::string unwritable = files / "no/such/directory/p.svg";
+    check_bad_inputs({{{"plan", files.problem(), "--svg", unwritable}, 1, {unwritable}},
+                      {{"plan", files.problem(), "--svg", files / ""}, 1, {"cannot write"}}});
+  }
+
+  TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {
+    const PlanarFiles files;
+    write_file(files / "p.svg", std::string(1 << 20, 'x'));
+    const ProgramRun run = run_program({"plan", files.problem(), "--svg", files / "p.svg"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK_FALSE(has_text(read_file(files / "p.svg"), "xxx"));
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(files / "")) {
+      count += entry.path().filename().string().starts_with("p.svg");
+    }
+    CHECK(count == 1);
+  }
+
+  TEST_CASE("a start given on the command line replaces the problem's") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program(
+        {"plan", files.problem(), "--start", list_of(kGoal), "--goal", list_of(kGoal), "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["path_length"] == doctest::Approx(0).epsilon(1e-6));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST_SUITE("flow") {
+  TEST_CASE("a robot is shown by name and by file, with the same hash") {
+    const ProgramRun by_name = run_program({"robot", "info", "planar8", "--json"});
+    const ProgramRun by_file =
+        run_program({"robot", "info", source_file("robots/planar8.urdf"), "--json"});
+    REQUIRE_MESSAGE(by_name.exit_code == 0, by_name.err);
+    REQUIRE_MESSAGE(by_file.exit_code == 0, by_file.err);
+    const Json json = Json::parse(by_name.out);
+    CHECK(json["hash"] == planar8().hash());
+    CHECK(json["hash"] == Json::parse(by_file.out)["hash"]);
+    CHECK(json["joint_count"] == 8);
+    CHECK(json["joints"][0]["type"] == "continuous");
+    CHECK(json["is_planar"] == true);
+    CHECK(has_text(run_program({"robot", "info", "planar8"}).out, planar8().hash()));
+  }
+
+  TEST_CASE("robots are found in the directories of MNEME_ROBOT_PATH") {
+    const PlanarFiles files;
+    static_cast<void>(files.short_arm_problem());
+    const ProgramRun run =
+        run_program({"robot", "info", "short"}, {{"MNEME_ROBOT_PATH=" + files / ""}, false});
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+  }
+
+  TEST_CASE("an arm that was made is a robot of that many joints") {
+    const PlanarFiles files;
+    const std::string path = files / "arm of 3.urdf";
+    const ProgramRun made =
+        run_program({"robot", "planar", "--links", "1.5,1,.5", "--name", "three", "-o", path});
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const ProgramRun shown = run_program({"robot", "info", path, "--json"});
+    REQUIRE_MESSAGE(shown.exit_code == 0, shown.err);
+    CHECK(Json::parse(shown.out)["joint_count"] == 3);
+    CHECK(Json::parse(shown.out)["name"] == "three");
+    CHECK(run_program({"robot", "planar", "--links", "1.5,1,.5", "--name", "three"}).out ==
+          read_file(path));
+  }
+
+  TEST_CASE("check says what touches") {
+    const PlanarFiles files;
+    const ProgramRun valid = run_program(
+        {"robot", "check", "planar8", "--q", "0,0,0,0,0,0,0,0", "--scene", files.problem()});
+    CHECK_MESSAGE(valid.exit_code == 0, valid.err);
+    CHECK(valid.out == "valid\n");
+    const ProgramRun touching =
+        run_program({"robot", "check", "planar8", "--q", "-2.2,0,0,0,0,0,0,0", "--scene",
+                     files.problem(), "--json"});
+    CHECK_MESSAGE(touching.exit_code == 4, touching.err);
+    const Json json = Json::parse(touching.out);
+    CHECK(json["is_valid"] == false);
+    REQUIRE(json["contacts"].size() >= 1);
+    CHECK(json["contacts"][0]["is_self"] == false);
+    CHECK(json["contacts"][0]["other"] == make_circle_scene("", kTwoCircles).obstacles[1].name);
+  }
+
+  TEST_CASE("check finds links that cross, and configurations that are none") {
+    const ProgramRun crossing =
+        run_program({"robot", "check", "planar8", "--q", "0,2.5,2.5,0,0,0,0,0"});
+    CHECK_MESSAGE(crossing.exit_code == 4, crossing.err);
+    CHECK(has_text(crossing.out, "touches link"));
+    for (const char* q : {"1,2", "nan,0,0,0,0,0,0,0", "0,4,0,0,0,0,0,0"}) {
+      CHECK(run_program({"robot", "check", "planar8", "--q", q}).exit_code == 4);
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong robots end with a message and an exit code") {
+    const PlanarFiles files;
+    write_file(files / "empty.urdf", "");
+    write_file(files / "loop.urdf",
+               "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>"
+               "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
+               "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>"
+               "</robot>");
+    const std::string unwritable = files / "no/directory/arm.urdf";
+    check_bad_inputs({
+        {{"robot", "info"}, 2, {"ROBOT is required"}},
+        {{"robot", "info", "nobody"}, 1, {"nobody"}},
+        {{"robot", "info", files / "missing.urdf"}, 1, {"missing.urdf"}},
+        {{"robot", "info", files / "empty.urdf"}, 1, {"empty.urdf"}},
+        {{"robot", "info", files / "loop.urdf"}, 1, {"loop.urdf"}},
+        {{"robot", "check", "planar8"}, 2, {"--q is required"}},
+        {{"robot", "check", "planar8", "--q", "1;2"}, 2, {"--q", "'1;2'"}},
+        {{"robot", "check", "planar8", "--q", "0,0,0,0,0,0,0,0", "--scene", files / "none.yaml"},
+         1,
+         {"none.yaml"}},
+        {{"robot", "planar"}, 2, {"--links is required"}},
+        {{"robot", "planar", "--links", "1,0"}, 2, {"--links"}},
+        {{"robot", "planar", "--links", "1,-2"}, 2, {"--links", "-2"}},
+        {{"robot", "planar", "--links", "1,nan"}, 2, {"--links"}},
+        {{"robot", "planar", "--links", "1,2", "--thickness", "-1"}, 2, {"--thickness"}},
+        {{"robot", "planar", "--links", "1,2", "--json"}, 2, {"--json", "-o"}},
+        {{"robot", "planar", "--links", "1,2", "-o", unwritable}, 1, {unwritable}},
+    });
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST_SUITE("flow") {
+  TEST_CASE("a problem's obstacles, primitives and gaps are shown") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program({"scene", "info", files.problem(), "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const Json json = Json::parse(run.out);
+    CHECK(json["obstacles"].size() == 2);
+    REQUIRE(json["primitives"].size() == 1);
+    const double gap = std::hypot(5.75 - 2.1, 2.85 - 1.15) - 1.73 - 1.88;
+    CHECK(json["primitives"][0]["gap"].get<double>() == doctest::Approx(gap));
+    CHECK(json["primitives"][0]["key"].size() == 6);
+    CHECK(has_text(run_program({"scene", "info", files.problem()}).out, "primitives  1"));
+  }
+
+  TEST_CASE("a scene alone has primitives only for a robot") {
+    const PlanarFiles files;
+    const std::string scene = files / "scene.yaml";
+    write_file(scene, to_yaml(make_circle_scene("two", kTwoCircles)));
+    const ProgramRun alone = run_program({"scene", "info", scene, "--json"});
+    REQUIRE_MESSAGE(alone.exit_code == 0, alone.err);
+    CHECK(Json::parse(alone.out)["primitives"].is_null());
+    const ProgramRun with_robot =
+        run_program({"scene", "info", scene, "--robot", "planar8", "--json"});
+    REQUIRE_MESSAGE(with_robot.exit_code == 0, with_robot.err);
+    CHECK(Json::parse(with_robot.out)["primitives"].size() == 1);
+  }
+
+  TEST_CASE("the largest gap decides what is a primitive") {
+    const PlanarFiles files;
+    const ProgramRun run =
+        run_program({"scene", "info", files.problem(), "--max-gap", "0.1", "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["primitives"].empty());
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong scenes end with a message and an exit code") {
+    const PlanarFiles files;
+    write_file(files / "list.yaml", "[1, 2]\n");
+    write_file(files / "negative.yaml", "circles: {a: [1, 2, -3]}\n");
+    check_bad_inputs({
+        {{"scene", "info"}, 2, {"SCENE is required"}},
+        {{"scene", "info", files / "none.yaml"}, 1, {"none.yaml"}},
+        {{"scene", "info", files / "list.yaml"}, 1, {"list.yaml"}},
+        {{"scene", "info", files / "negative.yaml"}, 1, {"negative.yaml", "-3"}},
+        {{"scene", "info", files.problem(), "--robot", "nobody"}, 1, {"nobody"}},
+        {{"scene", "info", files.problem(), "--max-gap", "-1"}, 2, {"--max-gap"}},
+    });
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

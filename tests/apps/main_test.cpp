@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/run_program.h"
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("unit") {
+  TEST_CASE("the version goes to standard output") {
+    const ProgramRun run = run_program({"--version"});
+    CHECK(run.exit_code == 0);
+    CHECK(run.out == "mneme " + std::string(version()) + "\n");
+    CHECK(run.err.empty());
+  }
+
+  TEST_CASE("help ends with examples and exit codes") {
+    const ProgramRun run = run_program({"--help"});
+    CHECK(run.exit_code == 0);
+    CHECK(has_text(run.out, "mneme plan scenes/planar/scenario1.yaml"));
+    CHECK(run.out.find("Examples:") > run.out.find("Subcommands:"));
+    CHECK(has_text(run.out, "130 interrupted"));
+  }
+
+  TEST_CASE("the help of every subcommand shows an example of it") {
+    const std::vector<std::vector<std::string>> commands = {{"demo"},           {"plan"},
+                                                            {"learn"},          {"db", "info"},
+                                                            {"db", "list"},     {"db", "query"},
+                                                            {"db", "verify"},   {"robot", "info"},
+                                                            {"robot", "check"}, {"robot", "planar"},
+                                                            {"scene", "info"}};
+    for (std::vector<std::string> command : commands) {
+      std::string example = "  mneme";
+      for (const std::string& word : command) example += " " + word;
+      command.emplace_back("--help");
+      const ProgramRun run = run_program(command);
+      INFO(example);
+      CHECK(run.exit_code == 0);
+      CHECK(has_text(run.out, "Example:\n" + example));
+    }
+  }
+
+  TEST_CASE("help shows each setting's sentence, default and range") {
+    const ProgramRun run = run_program({"plan", "--help"});
+    CHECK(has_text(run.out, "--lambda"));
+    CHECK(has_text(run.out, "probability of drawing from the retrieved samplers"));
+    CHECK(has_text(run.out, "(default 0.5; 0 to 1)"));
+    CHECK(has_text(run.out, "--no-simplify"));
+    CHECK(has_text(run.out, "--starts-per-link"));
+    CHECK(has_text(run.out, "--max-gap"));
+  }
+
+  TEST_CASE("a wrong command line is a usage error with a suggestion") {
+    check_bad_inputs({
+        {{}, 2, {"subcommand is required", "see 'mneme --help'"}},
+        {{"plam"}, 2, {"unknown subcommand 'plam'", "did you mean 'plan'?"}},
+        {{"xyzzy"}, 2, {"unknown subcommand 'xyzzy'", "expected one of: demo, plan, learn"}},
+        {{"db", "inof", "x.db"}, 2, {"unknown subcommand 'inof'", "did you mean 'info'?"}},
+        {{"db"}, 2, {"subcommand is required", "see 'mneme db --help'"}},
+        {{"--bogus"}, 2, {"--bogus"}},
+        {{"plan", "p.yaml", "--timout", "1"}, 2, {"--timout", "did you mean '--timeout'?"}},
+        {{"plan"}, 2, {"PROBLEM is required", "see 'mneme plan --help'"}},
+        {{"plan", "a.yaml", "b.yaml"}, 2, {"b.yaml"}},
+    });
+  }
+
+  TEST_CASE("a full standard output is a failure") {
+    if (!std::filesystem::exists("/dev/full")) return;
+    const std::string command =
+        std::string(MNEME_PROGRAM) + " robot info planar8 >/dev/full 2>/dev/null";
+    const int status = std::system(command.c_str());
+    CHECK(WEXITSTATUS(status) == 1);
+  }
+
+  TEST_CASE("messages carry no colour codes unless a terminal reads them") {
+    const ProgramRun run = run_program({"plam"}, {{"TERM=xterm"}, false});
+    CHECK_FALSE(has_text(run.err, "\033"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Problems, robots and databases of the planar arm as files.
+#pragma once
+
+#include "apps/run_program.h"
+
+namespace mneme::test {
+
+/// The geometry of the paper's first scenario: two circles with a gap of 1 m.
+inline const std::vector<std::array<double, 3>> kTwoCircles = {{-5.75, -1.15, 1.73},
+                                                               {-2.1, -2.85, 1.88}};
+inline const Configuration kStart = {2.677, 1.211, 0.015, 0.374, -0.388, 0.592, -0.726, 1.724};
+inline const Configuration kGoal = {-3.1, -1.349, 2.054, 0.563, -3.021, 0.76, 0.434, -0.002};
+
+inline std::string planar_problem_text(
+    const std::vector<std::array<double, 3>>& circles = kTwoCircles) {
+  const Robot robot = planar8();
+  const Problem problem{
+      "two",   robot, source_file("robots/planar8.urdf"), make_circle_scene("two", circles), kStart,
+      {kGoal}, {}};
+  return to_yaml(problem, source_file("robots/planar8.urdf"));
+}
+
+/// A directory with problem.yaml, and whatever a test adds.
+class PlanarFiles {
+ public:
+  PlanarFiles() { write_file(directory_ / "problem.yaml", planar_problem_text()); }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return directory_ / name; }
+  [[nodiscard]] std::string problem() const { return directory_ / "problem.yaml"; }
+
+  /// A database that has learned the problem's one primitive.
+  [[nodiscard]] std::string database() const {
+    const std::string path = directory_ / "memory.db";
+    if (std::filesystem::exists(path)) return path;
+    const ProgramRun run =
+        run_program({"learn", "--robot", "planar8", "--scenes", problem(), "--db", path,
+                     "--starts-per-link", "1", "--paths-per-start", "1", "--jobs", "1"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    return path;
+  }
+
+  /// The same problem for an arm of three links.
+  [[nodiscard]] std::string short_arm_problem() const {
+    const auto urdf = planar_arm_urdf("short", std::vector<double>{1, 1, 1});
+    REQUIRE(urdf.has_value());
+    write_file(directory_ / "short.urdf", *urdf);
+    const auto robot = load_robot(directory_ / "short.urdf");
+    REQUIRE(robot.has_value());
+    const Problem problem{"short",
+                          *robot,
+                          directory_ / "short.urdf",
+                          make_circle_scene("two", kTwoCircles),
+                          {0, 0, 0},
+                          {{1, 1, 1}},
+                          {}};
+    write_file(directory_ / "short.yaml", to_yaml(problem, directory_ / "short.urdf"));
+    return directory_ / "short.yaml";
+  }
+
+ private:
+  TemporaryDirectory directory_;
+};
+
+}  // namespace mneme::test

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Runs the program as a user would, and keeps what it printed.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support/support.h"
+
+namespace mneme::test {
+
+struct ProgramRun {
+  int exit_code = -1;  ///< 128 + signal if it was killed
+  std::string out;
+  std::string err;
+};
+
+/// How the program's process differs from the test's.
+struct ProcessChanges {
+  std::vector<std::string> environment;  ///< NAME=VALUE
+  bool is_powerless = false;             ///< root becomes nobody
+};
+
+/// The user that a powerless process runs as.
+inline constexpr uid_t kNobody = 65534;
+
+/// A program that runs beside the test.
+class RunningProgram {
+ public:
+  explicit RunningProgram(const std::vector<std::string>& arguments,
+                          const ProcessChanges& changes = {}) {
+    REQUIRE(pipe2(err_, O_CLOEXEC) == 0);
+    process_ = fork();
+    REQUIRE(process_ >= 0);
+    if (process_ == 0) become_program(arguments, changes);
+    close(err_[1]);
+  }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+  ~RunningProgram() {
+    if (process_ > 0) wait();
+    close(err_[0]);
+  }
+
+  /// Blocks until a piece of its standard error has come.
+  std::string read_err() {
+    char buffer[4096];
+    const ssize_t size = read(err_[0], buffer, sizeof buffer);
+    return {buffer, static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
+  }
+  void send(int signal_number) const { kill(process_, signal_number); }
+
+  ProgramRun wait() {
+    ProgramRun run;
+    for (std::string piece = read_err(); !piece.empty(); piece = read_err()) run.err += piece;
+    int status = 0;
+    waitpid(process_, &status, 0);
+    process_ = -1;
+    run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    run.out = read_file(out_path());
+    return run;
+  }
+
+ private:
+  [[nodiscard]] std::string out_path() const { return files_ / "out"; }
+
+  [[noreturn]] void become_program(const std::vector<std::string>& arguments,
+                                   const ProcessChanges& changes) {
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+    dup2(open(out_path().c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
+    dup2(err_[1], STDERR_FILENO);
+    for (const std::string& entry : changes.environment) {
+      const std::size_t end = entry.find('=');
+      setenv(entry.substr(0, end).c_str(), entry.substr(end + 1).c_str(), 1);
+    }
+    if (changes.is_powerless && geteuid() == 0 && setuid(kNobody) != 0) _exit(126);
+    std::vector<char*> list{const_cast<char*>(MNEME_PROGRAM)};
+    for (const std::string& argument : arguments) {
+      list.push_back(const_cast<char*>(argument.c_str()));
+    }
+    list.push_back(nullptr);
+    execv(MNEME_PROGRAM, list.data());
+    _exit(127);
+  }
+
+  TemporaryDirectory files_;
+  int err_[2] = {-1, -1};
+  pid_t process_ = -1;
+};
+
+inline ProgramRun run_program(const std::vector<std::string>& arguments,
+                              const ProcessChanges& changes = {}) {
+  return RunningProgram(arguments, changes).wait();
+}
+
+inline bool has_text(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A wrong command line, and what the user is told.
+struct BadInput {
+  std::vector<std::string> arguments;
+  int exit_code = 0;
+  std::vector<std::string> fragments;  ///< of the message
+};
+
+inline void check_bad_inputs(const std::vector<BadInput>& inputs) {
+  for (const BadInput& input : inputs) {
+    std::string line = "mneme";
+    for (const std::string& argument : input.arguments) line += " " + argument;
+    const ProgramRun run = run_program(input.arguments);
+    INFO(line << "\nstandard error: " << run.err);
+    CHECK(run.exit_code == input.exit_code);
+    CHECK(has_text(run.err, "mneme: error: "));
+    for (const std::string& fragment : input.fragments) {
+      CHECK_MESSAGE(has_text(run.err, fragment), "expected the words: " << fragment);
+    }
+  }
+}
+
+}  // namespace mneme::test
