@@ -79,7 +79,9 @@ class Database {
  public:
   /// Opens `path`. With `create`, a missing or empty file becomes an empty database of `space`; a file that was
   /// being created when its process was killed counts as empty.
-  /// Errors: wrong_robot if the database is not of `space`; corrupt if it is no database, or damaged; io.
+  /// An empty file that is only read is an empty database too.
+  /// Errors: wrong_robot if the database is not of `space`; corrupt if it is no database, or damaged; unsupported
+  /// if a newer mneme wrote it; io.
   [[nodiscard]] static Result<Database> open(const std::string& path, const ExperienceSpace& space, OpenMode mode);
   /// Opens for reading whatever space it is of, to look at it.
   [[nodiscard]] static Result<Database> inspect(const std::string& path);
@@ -99,7 +101,8 @@ class Database {
   [[nodiscard]] std::vector<Match> find(const LocalPrimitive& primitive, double threshold, int max_matches) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed process and a
-  /// loss of power. Returns the ids. Errors: io (disk full, read-only, locked), invalid (wrong sizes, not finite);
+  /// loss of power. Returns the ids. Errors: io (disk full, read-only, locked), invalid (wrong sizes, not finite,
+  /// a number of a key beyond 1e6);
   /// then nothing was inserted.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
 
@@ -109,7 +112,8 @@ class Database {
   std::unique_ptr<State> state_;
 };
 
-/// Checks the file's structure and every row's checksum. Empty if all is well.
+/// Checks the file's structure and every row's checksum. Empty if all is well. Errors: io; unsupported if a newer
+/// mneme wrote the file.
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& path);
 
 }  // namespace mneme
