@@ -24,6 +24,7 @@ struct SolveSettings {
   double sigma = 0.05;
   double similarity = 0.5;
   int max_matches = 8;
+  bool drop_invalid_means = true;
   double learn_budget_s = 0;
   double resolution = 0;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
@@ -44,6 +45,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "retrieve samplers whose squared key distance is less than this (m^2); the paper used 3");
   visit("max-matches", s.max_matches, 0, 1000000,
         "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
+  visit("drop-invalid-means", s.drop_invalid_means, false, true,
+        "drop retrieved means that are in contact in the whole scene, all in one batch of state checks");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
         "seconds per query for learning primitives that have no match, 0 for none; counts as planning time");
   visit("resolution", s.resolution, 0.0, 10.0,

@@ -7,6 +7,7 @@
 
 #include "base/stopwatch.h"
 #include "mneme/pipeline.h"
+#include "pipeline/valid_components.h"
 
 namespace mneme {
 namespace {
@@ -79,6 +80,10 @@ Result<SolveResult> solve(const Problem& problem, Database* database, const Solv
     auto gl = create_gl_sampler(problem.robot, problem.scene, *database, settings);
     if (!gl) return tl::unexpected(gl.error());
     result.gl = std::move(*gl);
+    if (settings.drop_invalid_means) {
+      result.gl.mixture = std::make_shared<const GaussianMixture>(
+          internal::keep_valid_components(*checker, *result.gl.mixture));
+    }
   }
   const std::shared_ptr<const Sampler> sampler = make_sampler(problem.robot, settings, result.gl);
   PlanSettings plan = settings.plan;

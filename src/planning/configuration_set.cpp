@@ -3,7 +3,6 @@
 #include "planning/configuration_set.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace mneme::internal {
 
@@ -21,25 +20,34 @@ int ConfigurationSet::add(std::span<const float> q) {
 
 void ConfigurationSet::clear() {
   size_ = 0;
+  measured_ = 0;
   rows_.clear();
   blocks_.clear();
 }
 
-void ConfigurationSet::nearest(std::span<const float> q, int count, std::vector<int>& indices) {
+void ConfigurationSet::measure(std::span<const float> q) {
+  measured_ = size_;
   distances_.resize(static_cast<std::size_t>(block_count()) * kBlockSize);
-  kernels_.distances(blocks_.data(), block_count(), space_.joint_count(), q.data(), space_.periods().data(),
-                     distances_.data());
-  indices.resize(static_cast<std::size_t>(size_));
-  std::iota(indices.begin(), indices.end(), 0);
-  const auto is_nearer = [&](int a, int b) {
-    const float distance_a = distances_[static_cast<std::size_t>(a)];
-    const float distance_b = distances_[static_cast<std::size_t>(b)];
-    return distance_a != distance_b ? distance_a < distance_b : a < b;
-  };
-  const auto end = indices.begin() + std::min(count, size_);
-  std::nth_element(indices.begin(), end, indices.end(), is_nearer);
-  std::sort(indices.begin(), end, is_nearer);
-  indices.erase(end, indices.end());
+  kernels_.distances(blocks_.data(), block_count(), space_.joint_count(), q.data(),
+                     space_.periods().data(), distances_.data());
+}
+
+void ConfigurationSet::find_nearest(int count, std::vector<int>& indices) {
+  // A heap of the nearest so far, farthest on top: nearly all configurations fail the first comparison.
+  heap_.clear();
+  for (int i = 0; i < measured_; ++i) {
+    const std::pair<float, int> candidate = {distances_[static_cast<std::size_t>(i)], i};
+    if (static_cast<int>(heap_.size()) == count) {
+      if (candidate >= heap_.front()) continue;
+      std::pop_heap(heap_.begin(), heap_.end());
+      heap_.pop_back();
+    }
+    heap_.push_back(candidate);
+    std::push_heap(heap_.begin(), heap_.end());
+  }
+  std::sort_heap(heap_.begin(), heap_.end());
+  indices.clear();
+  for (const auto& [distance, index] : heap_) indices.push_back(index);
 }
 
 }  // namespace mneme::internal

@@ -4,6 +4,7 @@
 /// A growing set of configurations with nearest-neighbour queries by linear scan.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,8 +34,24 @@ class ConfigurationSet {
     return kernels_.nearest(blocks_.data(), block_count(), space_.joint_count(), q.data(),
                             space_.periods().data());
   }
-  /// Indices of the `count` configurations nearest to `q`, nearest first, fewer if the set is smaller. O(size).
-  void nearest(std::span<const float> q, int count, std::vector<int>& indices);
+  /// Measures the squared distances from `q` to all configurations, for the queries below. O(size).
+  void measure(std::span<const float> q);
+  /// Indices of the `count` configurations nearest to what was measured from, nearest first, fewer if there are
+  /// fewer. O(size).
+  void find_nearest(int count, std::vector<int>& indices);
+  /// The nearest of those measured for which `is_candidate(index)`, or -1. O(size).
+  template <class Predicate>
+  [[nodiscard]] int find_nearest_where(Predicate&& is_candidate) const {
+    int best = -1;
+    float least = std::numeric_limits<float>::infinity();
+    for (int i = 0; i < measured_; ++i) {
+      const float distance = distances_[static_cast<std::size_t>(i)];
+      if (distance >= least || !is_candidate(i)) continue;
+      least = distance;
+      best = i;
+    }
+    return best;
+  }
 
  private:
   [[nodiscard]] std::size_t joints() const { return static_cast<std::size_t>(space_.joint_count()); }
@@ -46,7 +63,9 @@ class ConfigurationSet {
   std::vector<float> rows_;
   /// Lanes of the last block that hold no configuration repeat configuration 0, which then wins ties.
   std::vector<float> blocks_;
+  int measured_ = 0;  ///< configurations that `distances_` speaks of
   std::vector<float> distances_;
+  std::vector<std::pair<float, int>> heap_;
 };
 
 }  // namespace mneme::internal

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // PRM: Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439, grown until start and goal meet. As there,
-// milestones that are connected already are not connected again, so that the roadmap is a forest.
+// milestones that are connected already are not connected again, so that the roadmap is a forest. Departure: each
+// milestone also tries the components of start and goals, which is what a query waits for.
 #include <algorithm>
 #include <numeric>
 
@@ -50,20 +51,38 @@ class Prm {
  private:
   static constexpr int kStart = 0;
 
-  /// Connects a new milestone to near ones of other components; returns the number of connections.
+  /// Connects a new milestone to near ones of other components, and to the nearest ones in the components of start
+  /// and goals, wherever they are; returns the number of connections. Neighbours that are connected already cost no
+  /// motion check, so more of them are looked at than are tried.
   int add_milestone(std::span<const float> q) {
-    milestones_.nearest(q, run_.settings().neighbours, neighbours_);
+    constexpr int kLookedAtPerTry = 5;
+    const int most_tries = run_.settings().neighbours;
+    milestones_.measure(q);
+    milestones_.find_nearest(kLookedAtPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);
     component_.push_back(milestone);
     edges_.emplace_back();
-    int degree = 0;
+    int degree = 0, tries = 0;
     for (const int neighbour : neighbours_) {
+      if (tries == most_tries) break;
       if (find(neighbour) == find(milestone)) continue;
-      if (!run_.is_motion_valid(milestones_[neighbour], q)) continue;
-      connect(neighbour, milestone);
-      ++degree;
+      ++tries;
+      degree += try_connecting(neighbour, milestone);
+    }
+    const int end_count = 1 + static_cast<int>(run_.goals().size());
+    for (int end = kStart; end < std::min(end_count, milestone); ++end) {
+      const int component = find(end);
+      if (component == find(milestone)) continue;
+      const auto is_in_component = [&](int i) { return find(i) == component; };
+      degree += try_connecting(milestones_.find_nearest_where(is_in_component), milestone);
     }
     return degree;
+  }
+
+  int try_connecting(int a, int b) {
+    if (!run_.is_motion_valid(milestones_[a], milestones_[b])) return 0;
+    connect(a, b);
+    return 1;
   }
 
   void connect(int a, int b) {
