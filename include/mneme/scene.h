@@ -28,7 +28,7 @@ struct Scene {
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
-/// Text that parse_scene reads back to the same scene.
+/// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.
