@@ -18,6 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
+namespace {
 
 /// A pose per lane, by columns.
 struct Pose {
@@ -266,6 +267,7 @@ const CollisionKernels* kernels() {
   return &table;
 }
 
+}  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace mneme::internal
 HWY_AFTER_NAMESPACE();

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Geometry>
+
 #include "collision/collision_kernels.h"
 
 namespace mneme::internal {

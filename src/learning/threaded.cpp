@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Threaded configurations are built link by link: the links before the gap at random, the two links that lead into
-// it by two-link inverse kinematics onto a random point of the gap, the links behind it at random again.
+// Threaded configurations are built link by link: the links before the gap at random among the
+// directions that leave it within reach, the two links that lead into it by two-link inverse kinematics onto a random
+// point of it, the links behind it at random.
 #include "learning/threaded.h"
 
 #include <algorithm>
@@ -24,13 +25,17 @@ class ThreadedBuilder {
   std::optional<std::vector<double>> build(int first_link) {
     points_.assign(1, Vec2::Zero());
     directions_.clear();
-    const int random_links = std::max(0, first_link - 1);
-    for (int link = 0; link < random_links; ++link) {
-      if (!add_random_link(false)) return std::nullopt;
+    target_ = gap_.a + rng_.uniform() * (gap_.b - gap_.a);
+    entry_length_ = rng_.uniform() * chain_.length(first_link);
+    double rest = entry_length_;
+    for (int link = 1; link < first_link; ++link) rest += chain_.length(link);
+    for (int link = 0; link + 1 < first_link; ++link) {
+      if (!add_leading_link(rest)) return std::nullopt;
+      rest -= chain_.length(link + 1);
     }
     if (!(first_link == 0 ? aim_one_link() : aim_two_links())) return std::nullopt;
     for (int link = first_link + 1; link < chain_.link_count(); ++link) {
-      if (!add_random_link(true)) return std::nullopt;
+      if (!add_trailing_link()) return std::nullopt;
     }
     return directions_;
   }
@@ -52,9 +57,25 @@ class ThreadedBuilder {
     return true;
   }
 
-  bool add_random_link(bool may_cross) {
+  /// Appends a link that does not cross the gap, and from whose end the target is at most `rest` away.
+  bool add_leading_link(double rest) {
+    const Vec2 to_target = target_ - points_.back();
+    const double distance = to_target.norm();
+    const double length = chain_.length(static_cast<int>(directions_.size()));
+    // Cosine rule; beyond [-1, 1] no direction will do, or any.
+    const double cosine = (distance * distance + length * length - rest * rest) / (2 * distance * length);
+    if (cosine >= 1) return false;
+    const double window = std::acos(std::max(-1.0, cosine));
+    const double toward = std::atan2(to_target.y(), to_target.x());
     for (int i = 0; i < kTriesPerLink; ++i) {
-      if (add_link(rng_.uniform(-std::numbers::pi, std::numbers::pi), may_cross)) return true;
+      if (add_link(toward + rng_.uniform(-window, window), false)) return true;
+    }
+    return false;
+  }
+
+  bool add_trailing_link() {
+    for (int i = 0; i < kTriesPerLink; ++i) {
+      if (add_link(rng_.uniform(-std::numbers::pi, std::numbers::pi), true)) return true;
     }
     return false;
   }
@@ -66,27 +87,22 @@ class ThreadedBuilder {
     return (from + t * along - center).norm() <= key_[circle + 2];
   }
 
-  Vec2 random_gap_point() { return gap_.a + rng_.uniform() * (gap_.b - gap_.a); }
-
   bool aim_one_link() {
-    const Vec2 target = random_gap_point() - points_.back();
-    if (target.norm() > chain_.length(0)) return false;
-    return add_link(std::atan2(target.y(), target.x()), true);
+    if (target_.norm() > chain_.length(0)) return false;
+    return add_link(std::atan2(target_.y(), target_.x()), true);
   }
 
-  /// Link k - 1, then link k through a point of the gap at a random fraction of its length.
+  /// The link before the gap, then the first one through it.
   bool aim_two_links() {
-    const auto first = static_cast<int>(directions_.size());
-    const Vec2 target = random_gap_point() - points_.back();
-    const double distance = target.norm();
-    const double a = chain_.length(first);
-    const double b = rng_.uniform() * chain_.length(first + 1);
+    const Vec2 to_target = target_ - points_.back();
+    const double distance = to_target.norm();
+    const double a = chain_.length(static_cast<int>(directions_.size())), b = entry_length_;
     if (distance >= a + b || distance <= std::abs(a - b)) return false;
-    const double toward = std::atan2(target.y(), target.x());
+    const double toward = std::atan2(to_target.y(), to_target.x());
     const double shoulder = std::acos((a * a + distance * distance - b * b) / (2 * a * distance));
     const double direction = toward + (rng_.index(2) == 0 ? shoulder : -shoulder);
     if (!add_link(direction, false)) return false;
-    const Vec2 rest = target - a * Vec2(std::cos(direction), std::sin(direction));
+    const Vec2 rest = target_ - points_.back();
     return add_link(std::atan2(rest.y(), rest.x()), true);
   }
 
@@ -94,6 +110,8 @@ class ThreadedBuilder {
   const PrimitiveKey& key_;
   GapSegment gap_;
   Rng& rng_;
+  Vec2 target_ = Vec2::Zero();  ///< point of the gap that the first link through it passes
+  double entry_length_ = 0;     ///< part of that link before the target
   std::vector<Vec2> points_;
   std::vector<double> directions_;
 };
