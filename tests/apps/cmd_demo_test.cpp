@@ -24,7 +24,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::string out = files / "out/demo";
     const std::vector<std::string> command = {
-        "demo", "--scenes", small_scenes(files), "--out", out, "--seeds", "2"};
+        "demo", "--scenes", small_scenes(files), "--out", out, "--seeds", "2", "--timeout", "0.3"};
     const ProgramRun run = run_program(command);
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(has_text(run.err, "skipped: there is no"));
