@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <set>
+
+#include "mneme/sampling.h"
+
+#include "sampling/sample_rows.h"
+
+namespace mneme::test {
+namespace {
+
+/// Records what its streams are asked.
+class Recorder final : public Sampler {
+ public:
+  struct Log {
+    std::vector<std::uint64_t> seeds;
+    std::vector<SampleOutcome> outcomes;
+  };
+  Recorder(Origin origin, std::shared_ptr<Log> log) : origin_(origin), log_(std::move(log)) {}
+  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
+    log_->seeds.push_back(seed);
+    return std::make_unique<Stream>(origin_, log_);
+  }
+
+ private:
+  class Stream final : public SampleStream {
+   public:
+    Stream(Origin origin, std::shared_ptr<Log> log) : origin_(origin), log_(std::move(log)) {}
+    Origin next(std::span<float> q) override {
+      for (float& value : q) value = 0;
+      return origin_;
+    }
+    void report(Origin, SampleOutcome outcome) override { log_->outcomes.push_back(outcome); }
+
+   private:
+    Origin origin_;
+    std::shared_ptr<Log> log_;
+  };
+  Origin origin_;
+  std::shared_ptr<Log> log_;
+};
+
+std::shared_ptr<const Sampler> gaussian(const Robot& robot) {
+  auto mixture = std::make_shared<GaussianMixture>();
+  mixture->joint_count = 3;
+  mixture->means = {0, 0, 1};
+  mixture->origins = {5};
+  return make_mixture_sampler(robot, mixture, 0.1);
+}
+
+std::unique_ptr<Sampler> mixed(double lambda) {
+  const Robot robot = all_kinds();
+  return make_mixed_sampler(lambda, gaussian(robot), make_uniform_sampler(robot));
+}
+
+double share_of(const std::vector<Origin>& origins, Origin origin) {
+  const auto count = std::count(origins.begin(), origins.end(), origin);
+  return static_cast<double>(count) / static_cast<double>(origins.size());
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("the seed decides the mixed stream") {
+    check_seeds(*mixed(0.5), 3);
+    check_seeds(*mixed(1), 3);
+  }
+
+  TEST_CASE("with lambda 0 all samples are of the second source and with 1 all of the first") {
+    for (const Origin origin : draw(*mixed(0), 3, 1, 20000).origins)
+      REQUIRE(origin == kUniformOrigin);
+    for (const Origin origin : draw(*mixed(1), 3, 1, 20000).origins) REQUIRE(origin == 5);
+  }
+
+  TEST_CASE("a report goes to the source of the latest sample") {
+    const auto first_log = std::make_shared<Recorder::Log>(),
+               second_log = std::make_shared<Recorder::Log>();
+    const auto sampler = make_mixed_sampler(0.5, std::make_shared<Recorder>(1, first_log),
+                                            std::make_shared<Recorder>(2, second_log));
+    const auto stream = sampler->start(3);
+    stream->report(1, SampleOutcome::rejected);  // before any sample: nobody's
+    CHECK(first_log->outcomes.empty());
+    std::vector<float> q(1);
+    std::size_t firsts = 0, seconds = 0;
+    for (int i = 0; i < 100; ++i) {
+      const Origin origin = stream->next(q);
+      ++(origin == 1 ? firsts : seconds);
+      stream->report(origin, origin == 1 ? SampleOutcome::extended : SampleOutcome::connected);
+    }
+    CHECK(firsts > 20);
+    CHECK(seconds > 20);
+    CHECK(first_log->outcomes == std::vector(firsts, SampleOutcome::extended));
+    CHECK(second_log->outcomes == std::vector(seconds, SampleOutcome::connected));
+  }
+
+  TEST_CASE("the two sources are started with seeds of their own, different for each stream") {
+    const auto log = std::make_shared<Recorder::Log>();
+    const auto sampler = make_mixed_sampler(0.5, std::make_shared<Recorder>(1, log),
+                                            std::make_shared<Recorder>(2, log));
+    for (std::uint64_t seed = 0; seed < 100; ++seed) sampler->start(seed);
+    CHECK(std::set(log->seeds.begin(), log->seeds.end()).size() == 200);
+  }
+
+  TEST_CASE("a mixed sampler may be part of another") {
+    const Robot robot = all_kinds();
+    const auto sampler = make_mixed_sampler(0.5, mixed(0.5), make_halton_sampler(robot));
+    CHECK(std::abs(share_of(draw(*sampler, 3, 4, 40000).origins, 5) - 0.25) < 0.012);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("mixed samples are within the limits") {
+    check_limits(*mixed(0.5), all_kinds(), 20000);
+  }
+
+  TEST_CASE("the share of the first source is lambda") {
+    constexpr int kCount = 100000;
+    for (const double lambda : {0.01, 0.2, 0.5, 0.8, 0.99}) {
+      const double share = share_of(draw(*mixed(lambda), 3, 6, kCount).origins, 5);
+      CAPTURE(lambda);
+      CHECK(std::abs(share - lambda) < 5 * std::sqrt(lambda * (1 - lambda) / kCount));
+    }
+  }
+
+  TEST_CASE("the choice of the source is independent from sample to sample") {
+    const Samples samples = draw(*mixed(0.5), 3, 7, 100000);
+    int changes = 0;
+    for (std::size_t i = 1; i < samples.origins.size(); ++i) {
+      changes += samples.origins[i] != samples.origins[i - 1] ? 1 : 0;
+    }
+    CHECK(std::abs(changes - 50000) < 800);
+  }
+
+  TEST_CASE("the stream of each source is the same whatever the other one and lambda are") {
+    const Samples rare = draw(*mixed(0.2), 3, 8, 2000), frequent = draw(*mixed(0.8), 3, 8, 2000);
+    for (const Origin origin : {5, kUniformOrigin}) {
+      const auto of_source = [&](const Samples& samples) {
+        std::vector<double> values;
+        for (std::size_t i = 0; i < samples.origins.size(); ++i) {
+          if (samples.origins[i] == origin) values.push_back(samples.columns[0][i]);
+        }
+        values.resize(300);
+        return values;
+      };
+      CHECK(of_source(rare) == of_source(frequent));
+    }
+  }
+
+  TEST_CASE("two sources of the same kind are independent of each other and of the choice") {
+    const Robot robot = all_kinds();
+    const auto sampler =
+        make_mixed_sampler(0.5, make_uniform_sampler(robot), make_uniform_sampler(robot));
+    // Where equal streams were mixed, every value would come twice.
+    const Samples samples = draw(*sampler, 3, 9, 20000);
+    const auto& values = samples.columns[0];
+    CHECK(std::set(values.begin(), values.end()).size() > 19900);
+    CHECK(chi_square(values, -kPi, kPi, 100) < 170);
+    // The choice is not visible in the samples of a single source either.
+    const Samples mixture = draw(*mixed(0.5), 3, 9, 100000);
+    std::vector<double> uniform;
+    for (std::size_t i = 0; i < mixture.origins.size(); ++i) {
+      if (mixture.origins[i] == kUniformOrigin) uniform.push_back(mixture.columns[0][i]);
+    }
+    CHECK(chi_square(uniform, -kPi, kPi, 100) < 170);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "mneme/sampling.h"
+
+#include "sampling/sample_rows.h"
+
+namespace mneme::test {
+namespace {
+
+constexpr int kCount = 200000;
+
+std::unique_ptr<Sampler> make_sampler(const Robot& robot, GaussianMixture mixture, double sigma) {
+  return make_mixture_sampler(robot, std::make_shared<const GaussianMixture>(std::move(mixture)),
+                              sigma);
+}
+
+Robot revolute3() {
+  return joints_of({JointType::revolute, JointType::revolute, JointType::revolute});
+}
+
+/// Components that their origins tell apart: n of them at distances that sigma does not bridge.
+GaussianMixture line_of(int components) {
+  GaussianMixture mixture;
+  mixture.joint_count = 3;
+  for (int i = 0; i < components; ++i) {
+    const float at = -1.5f + 2.0f * static_cast<float>(i) / static_cast<float>(components);
+    mixture.means.insert(mixture.means.end(), {at, -at - 1, 1.2f + at / 10});
+    mixture.origins.push_back(7 * i + 3);
+  }
+  return mixture;
+}
+
+/// The samples of one origin.
+Samples of_origin(const Samples& all, Origin origin) {
+  Samples result;
+  result.columns.resize(all.columns.size());
+  for (std::size_t i = 0; i < all.origins.size(); ++i) {
+    if (all.origins[i] != origin) continue;
+    for (std::size_t j = 0; j < all.columns.size(); ++j) {
+      result.columns[j].push_back(all.columns[j][i]);
+    }
+  }
+  return result;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("the seed decides the stream of a mixture") {
+    check_seeds(*make_sampler(all_kinds(), line_of(4), 0.1), 3);
+  }
+
+  TEST_CASE("the number of components is that of the rows of means") {
+    CHECK(line_of(5).component_count() == 5);
+    CHECK(GaussianMixture{}.component_count() == 0);
+  }
+
+  TEST_CASE("without a spread, samples are the means") {
+    GaussianMixture mixture = line_of(4);
+    const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0), 3, 1, 100);
+    for (std::size_t i = 0; i < 100; ++i) {
+      const auto component = static_cast<std::size_t>((samples.origins[i] - 3) / 7);
+      for (std::size_t j = 0; j < 3; ++j) {
+        REQUIRE(samples.columns[j][i] == mixture.means.at(3 * component + j));
+      }
+    }
+  }
+
+  TEST_CASE("without origins, all samples count for source 0") {
+    GaussianMixture mixture = line_of(4);
+    mixture.origins.clear();
+    for (const Origin origin : draw(*make_sampler(all_kinds(), mixture, 0.1), 3, 1, 100).origins) {
+      CHECK(origin == 0);
+    }
+  }
+
+  TEST_CASE("means outside the limits are brought inside, as the kind of joint wants") {
+    GaussianMixture mixture;
+    mixture.joint_count = 3;
+    mixture.means = {4, 4, 4};
+    const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0), 3, 1, 1);
+    CHECK(samples.columns[0][0] == doctest::Approx(4 - 2 * kPi));
+    CHECK(samples.columns[1][0] == 1.0);
+    CHECK(samples.columns[2][0] == 2.0);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("samples of a mixture are within the limits, however wide it is") {
+    check_limits(*make_sampler(all_kinds(), line_of(4), 0.3), all_kinds(), 20000);
+    check_limits(*make_sampler(all_kinds(), line_of(4), 8.0), all_kinds(), 20000);
+  }
+
+  TEST_CASE("components are equally likely and have their means and the standard deviation sigma") {
+    constexpr double kSigma = 0.05;
+    const GaussianMixture mixture = line_of(5);
+    const Samples all = draw(*make_sampler(all_kinds(), mixture, kSigma), 3, 21, kCount);
+    for (int component = 0; component < 5; ++component) {
+      const Samples samples = of_origin(all, 7 * component + 3);
+      const auto count = static_cast<double>(samples.columns[0].size());
+      CAPTURE(component);
+      CHECK(std::abs(count - kCount / 5.0) < 5 * std::sqrt(kCount * 0.2 * 0.8));
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double expected = mixture.means.at(3 * static_cast<std::size_t>(component) + j);
+        CHECK(std::abs(mean(samples.columns[j]) - expected) < 5 * kSigma / std::sqrt(count));
+        CHECK(covariance(samples.columns[j], samples.columns[j]) ==
+              doctest::Approx(kSigma * kSigma).epsilon(0.04));
+      }
+      CHECK(std::abs(correlation(samples.columns[0], samples.columns[1])) < 0.03);
+      CHECK(std::abs(correlation(samples.columns[1], samples.columns[2])) < 0.03);
+    }
+  }
+
+  TEST_CASE("a sample is normally distributed about its mean") {
+    GaussianMixture mixture;
+    mixture.joint_count = 3;
+    mixture.means = {0, -0.5f, 1.2f};
+    const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0.1), 3, 22, kCount);
+    std::vector<double> levels;  // uniform in [0, 1] if the samples are normal
+    for (const double x : samples.columns[1])
+      levels.push_back(0.5 * std::erfc(-(x + 0.5) / 0.1 / std::sqrt(2)));
+    CHECK(chi_square(levels, 0, 1, 100) < 170);
+  }
+
+  TEST_CASE("components with a factor have its covariance and the others sigma") {
+    GaussianMixture mixture;
+    mixture.joint_count = 3;
+    mixture.means = {-0.5f, -0.4f, -0.6f, 0, 0, 0, -0.5f, -0.5f, -0.5f};
+    mixture.factor_rows = {1, -1, 0};
+    mixture.factors = {0.02f, 0,     0.03f, 0,      0,     0.04f,   // row 0, diagonal
+                       0.1f,  0.05f, 0.07f, -0.08f, 0.03f, 0.06f};  // row 1
+    mixture.origins = {0, 1, 2};
+    const Samples all = draw(*make_sampler(revolute3(), mixture, 0.09), 3, 23, kCount);
+    Eigen::Matrix3d factor;
+    factor << 0.1, 0, 0, 0.05, 0.07, 0, -0.08, 0.03, 0.06;
+    const std::array<Eigen::Matrix3d, 3> expected = {
+        factor * factor.transpose(), Eigen::Matrix3d::Identity() * 0.09 * 0.09,
+        Eigen::Vector3d(0.02, 0.03, 0.04).cwiseAbs2().asDiagonal()};
+    for (int component = 0; component < 3; ++component) {
+      const Samples samples = of_origin(all, component);
+      const auto& covariances = expected.at(static_cast<std::size_t>(component));
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const double center = mixture.means.at(3 * static_cast<std::size_t>(component) + i);
+        CHECK(std::abs(mean(samples.columns[i]) - center) <
+              5 * std::sqrt(covariances(row, row) / 66000));
+        for (std::size_t j = 0; j < 3; ++j) {
+          const auto column = static_cast<Eigen::Index>(j);
+          const double scale = std::sqrt(covariances(row, row) * covariances(column, column));
+          CAPTURE(component);
+          CAPTURE(i);
+          CAPTURE(j);
+          CHECK(std::abs(covariance(samples.columns[i], samples.columns[j]) -
+                         covariances(row, column)) < 0.025 * scale);
+        }
+      }
+    }
+  }
+
+  TEST_CASE("a continuous joint wraps round where another one is cut off at its limit") {
+    GaussianMixture mixture;
+    mixture.joint_count = 3;
+    mixture.means = {3.1f, 0.95f, 0.55f};
+    const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0.1), 3, 24, 50000);
+    int beyond = 0, at_upper = 0, at_lower = 0;
+    std::vector<double> unwrapped;
+    for (std::size_t i = 0; i < 50000; ++i) {
+      beyond += samples.columns[0][i] < 0 ? 1 : 0;
+      at_upper += samples.columns[1][i] == 1 ? 1 : 0;
+      at_lower += samples.columns[2][i] == 0.5 ? 1 : 0;
+      unwrapped.push_back(std::remainder(samples.columns[0][i] - 3.1, 2 * kPi));
+    }
+    const auto expected = [](double deviations) {
+      return 50000 * 0.5 * std::erfc(deviations / std::sqrt(2));
+    };
+    CHECK(std::abs(beyond - expected((kPi - 3.1) / 0.1)) < 550);
+    CHECK(std::abs(at_upper - expected(0.5)) < 550);
+    CHECK(std::abs(at_lower - expected(0.5)) < 550);
+    CHECK(std::sqrt(covariance(unwrapped, unwrapped)) == doctest::Approx(0.1).epsilon(0.02));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
