@@ -15,6 +15,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "scene_threaded.h"
 
 namespace mneme::app {
 namespace {
@@ -119,10 +120,11 @@ void add_info(CLI::App& group, Action& action) {
 }  // namespace
 
 void add_scene(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand("scene", "Look at workspaces");
+  CLI::App* group = program.add_subcommand("scene", "Look at workspaces and make problems");
   group->require_subcommand(1);
   group->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
   add_info(*group, action);
+  add_scene_threaded(*group, action);
 }
 
 }  // namespace mneme::app

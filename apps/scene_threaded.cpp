@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_threaded.h"
+
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/learning.h"
+
+#include "console.h"
+#include "inputs.h"
+#include "interrupt.h"
+#include "options.h"
+#include "output_file.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMaxCount = 1000000;
+
+struct ThreadedOptions {
+  std::string robot = "planar8";
+  std::string output;
+  std::uint64_t seed = 1;
+  int count = 100;
+  ThreadedSettings settings;
+  bool is_json = false;
+};
+
+/// A flag of the form LEAST:MOST; a single number is both.
+void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
+               const std::string& help) {
+  const auto read = [flag, &range](const std::string& text) {
+    const std::vector<double> numbers = parse_numbers(flag, text, ':');
+    if (numbers.size() > 2) {
+      throw CLI::ValidationError(flag, fmt::format("'{}' is not a range LEAST:MOST", text));
+    }
+    range = {numbers.front(), numbers.back()};
+  };
+  add_text(app, flag, read, fmt::format("{} (default {}:{})", help, range[0], range[1]))
+      ->type_name("X:X");
+}
+
+Result<void> set_depth(const std::array<double, 2>& depth, ThreadedSettings& settings) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!(depth[i] >= 1 && depth[i] <= 1000) || depth[i] != std::floor(depth[i])) {
+      return fail(ErrorCode::invalid, "--depth: expected whole numbers of links, such as 3:5");
+    }
+    settings.depth[i] = static_cast<int>(depth[i]);
+  }
+  return {};
+}
+
+Json to_json(const ThreadedInstance& instance, std::size_t index, std::uint64_t seed) {
+  return {{"name", fmt::format("s{}_{:04}", seed, index)},
+          {"circles", instance.circles},
+          {"start", instance.start},
+          {"goal", instance.goal},
+          {"gap", instance.gap},
+          {"depth", instance.depth},
+          {"witness", instance.witness}};
+}
+
+Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
+  Json problems = Json::array();
+  for (std::size_t i = 0; i < made.instances.size(); ++i) {
+    problems.push_back(to_json(made.instances[i], i, options.seed));
+  }
+  return {{"robot", options.robot},
+          {"generator", kThreadedVersion},
+          {"seed", options.seed},
+          {"gap", options.settings.gap},
+          {"depth", options.settings.depth},
+          {"dropped", made.dropped},
+          {"problems", problems}};
+}
+
+Result<ExitCode> run(ThreadedOptions options, const std::array<double, 2>& depth) {
+  if (auto set = set_depth(depth, options.settings); !set) return tl::unexpected(set.error());
+  const Result<Robot> robot = load_named_robot(options.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  Progress progress("threading");
+  options.settings.cancel = interrupt_flag();
+  options.settings.on_progress = [&](int made, int dropped) {
+    progress.update(made, options.count, fmt::format("{} dropped", dropped));
+  };
+  const auto made = make_threaded_instances(*robot, options.count, options.settings, options.seed);
+  if (!made) return tl::unexpected(made.error());
+  auto written = write_file(options.output, to_json(options, *made).dump() + "\n");
+  if (!written) return tl::unexpected(written.error());
+  if (options.is_json) {
+    print_json({{"generator", kThreadedVersion},
+                {"instances", made->instances.size()},
+                {"dropped", made->dropped},
+                {"file", options.output}});
+  } else {
+    fmt::print("{} instances in {}, {} dropped that the proof did not solve\n",
+               made->instances.size(), options.output, made->dropped);
+  }
+  return options.settings.cancel->load() ? ExitCode::interrupted : ExitCode::done;
+}
+
+}  // namespace
+
+void add_scene_threaded(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<ThreadedOptions>();
+  const auto depth = std::make_shared<std::array<double, 2>>(std::array<double, 2>{3, 5});
+  CLI::App* command = group.add_subcommand(
+      "threaded", "Write random problems of an arm threaded through a gap, each proven feasible");
+  command->footer(
+      "Example:\n  mneme scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 "
+      "-o threaded.json");
+  command->add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
+  command->add_option("-o,--output", options->output, "compact problem file to write")->required();
+  add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
+             "seed of all random numbers");
+  add_number(*command, "-n,--count", options->count, 1, kMaxCount, "problems to write");
+  add_range(*command, "--gap", options->settings.gap, "metres between the two circles");
+  add_range(*command, "--depth", *depth, "links from the first one that crosses the gap");
+  add_json(*command, options->is_json);
+  command->callback(
+      [options, depth, &action] { action = [options, depth] { return run(*options, *depth); }; });
+}
+
+}  // namespace mneme::app
