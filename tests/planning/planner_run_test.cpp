@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/scripted_sampler.h"
+#include "planning/small_worlds.h"
+
+#include "planning/planner_run.h"
+
+#include <atomic>
+
+namespace mneme::test {
+namespace {
+
+/// A run that outlives what it refers to.
+struct Fixture {
+  explicit Fixture(World world_, const PlanSettings& settings_ = {})
+      : world(std::move(world_)),
+        settings(settings_),
+        checker(make_checker(world)),
+        sampler({Configuration(world.query.start.size(), 0.125)}),
+        run(checker, world.query, sampler, settings) {}
+
+  World world;
+  PlanSettings settings;
+  CollisionChecker checker;
+  ScriptedSampler sampler;
+  internal::PlannerRun run;
+};
+
+World open_world() { return {"open", gantry(), {}, {{0.1, 0.2, 0.3}, {{1, 1, 1}, {-1, 0.7, 0}}}}; }
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a run that is ready has start and goals within the limits in single precision") {
+    World world = open_world();
+    world.query.goals.push_back({2 + 5e-6, 0, 0});
+    const Fixture f(world);
+    REQUIRE(f.run.is_ready());
+    CHECK(f.run.start() == std::vector<float>{0.1f, 0.2f, 0.3f});
+    CHECK(f.run.goals() == internal::FloatPath{{1, 1, 1}, {-1, 0.7f, 0}, {2, 0, 0}});
+  }
+
+  TEST_CASE("a range of zero is the robot's own") {
+    CHECK(Fixture(open_world()).run.range() == doctest::Approx(default_range(gantry())));
+    PlanSettings settings;
+    settings.range = 0.125;
+    CHECK(Fixture(open_world(), settings).run.range() == 0.125f);
+  }
+
+  TEST_CASE("messages name every goal by its number and at most four contacts") {
+    World world = open_world();
+    for (int i = 0; i < 6; ++i) {
+      world.scene.obstacles.push_back(
+          make_ball("ball" + std::to_string(i), {1, 1, 1}, 0.1 + 0.1 * i));
+    }
+    Fixture f(world);
+    CHECK(!f.run.is_ready());
+    const PlanResult result = f.run.give_up(0);
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("goal 0 is in contact") != std::string::npos);
+    CHECK(result.message.find("link 'link_3' touches obstacle 'ball0'") != std::string::npos);
+    CHECK(result.message.find("'ball3'") != std::string::npos);
+    CHECK(result.message.find("'ball4'") == std::string::npos);
+    CHECK(result.message.find("2 more") != std::string::npos);
+  }
+
+  TEST_CASE("iterations end at the limit") {
+    PlanSettings settings;
+    settings.max_iterations = 40;
+    Fixture f(open_world(), settings);
+    int count = 0;
+    while (f.run.begin_iterations()) ++count;
+    CHECK(count == 40);
+    const PlanResult result = f.run.give_up(7);
+    CHECK(result.status == PlanStatus::iteration_limit);
+    CHECK(result.iterations == 40);
+    CHECK(result.nodes == 7);
+  }
+
+  TEST_CASE("a run that is cancelled before it begins does not begin") {
+    const std::atomic<bool> is_cancelled = true;
+    PlanSettings settings;
+    settings.cancel = &is_cancelled;
+    Fixture f(open_world(), settings);
+    CHECK(!f.run.begin_iterations());
+    CHECK(f.run.give_up(0).status == PlanStatus::cancelled);
+  }
+
+  TEST_CASE("the first goal in sight of the start is found") {
+    World world = open_world();
+    world.scene.obstacles = {make_box("wall", {0.4, -3, -3}, {0.6, 3, 3})};
+    Fixture f(world);
+    CHECK(f.run.find_direct_goal() == 1);
+    world.query.goals.pop_back();
+    Fixture blocked(world);
+    CHECK(blocked.run.find_direct_goal() == -1);
+  }
+
+  TEST_CASE("a finished path ends at the query's own values") {
+    World world{"", gantry(), {}, {{0.1, 0.2, 0.3}, {{1, 1, 1}, {1.0 / 3, 0.7, -2 - 1e-6}}}};
+    for (const bool simplify : {true, false}) {
+      PlanSettings settings;
+      settings.simplify = simplify;
+      Fixture f(world, settings);
+      const internal::FloatPath path = {f.run.start(), {1, 0, -1}, f.run.goals()[1]};
+      const PlanResult result = f.run.finish(path, 1, 3);
+      CHECK(result.status == PlanStatus::solved);
+      CHECK(result.path.front() == world.query.start);
+      CHECK(result.path.back() == Configuration{1.0 / 3, 0.7, -2});
+      CHECK(result.path.size() == (simplify ? 2 : 3));
+      CHECK(result.nodes == 3);
+    }
+  }
+
+  TEST_CASE("simplification and verification are not planning time") {
+    Fixture f(open_world());
+    const internal::FloatPath path = {f.run.start(), {1, 0, -1}, f.run.goals()[1]};
+    CHECK(f.run.find_invalid_motion(path) == -1);
+    const PlanResult result = f.run.finish(path, 1, 3);
+    CHECK(result.verification_time_s > 0);
+    CHECK(result.simplification_time_s > 0);
+    CHECK(result.planning_time_s >= 0);
+    CHECK(result.motions_checked > 2);
+  }
+
+  TEST_CASE("draws and reports go to the sampler's stream, checks are counted") {
+    Fixture f(open_world());
+    std::vector<float> q(3);
+    CHECK(f.run.sample(q) == 0);
+    CHECK(q == std::vector<float>(3, 0.125f));
+    f.run.report(0, SampleOutcome::connected);
+    REQUIRE(f.sampler.log().reports.size() == 1);
+    CHECK(f.sampler.log().reports[0] == std::pair(0, SampleOutcome::connected));
+    std::vector<std::uint8_t> is_valid(1);
+    f.run.check_states(q, is_valid);
+    CHECK(is_valid[0] == 1);
+    const PlanResult result = f.run.give_up(0);
+    CHECK(result.states_checked == 1);
+    CHECK(result.motions_checked == 0);
+  }
+}
+
+}  // namespace mneme::test

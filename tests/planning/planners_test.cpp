@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/small_worlds.h"
+
+#include <set>
+
+namespace mneme::test {
+
+TEST_SUITE("unit") {
+  TEST_CASE("planners are found by their names") {
+    REQUIRE(!planners().empty());
+    std::set<std::string_view> names;
+    for (const PlannerEntry& planner : planners()) {
+      CHECK(names.insert(planner.name).second);
+      CHECK(find_planner(planner.name) == &planner);
+      CHECK(bool(planner.plan != nullptr));
+      CHECK(!planner.summary.empty());
+    }
+    CHECK(bool(find_planner("rrt")->plan == &rrt));
+    CHECK(bool(find_planner("rrt_connect")->plan == &rrt_connect));
+    CHECK(bool(find_planner("prm")->plan == &prm));
+    CHECK(find_planner("") == nullptr);
+    CHECK(find_planner("RRT") == nullptr);
+    CHECK(find_planner("rrt_star") == nullptr);
+  }
+
+  TEST_CASE("every planner has a test that runs the planner flow") {
+    for (const PlannerEntry& planner : planners()) {
+      const std::string name = "tests/planning/" + std::string(planner.name) + "_test.cpp";
+      CHECK_MESSAGE(
+          read_file(source_file(name)).find("planning/planner_flow.h") != std::string::npos, name);
+    }
+  }
+
+  TEST_CASE("every status has a name of its own") {
+    std::set<std::string_view> names;
+    for (const PlanStatus status :
+         {PlanStatus::solved, PlanStatus::timeout, PlanStatus::iteration_limit,
+          PlanStatus::cancelled, PlanStatus::invalid_start, PlanStatus::invalid_goal}) {
+      CHECK(names.insert(to_string(status)).second);
+    }
+    CHECK(to_string(PlanStatus::solved) == "solved");
+    CHECK(names.count("unknown") == 0);
+  }
+
+  TEST_CASE("the default range depends on whether the robot is planar") {
+    CHECK(default_range(planar8()) == default_range(planar_arm({1, 1})));
+    CHECK(default_range(spatial_arm()) == default_range(gantry()));
+    CHECK(default_range(planar8()) > 0.1);
+    CHECK(default_range(gantry()) > 0.1);
+  }
+
+  TEST_CASE("default settings lie within their own ranges and have names of their own") {
+    PlanSettings settings;
+    std::set<std::string> names;
+    visit_settings(settings,
+                   [&](const char* name, auto& value, auto least, auto most, const char* sentence) {
+                     CHECK(names.insert(name).second);
+                     CHECK(value >= least);
+                     CHECK(value <= most);
+                     CHECK(std::string(sentence).size() > 10);
+                   });
+    CHECK(names.size() == 8);
+  }
+}
+
+}  // namespace mneme::test

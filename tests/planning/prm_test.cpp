@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/planner_flow.h"
+
+namespace mneme::test {
+
+TEST_SUITE("flow") {
+  TEST_CASE("prm solves small worlds with paths that survive an exact check") {
+    check_solves_small_worlds(prm);
+  }
+  TEST_CASE("prm answers random queries with paths that survive an exact check") {
+    check_solves_random_queries(prm);
+  }
+  TEST_CASE("prm reaches whichever goal can be reached") { check_reaches_any_goal(prm); }
+  TEST_CASE("prm is done at once where the start is a goal") { check_start_may_be_goal(prm); }
+  TEST_CASE("prm takes the shorter way round for continuous joints only") {
+    check_takes_the_shorter_way_round(prm);
+  }
+  TEST_CASE("prm draws exactly as many configurations as it may") {
+    check_iteration_limit_is_exact(prm, 16);
+  }
+  TEST_CASE("prm keeps its time limit") { check_time_limit_is_kept(prm); }
+  TEST_CASE("prm without time finds nothing, not even what is in sight") {
+    check_zero_time_limit(prm);
+  }
+  TEST_CASE("prm stops soon after another thread cancels it") { check_can_be_cancelled(prm); }
+  TEST_CASE("prm refuses bad starts and goals and says why") { check_refuses_bad_queries(prm); }
+  TEST_CASE("prm clamps and wraps starts and goals") { check_clamps_rounding_errors(prm); }
+  TEST_CASE("prm repeats itself with the same seed and not with others") {
+    check_is_repeatable(prm);
+  }
+  TEST_CASE("prm returns no path that verification would refuse") {
+    check_verification_catches_tunnelling(prm);
+  }
+  TEST_CASE("prm goes where its samples lead it") { check_samples_lead_the_way(prm, 800); }
+  TEST_CASE("prm reports what became of every draw") { check_reports_every_draw(prm); }
+}
+
+}  // namespace mneme::test

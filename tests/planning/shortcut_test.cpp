@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/planner_flow.h"
+
+namespace mneme::test {
+namespace {
+
+Path shortened(const CollisionChecker& checker, Path path, std::uint64_t seed, bool verify = true,
+               int attempts = 100) {
+  CheckCounters counters;
+  shortcut(checker, path, seed, attempts, verify, counters);
+  return path;
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("shortcuts never lengthen a path, keep its ends and keep it free") {
+    for (const World& world : small_worlds()) {
+      const CollisionChecker checker = make_checker(world);
+      for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        for (const bool verify : {true, false}) {
+          INFO(world.name, ", seed ", seed, ", verify ", verify);
+          PlanSettings settings = patient_settings(seed);
+          settings.simplify = false;
+          const Path planned = run(prm, world, settings).path;
+          const Path path = shortened(checker, planned, seed, verify);
+          REQUIRE(path.size() >= 2);
+          CHECK(path.front() == planned.front());
+          CHECK(path.back() == planned.back());
+          CHECK(path_length(world.robot, path) <=
+                path_length(world.robot, planned) * (1 + 1e-6) + 1e-6);
+          // Without verification the motions are free at the planner's own resolution.
+          const auto flaw = path_flaw(checker, path, verify ? 10 : 1);
+          if (verify) CHECK_MESSAGE(!flaw, flaw.value_or(""));
+          CheckCounters counters;
+          if (verify) CHECK(find_invalid_motion(checker, path, counters) == -1);
+          for (std::size_t i = 1; i < path.size(); ++i) {
+            const auto floats = [](const Configuration& q) {
+              return std::vector<float>(q.begin(), q.end());
+            };
+            CHECK(checker.is_motion_valid(std::span<const float>(floats(path[i - 1])),
+                                          std::span<const float>(floats(path[i])), counters));
+          }
+          CHECK(path == shortened(checker, planned, seed, verify));
+        }
+      }
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("detours without an obstacle become one straight motion") {
+    const World world{"", planar8(), {}, {}};
+    const CollisionChecker checker = make_checker(world);
+    const Configuration a(8, 0.1), b(8, -0.15), c(8, 0.2);
+    CHECK(shortened(checker, {a, b, c}, 1) == Path{a, c});
+    CHECK(shortened(checker, {a, b, c, b, c}, 1) == Path{a, c});
+    CHECK(shortened(checker, {a, b, c, b, c}, 1, true, 0) == Path{a, c});
+  }
+
+  TEST_CASE("paths that have nothing to shorten stay as they are") {
+    const World world{"", planar_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
+    const CollisionChecker checker = make_checker(world);
+    CHECK(shortened(checker, {}, 1).empty());
+    const Path point = {{1, 0.1234567890123}};
+    CHECK(shortened(checker, point, 1) == point);
+    const Path motion = {{1, 0.1234567890123}, {2, 0.1}};
+    CHECK(shortened(checker, motion, 1) == motion);
+  }
+
+  TEST_CASE("motions of no length do no harm") {
+    const World world{"", planar_arm({1, 1}), {}, {}};
+    const CollisionChecker checker = make_checker(world);
+    const Configuration a = {0.5, 0.5}, b = {1.5, -0.5};
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      CHECK(shortened(checker, {a, a, a, a}, seed) == Path{a, a});
+      CHECK(shortened(checker, {a, a, b, b, b}, seed) == Path{a, b});
+    }
+  }
+
+  TEST_CASE("shortcuts lead through the jump of a continuous joint") {
+    const World world{"", planar_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
+    const CollisionChecker checker = make_checker(world);
+    const Path path = shortened(checker, {{3, 0}, {2.5, 1}, {-2.6, 1}, {-3, 0}}, 1);
+    CHECK(path == Path{{3, 0}, {-3, 0}});
+  }
+
+  TEST_CASE("more attempts cut corners around an obstacle") {
+    World world = small_worlds()[13];
+    const CollisionChecker checker = make_checker(world);
+    const Path detour = {{-1.5, 0.5, 0}, {-1.5, 1.9, 0}, {1.5, 1.9, 0}, {1.5, -0.5, 0.2}};
+    const double length = path_length(world.robot, detour);
+    const double some = path_length(world.robot, shortened(checker, detour, 3, true, 20));
+    const double many = path_length(world.robot, shortened(checker, detour, 3, true, 400));
+    CHECK(some < length - 0.1);
+    CHECK(many <= some);
+    // Over the edges at (+-0.5, 1.1): the shortest way around.
+    CHECK(many < 1.1 * (std::hypot(1, 0.6) + 1 + std::hypot(1, 1.6)));
+    CHECK(many >= std::hypot(1, 0.6) + 1 + std::hypot(1, 1.6) - 0.2);
+  }
+
+  TEST_CASE("the length of a path counts the shorter way round") {
+    const Robot arm = planar_arm({1, 1});
+    CHECK(path_length(arm, {}) == 0);
+    CHECK(path_length(arm, {{1, 1}}) == 0);
+    CHECK(path_length(arm, {{3, 0}, {-3, 0}}) == doctest::Approx(2 * kPi - 6));
+    CHECK(path_length(arm, {{0, 3}, {0, -3}}) == doctest::Approx(6));
+    CHECK(path_length(arm, {{0, 0}, {3, 4}, {3, 4}}) == doctest::Approx(std::hypot(3, 4)));
+  }
+}
+
+}  // namespace mneme::test
