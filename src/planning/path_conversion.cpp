@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/path_conversion.h"
 
-#include <fmt/format.h>
-
 namespace mneme::internal {
 
 std::vector<float> to_floats(const Configuration& q) {
@@ -19,7 +17,5 @@ Path to_path(const std::vector<std::vector<float>>& path) {
   for (const std::vector<float>& q : path) result.emplace_back(q.begin(), q.end());
   return result;
 }
-
-std::string format_seconds(double seconds) { return fmt::format("{:.3g} s", seconds); }
 
 }  // namespace mneme::internal

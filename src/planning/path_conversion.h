@@ -4,7 +4,6 @@
 /// Between the planners' single precision and the public double precision.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "mneme/planning.h"
@@ -13,7 +12,5 @@ namespace mneme::internal {
 
 [[nodiscard]] std::vector<float> to_floats(const Configuration& q);
 [[nodiscard]] Path to_path(const std::vector<std::vector<float>>& path);
-/// Such as "2.5 s".
-[[nodiscard]] std::string format_seconds(double seconds);
 
 }  // namespace mneme::internal

@@ -81,7 +81,7 @@ bool PlannerRun::begin_iterations(int count) {
       return false;
     }
     if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
-      refuse(PlanStatus::timeout, "no path within " + format_seconds(settings_.timeout_s));
+      refuse(PlanStatus::timeout, "no path within the time limit");
       return false;
     }
   }
