@@ -108,6 +108,25 @@ TEST_SUITE("unit") {
     CHECK(!internal::has_fixed_contact(arm, ball_scene({0.5, 0, 0}, 0.05), 0));
   }
 
+  TEST_CASE("a link that is welded to a moving one does not stand still") {
+    Robot::Parts parts;
+    parts.name = "welded";
+    parts.links = {{"base", -1, {}, {}}, {"arm", -1, {}, {}}, {"tool", -1, {{{1, 0, 0}, 0.1}}, {}}};
+    for (int i = 0; i < 2; ++i) {
+      Joint joint;
+      joint.name = "joint" + std::to_string(i);
+      joint.type = i == 0 ? JointType::continuous : JointType::fixed;
+      joint.parent_link = i;
+      joint.child_link = i + 1;
+      parts.joints.push_back(joint);
+    }
+    const auto robot = make_robot(parts);
+    REQUIRE(robot.has_value());
+    const Scene scene = ball_scene({1, 0, 0}, 0.1);
+    CHECK(named(internal::find_contacts(*robot, scene, Configuration{0}, 0)) == Names{"tool cup"});
+    CHECK(!internal::has_fixed_contact(*robot, scene, 0));
+  }
+
   TEST_CASE("an empty scene holds no contact") {
     const Robot arm = require_parsed(kArm);
     CHECK(internal::find_contacts(arm, {}, Configuration{0, 1, 1}, 0).empty());

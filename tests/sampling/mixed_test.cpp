@@ -154,13 +154,23 @@ TEST_SUITE("law") {
     const auto& values = samples.columns[0];
     CHECK(std::set(values.begin(), values.end()).size() > 19900);
     CHECK(chi_square(values, -kPi, kPi, 100) < 170);
-    // The choice is not visible in the samples of a single source either.
-    const Samples mixture = draw(*mixed(0.5), 3, 9, 100000);
-    std::vector<double> uniform;
-    for (std::size_t i = 0; i < mixture.origins.size(); ++i) {
-      if (mixture.origins[i] == kUniformOrigin) uniform.push_back(mixture.columns[0][i]);
+  }
+
+  TEST_CASE("the choice of a source does not favour any of its samples") {
+    const Robot robot = all_kinds();
+    const auto uniform = std::shared_ptr<const Sampler>(make_uniform_sampler(robot));
+    // A choice by a source's own stream would show in the first samples of all seeds.
+    for (const bool is_first : {true, false}) {
+      const auto sampler = is_first ? make_mixed_sampler(0.5, uniform, gaussian(robot))
+                                    : make_mixed_sampler(0.5, gaussian(robot), uniform);
+      std::vector<double> values;
+      std::vector<float> q(3);
+      for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+        if (sampler->start(seed)->next(q) == kUniformOrigin) values.push_back(q[0]);
+      }
+      CHECK(values.size() > 9500);
+      CHECK(chi_square(values, -kPi, kPi, 50) < 95);
     }
-    CHECK(chi_square(uniform, -kPi, kPi, 100) < 170);
   }
 }
 
