@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "learning/pairs_of_circles.h"
+
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+double base_distance(const PrimitiveKey& key, std::size_t circle) {
+  return std::hypot(key[circle], key[circle + 1]);
+}
+
+/// Checks all that the range says of a canonical key.
+void check_in_range(const PrimitiveGrid& grid, const PrimitiveKey& key) {
+  REQUIRE(key.size() == 6);
+  const double slack = 1e-9;
+  for (const std::size_t circle : {std::size_t{0}, std::size_t{3}}) {
+    CHECK(key[circle + 2] >= grid.radius[0]);
+    CHECK(key[circle + 2] <= grid.radius[1]);
+    CHECK(base_distance(key, circle) > key[circle + 2]);
+  }
+  const double dx = key[3] - key[0], dy = key[4] - key[1];
+  const double centres = std::hypot(dx, dy), gap = centres - key[2] - key[5];
+  CHECK(gap >= grid.gap[0] - slack);
+  CHECK(gap <= grid.gap[1] + slack);
+  const double along = (key[2] + gap / 2) / centres;
+  const double distance = std::hypot(key[0] + along * dx, key[1] + along * dy);
+  CHECK(distance >= grid.distance[0] - slack);
+  CHECK(distance <= grid.distance[1] + slack);
+  // Canonical: the midpoint of the centres lies on the positive x axis.
+  CHECK(std::abs(key[1] + key[4]) < 1e-9);
+  CHECK(key[0] + key[3] > 0);
+}
+
+double nearest_error(const std::vector<PrimitiveKey>& keys, const PrimitiveKey& probe) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const PrimitiveKey& key : keys) least = std::min(least, similarity_error(key, probe));
+  return least;
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("random primitives lie in the range, canonical, the base in neither circle") {
+    PrimitiveGrid far;
+    far.radius = {0.3, 0.4};
+    far.gap = {1, 1};
+    far.distance = {0.1, 11};
+    for (const PrimitiveGrid& grid : {PrimitiveGrid{}, near_grid(), far}) {
+      Rng rng(1);
+      for (int i = 0; i < 2000; ++i) check_in_range(grid, sample_primitive(grid, rng));
+    }
+  }
+
+  TEST_CASE("random primitives fill the range, narrow gaps more often") {
+    const PrimitiveGrid grid;
+    Rng rng(2);
+    int narrow = 0, near = 0, first_larger = 0;
+    double least_gap = 1e9, largest_gap = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const PrimitiveKey key = sample_primitive(grid, rng);
+      const double gap = std::hypot(key[3] - key[0], key[4] - key[1]) - key[2] - key[5];
+      least_gap = std::min(least_gap, gap);
+      largest_gap = std::max(largest_gap, gap);
+      narrow += gap < 0.5 * (grid.gap[0] + grid.gap[1]);
+      near += 0.5 * (key[0] + key[3]) < 5;
+      first_larger += key[2] > key[5];
+    }
+    CHECK(least_gap < 0.11);
+    CHECK(largest_gap > 0.95);
+    CHECK(narrow > 2700);
+    CHECK(near > 1000);
+    CHECK(near < 3000);
+    CHECK(first_larger > 1800);
+    CHECK(first_larger < 2200);
+  }
+
+  TEST_CASE("covering keys lie in the range and leave no random primitive without a match") {
+    PrimitiveGrid grid;
+    for (const double most : {3.0, 1.5}) {
+      grid.max_similarity_error = most;
+      const auto keys = cover(grid, 7);
+      for (const PrimitiveKey& key : keys) check_in_range(grid, key);
+      Rng rng(99);
+      int unmatched = 0;
+      for (int i = 0; i < 1000; ++i) {
+        unmatched += nearest_error(keys, sample_primitive(grid, rng)) >= most;
+      }
+      // Covered means: 2000 random primitives in a row had a match.
+      CHECK(unmatched <= 3);
+    }
+  }
+
+  TEST_CASE("covering keys are the same for the same seed and grow with the count") {
+    PrimitiveGrid grid;
+    grid.count = 150;
+    const auto keys = cover(grid, 3);
+    CHECK(keys == cover(grid, 3));
+    CHECK(keys != cover(grid, 4));
+    CHECK(keys.size() >= 150);
+    grid.count = 260;
+    const auto more = cover(grid, 3);
+    REQUIRE(more.size() >= 260);
+    CHECK(std::equal(keys.begin(), keys.begin() + 150, more.begin()));
+  }
+
+  TEST_CASE("chosen keys keep apart better than random ones") {
+    PrimitiveGrid grid;
+    grid.count = 200;
+    const auto chosen = cover(grid, 5);
+    Rng rng(5);
+    std::vector<PrimitiveKey> random;
+    for (std::size_t i = 0; i < chosen.size(); ++i) random.push_back(sample_primitive(grid, rng));
+    CHECK(measure_coverage(grid, chosen, 3000, 1).max <
+          measure_coverage(grid, random, 3000, 1).max);
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("the measured coverage is that of a plain search") {
+    PrimitiveGrid grid;
+    grid.count = 40;
+    const auto keys = cover(grid, 6);
+    const Coverage coverage = measure_coverage(grid, keys, 500, 21);
+    CHECK(coverage.probes == 500);
+    Rng rng(21);
+    std::vector<double> errors;
+    for (int i = 0; i < 500; ++i)
+      errors.push_back(nearest_error(keys, sample_primitive(grid, rng)));
+    std::sort(errors.begin(), errors.end());
+    CHECK(coverage.max == doctest::Approx(errors.back()));
+    CHECK(coverage.median >= errors[245]);
+    CHECK(coverage.median <= errors[255]);
+    CHECK(coverage.p95 >= errors[470]);
+    CHECK(coverage.p95 <= errors[480]);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("what is measured against itself is covered") {
+    Rng rng(8), again(8);
+    const PrimitiveGrid grid;
+    std::vector<PrimitiveKey> keys;
+    for (int i = 0; i < 50; ++i) keys.push_back(sample_primitive(grid, again));
+    const Coverage coverage = measure_coverage(grid, keys, 50, 8);
+    CHECK(coverage.max < 1e-12);
+    const Coverage more = measure_coverage(grid, keys, 500, 9);
+    CHECK(more.median <= more.p95);
+    CHECK(more.p95 <= more.max);
+    CHECK(more.median > 0);
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "learning/pairs_of_circles.h"
+
+#include <chrono>
+
+namespace mneme::test {
+
+TEST_SUITE("law") {
+  TEST_CASE("means are within the limits, and nearly all are free in the scene of the primitive") {
+    const Robot robot = planar8();
+    const auto keys = random_keys(40, 11);
+    int with_components = 0, threaded = 0, means = 0, in_contact = 0;
+    for (const PrimitiveKey& key : keys) {
+      const CollisionChecker checker = make_checker(robot, make_scene(key));
+      const LearnResult learned = learn(robot, key, cheap_settings(), 3);
+      const LocalSampler& sampler = learned.sampler;
+      CHECK(learned.solved <= learned.queries);
+      CHECK(learned.time_s > 0);
+      CHECK(sampler.joint_count == 8);
+      CHECK((sampler.component_count() > 0) == (learned.solved > 0));
+      with_components += sampler.component_count() > 0;
+      bool is_threaded = false;
+      for (int i = 0; i < sampler.component_count(); ++i, ++means) {
+        const Configuration q = mean_of(sampler, i);
+        const std::vector<float> row(q.begin(), q.end());
+        in_contact += !checker.is_valid(std::span<const float>(row));
+        CHECK(!robot.describe_violation(q, "mean").has_value());
+        is_threaded = is_threaded || first_crossing_link(robot, key, q) >= 0;
+      }
+      threaded += is_threaded;
+    }
+    CHECK(with_components > 30);
+    CHECK(threaded == with_components);
+    CHECK(means > 200);
+    // Learning does not verify its paths at ten times the resolution.
+    CHECK(in_contact * 100 <= means);
+  }
+
+  TEST_CASE("learning depends on its arguments alone") {
+    const Robot robot = planar8();
+    for (const PrimitiveKey& key : random_keys(5, 12)) {
+      const LearnResult first = learn(robot, key, cheap_settings(), 3);
+      const LearnResult second = learn(robot, key, cheap_settings(), 3);
+      CHECK(is_same_mixture(first.sampler, second.sampler));
+      CHECK(first.queries == second.queries);
+      CHECK(first.solved == second.solved);
+      CHECK(first.iterations == second.iterations);
+      CHECK(!is_same_mixture(first.sampler, learn(robot, key, cheap_settings(), 4).sampler));
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("learning ends at its deadline with what it has") {
+    const Robot robot = planar8();
+    LearnSettings long_winded;
+    long_winded.starts_per_link = 1000;
+    long_winded.paths_per_start = 1000;
+    for (const double deadline : {1e-6, 0.02, 0.2}) {
+      const auto begin = std::chrono::steady_clock::now();
+      const LearnResult learned = learn(robot, random_keys(1, 13)[0], long_winded, 1, deadline);
+      const double elapsed =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      CHECK(elapsed < deadline + 0.05);
+      CHECK(learned.time_s <= elapsed);
+      if (deadline > 0.1) CHECK(learned.sampler.component_count() > 0);
+    }
+  }
+
+  TEST_CASE("more starts and paths make more components") {
+    const Robot robot = planar8();
+    const PrimitiveKey key = random_keys(1, 14)[0];
+    LearnSettings rich = cheap_settings();
+    rich.starts_per_link = 4;
+    const int few = learn(robot, key, cheap_settings(), 1).sampler.component_count();
+    const LearnResult many = learn(robot, key, rich, 1);
+    CHECK(few > 0);
+    CHECK(many.sampler.component_count() > 2 * few);
+    rich.paths_per_start = 3;
+    CHECK(learn(robot, key, rich, 1).queries > many.queries);
+  }
+
+  TEST_CASE("a gap that no link can cross leaves an empty sampler") {
+    const LearnResult learned =
+        learn(planar_arm({1, 1}), {9, 1.5, 1, 9, -1.5, 1}, cheap_settings(), 1);
+    CHECK(learned.sampler.component_count() == 0);
+    CHECK(learned.queries == 0);
+    CHECK(learned.solved == 0);
+  }
+
+  TEST_CASE("queries that reach their iteration limit are given up") {
+    LearnSettings hasty = cheap_settings();
+    hasty.max_iterations = 1;
+    hasty.range = 0.01;
+    const LearnResult learned = learn(planar8(), random_keys(1, 15)[0], hasty, 1);
+    CHECK(learned.queries > 0);
+    CHECK(learned.iterations <= static_cast<std::uint64_t>(learned.queries));
+    CHECK(learned.solved < learned.queries);
+  }
+
+  TEST_CASE("merging makes fewer components") {
+    const Robot robot = planar8();
+    const PrimitiveKey key = random_keys(1, 16)[0];
+    LearnSettings merging = cheap_settings();
+    merging.starts_per_link = 3;
+    const int unmerged = learn(robot, key, merging, 1).sampler.component_count();
+    merging.merge_cliques = true;
+    const int merged = learn(robot, key, merging, 1).sampler.component_count();
+    CHECK(merged > 0);
+    CHECK(merged < unmerged);
+  }
+
+  TEST_CASE("a robot that is no planar arm is refused by name") {
+    const auto learned = learn_local_sampler(upright_arm(), random_keys(1, 1)[0], {}, 1);
+    REQUIRE(!learned.has_value());
+    CHECK(learned.error().code == ErrorCode::unsupported);
+    CHECK(learned.error().message.find("'upright'") != std::string::npos);
+  }
+
+  TEST_CASE("settings describe themselves: equal ones alike, others differently") {
+    CHECK(describe(LearnSettings{}) == describe(LearnSettings{}));
+    std::vector<std::string> texts = {describe({})};
+    LearnSettings changed;
+    visit_settings(changed, [&](const char*, auto& value, auto, auto, const char*) {
+      const auto before = value;
+      value = static_cast<std::remove_cvref_t<decltype(value)>>(before == 0 ? 1 : before / 2);
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) value = !before;
+      texts.push_back(describe(changed));
+      value = before;
+    });
+    std::sort(texts.begin(), texts.end());
+    CHECK(std::unique(texts.begin(), texts.end()) == texts.end());
+    CHECK(texts.size() == 7);
+    for (const std::string& text : texts) CHECK(text.find('\n') == std::string::npos);
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Pairs of circles that planar8 can thread itself through, and learning that takes milliseconds.
+#pragma once
+
+#include "support/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mneme::test {
+
+inline constexpr double kPi = std::numbers::pi;
+
+inline Robot require_arm(const std::string& urdf) {
+  auto robot = parse_robot(urdf, "arm.urdf");
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return *robot;
+}
+
+inline Robot planar_arm(const std::vector<double>& lengths) {
+  const auto urdf = planar_arm_urdf("arm", lengths, 0.001);
+  REQUIRE(urdf.has_value());
+  return require_arm(*urdf);
+}
+
+/// An arm of one joint that turns about the y axis.
+inline Robot upright_arm() {
+  return require_arm(R"(<robot name="upright">
+    <link name="base"/>
+    <link name="arm"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+    </robot>)");
+}
+
+inline CollisionChecker make_checker(const Robot& robot, const Scene& scene) {
+  auto checker = CollisionChecker::make(robot, scene);
+  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
+  return *checker;
+}
+
+/// Pairs within the arm's reach.
+inline PrimitiveGrid near_grid() {
+  PrimitiveGrid grid;
+  grid.gap = {0.2, 0.8};
+  grid.distance = {1.5, 7};
+  return grid;
+}
+
+inline std::vector<PrimitiveKey> random_keys(int count, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<PrimitiveKey> keys;
+  for (int i = 0; i < count; ++i) keys.push_back(sample_primitive(near_grid(), rng));
+  return keys;
+}
+
+inline LearnSettings cheap_settings() {
+  LearnSettings settings;
+  settings.starts_per_link = 1;
+  settings.paths_per_start = 1;
+  settings.max_iterations = 3000;
+  return settings;
+}
+
+inline LearnResult learn(const Robot& robot, const PrimitiveKey& key, const LearnSettings& settings,
+                         std::uint64_t seed, double deadline_s = 0) {
+  auto learned = learn_local_sampler(robot, key, settings, seed, deadline_s);
+  REQUIRE_MESSAGE(learned.has_value(), (learned ? "" : learned.error().message));
+  return std::move(*learned);
+}
+
+inline Configuration mean_of(const GaussianMixture& mixture, int component) {
+  const auto begin = mixture.means.begin() + component * mixture.joint_count;
+  return {begin, begin + mixture.joint_count};
+}
+
+inline bool is_same_mixture(const GaussianMixture& a, const GaussianMixture& b) {
+  return a.joint_count == b.joint_count && a.means == b.means && a.factor_rows == b.factor_rows &&
+         a.factors == b.factors;
+}
+
+inline Database make_database(const std::string& path, const Robot& robot,
+                              OpenMode mode = OpenMode::create) {
+  const auto space = make_space(robot);
+  REQUIRE(space.has_value());
+  auto database = Database::open(path, *space, mode);
+  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
+  return std::move(*database);
+}
+
+}  // namespace mneme::test
