@@ -49,10 +49,12 @@ struct MotionDetail {
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
 /// configurations within limits stays within them. Copies share their tables; all of it is const and
 /// parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except within
-/// about 1e-5 m of contact for a robot of 10 m reach.
+/// about 1e-5 m of contact while robot and obstacles stay within 100 m of the origin; the error grows with the
+/// size of the largest coordinate (docs/numerics.md). A configuration that is not finite is not valid.
 class CollisionChecker {
  public:
-  /// Errors: an obstacle that is empty, not finite or of a kind that the kernels lack; an instruction set
+  /// Errors: an obstacle that is empty, not finite, beyond 10 km, without positive size or of a kind that the
+  /// kernels lack; an instruction set
   /// that this machine lacks.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});

@@ -21,7 +21,7 @@ inline constexpr Origin kUniformOrigin = -1;
 /// What a planner did with a configuration.
 enum class SampleOutcome { rejected, extended, connected };
 
-/// One query's stream of configurations. Not thread-safe.
+/// One query's stream of configurations. Refers to its sampler, which must outlive it. Not thread-safe.
 class SampleStream {
  public:
   virtual ~SampleStream() = default;

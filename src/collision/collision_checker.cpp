@@ -23,6 +23,12 @@ FloatConfiguration to_float(std::span<const double> q) {
   return result;
 }
 
+bool is_finite(std::span<const float> q) {
+  float sum = 0;
+  for (const float value : q) sum += value * 0;
+  return sum == 0;
+}
+
 constexpr double kPlanarResolution = 0.02;
 constexpr double kSpatialResolution = 1.0 / 32;
 
@@ -38,8 +44,8 @@ struct CollisionChecker::Tables {
   internal::RobotTables robot_tables;
   internal::SceneTables scene_tables;
   const internal::CollisionKernels* kernels = nullptr;
-  /// A link that no joint of the group moves is in contact: then no state is valid.
-  bool is_blocked = false;
+  /// Of the links that no joint of the group moves: below the margin, no state is valid.
+  float fixed_clearance = 0;
 };
 
 Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene& scene,
@@ -62,8 +68,8 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   auto tables = std::make_shared<Tables>(Tables{
       robot, scene, settings.resolution > 0 ? settings.resolution : preset,
       static_cast<float>(settings.margin), isa, internal::JointSpace(robot), std::move(*robot_tables),
-      std::move(*scene_tables), &internal::collision_kernels(isa), false});
-  tables->is_blocked = internal::has_fixed_contact(robot, scene, settings.margin);
+      std::move(*scene_tables), &internal::collision_kernels(isa),
+      static_cast<float>(internal::fixed_clearance(robot, scene))});
   return CollisionChecker(std::move(tables));
 }
 
@@ -86,26 +92,32 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 void CollisionChecker::check_states(std::span<const float> configurations,
                                     std::span<std::uint8_t> is_valid) const {
   const Tables& t = *tables_;
-  if (t.is_blocked) {
+  if (t.fixed_clearance < t.margin) {
     std::fill(is_valid.begin(), is_valid.end(), std::uint8_t{0});
     return;
   }
   t.kernels->check_states(t.robot_tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
+  // Comparisons with a NaN find no contact.
+  const std::size_t joints = static_cast<std::size_t>(t.space.joint_count());
+  for (std::size_t i = 0; i < is_valid.size(); ++i) {
+    if (!is_finite(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
+  }
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<const float> to,
                                        CheckCounters& counters, const MotionDetail& detail) const {
   const Tables& t = *tables_;
   ++counters.motions;
-  if (t.is_blocked) return false;
+  const float margin = t.margin + static_cast<float>(detail.margin);
+  if (t.fixed_clearance < margin) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
+  if (!std::isfinite(length)) return false;
   // A motion so long that its states cannot be counted is longer than any joint space with finite limits.
   const double states = std::min(std::ceil(length * detail.refinement / t.resolution), 1e9);
   return t.kernels->is_motion_free(t.robot_tables, t.scene_tables, from.data(), delta.data(),
-                                   static_cast<int>(states), t.margin + static_cast<float>(detail.margin),
-                                   counters.states);
+                                   static_cast<int>(states), margin, counters.states);
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

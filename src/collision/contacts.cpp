@@ -72,22 +72,26 @@ std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene, std::
   return contacts;
 }
 
-bool has_fixed_contact(const Robot& robot, const Scene& scene, double margin) {
+double fixed_clearance(const Robot& robot, const Scene& scene) {
   std::vector<bool> is_moving(robot.joints().size(), false);
   for (const int joint : robot.group()) is_moving[static_cast<std::size_t>(joint)] = true;
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const std::vector<Transform> poses = robot.link_poses(zero);
   std::vector<bool> is_fixed(robot.links().size(), true);
-  std::vector<Contact> contacts;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
     const Link& link = robot.links()[i];
     if (link.parent_joint >= 0) {
       const auto joint = static_cast<std::size_t>(link.parent_joint);
       is_fixed[i] = !is_moving[joint] && is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
     }
-    if (is_fixed[i]) add_obstacle_contacts(posed_shapes(link, poses[i]), link.name, scene, margin, contacts);
+    if (!is_fixed[i]) continue;
+    const std::vector<Capsule> shapes = posed_shapes(link, poses[i]);
+    for (const Obstacle& obstacle : scene.obstacles) {
+      least = std::min(least, distance_to_obstacle(shapes, obstacle));
+    }
   }
-  return !contacts.empty();
+  return least;
 }
 
 }  // namespace mneme::internal

@@ -15,7 +15,7 @@ namespace mneme::internal {
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
                                                  std::span<const double> q, double margin);
 
-/// True if a link that no joint of the group moves touches an obstacle.
-[[nodiscard]] bool has_fixed_contact(const Robot& robot, const Scene& scene, double margin);
+/// Least distance between an obstacle and the links that no joint of the group moves; infinite without any.
+[[nodiscard]] double fixed_clearance(const Robot& robot, const Scene& scene);
 
 }  // namespace mneme::internal

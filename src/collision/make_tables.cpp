@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "collision/collision_kernels.h"
 
@@ -169,16 +171,31 @@ class RobotTablesBuilder {
   RobotTables tables_;
 };
 
-bool is_finite(const Shape& shape) {
+/// Coordinates up to here keep the kernels' error below a millimetre; see docs/numerics.md.
+constexpr double kFarthest = 1e4;
+
+bool is_rotation(const Eigen::Matrix3d& matrix) {
+  return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
+}
+
+/// What is wrong with a shape, or nothing. Comparisons are written so that a NaN is wrong.
+std::string_view find_flaw(const Shape& shape) {
   const Sphere bound = bounding_sphere(shape);
-  return bound.center.allFinite() && std::isfinite(bound.radius) && bound.radius < 1e6 &&
-         bound.center.norm() < 1e6;
+  if (!(bound.center.norm() + bound.radius <= kFarthest)) return "is not finite or extends beyond 10 km";
+  const auto* sphere = std::get_if<Sphere>(&shape);
+  const auto* capsule = std::get_if<Capsule>(&shape);
+  const auto* box = std::get_if<Box>(&shape);
+  const bool is_sized = (!sphere || sphere->radius > 0) && (!capsule || capsule->radius > 0) &&
+                        (!box || (box->half_extents.array() > 0).all());
+  if (!is_sized) return "has a size that is not positive";
+  if (box && !is_rotation(box->pose.rotation)) return "is posed by a matrix that is no rotation";
+  return {};
 }
 
 Result<void> add_shape(const Shape& shape, const std::string& obstacle, SceneTables& tables) {
-  if (!is_finite(shape)) {
-    return fail(ErrorCode::invalid, "obstacle '" + obstacle + "': a " + std::string(shape_name(shape)) +
-                                        " is not finite or extends beyond 1e6 m");
+  if (const std::string_view flaw = find_flaw(shape); !flaw.empty()) {
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle + "': a " + std::string(shape_name(shape)) + " " +
+                                        std::string(flaw));
   }
   if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     SphereRow row{};

@@ -14,23 +14,25 @@ namespace {
 /// the minimum.
 double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
   const Vec3 along = b - a;
-  std::array<double, 8> breaks = {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  int count = 2;
+  std::array<double, 8> breaks;
+  breaks.fill(1.0);
+  std::size_t count = 0;
+  breaks[count++] = 0.0;
   for (int i = 0; i < 3; ++i) {
     for (const double face : {-half_extents[i], half_extents[i]}) {
       const double t = (face - a[i]) / along[i];
       if (t > 0.0 && t < 1.0) {
-        breaks[static_cast<std::size_t>(count++)] = t;
+        breaks[count++] = t;
       }
     }
   }
-  std::sort(breaks.begin(), breaks.begin() + count);
+  std::sort(breaks.begin(), breaks.end());
 
   const auto excess = [&](double t) {
     return internal::excess_of_box(a + t * along, half_extents);
   };
   double least = std::min(excess(0.0).norm(), internal::excess_of_box(b, half_extents).norm());
-  for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+  for (std::size_t i = 1; i < breaks.size(); ++i) {
     const double low = breaks[i - 1];
     const double high = breaks[i];
     const double slope_low = excess(low).dot(along);

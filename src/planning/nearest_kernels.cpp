@@ -18,23 +18,52 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Squared distances of the configurations at `column`, one per lane.
-HWY_INLINE V squared_distance(const float* column, int joint_count, const float* q, const float* periods) {
-  const Tag d;
-  V sum = hn::Zero(d);
-  for (int j = 0; j < joint_count; ++j, column += kBlockSize) {
-    V difference = hn::Sub(hn::LoadU(d, column), splat(q[j]));
-    if (periods[j] > 0) {
-      const V turns = hn::Round(hn::Mul(difference, splat(1.0f / periods[j])));
-      difference = hn::NegMulAdd(turns, splat(periods[j]), difference);
+/// The query, one vector per joint, and the joints in the order in which they are summed.
+class Query {
+ public:
+  HWY_INLINE Query(int joint_count, const float* q, const float* periods) : joint_count_(joint_count) {
+    for (int j = 0; j < joint_count; ++j) {
+      values_[j] = splat(q[j]);
+      if (periods[j] > 0) wrapped_[wrapped_count_++] = {j, periods[j]};
     }
-    sum = hn::MulAdd(difference, difference, sum);
   }
-  return sum;
-}
 
-std::pair<int, float> nearest(const float* blocks, int block_count, int joint_count, const float* q,
-                              const float* periods) {
+  /// Squared distances of the configurations at `column`, one per lane. With `kJoints` > 0 that is the number of
+  /// joints, so that the loop unrolls and the query stays in registers.
+  template <int kJoints>
+  HWY_INLINE V squared_distance(const float* column) const {
+    const Tag d;
+    const int joint_count = kJoints > 0 ? kJoints : joint_count_;
+    V sum = hn::Zero(d);
+    for (int j = 0; j < joint_count; ++j) {
+      const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
+      sum = hn::MulAdd(difference, difference, sum);
+    }
+    // Exchanges the squares of the joints that wrap, of which most robots have few.
+    for (int i = 0; i < wrapped_count_; ++i) {
+      const auto [j, period] = wrapped_[i];
+      const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
+      const V turns = hn::Round(hn::Mul(difference, splat(1.0f / period)));
+      const V shorter = hn::NegMulAdd(turns, splat(period), difference);
+      sum = hn::NegMulAdd(difference, difference, sum);
+      sum = hn::MulAdd(shorter, shorter, sum);
+    }
+    return sum;
+  }
+
+ private:
+  struct Wrapped {
+    int joint;
+    float period;
+  };
+  int joint_count_;
+  int wrapped_count_ = 0;
+  V values_[kMaxJoints];
+  Wrapped wrapped_[kMaxJoints];
+};
+
+template <int kJoints>
+std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint_count, const Query& query) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -42,10 +71,11 @@ std::pair<int, float> nearest(const float* blocks, int block_count, int joint_co
   auto least_base = hn::Zero(di);
   for (int block = 0; block < block_count; ++block, blocks += kBlockSize * joint_count) {
     for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      const V sum = squared_distance(blocks + offset, joint_count, q, periods);
+      const V sum = query.squared_distance<kJoints>(blocks + offset);
       const M is_less = hn::Lt(sum, least);
       least = hn::IfThenElse(is_less, sum, least);
-      least_base = hn::IfThenElse(hn::RebindMask(di, is_less), hn::Set(di, block * kBlockSize + offset), least_base);
+      least_base = hn::IfThenElse(hn::RebindMask(di, is_less),
+                                  hn::Set(di, block * kBlockSize + offset), least_base);
     }
   }
   HWY_ALIGN float distance[HWY_MAX_BYTES / sizeof(float)];
@@ -62,14 +92,25 @@ std::pair<int, float> nearest(const float* blocks, int block_count, int joint_co
   return best;
 }
 
+std::pair<int, float> nearest(const float* blocks, int block_count, int joint_count, const float* q,
+                              const float* periods) {
+  const Query query(joint_count, q, periods);
+  switch (joint_count) {
+    case 6: return nearest_of<6>(blocks, block_count, joint_count, query);
+    case 7: return nearest_of<7>(blocks, block_count, joint_count, query);
+    case 8: return nearest_of<8>(blocks, block_count, joint_count, query);
+    default: return nearest_of<0>(blocks, block_count, joint_count, query);
+  }
+}
+
 void distances(const float* blocks, int block_count, int joint_count, const float* q, const float* periods,
                float* squared_distances) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const Query query(joint_count, q, periods);
   for (int block = 0; block < block_count; ++block, blocks += kBlockSize * joint_count) {
     for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      hn::StoreU(squared_distance(blocks + offset, joint_count, q, periods), d,
-                 squared_distances + block * kBlockSize + offset);
+      hn::StoreU(query.squared_distance<0>(blocks + offset), d, squared_distances + block * kBlockSize + offset);
     }
   }
 }

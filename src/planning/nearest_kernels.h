@@ -13,6 +13,8 @@ namespace mneme::internal {
 
 /// Configurations are stored in blocks of this many: all first joints, all second joints, and so on.
 inline constexpr int kBlockSize = 16;
+/// Most joints of a configuration.
+inline constexpr int kMaxJoints = 64;
 
 struct NearestKernels {
   /// Index and squared distance of the configuration nearest to `q` among the first `block_count` blocks; the

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are roots of one
-// tree; the smaller tree grows; a path whose motions fail verification costs the tree the failing branch, and planning goes on.
+// tree; the smaller tree grows, as far towards the sample as it gets; a path whose motions fail verification costs the tree the failing branch, and planning goes on.
 #include <algorithm>
 #include <utility>
 
@@ -56,9 +56,15 @@ class RrtConnect {
     return {&goal_tree_, &start_tree_};
   }
 
-  int grow(Tree& tree, std::span<const float> q) {
+  /// Steps towards `q` until blocked; the last new node, or -1 if the first step is blocked.
+  static int grow(Tree& tree, std::span<const float> q) {
     bool is_reached = false;
-    return tree.extend(tree.nearest(q), q, is_reached);
+    int last = tree.extend(tree.nearest(q), q, is_reached);
+    for (int node = last; node >= 0 && !is_reached;) {
+      node = tree.extend(last, q, is_reached);
+      if (node >= 0) last = node;
+    }
+    return last;
   }
 
   /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification, removes the

@@ -85,7 +85,7 @@ std::string format_percentile(const TimeSummary& times, int percent) {
                          : percent == 95 ? times.p95
                          : percent == 99 ? times.p99
                                          : times.max;
-  return (is_censored(times, percent) ? ">" : "") + format_ms(seconds);
+  return fmt::format("{}{}", is_censored(times, percent) ? ">" : "", format_ms(seconds));
 }
 
 }  // namespace internal

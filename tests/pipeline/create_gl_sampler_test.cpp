@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/planar_memory.h"
+
+namespace mneme::test {
+namespace {
+
+GlSampler create(const Robot& robot, const Scene& scene, Database& database,
+                 const SolveSettings& settings) {
+  auto gl = create_gl_sampler(robot, scene, database, settings);
+  REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
+  REQUIRE(gl->mixture != nullptr);
+  return std::move(*gl);
+}
+
+SolveSettings learning_settings(double budget_s = 5) {
+  SolveSettings settings;
+  settings.learn_budget_s = budget_s;
+  settings.learn = cheap_settings();
+  return settings;
+}
+
+/// The pair twice, the second time turned about the base.
+Scene pair_twice() {
+  Scene scene = make_scene(near_pair());
+  for (Obstacle obstacle : make_scene(moved_key({2, true}, near_pair())).obstacles) {
+    obstacle.name += " again";
+    scene.obstacles.push_back(obstacle);
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a hit changes nothing in the database") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    learn_into(database, robot, keys_near(near_pair(), 4, 0.05, 1));
+    const std::int64_t components = database.info().components;
+    const GlSampler gl = create(robot, make_scene(near_pair()), database, learning_settings());
+    REQUIRE(gl.primitives.size() == 1);
+    CHECK(gl.primitives[0].matches.size() == 4);
+    CHECK(!gl.primitives[0].is_learned);
+    CHECK(gl.mixture->component_count() == components);
+    CHECK(gl.learning_time_s == 0);
+    CHECK(gl.retrieval_time_s > 0);
+    CHECK(database.size() == 4);
+    CHECK(database.info().components == components);
+    // So that a database that may only be read will do.
+    Database reader = make_database(directory / "a.db", robot, OpenMode::read_only);
+    const GlSampler same = create(robot, make_scene(near_pair()), reader, learning_settings());
+    CHECK(same.mixture->means == gl.mixture->means);
+  }
+
+  TEST_CASE("a miss is learned within the budget, inserted and used, and then is a hit") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const Scene scene = make_scene(moved_key({1, true}, near_pair()));
+    const GlSampler gl = create(robot, scene, database, learning_settings());
+    REQUIRE(gl.primitives.size() == 1);
+    CHECK(gl.primitives[0].is_learned);
+    REQUIRE(gl.primitives[0].matches.size() == 1);
+    CHECK(gl.primitives[0].matches[0].similarity_error < 1e-9);
+    CHECK(gl.mixture->component_count() > 0);
+    CHECK(gl.learning_time_s > 0);
+    CHECK(gl.learning_time_s < 5.05);
+    REQUIRE(database.size() == 1);
+    CHECK(database.get(0).key == gl.primitives[0].primitive.key);
+    CHECK(!database.get(0).provenance.settings.empty());
+
+    const GlSampler again = create(robot, scene, database, learning_settings());
+    CHECK(!again.primitives[0].is_learned);
+    CHECK(again.mixture->means == gl.mixture->means);
+    CHECK(database.size() == 1);
+    // It is there for the next process too.
+    const Database reopened = make_database(directory / "a.db", robot, OpenMode::read_only);
+    CHECK(reopened.size() == 1);
+  }
+
+  TEST_CASE("a miss without a budget leaves sampler and database empty") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const GlSampler gl = create(robot, make_scene(near_pair()), database, {});
+    REQUIRE(gl.primitives.size() == 1);
+    CHECK(gl.primitives[0].matches.empty());
+    CHECK(!gl.primitives[0].is_learned);
+    CHECK(gl.mixture->component_count() == 0);
+    CHECK(gl.mixture->joint_count == 8);
+    CHECK(gl.learning_time_s == 0);
+    CHECK(database.size() == 0);
+  }
+
+  TEST_CASE("a primitive that another one of the scene resembles is learned once for both") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const GlSampler gl = create(robot, pair_twice(), database, learning_settings());
+    REQUIRE(gl.primitives.size() == 2);
+    CHECK(gl.primitives[0].is_learned);
+    CHECK(!gl.primitives[1].is_learned);
+    CHECK(database.size() == 1);
+    REQUIRE(gl.primitives[1].matches.size() == 1);
+    CHECK(gl.primitives[1].matches[0].experience == gl.primitives[0].matches[0].experience);
+    const int stored = database.get(0).sampler.component_count();
+    REQUIRE(gl.mixture->component_count() == 2 * stored);
+    REQUIRE(gl.mixture->origins.size() == static_cast<std::size_t>(2 * stored));
+    CHECK(gl.mixture->origins.front() == 0);
+    CHECK(gl.mixture->origins.back() == 1);
+  }
+
+  TEST_CASE("budgets are shared by all primitives of a scene") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    SolveSettings settings = learning_settings(0.05);
+    settings.learn.starts_per_link = 1000;
+    settings.learn.paths_per_start = 1000;
+    settings.similarity = 1e-6;
+    Scene scene = make_circle_scene("", {{3, 1.4, 1.2}, {3.4, -1.5, 1.3}, {-3, 1.5, 1.2}, {-3, -1.3, 1.2}});
+    const GlSampler gl = create(robot, scene, database, settings);
+    CHECK(gl.primitives.size() == 2);
+    CHECK(gl.learning_time_s < 0.15);
+  }
+
+  TEST_CASE("at most so many matches are used, all of them with zero") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    learn_into(database, robot, keys_near(near_pair(), 12, 0.05, 2));
+    SolveSettings settings;
+    for (const int most : {1, 3, 8, 12, 100, 0}) {
+      settings.max_matches = most;
+      const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
+      const auto& matches = gl.primitives.at(0).matches;
+      CHECK(static_cast<int>(matches.size()) == (most == 0 ? 12 : std::min(most, 12)));
+      int components = 0;
+      for (std::size_t i = 0; i < matches.size(); ++i) {
+        components += matches[i].experience->sampler.component_count();
+        if (i > 0) CHECK(matches[i].similarity_error >= matches[i - 1].similarity_error);
+      }
+      CHECK(gl.mixture->component_count() == components);
+    }
+  }
+
+  TEST_CASE("only what is more similar than the threshold is used") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const auto keys = keys_near(near_pair(), 15, 0.4, 3);
+    learn_into(database, robot, keys);
+    SolveSettings settings;
+    settings.max_matches = 0;
+    std::size_t previous = 0;
+    for (const double threshold : {1e-9, 0.1, 0.3, 5.0}) {
+      settings.similarity = threshold;
+      const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
+      std::size_t expected = 0;
+      for (const PrimitiveKey& key : keys) expected += similarity_error(key, near_pair()) < threshold;
+      const auto& matches = gl.primitives.at(0).matches;
+      CHECK(matches.size() == expected);
+      for (const Match& match : matches) {
+        CHECK(match.similarity_error < threshold);
+        CHECK(match.similarity_error ==
+              doctest::Approx(similarity_error(match.experience->key, near_pair())));
+      }
+      CHECK(matches.size() >= previous);
+      previous = matches.size();
+    }
+    CHECK(previous == 15);
+  }
+
+  TEST_CASE("a scene without pairs has an empty sampler") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const GlSampler gl =
+        create(robot, make_circle_scene("", {{3, 3, 1}, {-3, -3, 1}}), database, learning_settings());
+    CHECK(gl.primitives.empty());
+    CHECK(gl.mixture->component_count() == 0);
+    CHECK(database.size() == 0);
+    SolveSettings wide;
+    wide.decompose.max_gap = 10;
+    CHECK(create(robot, make_circle_scene("", {{3, 3, 1}, {-3, -3, 1}}), database, wide)
+              .primitives.size() == 1);
+  }
+
+  TEST_CASE("a scene that cannot be decomposed is an error that names the obstacle") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    const Scene scene{"", {{"crate", {Box{}}}}};
+    const auto gl = create_gl_sampler(robot, scene, database, {});
+    REQUIRE(!gl.has_value());
+    CHECK(gl.error().message.find("'crate'") != std::string::npos);
+    SolveSettings unknown;
+    unknown.decompose.decomposer = "triples";
+    const auto refused = create_gl_sampler(robot, make_scene(near_pair()), database, unknown);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("triples") != std::string::npos);
+  }
+}
+
+}  // namespace mneme::test

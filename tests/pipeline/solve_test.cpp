@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/planar_memory.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+SolveResult solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings) {
+  auto result = solve(problem, database, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  return std::move(*result);
+}
+
+/// Checks that a solve with `settings` is an error of kind invalid that names `word`.
+void check_refused(const Problem& problem, const SolveSettings& settings, const std::string& word) {
+  const auto result = solve(problem, nullptr, settings);
+  INFO(word);
+  REQUIRE(!result.has_value());
+  CHECK(result.error().code == ErrorCode::invalid);
+  CHECK_MESSAGE(result.error().message.find(word) != std::string::npos, result.error().message);
+}
+
+/// Puts each number of `part`, a part of `settings`, outside its range, and expects its name.
+template <class Part>
+void check_ranges_of(const Problem& problem, SolveSettings& settings, Part& part) {
+  visit_settings(part, [&](const char* name, auto& value, auto least, auto most, const char*) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    const Value before = value;
+    if constexpr (std::is_floating_point_v<Value>) {
+      for (const double bad : {least - 1, most * 1.01, std::nan(""),
+                               std::numeric_limits<double>::infinity()}) {
+        value = bad;
+        check_refused(problem, settings, std::string("'") + name + "'");
+      }
+    } else if constexpr (std::is_same_v<Value, int>) {
+      for (const int bad : {least - 1, most + 1}) {
+        value = bad;
+        check_refused(problem, settings, std::string("'") + name + "'");
+      }
+    }
+    value = before;
+  });
+}
+
+/// An easy problem: the arm turns away from a circle.
+Problem easy_problem() {
+  Problem problem = planar_problem("threaded_b0");
+  problem.scene = make_circle_scene("", {{4, 4, 1.5}, {-2, 4.5, 1}});
+  problem.start = Configuration(8, 0.1);
+  problem.goals = {Configuration(8, 0.1)};
+  problem.goals[0][0] = -2.5;
+  return problem;
+}
+
+double mean_iterations(const Problem& problem, Database* database, SolveSettings settings,
+                       int seeds) {
+  std::uint64_t sum = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    settings.plan.seed = static_cast<std::uint64_t>(seed);
+    sum += solve_or_fail(problem, database, settings).plan.iterations;
+  }
+  return static_cast<double>(sum) / seeds;
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("memory of similar pairs needs far fewer iterations than uniform sampling") {
+    const Problem problem = planar_problem("threaded_b4");
+    const auto primitives = decompose(problem.robot, problem.scene);
+    REQUIRE(primitives.has_value());
+    REQUIRE(primitives->size() == 1);
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    LearnSettings learning;
+    learning.starts_per_link = 2;
+    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 60, 0.2, 1), learning);
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.plan.max_iterations = 400000;
+    settings.plan.simplify = false;
+    const double uniform = mean_iterations(problem, nullptr, settings, 6);
+    const double memory = mean_iterations(problem, &database, settings, 6);
+    INFO("uniform ", uniform, ", memory ", memory);
+    CHECK(memory < 0.4 * uniform);
+    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+  }
+
+  TEST_CASE("every planner solves with every sampler, and its path starts and ends as asked") {
+    const Problem problem = easy_problem();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    settings.learn = cheap_settings();
+    settings.decompose.max_gap = 5;
+    for (const PlannerEntry& planner : planners()) {
+      for (const std::string_view sampler : sampler_names()) {
+        INFO(planner.name, " with ", sampler);
+        settings.planner = planner.name;
+        settings.sampler = sampler;
+        const SolveResult result = solve_or_fail(problem, &database, settings);
+        REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+        CHECK(result.planner == planner.name);
+        CHECK(result.sampler == sampler);
+        CHECK(result.seed == settings.plan.seed);
+        CHECK(result.isa != Isa::automatic);
+        CHECK(result.plan.path.front() == problem.robot.normalized(problem.start));
+        CHECK(result.plan.path.back() == problem.robot.normalized(problem.goals[0]));
+        CHECK(result.gl.primitives.size() == (sampler == "gl" ? 1 : 0));
+      }
+    }
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("times are consistent") {
+    const Problem problem = planar_problem("scenario1");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 0.3;
+    settings.learn = cheap_settings();
+    bool has_learned = false;
+    for (int round = 0; round < 3; ++round) {
+      const SolveResult result = solve_or_fail(problem, &database, settings);
+      CHECK(result.total_time_s > 0);
+      CHECK(result.planning_time_s > 0);
+      CHECK(result.planning_time_s <= result.total_time_s);
+      CHECK(result.planning_time_s + result.plan.simplification_time_s +
+                result.plan.verification_time_s ==
+            doctest::Approx(result.total_time_s));
+      CHECK(result.plan.planning_time_s <= result.planning_time_s);
+      CHECK(result.gl.retrieval_time_s > 0);
+      CHECK(result.gl.retrieval_time_s + result.gl.learning_time_s <= result.planning_time_s);
+      CHECK((result.gl.learning_time_s > 0) == (round == 0));
+      has_learned = has_learned || result.gl.primitives.at(0).is_learned;
+    }
+    CHECK(has_learned);
+  }
+
+  TEST_CASE("the same seed gives the same path, another one another path") {
+    const Problem problem = planar_problem("threaded_b2");
+    const auto primitives = decompose(problem.robot, problem.scene);
+    REQUIRE(primitives.has_value());
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 20, 0.1, 4));
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.plan.max_iterations = 1000000;
+    const SolveResult first = solve_or_fail(problem, &database, settings);
+    const SolveResult second = solve_or_fail(problem, &database, settings);
+    REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
+    CHECK(first.plan.path == second.plan.path);
+    CHECK(first.plan.iterations == second.plan.iterations);
+    settings.plan.seed = 2;
+    CHECK(solve_or_fail(problem, &database, settings).plan.path != first.plan.path);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("without a database, without a match, or with lambda 0 the sampler is uniform") {
+    const Problem problem = planar_problem("scenario1");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    const SolveResult gl = solve_or_fail(problem, nullptr, settings);
+    CHECK(gl.sampler == "gl");
+    CHECK(gl.gl.primitives.empty());
+    const SolveResult without_match = solve_or_fail(problem, &database, settings);
+    CHECK(without_match.gl.primitives.size() == 1);
+    settings.sampler = "uniform";
+    const SolveResult uniform = solve_or_fail(problem, &database, settings);
+    CHECK(uniform.gl.primitives.empty());
+    REQUIRE(uniform.plan.is_solved());
+    CHECK(gl.plan.path == uniform.plan.path);
+    CHECK(without_match.plan.path == uniform.plan.path);
+  }
+
+  TEST_CASE("an unknown planner or sampler is an error that names those there are") {
+    const Problem problem = easy_problem();
+    SolveSettings settings;
+    settings.planner = "teleport";
+    check_refused(problem, settings, "'teleport'");
+    check_refused(problem, settings, "rrt_connect, rrt, prm");
+    settings = {};
+    settings.sampler = "psychic";
+    check_refused(problem, settings, "'psychic'");
+    check_refused(problem, settings, "gl, uniform, halton");
+    settings.sampler = "";
+    check_refused(problem, settings, "''");
+  }
+
+  TEST_CASE("every number outside its range is an error that names the setting") {
+    const Problem problem = easy_problem();
+    SolveSettings settings;
+    check_ranges_of(problem, settings, settings);
+    check_ranges_of(problem, settings, settings.plan);
+    check_ranges_of(problem, settings, settings.decompose);
+    check_ranges_of(problem, settings, settings.learn);
+    CHECK(solve(problem, nullptr, settings).has_value());
+  }
+
+  TEST_CASE("a bad start is an answer, not an error") {
+    Problem problem = easy_problem();
+    problem.start = {kPi / 4, 0, 0, 0, 0, 0, 0, 0};
+    const SolveResult result = solve_or_fail(problem, nullptr, {});
+    CHECK(result.plan.status == PlanStatus::invalid_start);
+    CHECK(result.plan.message.find(problem.scene.obstacles[0].name) != std::string::npos);
+    problem = easy_problem();
+    problem.goals.clear();
+    CHECK(solve_or_fail(problem, nullptr, {}).plan.status == PlanStatus::invalid_goal);
+  }
+
+  TEST_CASE("no time is a timeout") {
+    SolveSettings settings;
+    settings.plan.timeout_s = 0;
+    const SolveResult result = solve_or_fail(easy_problem(), nullptr, settings);
+    CHECK(result.plan.status == PlanStatus::timeout);
+    CHECK(result.plan.iterations == 0);
+  }
+
+  TEST_CASE("a scene that the decomposer cannot take is an error only for the sampler of memory") {
+    Problem problem = easy_problem();
+    Box crate;
+    crate.pose.translation = Vec3(0, 20, 0);
+    crate.half_extents = Vec3(1, 1, 1);
+    problem.scene.obstacles.push_back({"crate", {crate}});
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    const auto refused = solve(problem, &database, {});
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("'crate'") != std::string::npos);
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+    CHECK(solve_or_fail(problem, nullptr, {}).plan.is_solved());
+  }
+
+  TEST_CASE("a scene that cannot be checked is an error") {
+    Problem problem = easy_problem();
+    problem.scene.obstacles.push_back({"hole", {Sphere{Vec3(std::nan(""), 0, 0), 1}}});
+    const auto refused = solve(problem, nullptr, {});
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("'hole'") != std::string::npos);
+  }
+
+  TEST_CASE("means in contact with the whole scene are dropped, unless they shall not be") {
+    Problem problem = easy_problem();
+    const Robot& robot = problem.robot;
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    problem.scene = make_scene(near_pair());
+    learn_into(database, robot, {near_pair()});
+    problem.scene.obstacles.push_back({"post", {Sphere{Vec3(5.5, 1, 0), 0.8}}});
+    problem.start = Configuration(8, 0.1);
+    problem.start[0] = 2;
+    problem.goals = {problem.start};
+    SolveSettings settings;
+    const SolveResult dropped = solve_or_fail(problem, &database, settings);
+    settings.drop_invalid_means = false;
+    const SolveResult kept = solve_or_fail(problem, &database, settings);
+    CHECK(kept.gl.mixture->component_count() == database.info().components);
+    CHECK(dropped.gl.mixture->component_count() < kept.gl.mixture->component_count());
+    const CollisionChecker checker = make_checker(robot, problem.scene);
+    for (int i = 0; i < dropped.gl.mixture->component_count(); ++i) {
+      CHECK(checker.is_valid(std::span<const double>(mean_of(*dropped.gl.mixture, i))));
+    }
+  }
+
+  TEST_CASE("the samplers have names of their own") {
+    const auto names = sampler_names();
+    CHECK(std::vector<std::string_view>(names.begin(), names.end()) ==
+          std::vector<std::string_view>{"gl", "uniform", "halton"});
+  }
+}
+
+}  // namespace mneme::test
