@@ -120,7 +120,8 @@ TEST_SUITE("unit") {
     settings.learn.starts_per_link = 1000;
     settings.learn.paths_per_start = 1000;
     settings.similarity = 1e-6;
-    Scene scene = make_circle_scene("", {{3, 1.4, 1.2}, {3.4, -1.5, 1.3}, {-3, 1.5, 1.2}, {-3, -1.3, 1.2}});
+    Scene scene =
+        make_circle_scene("", {{3, 1.4, 1.2}, {3.4, -1.5, 1.3}, {-3, 1.5, 1.2}, {-3, -1.3, 1.2}});
     const GlSampler gl = create(robot, scene, database, settings);
     CHECK(gl.primitives.size() == 2);
     CHECK(gl.learning_time_s < 0.15);
@@ -159,7 +160,8 @@ TEST_SUITE("unit") {
       settings.similarity = threshold;
       const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
       std::size_t expected = 0;
-      for (const PrimitiveKey& key : keys) expected += similarity_error(key, near_pair()) < threshold;
+      for (const PrimitiveKey& key : keys)
+        expected += similarity_error(key, near_pair()) < threshold;
       const auto& matches = gl.primitives.at(0).matches;
       CHECK(matches.size() == expected);
       for (const Match& match : matches) {
@@ -177,8 +179,8 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
-    const GlSampler gl =
-        create(robot, make_circle_scene("", {{3, 3, 1}, {-3, -3, 1}}), database, learning_settings());
+    const GlSampler gl = create(robot, make_circle_scene("", {{3, 3, 1}, {-3, -3, 1}}), database,
+                                learning_settings());
     CHECK(gl.primitives.empty());
     CHECK(gl.mixture->component_count() == 0);
     CHECK(database.size() == 0);

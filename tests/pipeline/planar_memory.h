@@ -64,7 +64,8 @@ inline std::vector<PrimitiveKey> keys_near(const PrimitiveKey& key, int count, d
   return keys;
 }
 
-inline void learn_into(Database& database, const Robot& robot, const std::vector<PrimitiveKey>& keys,
+inline void learn_into(Database& database, const Robot& robot,
+                       const std::vector<PrimitiveKey>& keys,
                        const LearnSettings& settings = cheap_settings()) {
   LearnJob job;
   job.settings = settings;

@@ -8,7 +8,8 @@
 namespace mneme::test {
 namespace {
 
-SolveResult solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings) {
+SolveResult solve_or_fail(const Problem& problem, Database* database,
+                          const SolveSettings& settings) {
   auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return std::move(*result);
@@ -30,8 +31,8 @@ void check_ranges_of(const Problem& problem, SolveSettings& settings, Part& part
     using Value = std::remove_cvref_t<decltype(value)>;
     const Value before = value;
     if constexpr (std::is_floating_point_v<Value>) {
-      for (const double bad : {least - 1, most * 1.01, std::nan(""),
-                               std::numeric_limits<double>::infinity()}) {
+      for (const double bad :
+           {least - 1, most * 1.01, std::nan(""), std::numeric_limits<double>::infinity()}) {
         value = bad;
         check_refused(problem, settings, std::string("'") + name + "'");
       }
@@ -85,7 +86,7 @@ TEST_SUITE("flow") {
     const double uniform = mean_iterations(problem, nullptr, settings, 6);
     const double memory = mean_iterations(problem, &database, settings, 6);
     INFO("uniform ", uniform, ", memory ", memory);
-    CHECK(memory < 0.4 * uniform);
+    CHECK(memory < 0.25 * uniform);
     CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
   }
 
@@ -163,7 +164,7 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("without a database, without a match, or with lambda 0 the sampler is uniform") {
+  TEST_CASE("without a database or without a match the sampler is uniform") {
     const Problem problem = planar_problem("scenario1");
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);

@@ -26,8 +26,9 @@ Experience random_experience(const Robot& robot, int components, Rng& rng) {
 }
 
 std::vector<float> factor_of(const GaussianMixture& mixture, int component) {
-  const int row =
-      mixture.factor_rows.empty() ? -1 : mixture.factor_rows.at(static_cast<std::size_t>(component));
+  const int row = mixture.factor_rows.empty()
+                      ? -1
+                      : mixture.factor_rows.at(static_cast<std::size_t>(component));
   if (row < 0) return {};
   const int size = mixture.joint_count * (mixture.joint_count + 1) / 2;
   const auto begin = mixture.factors.begin() + row * size;
@@ -50,7 +51,8 @@ TEST_SUITE("law") {
     const Experience a = random_experience(robot, 6, rng), b = random_experience(robot, 3, rng);
     const Symmetry turned{2.5, false}, mirrored{-1, true};
     const std::vector<PrimitiveRetrieval> primitives = {
-        retrieve({{&a, 0.1, turned}}), retrieve({}), retrieve({{&b, 0, mirrored}, {&a, 0.2, mirrored}})};
+        retrieve({{&a, 0.1, turned}}), retrieve({}),
+        retrieve({{&b, 0, mirrored}, {&a, 0.2, mirrored}})};
     const GaussianMixture pooled = internal::synthesize(robot, primitives);
     REQUIRE(pooled.component_count() == 6 + 3 + 6);
     REQUIRE(pooled.origins.size() == 15);
