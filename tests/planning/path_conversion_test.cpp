@@ -17,12 +17,6 @@ TEST_SUITE("unit") {
     CHECK(path[1] == Configuration{1});
     CHECK(internal::to_path({}).empty());
   }
-
-  TEST_CASE("seconds are written with three digits and their unit") {
-    CHECK(internal::format_seconds(2.5) == "2.5 s");
-    CHECK(internal::format_seconds(0) == "0 s");
-    CHECK(internal::format_seconds(0.0123456) == "0.0123 s");
-  }
 }
 
 }  // namespace mneme::test
