@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -89,6 +90,10 @@ struct PlanResult {
 
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
+
+/// Status and message of a query that no planner takes: its start or a goal is no configuration of the robot, or in
+/// contact, or there is no goal. Nothing if the query is sound.
+[[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const PlanQuery& query);
 
 /// Validates start and goals, then plans. Never throws; allocation of memory counts in the times.
 using Planner = PlanResult (*)(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,

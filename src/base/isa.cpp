@@ -22,7 +22,9 @@ constexpr std::array<NamedIsa, 4> kIsas{{{Isa::scalar, "scalar", HWY_SCALAR},
                                          {Isa::avx512, "avx512", HWY_AVX3}}};
 
 bool is_available(const NamedIsa& entry) {
-  return entry.isa == Isa::scalar || (hwy::SupportedTargets() & entry.target) != 0;
+  // Asking the processor is slow on virtual machines: tens of microseconds.
+  static const std::int64_t supported = hwy::SupportedTargets();
+  return entry.isa == Isa::scalar || (supported & entry.target) != 0;
 }
 
 Isa best_isa() {

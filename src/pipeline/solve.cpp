@@ -60,6 +60,16 @@ std::shared_ptr<const Sampler> make_sampler(const Robot& robot, const SolveSetti
   return make_mixed_sampler(settings.lambda, make_mixture_sampler(robot, gl.mixture, settings.sigma), uniform);
 }
 
+Result<GlSampler> recall(const Problem& problem, Database& database, const CollisionChecker& checker,
+                         const SolveSettings& settings) {
+  auto gl = create_gl_sampler(problem.robot, problem.scene, database, settings);
+  if (gl && settings.drop_invalid_means) {
+    gl->mixture = std::make_shared<const GaussianMixture>(
+        internal::keep_valid_components(checker, *gl->mixture));
+  }
+  return gl;
+}
+
 }  // namespace
 
 std::span<const std::string_view> sampler_names() { return kSamplerNames; }
@@ -76,20 +86,21 @@ Result<SolveResult> solve(const Problem& problem, Database* database, const Solv
   if (!checker) return tl::unexpected(checker.error());
 
   SolveResult result;
-  if (settings.sampler == "gl" && database != nullptr) {
-    auto gl = create_gl_sampler(problem.robot, problem.scene, *database, settings);
-    if (!gl) return tl::unexpected(gl.error());
-    result.gl = std::move(*gl);
-    if (settings.drop_invalid_means) {
-      result.gl.mixture = std::make_shared<const GaussianMixture>(
-          internal::keep_valid_components(*checker, *result.gl.mixture));
+  const PlanQuery query = {problem.start, problem.goals};
+  if (auto refused = refuse_query(*checker, query)) {
+    result.plan = *std::move(refused);
+  } else {
+    if (settings.sampler == "gl" && database != nullptr) {
+      auto gl = recall(problem, *database, *checker, settings);
+      if (!gl) return tl::unexpected(gl.error());
+      result.gl = std::move(*gl);
     }
+    const std::shared_ptr<const Sampler> sampler = make_sampler(problem.robot, settings, result.gl);
+    PlanSettings plan = settings.plan;
+    // What retrieval and learning took is planning time, so the planner has the rest.
+    plan.timeout_s = std::max(0.0, plan.timeout_s - stopwatch.elapsed_s());
+    result.plan = (*planner)->plan(*checker, query, *sampler, plan);
   }
-  const std::shared_ptr<const Sampler> sampler = make_sampler(problem.robot, settings, result.gl);
-  PlanSettings plan = settings.plan;
-  // What retrieval and learning took is planning time, so the planner has the rest.
-  plan.timeout_s = std::max(0.0, plan.timeout_s - stopwatch.elapsed_s());
-  result.plan = (*planner)->plan(*checker, {problem.start, problem.goals}, *sampler, plan);
   result.planner = settings.planner;
   result.sampler = settings.sampler;
   result.seed = settings.plan.seed;

@@ -13,19 +13,6 @@ namespace {
 constexpr std::uint64_t kIterationsPerClockCheck = 16;
 constexpr int kShortcutAttempts = 100;
 
-std::string describe_contacts(const std::vector<Contact>& contacts) {
-  constexpr std::size_t kMostNamed = 4;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
-    const Contact& contact = contacts[i];
-    text += (i == 0 ? "" : ", ");
-    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") + " '" +
-            contact.other + "'";
-  }
-  if (contacts.size() > kMostNamed) text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
-  return text;
-}
-
 }  // namespace
 
 PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
@@ -45,26 +32,13 @@ void PlannerRun::refuse(PlanStatus status, std::string message) {
 }
 
 void PlannerRun::validate() {
-  const Robot& robot = checker_.robot();
-  // Both kernels and exact distances must agree: the kernels decide what the planner sees.
-  const auto find_problem = [&](const Configuration& q, const std::string& what) -> std::optional<std::string> {
-    if (auto violation = robot.describe_violation(q, what)) return violation;
-    const Configuration inside = robot.normalized(q);
-    const std::vector<Contact> contacts = checker_.contacts(inside);
-    if (!contacts.empty()) return what + " is in contact: " + describe_contacts(contacts);
-    if (!checker_.is_valid(std::span<const double>(inside))) {
-      return what + " is within rounding error of contact";
-    }
-    return std::nullopt;
-  };
-  if (auto problem = find_problem(query_.start, "start")) return refuse(PlanStatus::invalid_start, *problem);
-  if (query_.goals.empty()) return refuse(PlanStatus::invalid_goal, "there is no goal");
-  for (std::size_t i = 0; i < query_.goals.size(); ++i) {
-    const std::string what = query_.goals.size() == 1 ? "goal" : "goal " + std::to_string(i);
-    if (auto problem = find_problem(query_.goals[i], what)) return refuse(PlanStatus::invalid_goal, *problem);
-    goals_.push_back(to_floats(robot.normalized(query_.goals[i])));
+  if (auto refused = refuse_query(checker_, query_)) {
+    result_ = *std::move(refused);
+    return;
   }
+  const Robot& robot = checker_.robot();
   start_ = to_floats(robot.normalized(query_.start));
+  for (const Configuration& goal : query_.goals) goals_.push_back(to_floats(robot.normalized(goal)));
   is_ready_ = true;
 }
 
@@ -120,16 +94,22 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
 }
 
 void PlannerRun::simplify() {
-  const Stopwatch stopwatch;
   const Path planned = result_.path;
-  shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts,
-           settings_.verify, counters_);
-  result_.simplification_time_s = stopwatch.elapsed_s();
-  if (!settings_.verify) return;
-  // Cutting a motion moves the states that are looked at.
-  const Stopwatch verification;
-  if (mneme::find_invalid_motion(checker_, result_.path, counters_) >= 0) result_.path = planned;
-  result_.verification_time_s += verification.elapsed_s();
+  // Shortcuts at the planner's resolution nearly always survive verification as a whole, which costs a tenth of
+  // verifying each one; cutting a motion moves the states that are looked at, so even verified ones are verified.
+  for (const bool is_each_verified : {false, true}) {
+    const Stopwatch stopwatch;
+    result_.path = planned;
+    shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts,
+             is_each_verified, counters_);
+    result_.simplification_time_s += stopwatch.elapsed_s();
+    if (!settings_.verify) return;
+    const Stopwatch verification;
+    const bool is_free = mneme::find_invalid_motion(checker_, result_.path, counters_) < 0;
+    result_.verification_time_s += verification.elapsed_s();
+    if (is_free) return;
+  }
+  result_.path = planned;
 }
 
 PlanResult PlannerRun::give_up(int node_count) { return take_result(node_count); }

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "mneme/planning.h"
+
+namespace mneme {
+namespace {
+
+std::string describe_contacts(const std::vector<Contact>& contacts) {
+  constexpr std::size_t kMostNamed = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
+    const Contact& contact = contacts[i];
+    text += (i == 0 ? "" : ", ");
+    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") + " '" +
+            contact.other + "'";
+  }
+  if (contacts.size() > kMostNamed) text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
+  return text;
+}
+
+/// Why `q` cannot be planned from or to, or nothing. Kernels and exact distances must agree that it is free,
+/// because the kernels decide what the planner sees.
+std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
+                                        const std::string& what) {
+  const Robot& robot = checker.robot();
+  if (auto violation = robot.describe_violation(q, what)) return violation;
+  const Configuration inside = robot.normalized(q);
+  const std::vector<Contact> contacts = checker.contacts(inside);
+  if (!contacts.empty()) return what + " is in contact: " + describe_contacts(contacts);
+  if (!checker.is_valid(std::span<const double>(inside))) {
+    return what + " is within rounding error of contact";
+  }
+  return std::nullopt;
+}
+
+PlanResult refusal(PlanStatus status, std::string message) {
+  PlanResult result;
+  result.status = status;
+  result.message = std::move(message);
+  return result;
+}
+
+}  // namespace
+
+std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const PlanQuery& query) {
+  if (auto problem = find_problem(checker, query.start, "start")) {
+    return refusal(PlanStatus::invalid_start, *std::move(problem));
+  }
+  if (query.goals.empty()) return refusal(PlanStatus::invalid_goal, "there is no goal");
+  for (std::size_t i = 0; i < query.goals.size(); ++i) {
+    const std::string what = query.goals.size() == 1 ? "goal" : "goal " + std::to_string(i);
+    if (auto problem = find_problem(checker, query.goals[i], what)) {
+      return refusal(PlanStatus::invalid_goal, *std::move(problem));
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace mneme

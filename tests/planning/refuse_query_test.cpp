@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "support/support.h"
+
+namespace mneme::test {
+namespace {
+
+CollisionChecker checker_of(const std::vector<std::array<double, 3>>& circles) {
+  auto checker = CollisionChecker::make(planar8(), make_circle_scene("circles", circles));
+  REQUIRE(checker.has_value());
+  return *checker;
+}
+
+const Configuration kStraight(8, 0.0);
+const Configuration kUp = {1.5, 0, 0, 0, 0, 0, 0, 0};
+
+TEST_SUITE("unit") {
+  TEST_CASE("a query between free configurations is not refused") {
+    CHECK(!refuse_query(checker_of({{-5, 0, 1}}), {kStraight, {kUp}}).has_value());
+  }
+
+  TEST_CASE("a start in contact names the link and the obstacle") {
+    const auto refused = refuse_query(checker_of({{5, 0, 1}}), {kStraight, {kUp}});
+    REQUIRE(refused.has_value());
+    CHECK(refused->status == PlanStatus::invalid_start);
+    CHECK(refused->message.find("start") != std::string::npos);
+    CHECK(refused->message.find("link_3") != std::string::npos);
+    CHECK(refused->message.find("circle_1") != std::string::npos);
+  }
+
+  TEST_CASE("of several goals the one that is wrong is numbered") {
+    Configuration broken = kUp;
+    broken[3] = std::nan("");
+    const auto refused = refuse_query(checker_of({}), {kStraight, {kUp, broken}});
+    REQUIRE(refused.has_value());
+    CHECK(refused->status == PlanStatus::invalid_goal);
+    CHECK(refused->message.find("goal 1") != std::string::npos);
+  }
+
+  TEST_CASE("a query without a goal is refused") {
+    const auto refused = refuse_query(checker_of({}), {kStraight, {}});
+    REQUIRE(refused.has_value());
+    CHECK(refused->status == PlanStatus::invalid_goal);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
