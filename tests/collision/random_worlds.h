@@ -158,7 +158,7 @@ Scene random_scene(const Robot& robot, int count, Rng& rng, const MakeShape& mak
   for (int attempt = 0; attempt < 1000 && std::ssize(scene.obstacles) < count; ++attempt) {
     const std::string name = "obstacle" + std::to_string(scene.obstacles.size());
     const Obstacle obstacle{name, {transformed(random_pose(rng, 1.5), make_shape(rng))}};
-    if (!internal::has_fixed_contact(robot, Scene{"one", {obstacle}}, 0.0)) {
+    if (internal::fixed_clearance(robot, Scene{"one", {obstacle}}) >= 0) {
       scene.obstacles.push_back(obstacle);
     }
   }
