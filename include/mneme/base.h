@@ -15,17 +15,18 @@
 
 namespace mneme {
 
-/// One value per joint of the planning group, in group order: radians, or metres for a prismatic joint.
+/// One value per joint of the planning group, in group order: radians, or metres for a prismatic
+/// joint.
 using Configuration = std::vector<double>;
 
 /// What kind of thing is wrong with the world. The programs map each kind to an exit code.
 enum class ErrorCode {
-  io,            ///< a file cannot be read, written or created
-  parse,         ///< a file's text is malformed, or a value in it has the wrong type or range
-  unsupported,   ///< well-formed, but this version of mneme does not handle it
-  invalid,       ///< an argument is out of range, or two inputs do not fit together
-  wrong_robot,   ///< a database holds the experience of another robot or decomposer
-  corrupt,       ///< a database or one of its rows is damaged
+  io,           ///< a file cannot be read, written or created
+  parse,        ///< a file's text is malformed, or a value in it has the wrong type or range
+  unsupported,  ///< well-formed, but this version of mneme does not handle it
+  invalid,      ///< an argument is out of range, or two inputs do not fit together
+  wrong_robot,  ///< a database holds the experience of another robot or decomposer
+  corrupt,      ///< a database or one of its rows is damaged
 };
 
 /// A wrong input: `message` names the file, line or object and says what was expected.
@@ -46,8 +47,8 @@ using Result = tl::expected<T, Error>;
 /// Receives one line of log text without a line break. Called from the thread that works.
 using LogCallback = std::function<void(std::string_view line)>;
 
-/// Pseudo-random stream: xoshiro256++ (Blackman and Vigna, DOI 10.1145/3460772), seeded by splitmix64.
-/// The sequence depends on the seed alone. Not thread-safe: one stream per thread.
+/// Pseudo-random stream: xoshiro256++ (Blackman and Vigna, DOI 10.1145/3460772), seeded by
+/// splitmix64. The sequence depends on the seed alone. Not thread-safe: one stream per thread.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed);
@@ -88,8 +89,8 @@ class Rng {
 /// The instruction sets that the kernels are compiled for.
 enum class Isa { automatic, scalar, sse, avx2, avx512 };
 
-/// The best instruction set of this machine, or the one that the environment variable MNEME_ISA names
-/// (scalar, sse, avx2, avx512) if this machine has it.
+/// The best instruction set of this machine, or the one that the environment variable MNEME_ISA
+/// names (scalar, sse, avx2, avx512) if this machine has it.
 [[nodiscard]] Isa default_isa();
 /// True if this machine can run `isa`.
 [[nodiscard]] bool is_available(Isa isa);

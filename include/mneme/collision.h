@@ -17,10 +17,11 @@
 namespace mneme {
 
 struct CheckerSettings {
-  /// Largest L2 joint distance between two checked states of a motion, radians; 0 picks the robot's default:
-  /// 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion.
+  /// Largest L2 joint distance between two checked states of a motion, radians; 0 picks the robot's
+  /// default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion.
   double resolution = 0;
-  /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >= 0.
+  /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >=
+  /// 0.
   double margin = 0;
   Isa isa = Isa::automatic;
 };
@@ -34,9 +35,9 @@ struct CheckCounters {
 /// Two things that touch or overlap.
 struct Contact {
   std::string link;
-  std::string other;         ///< the name of an obstacle or of another link
-  bool is_self = false;      ///< true if `other` is a link
-  double distance = 0;       ///< metres between the surfaces; negative by at most the sum of the radii
+  std::string other;     ///< the name of an obstacle or of another link
+  bool is_self = false;  ///< true if `other` is a link
+  double distance = 0;   ///< metres between the surfaces; negative by at most the sum of the radii
 };
 
 /// How finely a motion is checked, relative to the checker's settings.
@@ -47,15 +48,15 @@ struct MotionDetail {
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
-/// configurations within limits stays within them. Copies share their tables; all of it is const and
-/// parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except within
-/// about 1e-5 m of contact while robot and obstacles stay within 100 m of the origin; the error grows with the
-/// size of the largest coordinate (docs/numerics.md). A configuration that is not finite is not valid.
+/// configurations within limits stays within them. Copies share their tables; all of it is const
+/// and parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except
+/// within about 1e-5 m of contact while robot and obstacles stay within 100 m of the origin; the
+/// error grows with the size of the largest coordinate (docs/numerics.md). A configuration that is
+/// not finite is not valid.
 class CollisionChecker {
  public:
-  /// Errors: an obstacle that is empty, not finite, beyond 10 km, without positive size or of a kind that the
-  /// kernels lack; an instruction set
-  /// that this machine lacks.
+  /// Errors: an obstacle that is empty, not finite, beyond 10 km, without positive size or of a
+  /// kind that the kernels lack; an instruction set that this machine lacks.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -68,19 +69,21 @@ class CollisionChecker {
   [[nodiscard]] bool is_valid(std::span<const float> q) const;
   [[nodiscard]] bool is_valid(std::span<const double> q) const;
 
-  /// Many states at once: `configurations` is row-major, one configuration a row; `is_valid` receives one
-  /// 0 or 1 per row.
+  /// Many states at once: `configurations` is row-major, one configuration a row; `is_valid`
+  /// receives one 0 or 1 per row.
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) const;
 
-  /// True if all states of the straight motion after `from`, up to and including `to`, are valid at the
-  /// resolution; `from` itself is taken to be valid. Continuous joints take the shorter way round. States
-  /// are checked a vector at a time, spread along the motion, coarse to fine.
+  /// True if all states of the straight motion after `from`, up to and including `to`, are valid at
+  /// the resolution; `from` itself is taken to be valid. Continuous joints take the shorter way
+  /// round. States are checked a vector at a time, spread along the motion, coarse to fine.
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to,
-                                     CheckCounters& counters, const MotionDetail& detail = {}) const;
+                                     CheckCounters& counters,
+                                     const MotionDetail& detail = {}) const;
   [[nodiscard]] bool is_motion_valid(std::span<const double> from, std::span<const double> to,
                                      const MotionDetail& detail = {}) const;
 
-  /// Everything that touches at `q`, in double precision by code that shares nothing with the kernels.
+  /// Everything that touches at `q`, in double precision by code that shares nothing with the
+  /// kernels.
   [[nodiscard]] std::vector<Contact> contacts(std::span<const double> q) const;
 
  private:

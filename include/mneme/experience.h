@@ -26,11 +26,11 @@ struct Provenance {
   std::string tool;      ///< such as "mneme 0.1.0"
   std::string settings;  ///< of the learning, as text
   std::uint64_t seed = 0;
-  std::string time;      ///< UTC, ISO 8601; filled in by insert() if empty
+  std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
 };
 
-/// A row of the database: key -> local sampler. An empty sampler says that the primitive was tried and that
-/// nothing passes it.
+/// A row of the database: key -> local sampler. An empty sampler says that the primitive was tried
+/// and that nothing passes it.
 struct Experience {
   std::int64_t id = 0;  ///< given by the database
   PrimitiveKey key;
@@ -46,7 +46,8 @@ struct ExperienceSpace {
   int joint_count = 0;
   int key_size = 0;
 };
-[[nodiscard]] Result<ExperienceSpace> make_space(const Robot& robot, const std::string& decomposer = "pairs");
+[[nodiscard]] Result<ExperienceSpace> make_space(const Robot& robot,
+                                                 const std::string& decomposer = "pairs");
 
 /// A stored experience that is similar to a query.
 struct Match {
@@ -72,17 +73,18 @@ struct Damage {
 
 enum class OpenMode { read_only, read_write, create };
 
-/// An append-only store of experience in one SQLite file (docs/database.md). All rows are in memory while it
-/// is open. find() and get() may run in parallel with each other; insert() may run in parallel with them and
-/// with itself. Another process may insert at the same time; its rows are seen at the next opening.
+/// An append-only store of experience in one SQLite file (docs/database.md). All rows are in memory
+/// while it is open. find() and get() may run in parallel with each other; insert() may run in
+/// parallel with them and with itself. Another process may insert at the same time; its rows are
+/// seen at the next opening.
 class Database {
  public:
-  /// Opens `path`. With `create`, a missing or empty file becomes an empty database of `space`; a file that was
-  /// being created when its process was killed counts as empty.
-  /// An empty file that is only read is an empty database too.
-  /// Errors: wrong_robot if the database is not of `space`; corrupt if it is no database, or damaged; unsupported
-  /// if a newer mneme wrote it; io.
-  [[nodiscard]] static Result<Database> open(const std::string& path, const ExperienceSpace& space, OpenMode mode);
+  /// Opens `path`. With `create`, a missing or empty file becomes an empty database of `space`; a
+  /// file that was being created when its process was killed counts as empty. An empty file that is
+  /// only read is an empty database too. Errors: wrong_robot if the database is not of `space`;
+  /// corrupt if it is no database, or damaged; unsupported if a newer mneme wrote it; io.
+  [[nodiscard]] static Result<Database> open(const std::string& path, const ExperienceSpace& space,
+                                             OpenMode mode);
   /// Opens for reading whatever space it is of, to look at it.
   [[nodiscard]] static Result<Database> inspect(const std::string& path);
 
@@ -96,14 +98,14 @@ class Database {
   /// Experience by position, 0 to size() - 1, in order of insertion.
   [[nodiscard]] const Experience& get(std::int64_t position) const;
 
-  /// The experiences whose similarity error to `primitive` is less than `threshold`, nearest first, at most
-  /// `max_matches` (0: all). Ties are broken by id. O(log size) for few matches.
-  [[nodiscard]] std::vector<Match> find(const LocalPrimitive& primitive, double threshold, int max_matches) const;
+  /// The experiences whose similarity error to `primitive` is less than `threshold`, nearest first,
+  /// at most `max_matches` (0: all). Ties are broken by id. O(log size) for few matches.
+  [[nodiscard]] std::vector<Match> find(const LocalPrimitive& primitive, double threshold,
+                                        int max_matches) const;
 
-  /// Appends rows in one transaction. Once it returns without an error they survive a killed process and a
-  /// loss of power. Returns the ids. Errors: io (disk full, read-only, locked), invalid (wrong sizes, not finite,
-  /// a number of a key beyond 1e6);
-  /// then nothing was inserted.
+  /// Appends rows in one transaction. Once it returns without an error they survive a killed
+  /// process and a loss of power. Returns the ids. Errors: io (disk full, read-only, locked),
+  /// invalid (wrong sizes, not finite, a number of a key beyond 1e6); then nothing was inserted.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
 
  private:
@@ -112,8 +114,8 @@ class Database {
   std::unique_ptr<State> state_;
 };
 
-/// Checks the file's structure and every row's checksum. Empty if all is well. Errors: io; unsupported if a newer
-/// mneme wrote the file.
+/// Checks the file's structure and every row's checksum. Empty if all is well. Errors: io;
+/// unsupported if a newer mneme wrote the file.
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& path);
 
 }  // namespace mneme

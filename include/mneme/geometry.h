@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of B in A.
+/// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of
+/// B in A.
 ///
-/// To add a shape: a struct and a `Shape` alternative here, its distances in src/geometry/, its columns in
-/// the scene tables of src/collision/, one row in tests/collision/oracle_test.cpp.
+/// To add a shape: a struct and a `Shape` alternative here, its distances in src/geometry/, its
+/// columns in the scene tables of src/collision/, one row in tests/collision/oracle_test.cpp.
 #pragma once
 
 #include <string_view>
@@ -14,7 +15,8 @@
 
 namespace mneme {
 
-/// A point or a direction. Neither this nor Matrix3d is over-aligned, so both may stand in any struct.
+/// A point or a direction. Neither this nor Matrix3d is over-aligned, so both may stand in any
+/// struct.
 using Vec3 = Eigen::Vector3d;
 
 /// A rigid motion: X_AB takes coordinates in frame B to coordinates in frame A.
@@ -77,7 +79,8 @@ using Shape = std::variant<Sphere, Box, Cylinder, Capsule>;
 /// Exact for spheres, boxes and capsules; for cylinders found numerically to within 1e-9 m.
 [[nodiscard]] double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape);
 /// Distance between the segments ab and cd, also when they are parallel or points.
-/// Follows Ericson, Real-Time Collision Detection, section 5.1.9, with the determinant as a cross product.
+/// Follows Ericson, Real-Time Collision Detection, section 5.1.9, with the determinant as a cross
+/// product.
 [[nodiscard]] double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace mneme

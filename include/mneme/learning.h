@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Learning local samplers: by solving local queries of a primitive, offline over a grid of primitives or on a miss.
+/// Learning local samplers: by solving local queries of a primitive, offline over a grid of
+/// primitives or on a miss.
 #pragma once
 
 #include <array>
@@ -30,18 +31,21 @@ struct LearnSettings {
 };
 
 template <class Settings, class Visitor>
-  requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
+requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("starts-per-link", s.starts_per_link, 1, 1000,
-        "local queries per link that can be the first to cross the gap; more make the sampler richer and slower to learn");
+        "local queries per link that can be the first to cross the gap; more make the sampler "
+        "richer and slower to learn");
   visit("paths-per-start", s.paths_per_start, 1, 1000,
         "paths per local query: several are robust to obstacles outside the primitive");
   visit("learn-iterations", s.max_iterations, 1, 100000000,
         "iteration limit of one local query; a query that reaches it is given up");
   visit("learn-range", s.range, 1e-3, 1e3, "extension range of local queries, radians");
-  visit("learn-resolution", s.resolution, 0.0, 1.0, "resolution of local queries, radians; 0 for the robot's default");
+  visit("learn-resolution", s.resolution, 0.0, 1.0,
+        "resolution of local queries, radians; 0 for the robot's default");
   visit("merge-cliques", s.merge_cliques, false, true,
-        "merge fully connected groups of means into one component with their covariance: a smaller database");
+        "merge fully connected groups of means into one component with their covariance: a smaller "
+        "database");
 }
 /// The settings as one line of text, the same for equal settings: part of a row's provenance.
 [[nodiscard]] std::string describe(const LearnSettings& settings);
@@ -54,53 +58,62 @@ struct LearnResult {
   double time_s = 0;
 };
 
-/// Section IV-A of the paper: solves queries that start with the arm threaded through the gap, stratified by the
-/// first link that crosses it, and end with the arm wholly out; shortcuts the paths and places one component at
-/// each waypoint. Depends on the arguments alone if `deadline_s` is 0; otherwise it stops after that many
-/// seconds with what it has. Errors: a robot that it does not handle.
+/// Section IV-A of the paper: solves queries that start with the arm threaded through the gap,
+/// stratified by the first link that crosses it, and end with the arm wholly out; shortcuts the
+/// paths and places one component at each waypoint. Depends on the arguments alone if `deadline_s`
+/// is 0; otherwise it stops after that many seconds with what it has. Errors: a robot that it does
+/// not handle.
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
-                                                      const LearnSettings& settings, std::uint64_t seed,
-                                                      double deadline_s = 0);
+                                                      const LearnSettings& settings,
+                                                      std::uint64_t seed, double deadline_s = 0);
 
-/// Section V-A: greedily groups means that see each other along straight free motions, and replaces each group
-/// by one component with the group's mean, and its covariance if it has more than joint_count members.
-[[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler);
+/// Section V-A: greedily groups means that see each other along straight free motions, and replaces
+/// each group by one component with the group's mean, and its covariance if it has more than
+/// joint_count members.
+[[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
+                                         const LocalSampler& sampler);
 
-/// Random configurations of a planar arm that is threaded through the gap of a pair of circles, free of contact.
-/// `first_link` (0-based) is the first link that crosses the segment between the circles. Returns nothing if none
-/// was found in `attempts` tries.
-[[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PrimitiveKey& key,
-                                                           int first_link, int attempts, Rng& rng);
-/// The first link of a planar arm that crosses the segment between the two circles, or -1: then the arm is out.
-[[nodiscard]] int first_crossing_link(const Robot& robot, const PrimitiveKey& key, std::span<const double> q);
+/// Random configurations of a planar arm that is threaded through the gap of a pair of circles,
+/// free of contact. `first_link` (0-based) is the first link that crosses the segment between the
+/// circles. Returns nothing if none was found in `attempts` tries.
+[[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                                           const PrimitiveKey& key, int first_link,
+                                                           int attempts, Rng& rng);
+/// The first link of a planar arm that crosses the segment between the two circles, or -1: then the
+/// arm is out.
+[[nodiscard]] int first_crossing_link(const Robot& robot, const PrimitiveKey& key,
+                                      std::span<const double> q);
 
 /// A range of canonical primitives (scenes/planar/grid.yaml).
 struct PrimitiveGrid {
   std::array<double, 2> radius = {1, 2};    ///< of each circle, metres
   std::array<double, 2> gap = {0.1, 1};     ///< between the circles, metres
   std::array<double, 2> distance = {1, 9};  ///< from the base to the midpoint of the gap, metres
-  double max_similarity_error = 3;          ///< every primitive of the range shall have a match closer than this, m^2
-  int count = 0;                            ///< at least this many primitives
+  double max_similarity_error =
+      3;          ///< every primitive of the range shall have a match closer than this, m^2
+  int count = 0;  ///< at least this many primitives
 };
 [[nodiscard]] Result<PrimitiveGrid> load_grid(const std::string& path);
 
 /// Draws a random primitive of the grid's range, canonical; the base lies in neither circle.
 [[nodiscard]] PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng);
-/// A sequence of canonical primitives that covers the grid, each far from those before it; ends when `count` is
-/// reached and random primitives of the range keep finding a match. The same seed gives the same sequence, and a
-/// larger count continues it.
+/// A sequence of canonical primitives that covers the grid, each far from those before it; ends
+/// when `count` is reached and random primitives of the range keep finding a match. The same seed
+/// gives the same sequence, and a larger count continues it.
 [[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed);
 
-/// How well keys cover a grid: the similarity error of random primitives of the range to their nearest key.
+/// How well keys cover a grid: the similarity error of random primitives of the range to their
+/// nearest key.
 struct Coverage {
   int probes = 0;
   double median = 0, p95 = 0, max = 0;  ///< squared distances, m^2
 };
-[[nodiscard]] Coverage measure_coverage(const PrimitiveGrid& grid, std::span<const PrimitiveKey> keys,
-                                        int probes, std::uint64_t seed);
+[[nodiscard]] Coverage measure_coverage(const PrimitiveGrid& grid,
+                                        std::span<const PrimitiveKey> keys, int probes,
+                                        std::uint64_t seed);
 
 struct LearnProgress {
-  std::int64_t done = 0;       ///< primitives in the database, of those asked for
+  std::int64_t done = 0;  ///< primitives in the database, of those asked for
   std::int64_t total = 0;
   std::int64_t components = 0;
   double elapsed_s = 0;
@@ -109,30 +122,34 @@ struct LearnProgress {
 struct LearnJob {
   LearnSettings settings;
   std::uint64_t seed = 1;
-  int jobs = 1;                ///< threads
+  int jobs = 1;  ///< threads
   const std::atomic<bool>* cancel = nullptr;
-  std::function<void(const LearnProgress&)> on_progress;  ///< called about once a second, from one thread
+  std::function<void(const LearnProgress&)>
+      on_progress;  ///< called about once a second, from one thread
 };
 
 struct LearnSummary {
-  std::int64_t learned = 0;   ///< primitives learned now
-  std::int64_t skipped = 0;   ///< already in the database with the same seed and settings
-  std::int64_t empty = 0;     ///< of those learned: no query was solved
+  std::int64_t learned = 0;  ///< primitives learned now
+  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings
+  std::int64_t empty = 0;    ///< of those learned: no query was solved
   std::int64_t components = 0;
   bool is_cancelled = false;
   double time_s = 0;
 };
 
-/// Learns `keys` into `database`, in parallel; rows are inserted as they come, in key order, so that a job that
-/// is killed can be run again and goes on where it was. The database's contents do not depend on `jobs`.
-[[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
+/// Learns `keys` into `database`, in parallel; rows are inserted as they come, in key order, so
+/// that a job that is killed can be run again and goes on where it was. The database's contents do
+/// not depend on `jobs`.
+[[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
+                                                    std::span<const PrimitiveKey> keys,
                                                     Database& database, const LearnJob& job);
 
 /// What `make_threaded_instances` draws from.
 struct ThreadedSettings {
-  std::array<double, 2> gap = {0.1, 0.3};   ///< metres between the two circles
-  std::array<int, 2> depth = {3, 5};        ///< links from the first one that crosses the gap to the last
-  std::uint64_t proof_iterations = 2000000; ///< of the uniform planner that proves an instance feasible
+  std::array<double, 2> gap = {0.1, 0.3};  ///< metres between the two circles
+  std::array<int, 2> depth = {3, 5};  ///< links from the first one that crosses the gap to the last
+  std::uint64_t proof_iterations =
+      2000000;  ///< of the uniform planner that proves an instance feasible
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
@@ -155,10 +172,11 @@ struct ThreadedInstances {
 /// Changes whenever the same arguments give other instances.
 inline constexpr std::string_view kThreadedVersion = "threaded/1";
 
-/// Random instances whose feasibility is proven by RRT-Connect with uniform samples and an iteration limit; those
-/// that it cannot solve are dropped and counted. Nothing of it looks at experience, so that what is measured on
-/// the instances is not biased towards it. Depends on robot, settings, seed and instruction set alone.
-/// Errors: a robot that is no planar arm; ranges that are empty or that no instance fits.
+/// Random instances whose feasibility is proven by RRT-Connect with uniform samples and an
+/// iteration limit; those that it cannot solve are dropped and counted. Nothing of it looks at
+/// experience, so that what is measured on the instances is not biased towards it. Depends on
+/// robot, settings, seed and instruction set alone. Errors: a robot that is no planar arm; ranges
+/// that are empty or that no instance fits.
 [[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
                                                                 const ThreadedSettings& settings,
                                                                 std::uint64_t seed);

@@ -33,24 +33,31 @@ struct SolveSettings {
   LearnSettings learn;
 };
 
-/// Declares the settings of this struct alone; those of `plan`, `decompose` and `learn` have their own.
+/// Declares the settings of this struct alone; those of `plan`, `decompose` and `learn` have their
+/// own.
 template <class Settings, class Visitor>
-  requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
+requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("lambda", s.lambda, 0.0, 1.0,
-        "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner may never get anywhere");
+        "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
+        "may never get anywhere");
   visit("sigma", s.sigma, 0.0, 10.0,
-        "standard deviation of a mixture component, joint units; smaller repeats the past, larger explores around it");
+        "standard deviation of a mixture component, joint units; smaller repeats the past, larger "
+        "explores around it");
   visit("similarity", s.similarity, 0.0, 1e9,
         "retrieve samplers whose squared key distance is less than this (m^2); the paper used 3");
-  visit("max-matches", s.max_matches, 0, 1000000,
-        "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
+  visit(
+      "max-matches", s.max_matches, 0, 1000000,
+      "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
-        "drop retrieved means that are in contact in the whole scene, all in one batch of state checks");
+        "drop retrieved means that are in contact in the whole scene, all in one batch of state "
+        "checks");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "seconds per query for learning primitives that have no match, 0 for none; counts as planning time");
+        "seconds per query for learning primitives that have no match, 0 for none; counts as "
+        "planning time");
   visit("resolution", s.resolution, 0.0, 10.0,
-        "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's default");
+        "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
+        "default");
 }
 
 /// A primitive of the scene and what the memory knew of it.
@@ -62,32 +69,36 @@ struct PrimitiveRetrieval {
 
 /// The result of Algorithm 2.
 struct GlSampler {
-  std::shared_ptr<const GaussianMixture> mixture;  ///< all retrieved components, in the scene's frame; may be empty
+  std::shared_ptr<const GaussianMixture>
+      mixture;  ///< all retrieved components, in the scene's frame; may be empty
   std::vector<PrimitiveRetrieval> primitives;
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;
 };
 
-/// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are dropped.
-/// The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
-[[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
+/// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are
+/// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
+[[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,
+                                                  Database& database,
                                                   const SolveSettings& settings);
 
 struct SolveResult {
   PlanResult plan;
-  GlSampler gl;                 ///< empty unless the sampler is "gl" and there is a database
-  double total_time_s = 0;      ///< solve() from call to return
-  double planning_time_s = 0;   ///< total_time_s without simplification and verification
+  GlSampler gl;                ///< empty unless the sampler is "gl" and there is a database
+  double total_time_s = 0;     ///< solve() from call to return
+  double planning_time_s = 0;  ///< total_time_s without simplification and verification
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;
   Isa isa = Isa::scalar;
 };
 
-/// Decomposes the scene, retrieves or learns a local sampler per primitive, synthesizes one sampler, plans.
-/// `database` may be null: then the sampler "gl" draws uniformly. Errors: an unknown planner or sampler, a
-/// setting out of range, a scene that cannot be checked or decomposed.
-[[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database, const SolveSettings& settings);
+/// Decomposes the scene, retrieves or learns a local sampler per primitive, synthesizes one
+/// sampler, plans. `database` may be null: then the sampler "gl" draws uniformly. Errors: an
+/// unknown planner or sampler, a setting out of range, a scene that cannot be checked or
+/// decomposed.
+[[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
+                                        const SolveSettings& settings);
 
 /// "gl", "uniform", "halton".
 [[nodiscard]] std::span<const std::string_view> sampler_names();

@@ -20,8 +20,8 @@
 
 namespace mneme {
 
-/// A sequence of configurations joined by straight motions; continuous joints lie in [-pi, pi) and take the
-/// shorter way round between neighbours.
+/// A sequence of configurations joined by straight motions; continuous joints lie in [-pi, pi) and
+/// take the shorter way round between neighbours.
 using Path = std::vector<Configuration>;
 
 /// Length of a path: the sum of L2 joint distances, radians.
@@ -32,8 +32,8 @@ enum class PlanStatus {
   timeout,          ///< the time limit was reached
   iteration_limit,  ///< the iteration limit was reached
   cancelled,
-  invalid_start,    ///< outside the limits, not a number, wrong count, or in contact: see `message`
-  invalid_goal,     ///< the same of a goal
+  invalid_start,  ///< outside the limits, not a number, wrong count, or in contact: see `message`
+  invalid_goal,   ///< the same of a goal
 };
 [[nodiscard]] std::string_view to_string(PlanStatus status);
 
@@ -53,21 +53,27 @@ struct PlanSettings {
 /// Declares each setting once, for command line, files, Python and report.
 /// `visit(name, value, least, most, sentence)` is called for each.
 template <class Settings, class Visitor>
-  requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
+requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 0.0, 1e3,
-        "longest single extension of a tree, radians of L2 joint distance; 0 picks the robot's default "
-        "(0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones explore slowly");
+        "longest single extension of a tree, radians of L2 joint distance; 0 picks the robot's "
+        "default "
+        "(0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones "
+        "explore slowly");
   visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
   visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
-        "iteration limit, 0 for none; with a seed it makes a run repeatable whatever the machine's load");
+        "iteration limit, 0 for none; with a seed it makes a run repeatable whatever the machine's "
+        "load");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0},
         "seed of all random numbers: same seed, inputs and instruction set, same path");
   visit("simplify", s.simplify, false, true, "shorten the path by random shortcuts");
   visit("verify", s.verify, false, true,
-        "check the final path at ten times the resolution; motions that fail are removed and planning goes on");
-  visit("neighbours", s.neighbours, 1, 1000, "prm: connections tried per new milestone; more cost more motion checks");
-  visit("goal-bias", s.goal_bias, 0.0, 1.0, "rrt: probability of extending towards a goal instead of a sample");
+        "check the final path at ten times the resolution; motions that fail are removed and "
+        "planning goes on");
+  visit("neighbours", s.neighbours, 1, 1000,
+        "prm: connections tried per new milestone; more cost more motion checks");
+  visit("goal-bias", s.goal_bias, 0.0, 1.0,
+        "rrt: probability of extending towards a goal instead of a sample");
 }
 
 /// The motion planning question: reach any of `goals` from `start`.
@@ -83,39 +89,41 @@ struct PlanResult {
   std::uint64_t iterations = 0;  ///< samples drawn
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;
-  std::uint64_t nodes = 0;       ///< of all trees, or of the roadmap
-  double planning_time_s = 0;        ///< without simplification and verification
+  std::uint64_t nodes = 0;     ///< of all trees, or of the roadmap
+  double planning_time_s = 0;  ///< without simplification and verification
   double simplification_time_s = 0;
   double verification_time_s = 0;
 
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
 
-/// Status and message of a query that no planner takes: its start or a goal is no configuration of the robot, or in
-/// contact, or there is no goal. Nothing if the query is sound.
-[[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const PlanQuery& query);
+/// Status and message of a query that no planner takes: its start or a goal is no configuration of
+/// the robot, or in contact, or there is no goal. Nothing if the query is sound.
+[[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
+                                                     const PlanQuery& query);
 
 /// Validates start and goals, then plans. Never throws; allocation of memory counts in the times.
-using Planner = PlanResult (*)(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-                               const PlanSettings& settings);
+using Planner = PlanResult (*)(const CollisionChecker& checker, const PlanQuery& query,
+                               const Sampler& sampler, const PlanSettings& settings);
 
 /// A single tree from the start. LaValle and Kuffner, DOI 10.1177/02783640122067453.
-[[nodiscard]] PlanResult rrt(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-                             const PlanSettings& settings = {});
+[[nodiscard]] PlanResult rrt(const CollisionChecker& checker, const PlanQuery& query,
+                             const Sampler& sampler, const PlanSettings& settings = {});
 /// Trees from the start and from all goals. Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730.
 [[nodiscard]] PlanResult rrt_connect(const CollisionChecker& checker, const PlanQuery& query,
                                      const Sampler& sampler, const PlanSettings& settings = {});
 /// An incremental roadmap. Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439.
-[[nodiscard]] PlanResult prm(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-                             const PlanSettings& settings = {});
+[[nodiscard]] PlanResult prm(const CollisionChecker& checker, const PlanQuery& query,
+                             const Sampler& sampler, const PlanSettings& settings = {});
 
 struct PlannerEntry {
   std::string_view name;
   Planner plan = nullptr;
   std::string_view summary;
 };
-/// All planners. To add one: src/planning/<name>.cpp, a declaration above, a row in src/planning/planners.cpp;
-/// command line, benchmark and the shared planner test pick it up from there.
+/// All planners. To add one: src/planning/<name>.cpp, a declaration above, a row in
+/// src/planning/planners.cpp; command line, benchmark and the shared planner test pick it up from
+/// there.
 [[nodiscard]] std::span<const PlannerEntry> planners();
 /// Null if there is no planner of that name.
 [[nodiscard]] const PlannerEntry* find_planner(std::string_view name);
@@ -123,15 +131,16 @@ struct PlannerEntry {
 /// The robot's default extension range, radians.
 [[nodiscard]] double default_range(const Robot& robot);
 
-/// Shortens `path` by replacing stretches between random points of it with straight free motions (Geraerts and
-/// Overmars, DOI 10.1177/0278364907079280). Keeps both ends. With `verify` the new motions are free at
-/// kVerificationRefinement times the resolution.
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts, bool verify,
-              CheckCounters& counters);
+/// Shortens `path` by replacing stretches between random points of it with straight free motions
+/// (Geraerts and Overmars, DOI 10.1177/0278364907079280). Keeps both ends. With `verify` the new
+/// motions are free at kVerificationRefinement times the resolution.
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
+              bool verify, CheckCounters& counters);
 
-/// The first motion of `path` that is in contact at ten times the checker's resolution, or -1 if none is.
-/// Motions are checked with a margin of kVerificationMargin, so that a path also survives a check at other
-/// states of the same density; only the first and the last one do without if their ends lie closer to contact.
+/// The first motion of `path` that is in contact at ten times the checker's resolution, or -1 if
+/// none is. Motions are checked with a margin of kVerificationMargin, so that a path also survives
+/// a check at other states of the same density; only the first and the last one do without if their
+/// ends lie closer to contact.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
                                       CheckCounters& counters);
 inline constexpr double kVerificationMargin = 1e-4;  ///< metres

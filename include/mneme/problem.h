@@ -20,19 +20,21 @@ struct Problem {
   Scene scene;
   Configuration start;
   std::vector<Configuration> goals;  ///< any of them will do; not empty
-  std::vector<std::string> warnings;  ///< what was left aside while reading, such as values of unknown joints
+  std::vector<std::string>
+      warnings;  ///< what was left aside while reading, such as values of unknown joints
 };
 
 /// What may be set from outside the problem's file.
 struct ProblemOptions {
-  std::string robot_path;            ///< URDF to use instead of the one that the problem names
+  std::string robot_path;  ///< URDF to use instead of the one that the problem names
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
 };
 
-/// Reads one problem. `where` is a YAML file, or FILE.json#NAME (or #INDEX) for one problem of a compact file.
-/// The start and goals are not validated here: that is part of planning.
-[[nodiscard]] Result<Problem> load_problem(const std::string& where, const ProblemOptions& options = {});
+/// Reads one problem. `where` is a YAML file, or FILE.json#NAME (or #INDEX) for one problem of a
+/// compact file. The start and goals are not validated here: that is part of planning.
+[[nodiscard]] Result<Problem> load_problem(const std::string& where,
+                                           const ProblemOptions& options = {});
 
 /// Names of the problems in a compact file, in order; those without a name have their index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);

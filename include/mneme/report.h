@@ -13,19 +13,22 @@
 
 namespace mneme {
 
-/// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database took.
-[[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s);
+/// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database
+/// took.
+[[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result,
+                                  double load_time_s);
 
 /// A planar picture in the manner of the paper's figures; metres, y upwards.
 struct PlanarPicture {
   const Problem* problem = nullptr;
-  const GlSampler* gl = nullptr;  ///< primitives in coloured rectangles and faint arms of components; may be null
-  Path path;                      ///< drawn as a fan of arms from start (blue) to goal (red); may be empty
+  const GlSampler* gl =
+      nullptr;  ///< primitives in coloured rectangles and faint arms of components; may be null
+  Path path;    ///< drawn as a fan of arms from start (blue) to goal (red); may be empty
   std::string title;
-  int max_arms = 60;              ///< component arms drawn at most
+  int max_arms = 60;  ///< component arms drawn at most
 };
-/// Errors: unsupported if the robot is not planar; invalid if a configuration, a primitive or the mixture
-/// does not fit it.
+/// Errors: unsupported if the robot is not planar; invalid if a configuration, a primitive or the
+/// mixture does not fit it.
 [[nodiscard]] Result<std::string> to_svg(const PlanarPicture& picture);
 
 /// One run of a benchmark.
@@ -35,7 +38,8 @@ struct BenchmarkRow {
   std::string sampler;
   std::uint64_t seed = 0;
   bool is_solved = false;
-  bool is_path_valid = false;  ///< by an independent check at ten times the resolution, double precision
+  bool is_path_valid =
+      false;  ///< by an independent check at ten times the resolution, double precision
   double planning_time_s = 0;  ///< censored at the time limit if not solved
   double total_time_s = 0;
   double retrieval_time_s = 0;
@@ -53,13 +57,17 @@ struct TimeSummary {
 };
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
 
-/// True if every state of `path` at `resolution` radians or finer is free, by exact distances in double precision
-/// that share no code with the kernels. False for an empty path and for one that leaves the joint limits.
-[[nodiscard]] bool is_path_free(const CollisionChecker& checker, const Path& path, double resolution);
+/// True if every state of `path` at `resolution` radians or finer is free, by exact distances in
+/// double precision that share no code with the kernels. False for an empty path and for one that
+/// leaves the joint limits.
+[[nodiscard]] bool is_path_free(const CollisionChecker& checker, const Path& path,
+                                double resolution);
 
-/// One line per run below a header (RFC 4180, but lines end in a line feed); solved and path_valid are 0 or 1.
+/// One line per run below a header (RFC 4180, but lines end in a line feed); solved and path_valid
+/// are 0 or 1.
 [[nodiscard]] std::string to_csv(std::span<const BenchmarkRow> rows);
-/// A text table: one line per problem, planner and sampler, in order of appearance. Planning times in ms;
+/// A text table: one line per problem, planner and sampler, in order of appearance. Planning times
+/// in ms;
 /// ">" marks those of failures.
 [[nodiscard]] std::string to_table(std::span<const BenchmarkRow> rows);
 
@@ -67,8 +75,10 @@ struct ReportPicture {
   std::string caption;
   std::string svg;
 };
-/// One self-contained page: pictures, the table and a log-scale chart of times per problem and sampler.
+/// One self-contained page: pictures, the table and a log-scale chart of times per problem and
+/// sampler.
 [[nodiscard]] std::string to_html(const std::string& title, const std::string& introduction,
-                                  std::span<const BenchmarkRow> rows, std::span<const ReportPicture> pictures);
+                                  std::span<const BenchmarkRow> rows,
+                                  std::span<const ReportPicture> pictures);
 
 }  // namespace mneme

@@ -34,20 +34,22 @@ struct Joint {
 
 struct Link {
   std::string name;
-  int parent_joint = -1;  ///< -1 for the root
+  int parent_joint = -1;          ///< -1 for the root
   std::vector<Sphere> spheres;    ///< in the link's frame
   std::vector<Capsule> capsules;  ///< in the link's frame
 };
 
 /// What a URDF alone does not say.
 struct RobotOptions {
-  /// Names of the joints to plan for, in the order of a configuration. Empty: all movable joints, in tree order.
+  /// Names of the joints to plan for, in the order of a configuration. Empty: all movable joints,
+  /// in tree order.
   std::vector<std::string> joints;
   /// Values of movable joints outside the group, by name. Default 0, clamped to the joint's limits.
   std::map<std::string, double> fixed_values;
 };
 
-/// An immutable robot model with a planning group. Copies are cheap. All of it is const and parallel-safe.
+/// An immutable robot model with a planning group. Copies are cheap. All of it is const and
+/// parallel-safe.
 class Robot {
  public:
   [[nodiscard]] const std::string& name() const { return model_->name; }
@@ -63,23 +65,27 @@ class Robot {
     return model_->joints[static_cast<std::size_t>(model_->group[static_cast<std::size_t>(index)])];
   }
   /// Pairs of link indices (first < second) that are checked against each other.
-  [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const { return model_->self_pairs; }
-  /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits, shapes,
-  /// checked pairs, group and fixed values. Names of files, robots and links do not count.
+  [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
+    return model_->self_pairs;
+  }
+  /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
+  /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
   /// True if every shape stays in the plane z = 0: all joints of the group turn about the z axis.
   [[nodiscard]] bool is_planar() const { return model_->is_planar; }
 
   /// Poses of all links in the root link's frame. `q` has joint_count() values. O(links).
   [[nodiscard]] std::vector<Transform> link_poses(std::span<const double> q) const;
-  /// Why `q` is no configuration of this robot (count, NaN, limits; beyond 1e-5), or nothing if it is one.
-  /// `what` names it in the message, such as "start".
+  /// Why `q` is no configuration of this robot (count, NaN, limits; beyond 1e-5), or nothing if it
+  /// is one. `what` names it in the message, such as "start".
   [[nodiscard]] std::optional<std::string> describe_violation(std::span<const double> q,
                                                               std::string_view what) const;
   /// `q` with continuous joints wrapped to [-pi, pi) and others clamped to their limits.
   [[nodiscard]] Configuration normalized(std::span<const double> q) const;
-  /// Shortest joint-space displacement from `a` to `b`: continuous joints take the shorter way round.
-  [[nodiscard]] Configuration difference(std::span<const double> a, std::span<const double> b) const;
+  /// Shortest joint-space displacement from `a` to `b`: continuous joints take the shorter way
+  /// round.
+  [[nodiscard]] Configuration difference(std::span<const double> a,
+                                         std::span<const double> b) const;
   /// L2 norm of difference(a, b), in radians (metres for prismatic joints).
   [[nodiscard]] double distance(std::span<const double> a, std::span<const double> b) const;
 
@@ -105,26 +111,29 @@ class Robot {
   std::shared_ptr<const Model> model_;
 };
 
-/// Sorts the tree, picks the group and derives the pairs to check: all pairs of links with shapes that can move
-/// against each other, except links joined by one joint (fixed joints weld links into one body first).
-/// Errors: no root or several, a loop, an unknown or doubled joint name, limits that are missing or reversed.
+/// Sorts the tree, picks the group and derives the pairs to check: all pairs of links with shapes
+/// that can move against each other, except links joined by one joint (fixed joints weld links into
+/// one body first). Errors: no root or several, a loop, an unknown or doubled joint name, limits
+/// that are missing or reversed.
 [[nodiscard]] Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options = {});
 
-/// Reads a URDF file. Strict: an element that mneme cannot use exactly (a collision mesh, a mimic joint, a
-/// malformed number) is an error that names file, line and element. `<capsule radius length>` is an extension;
-/// its length is the distance between the cap centres, along z.
+/// Reads a URDF file. Strict: an element that mneme cannot use exactly (a collision mesh, a mimic
+/// joint, a malformed number) is an error that names file, line and element. `<capsule radius
+/// length>` is an extension; its length is the distance between the cap centres, along z.
 [[nodiscard]] Result<Robot> load_robot(const std::string& path, const RobotOptions& options = {});
 /// The same for URDF text; `source` names it in messages.
 [[nodiscard]] Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
                                         const RobotOptions& options = {});
 
-/// URDF text of a planar arm: links along x in the plane z = 0, joints about z; the first is continuous, the
-/// others are limited to [-pi, pi]. `lengths` in metres, each > 0; links are capsules of `thickness` (diameter).
-[[nodiscard]] Result<std::string> planar_arm_urdf(const std::string& name, std::span<const double> lengths,
+/// URDF text of a planar arm: links along x in the plane z = 0, joints about z; the first is
+/// continuous, the others are limited to [-pi, pi]. `lengths` in metres, each > 0; links are
+/// capsules of `thickness` (diameter).
+[[nodiscard]] Result<std::string> planar_arm_urdf(const std::string& name,
+                                                  std::span<const double> lengths,
                                                   double thickness = 0.001);
 
-/// The file of a robot that is named without a path, such as "planar8": searched in the directories of
-/// MNEME_ROBOT_PATH (colon-separated), then among the robots that came with mneme.
+/// The file of a robot that is named without a path, such as "planar8": searched in the directories
+/// of MNEME_ROBOT_PATH (colon-separated), then among the robots that came with mneme.
 [[nodiscard]] Result<std::string> find_robot(const std::string& name);
 
 }  // namespace mneme

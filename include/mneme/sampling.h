@@ -21,7 +21,8 @@ inline constexpr Origin kUniformOrigin = -1;
 /// What a planner did with a configuration.
 enum class SampleOutcome { rejected, extended, connected };
 
-/// One query's stream of configurations. Refers to its sampler, which must outlive it. Not thread-safe.
+/// One query's stream of configurations. Refers to its sampler, which must outlive it. Not
+/// thread-safe.
 class SampleStream {
  public:
   virtual ~SampleStream() = default;
@@ -42,18 +43,21 @@ class Sampler {
 /// Uniform within the joint limits.
 [[nodiscard]] std::unique_ptr<Sampler> make_uniform_sampler(const Robot& robot);
 
-/// Halton points in the bases of the first primes, shifted by a random vector modulo the limits per seed.
-/// Halton, DOI 10.1007/BF01386213; the shift is that of Cranley and Patterson, DOI 10.1137/0713071.
+/// Halton points in the bases of the first primes, shifted by a random vector modulo the limits per
+/// seed. Halton, DOI 10.1007/BF01386213; the shift is that of Cranley and Patterson,
+/// DOI 10.1137/0713071.
 [[nodiscard]] std::unique_ptr<Sampler> make_halton_sampler(const Robot& robot);
 
-/// A Gaussian mixture with equiprobable components, eq. (1) of the paper. Means are float32, row-major.
+/// A Gaussian mixture with equiprobable components, eq. (1) of the paper. Means are float32,
+/// row-major.
 struct GaussianMixture {
   int joint_count = 0;
-  std::vector<float> means;    ///< component_count() rows of joint_count values
-  /// Per component the row of `factors` that shapes it, or -1 for the sampler's sigma; empty: all -1.
+  std::vector<float> means;  ///< component_count() rows of joint_count values
+  /// Per component the row of `factors` that shapes it, or -1 for the sampler's sigma; empty: all
+  /// -1.
   std::vector<int> factor_rows;
-  /// Rows of joint_count * (joint_count + 1) / 2 values: lower triangles, row by row, of Cholesky factors L
-  /// of covariances L L^T.
+  /// Rows of joint_count * (joint_count + 1) / 2 values: lower triangles, row by row, of Cholesky
+  /// factors L of covariances L L^T.
   std::vector<float> factors;
   std::vector<Origin> origins;  ///< per component the source it counts for; empty: all 0
 
@@ -62,15 +66,15 @@ struct GaussianMixture {
   }
 };
 
-/// Draws a component with equal probability, then a configuration from it. `sigma` is the standard deviation
-/// in joint units of components without a factor, >= 0. Continuous joints wrap, the others clamp to their
-/// limits. The mixture must have components.
-[[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(const Robot& robot,
-                                                            std::shared_ptr<const GaussianMixture> mixture,
-                                                            double sigma);
+/// Draws a component with equal probability, then a configuration from it. `sigma` is the standard
+/// deviation in joint units of components without a factor, >= 0. Continuous joints wrap, the
+/// others clamp to their limits. The mixture must have components.
+[[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(
+    const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma);
 
 /// Algorithm 1, line 2: with probability `lambda` in [0, 1] from `first`, otherwise from `second`.
-[[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(double lambda, std::shared_ptr<const Sampler> first,
+[[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(double lambda,
+                                                          std::shared_ptr<const Sampler> first,
                                                           std::shared_ptr<const Sampler> second);
 
 }  // namespace mneme

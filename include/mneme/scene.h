@@ -24,7 +24,8 @@ struct Scene {
   std::vector<Obstacle> obstacles;
 };
 
-/// Reads a scene file (docs/file_formats.md). Errors name file, line and key; names of obstacles must differ.
+/// Reads a scene file (docs/file_formats.md). Errors name file, line and key; names of obstacles
+/// must differ.
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
@@ -32,6 +33,7 @@ struct Scene {
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.
-[[nodiscard]] Scene make_circle_scene(std::string name, const std::vector<std::array<double, 3>>& circles);
+[[nodiscard]] Scene make_circle_scene(std::string name,
+                                      const std::vector<std::array<double, 3>>& circles);
 
 }  // namespace mneme

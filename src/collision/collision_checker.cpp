@@ -19,7 +19,8 @@ using FloatConfiguration = std::array<float, internal::kMaxRows>;
 
 FloatConfiguration to_float(std::span<const double> q) {
   FloatConfiguration result;
-  std::transform(q.begin(), q.end(), result.begin(), [](double x) { return static_cast<float>(x); });
+  std::transform(q.begin(), q.end(), result.begin(),
+                 [](double x) { return static_cast<float>(x); });
   return result;
 }
 
@@ -55,8 +56,8 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
     return fail(ErrorCode::invalid, "resolution and margin must be finite and not negative");
   }
   if (!is_available(settings.isa)) {
-    return fail(ErrorCode::unsupported,
-                "this machine does not have the instruction set " + std::string(to_string(settings.isa)));
+    return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +
+                                            std::string(to_string(settings.isa)));
   }
   auto robot_tables = internal::make_robot_tables(robot);
   if (!robot_tables) return tl::unexpected(robot_tables.error());
@@ -65,11 +66,11 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
-  auto tables = std::make_shared<Tables>(Tables{
-      robot, scene, settings.resolution > 0 ? settings.resolution : preset,
-      static_cast<float>(settings.margin), isa, internal::JointSpace(robot), std::move(*robot_tables),
-      std::move(*scene_tables), &internal::collision_kernels(isa),
-      static_cast<float>(internal::fixed_clearance(robot, scene))});
+  auto tables = std::make_shared<Tables>(
+      Tables{robot, scene, settings.resolution > 0 ? settings.resolution : preset,
+             static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
+             std::move(*robot_tables), std::move(*scene_tables), &internal::collision_kernels(isa),
+             static_cast<float>(internal::fixed_clearance(robot, scene))});
   return CollisionChecker(std::move(tables));
 }
 
@@ -114,7 +115,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   if (!std::isfinite(length)) return false;
-  // A motion so long that its states cannot be counted is longer than any joint space with finite limits.
+  // A motion so long that its states cannot be counted is longer than any joint space with finite
+  // limits.
   const double states = std::min(std::ceil(length * detail.refinement / t.resolution), 1e9);
   return t.kernels->is_motion_free(t.robot_tables, t.scene_tables, from.data(), delta.data(),
                                    static_cast<int>(states), margin, counters.states);

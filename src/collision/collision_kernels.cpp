@@ -41,10 +41,11 @@ HWY_INLINE V3 transform_point(const Pose& pose, const float* point) {
 /// The columns of parent * rotation, for a row-major rotation.
 HWY_INLINE Pose rotated(const Pose& parent, const float* r) {
   const auto column = [&](int i) {
-    return mul_add(splat(r[i]), parent.x,
-                   mul_add(splat(r[3 + i]), parent.y,
-                           {hn::Mul(splat(r[6 + i]), parent.z.x), hn::Mul(splat(r[6 + i]), parent.z.y),
-                            hn::Mul(splat(r[6 + i]), parent.z.z)}));
+    return mul_add(
+        splat(r[i]), parent.x,
+        mul_add(splat(r[3 + i]), parent.y,
+                {hn::Mul(splat(r[6 + i]), parent.z.x), hn::Mul(splat(r[6 + i]), parent.z.y),
+                 hn::Mul(splat(r[6 + i]), parent.z.z)}));
   };
   return {column(0), column(1), column(2), parent.p};
 }
@@ -65,7 +66,8 @@ HWY_INLINE void turn_about_z(Pose& pose, V angle) {
 }
 
 /// Forward kinematics of all frames for the joint values `q`.
-HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q, Pose* HWY_RESTRICT poses) {
+HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q,
+                            Pose* HWY_RESTRICT poses) {
   const Pose root = identity_pose();
   for (size_t i = 0; i < robot.frames.size(); ++i) {
     const FrameRow& frame = robot.frames[i];
@@ -81,8 +83,8 @@ HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q, P
   }
 }
 
-/// What is hit so far. With `kIsMotion`, one hit in any lane settles the question; otherwise all lanes must
-/// be hit before the rest can be skipped.
+/// What is hit so far. With `kIsMotion`, one hit in any lane settles the question; otherwise all
+/// lanes must be hit before the rest can be skipped.
 template <bool kIsMotion>
 struct Verdict {
   // A default member initialiser would be compiled for the baseline instruction set.
@@ -136,13 +138,15 @@ class StateChecker {
   }
 
  private:
-  HWY_INLINE bool is_near(const V3& center, float radius, const float* other, float other_radius) const {
+  HWY_INLINE bool is_near(const V3& center, float radius, const float* other,
+                          float other_radius) const {
     const float reach = radius + margin_ + other_radius;
     const V distance2 = squared_norm(center - splat(other));
     return !hn::AllFalse(Tag(), hn::Lt(distance2, splat(reach * reach)));
   }
 
-  HWY_INLINE bool hits_scene(const LinkRow& link, const V3& center, Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE bool hits_scene(const LinkRow& link, const V3& center,
+                             Verdict<kIsMotion>& verdict) const {
     const Pose& pose = poses_[link.frame];
     for (const SphereRow& sphere : scene_.spheres) {
       if (!is_near(center, link.radius, sphere.center, sphere.radius)) continue;
@@ -168,7 +172,8 @@ class StateChecker {
     return false;
   }
 
-  /// The shapes of a link against something with a core of radius `radius`, given squared distances to it.
+  /// The shapes of a link against something with a core of radius `radius`, given squared distances
+  /// to it.
   template <class ToPoint, class ToSegment>
   HWY_INLINE bool hits(const LinkRow& link, const Pose& pose, float radius, const ToPoint& to_point,
                        const ToSegment& to_segment, Verdict<kIsMotion>& verdict) const {
@@ -191,8 +196,8 @@ class StateChecker {
     return make_segment(transform_point(pose, capsule.a), transform_point(pose, capsule.b));
   }
 
-  HWY_INLINE bool hits_link(const LinkRow& a, const Pose& pose_a, const LinkRow& b, const Pose& pose_b,
-                            Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE bool hits_link(const LinkRow& a, const Pose& pose_a, const LinkRow& b,
+                            const Pose& pose_b, Verdict<kIsMotion>& verdict) const {
     for (int i = a.sphere_begin; i < a.sphere_end; ++i) {
       const V3 center = transform_point(pose_a, robot_.spheres[i].center);
       const auto to_point = [&](const V3& p) { return squared_norm(p - center); };
@@ -215,8 +220,8 @@ class StateChecker {
   V3 centers_[kMaxRows];
 };
 
-bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const float* from, const float* delta,
-                    int states, float margin, std::uint64_t& states_checked) {
+bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const float* from,
+                    const float* delta, int states, float margin, std::uint64_t& states_checked) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int blocks = std::max(1, (states + lanes - 1) / lanes);
@@ -224,8 +229,8 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   StateChecker<true> checker(robot, scene, margin);
   Verdict<true> verdict;
   V q[kMaxRows];
-  // Lane i looks at the i-th stretch of the motion. Each block looks at one state of every stretch; the
-  // first one at their ends, because a motion is blocked at its far end most often.
+  // Lane i looks at the i-th stretch of the motion. Each block looks at one state of every stretch;
+  // the first one at their ends, because a motion is blocked at its far end most often.
   const V stretch = hn::Mul(hn::Iota(d, 0.0f), splat(static_cast<float>(blocks)));
   for (int block = blocks; block > 0; --block) {
     const V fraction = hn::Mul(hn::Add(stretch, splat(static_cast<float>(block))), splat(step));
@@ -238,8 +243,8 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   return true;
 }
 
-void check_states(const RobotTables& robot, const SceneTables& scene, const float* states, int count,
-                  float margin, std::uint8_t* is_free) {
+void check_states(const RobotTables& robot, const SceneTables& scene, const float* states,
+                  int count, float margin, std::uint8_t* is_free) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   StateChecker<false> checker(robot, scene, margin);
@@ -263,7 +268,8 @@ void check_states(const RobotTables& robot, const SceneTables& scene, const floa
 }
 
 const CollisionKernels* kernels() {
-  static const CollisionKernels table = {static_cast<int>(hn::Lanes(Tag())), &is_motion_free, &check_states};
+  static const CollisionKernels table = {static_cast<int>(hn::Lanes(Tag())), &is_motion_free,
+                                         &check_states};
   return &table;
 }
 

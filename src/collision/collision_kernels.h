@@ -13,9 +13,9 @@ namespace mneme::internal {
 
 struct CollisionKernels {
   int lanes = 1;
-  /// True if the states from + k delta / n, k = 1..n, are free, with n the least multiple of `lanes` that is
-  /// at least `states`. Adds the number of states looked at to `states_checked`. `margin` inflates the robot
-  /// against obstacles.
+  /// True if the states from + k delta / n, k = 1..n, are free, with n the least multiple of
+  /// `lanes` that is at least `states`. Adds the number of states looked at to `states_checked`.
+  /// `margin` inflates the robot against obstacles.
   bool (*is_motion_free)(const RobotTables& robot, const SceneTables& scene, const float* from,
                          const float* delta, int states, float margin,
                          std::uint64_t& states_checked) = nullptr;

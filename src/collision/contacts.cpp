@@ -41,8 +41,8 @@ double distance_between(const std::vector<Capsule>& first, const std::vector<Cap
   return least;
 }
 
-void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string& link, const Scene& scene,
-                           double margin, std::vector<Contact>& contacts) {
+void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string& link,
+                           const Scene& scene, double margin, std::vector<Contact>& contacts) {
   for (const Obstacle& obstacle : scene.obstacles) {
     const double gap = distance_to_obstacle(shapes, obstacle);
     if (gap < margin) contacts.push_back({link, obstacle.name, false, gap});
@@ -51,8 +51,8 @@ void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string
 
 }  // namespace
 
-std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene, std::span<const double> q,
-                                   double margin) {
+std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
+                                   std::span<const double> q, double margin) {
   const std::vector<Transform> poses = robot.link_poses(q);
   std::vector<std::vector<Capsule>> shapes;
   std::vector<Contact> contacts;
@@ -83,7 +83,8 @@ double fixed_clearance(const Robot& robot, const Scene& scene) {
     const Link& link = robot.links()[i];
     if (link.parent_joint >= 0) {
       const auto joint = static_cast<std::size_t>(link.parent_joint);
-      is_fixed[i] = !is_moving[joint] && is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
+      is_fixed[i] = !is_moving[joint] &&
+                    is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
     }
     if (!is_fixed[i]) continue;
     const std::vector<Capsule> shapes = posed_shapes(link, poses[i]);

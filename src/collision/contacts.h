@@ -15,7 +15,8 @@ namespace mneme::internal {
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
                                                  std::span<const double> q, double margin);
 
-/// Least distance between an obstacle and the links that no joint of the group moves; infinite without any.
+/// Least distance between an obstacle and the links that no joint of the group moves; infinite
+/// without any.
 [[nodiscard]] double fixed_clearance(const Robot& robot, const Scene& scene);
 
 }  // namespace mneme::internal

@@ -142,9 +142,11 @@ class RobotTablesBuilder {
     }
     const Vec3 center = (lower + upper) / 2;
     double radius = 0;
-    for (const Sphere& s : link.spheres) radius = std::max(radius, (s.center - center).norm() + s.radius);
+    for (const Sphere& s : link.spheres)
+      radius = std::max(radius, (s.center - center).norm() + s.radius);
     for (const Capsule& c : link.capsules) {
-      radius = std::max({radius, (c.a - center).norm() + c.radius, (c.b - center).norm() + c.radius});
+      radius =
+          std::max({radius, (c.a - center).norm() + c.radius, (c.b - center).norm() + c.radius});
     }
     store(placement.X_frame_link * center, row.center);
     // Rounding to float must not shrink the bound.
@@ -181,7 +183,8 @@ bool is_rotation(const Eigen::Matrix3d& matrix) {
 /// What is wrong with a shape, or nothing. Comparisons are written so that a NaN is wrong.
 std::string_view find_flaw(const Shape& shape) {
   const Sphere bound = bounding_sphere(shape);
-  if (!(bound.center.norm() + bound.radius <= kFarthest)) return "is not finite or extends beyond 10 km";
+  if (!(bound.center.norm() + bound.radius <= kFarthest))
+    return "is not finite or extends beyond 10 km";
   const auto* sphere = std::get_if<Sphere>(&shape);
   const auto* capsule = std::get_if<Capsule>(&shape);
   const auto* box = std::get_if<Box>(&shape);
@@ -194,8 +197,8 @@ std::string_view find_flaw(const Shape& shape) {
 
 Result<void> add_shape(const Shape& shape, const std::string& obstacle, SceneTables& tables) {
   if (const std::string_view flaw = find_flaw(shape); !flaw.empty()) {
-    return fail(ErrorCode::invalid, "obstacle '" + obstacle + "': a " + std::string(shape_name(shape)) + " " +
-                                        std::string(flaw));
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle + "': a " +
+                                        std::string(shape_name(shape)) + " " + std::string(flaw));
   }
   if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     SphereRow row{};
@@ -217,7 +220,8 @@ Result<void> add_shape(const Shape& shape, const std::string& obstacle, SceneTab
     tables.boxes.push_back(row);
   } else {
     return fail(ErrorCode::unsupported,
-                "obstacle '" + obstacle + "': collision checking of a cylinder is not supported; use a capsule or a box");
+                "obstacle '" + obstacle +
+                    "': collision checking of a cylinder is not supported; use a capsule or a box");
   }
   return {};
 }
@@ -228,9 +232,9 @@ Result<RobotTables> make_robot_tables(const Robot& robot) {
   RobotTables tables = RobotTablesBuilder(robot).build();
   if (tables.frames.size() > static_cast<std::size_t>(kMaxRows) ||
       tables.links.size() > static_cast<std::size_t>(kMaxRows)) {
-    return fail(ErrorCode::unsupported,
-                "robot '" + robot.name() + "' has more than " + std::to_string(kMaxRows) +
-                    " joints or moving links with collision shapes");
+    return fail(ErrorCode::unsupported, "robot '" + robot.name() + "' has more than " +
+                                            std::to_string(kMaxRows) +
+                                            " joints or moving links with collision shapes");
   }
   return tables;
 }
@@ -242,7 +246,8 @@ Result<SceneTables> make_scene_tables(const Scene& scene) {
       return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "' has no shapes");
     }
     for (const Shape& shape : obstacle.shapes) {
-      if (auto added = add_shape(shape, obstacle.name, tables); !added) return tl::unexpected(added.error());
+      if (auto added = add_shape(shape, obstacle.name, tables); !added)
+        return tl::unexpected(added.error());
     }
   }
   return tables;

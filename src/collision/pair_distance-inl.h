@@ -37,8 +37,9 @@ HWY_INLINE V point_segment(const V3& p, const Segment& s) {
   return squared_norm(mul_add(hn::Neg(t), s.u, w));
 }
 
-/// Follows Ericson, section 5.1.9. The determinant and the numerator of s are taken from the cross product n
-/// of the directions: |n|^2 does not cancel for nearly parallel segments as a e - b^2 does.
+/// Follows Ericson, section 5.1.9. The determinant and the numerator of s are taken from the cross
+/// product n of the directions: |n|^2 does not cancel for nearly parallel segments as a e - b^2
+/// does.
 HWY_INLINE V segment_segment(const Segment& p, const Segment& q) {
   const V3 w = q.a - p.a;
   const V3 n = cross(p.u, q.u);
@@ -56,9 +57,7 @@ HWY_INLINE V3 rotate(const float* r, const V3& v) {
 }
 
 /// x minus its nearest value in [-h, h].
-HWY_INLINE V excess(V x, V h) {
-  return hn::Sub(x, hn::Max(hn::Min(x, h), hn::Neg(h)));
-}
+HWY_INLINE V excess(V x, V h) { return hn::Sub(x, hn::Max(hn::Min(x, h), hn::Neg(h))); }
 HWY_INLINE V3 excess(const V3& x, const V3& h) {
   return {excess(x.x, h.x), excess(x.y, h.y), excess(x.z, h.z)};
 }
@@ -68,9 +67,9 @@ HWY_INLINE V point_box(const V3& p, const BoxRow& box) {
   return squared_norm(excess(local, splat(box.half_extents)));
 }
 
-/// The squared distance along the segment is convex and piecewise quadratic, so that its derivative is
-/// monotone and linear between the six parameters where a coordinate crosses a face. The two of them (or
-/// ends) that bracket the sign change give the minimum exactly.
+/// The squared distance along the segment is convex and piecewise quadratic, so that its derivative
+/// is monotone and linear between the six parameters where a coordinate crosses a face. The two of
+/// them (or ends) that bracket the sign change give the minimum exactly.
 HWY_INLINE V segment_box(const Segment& segment, const BoxRow& box) {
   const V3 a = rotate(box.rotation, segment.a - splat(box.center));
   const V3 u = rotate(box.rotation, segment.u);

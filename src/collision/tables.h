@@ -15,15 +15,15 @@ struct FrameRow {
   int parent = -1;  ///< frame, or -1 for the robot's root
   int joint = 0;    ///< index into a configuration
   bool is_prismatic = false;
-  bool is_rotated = false;     ///< `rotation` is not the identity
-  float rotation[9] = {};      ///< row-major, in the parent frame, at joint value 0
+  bool is_rotated = false;  ///< `rotation` is not the identity
+  float rotation[9] = {};   ///< row-major, in the parent frame, at joint value 0
   float translation[3] = {};
 };
 
 /// The shapes of one link, in the coordinates of its frame.
 struct LinkRow {
-  int link = 0;    ///< index into Robot::links()
-  int frame = -1;  ///< -1: fixed to the root
+  int link = 0;          ///< index into Robot::links()
+  int frame = -1;        ///< -1: fixed to the root
   float center[3] = {};  ///< of a sphere around all shapes
   float radius = 0;
   int sphere_begin = 0, sphere_end = 0;
@@ -55,7 +55,7 @@ struct RobotTables {
   std::vector<LinkRow> fixed_links;
   std::vector<SphereRow> spheres;
   std::vector<CapsuleRow> capsules;
-  std::vector<std::pair<int, int>> pairs;  ///< indices into `links`
+  std::vector<std::pair<int, int>> pairs;        ///< indices into `links`
   std::vector<std::pair<int, int>> fixed_pairs;  ///< a moving link and one of `fixed_links`
 };
 

@@ -49,8 +49,9 @@ PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng) {
     const double tilt = rng.uniform(-std::numbers::pi, std::numbers::pi);
     const double half = gap / 2;
     const double c = std::cos(tilt), s = std::sin(tilt);
-    const PrimitiveKey circles = {distance + (half + radius_a) * c, (half + radius_a) * s, radius_a,
-                                  distance - (half + radius_b) * c, -(half + radius_b) * s, radius_b};
+    const PrimitiveKey circles = {
+        distance + (half + radius_a) * c, (half + radius_a) * s,  radius_a,
+        distance - (half + radius_b) * c, -(half + radius_b) * s, radius_b};
     if (is_base_outside(circles)) return make_primitive(circles).key;
   }
 }

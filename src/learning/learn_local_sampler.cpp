@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Section IV-A of the paper. One departure makes learning cheap: queries go from the last link to the first, that
-// is from shallow to deep, and each one samples with Algorithm 1 from what the shallower ones have taught.
+// Section IV-A of the paper. One departure makes learning cheap: queries go from the last link to
+// the first, that is from shallow to deep, and each one samples with Algorithm 1 from what the
+// shallower ones have taught.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -23,8 +24,9 @@ constexpr double kBootstrapSigma = 0.1;
 
 class Learner {
  public:
-  Learner(const CollisionChecker& checker, const internal::PlanarChain& chain, const PrimitiveKey& key,
-          const LearnSettings& settings, std::uint64_t seed, double deadline_s)
+  Learner(const CollisionChecker& checker, const internal::PlanarChain& chain,
+          const PrimitiveKey& key, const LearnSettings& settings, std::uint64_t seed,
+          double deadline_s)
       : checker_(checker),
         chain_(chain),
         key_(key),
@@ -45,12 +47,15 @@ class Learner {
   }
 
  private:
-  [[nodiscard]] bool is_late() const { return deadline_s_ > 0 && stopwatch_.elapsed_s() >= deadline_s_; }
+  [[nodiscard]] bool is_late() const {
+    return deadline_s_ > 0 && stopwatch_.elapsed_s() >= deadline_s_;
+  }
 
   void learn_from_link(int link) {
     const std::shared_ptr<const Sampler> sampler = make_sampler();
     for (int i = 0; i < settings_.starts_per_link && !is_late(); ++i) {
-      const auto start = internal::sample_threaded(checker_, chain_, key_, link, kThreadedAttempts, rng_);
+      const auto start =
+          internal::sample_threaded(checker_, chain_, key_, link, kThreadedAttempts, rng_);
       if (!start) return;
       PlanQuery query{*start, free_configurations()};
       if (query.goals.empty()) return;
@@ -65,7 +70,8 @@ class Learner {
     if (result_.sampler.component_count() == 0) return uniform_;
     auto so_far = std::make_shared<const GaussianMixture>(result_.sampler);
     return make_mixed_sampler(kBootstrapLambda,
-                              make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma), uniform_);
+                              make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma),
+                              uniform_);
   }
 
   std::vector<Configuration> free_configurations() {
@@ -124,7 +130,8 @@ std::string describe(const LearnSettings& settings) {
 }
 
 Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
-                                        const LearnSettings& settings, std::uint64_t seed, double deadline_s) {
+                                        const LearnSettings& settings, std::uint64_t seed,
+                                        double deadline_s) {
   const auto chain = internal::PlanarChain::make(robot);
   if (!chain) return tl::unexpected(chain.error());
   CheckerSettings checking;

@@ -14,7 +14,8 @@
 namespace mneme {
 namespace {
 
-/// Rows that wait for one transaction: a commit costs a few milliseconds, a killed job loses at most these.
+/// Rows that wait for one transaction: a commit costs a few milliseconds, a killed job loses at
+/// most these.
 constexpr std::size_t kRowsPerTransaction = 32;
 
 /// Seed of one primitive: depends on the primitive, not on its place in a list.
@@ -29,7 +30,8 @@ std::uint64_t task_seed(std::uint64_t seed, const PrimitiveKey& key) {
 
 class LearnRun {
  public:
-  LearnRun(const Robot& robot, std::span<const PrimitiveKey> keys, Database& database, const LearnJob& job)
+  LearnRun(const Robot& robot, std::span<const PrimitiveKey> keys, Database& database,
+           const LearnJob& job)
       : robot_(robot), database_(database), job_(job), settings_text_(describe(job.settings)) {
     std::set<std::uint64_t> known;
     for (std::int64_t i = 0; i < database.size(); ++i) {

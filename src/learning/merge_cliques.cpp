@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Section V-A of the paper. Finding the fewest cliques is NP-hard; as in the paper they are found one after the
-// other, here each starting from the first configuration that is left.
+// Section V-A of the paper. Finding the fewest cliques is NP-hard; as in the paper they are found
+// one after the other, here each starting from the first configuration that is left.
 #include <cmath>
 #include <optional>
 
@@ -14,7 +14,8 @@
 namespace mneme {
 namespace {
 
-/// Smallest standard deviation of a merged component, joint units: keeps covariances well conditioned.
+/// Smallest standard deviation of a merged component, joint units: keeps covariances well
+/// conditioned.
 constexpr double kLeastDeviation = 0.01;
 
 class CliqueMerger {
@@ -82,7 +83,8 @@ class CliqueMerger {
     covariance.diagonal().array() += kLeastDeviation * kLeastDeviation;
     const Eigen::MatrixXd factor = covariance.llt().matrixL();
     for (Eigen::Index i = 0; i < joints; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) merged_.factors.push_back(static_cast<float>(factor(i, j)));
+      for (Eigen::Index j = 0; j <= i; ++j)
+        merged_.factors.push_back(static_cast<float>(factor(i, j)));
     }
   }
 

@@ -17,8 +17,9 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 Result<PlanarChain> PlanarChain::make(const Robot& robot) {
   const auto refuse = [&](const std::string& why) {
-    return fail(ErrorCode::unsupported,
-                "robot '" + robot.name() + "': learning local samplers needs a planar serial arm: " + why);
+    return fail(
+        ErrorCode::unsupported,
+        "robot '" + robot.name() + "': learning local samplers needs a planar serial arm: " + why);
   };
   if (!robot.is_planar()) return refuse("it moves out of the plane z = 0");
   PlanarChain chain;
@@ -27,13 +28,16 @@ Result<PlanarChain> PlanarChain::make(const Robot& robot) {
   for (int i = 0; i < robot.joint_count(); ++i) {
     const Joint& joint = robot.group_joint(i);
     const Link& link = robot.links()[static_cast<std::size_t>(joint.child_link)];
-    if (joint.parent_link != parent_link) return refuse("joint '" + joint.name + "' does not follow the link before");
+    if (joint.parent_link != parent_link)
+      return refuse("joint '" + joint.name + "' does not follow the link before");
     if (link.capsules.size() != 1 || !link.spheres.empty() || link.capsules[0].a.norm() > 1e-9) {
       return refuse("link '" + link.name + "' is not one capsule that starts at its joint");
     }
-    const bool is_plain = joint.origin.rotation.isIdentity(1e-9) && joint.axis.isApprox(Vec3::UnitZ(), 1e-9);
+    const bool is_plain =
+        joint.origin.rotation.isIdentity(1e-9) && joint.axis.isApprox(Vec3::UnitZ(), 1e-9);
     if (!is_plain || (joint.origin.translation - tip).norm() > 1e-9) {
-      return refuse("joint '" + joint.name + "' is not at the end of the link before, turning about +z");
+      return refuse("joint '" + joint.name +
+                    "' is not at the end of the link before, turning about +z");
     }
     tip = link.capsules[0].b;
     chain.lengths_.push_back(tip.norm());

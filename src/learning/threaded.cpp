@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Threaded configurations are built link by link: the links before the gap at random among the
-// directions that leave it within reach, the two links that lead into it by two-link inverse kinematics onto a random
-// point of it, the links behind it at random.
+// directions that leave it within reach, the two links that lead into it by two-link inverse
+// kinematics onto a random point of it, the links behind it at random.
 #include "learning/threaded.h"
 
 #include <algorithm>
@@ -41,8 +41,8 @@ class ThreadedBuilder {
   }
 
  private:
-  /// Appends a link if it is free: outside both circles, crossing no link but its neighbour, and crossing the
-  /// gap only if it `may_cross`.
+  /// Appends a link if it is free: outside both circles, crossing no link but its neighbour, and
+  /// crossing the gap only if it `may_cross`.
   bool add_link(double direction, bool may_cross) {
     const auto link = static_cast<int>(directions_.size());
     const Vec2 from = points_.back();
@@ -57,13 +57,15 @@ class ThreadedBuilder {
     return true;
   }
 
-  /// Appends a link that does not cross the gap, and from whose end the target is at most `rest` away.
+  /// Appends a link that does not cross the gap, and from whose end the target is at most `rest`
+  /// away.
   bool add_leading_link(double rest) {
     const Vec2 to_target = target_ - points_.back();
     const double distance = to_target.norm();
     const double length = chain_.length(static_cast<int>(directions_.size()));
     // Cosine rule; beyond [-1, 1] no direction will do, or any.
-    const double cosine = (distance * distance + length * length - rest * rest) / (2 * distance * length);
+    const double cosine =
+        (distance * distance + length * length - rest * rest) / (2 * distance * length);
     if (cosine >= 1) return false;
     const double window = std::acos(std::max(-1.0, cosine));
     const double toward = std::atan2(to_target.y(), to_target.x());
@@ -118,7 +120,8 @@ class ThreadedBuilder {
 
 }  // namespace
 
-int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key, std::span<const double> q) {
+int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key,
+                        std::span<const double> q) {
   std::vector<Vec2> points;
   chain.points(q, points);
   const GapSegment gap = gap_segment(key);
@@ -129,8 +132,9 @@ int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key, std::
   return -1;
 }
 
-std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PlanarChain& chain,
-                                             const PrimitiveKey& key, int first_link, int attempts, Rng& rng) {
+std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                             const PlanarChain& chain, const PrimitiveKey& key,
+                                             int first_link, int attempts, Rng& rng) {
   ThreadedBuilder builder(chain, key, rng);
   for (int i = 0; i < attempts; ++i) {
     const auto directions = builder.build(first_link);
@@ -148,8 +152,9 @@ int first_crossing_link(const Robot& robot, const PrimitiveKey& key, std::span<c
   return chain ? internal::first_crossing_link(*chain, key, q) : -1;
 }
 
-std::optional<Configuration> sample_threaded(const CollisionChecker& checker, const PrimitiveKey& key,
-                                             int first_link, int attempts, Rng& rng) {
+std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                             const PrimitiveKey& key, int first_link, int attempts,
+                                             Rng& rng) {
   const auto chain = internal::PlanarChain::make(checker.robot());
   if (!chain) return std::nullopt;
   return internal::sample_threaded(checker, *chain, key, first_link, attempts, rng);

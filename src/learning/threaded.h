@@ -12,7 +12,8 @@ namespace mneme::internal {
 [[nodiscard]] int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key,
                                       std::span<const double> q);
 [[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
-                                                           const PlanarChain& chain, const PrimitiveKey& key,
-                                                           int first_link, int attempts, Rng& rng);
+                                                           const PlanarChain& chain,
+                                                           const PrimitiveKey& key, int first_link,
+                                                           int attempts, Rng& rng);
 
 }  // namespace mneme::internal

@@ -19,9 +19,13 @@ constexpr int kHopeless = 2000;
 
 class InstanceMaker {
  public:
-  InstanceMaker(const Robot& robot, const internal::PlanarChain& chain, const ThreadedSettings& settings,
-                std::uint64_t seed)
-      : robot_(robot), chain_(chain), settings_(settings), rng_(seed), sampler_(make_uniform_sampler(robot)) {}
+  InstanceMaker(const Robot& robot, const internal::PlanarChain& chain,
+                const ThreadedSettings& settings, std::uint64_t seed)
+      : robot_(robot),
+        chain_(chain),
+        settings_(settings),
+        rng_(seed),
+        sampler_(make_uniform_sampler(robot)) {}
 
   Result<ThreadedInstances> make(int count) {
     ThreadedInstances made;
@@ -31,8 +35,9 @@ class InstanceMaker {
       if (!candidate) return tl::unexpected(candidate.error());
       if (!*candidate) {
         if (++barren < kHopeless) continue;
-        return fail(ErrorCode::invalid, "no arm of robot '" + robot_.name() +
-                                            "' was found threaded through a gap of that width and depth");
+        return fail(ErrorCode::invalid,
+                    "no arm of robot '" + robot_.name() +
+                        "' was found threaded through a gap of that width and depth");
       }
       barren = 0;
       if ((*candidate)->witness.empty()) {
@@ -51,7 +56,8 @@ class InstanceMaker {
   /// Nothing if no arm fits; without a witness if the proof gave up.
   Result<std::optional<ThreadedInstance>> draw() {
     const PrimitiveKey key = draw_circles();
-    const auto depth_count = static_cast<std::uint32_t>(settings_.depth[1] - settings_.depth[0] + 1);
+    const auto depth_count =
+        static_cast<std::uint32_t>(settings_.depth[1] - settings_.depth[0] + 1);
     const int depth = settings_.depth[0] + static_cast<int>(rng_.index(depth_count));
     const auto checker = CollisionChecker::make(robot_, make_scene(key));
     if (!checker) return tl::unexpected(checker.error());
@@ -116,7 +122,8 @@ class InstanceMaker {
 }  // namespace
 
 Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
-                                                  const ThreadedSettings& settings, std::uint64_t seed) {
+                                                  const ThreadedSettings& settings,
+                                                  std::uint64_t seed) {
   const auto chain = internal::PlanarChain::make(robot);
   if (!chain) return tl::unexpected(chain.error());
   if (!(settings.gap[0] > 0 && settings.gap[0] <= settings.gap[1])) {

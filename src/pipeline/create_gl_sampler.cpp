@@ -14,17 +14,20 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
                            Database& database, PrimitiveRetrieval& retrieval) {
   LearnSettings learning = settings.learn;
   learning.resolution = settings.resolution;
-  auto learned = learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed, deadline_s);
+  auto learned =
+      learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed, deadline_s);
   if (!learned) return tl::unexpected(learned.error());
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned->sampler.component_count() == 0) return {};
   Experience row;
   row.key = retrieval.primitive.key;
   row.sampler = std::move(learned->sampler);
-  row.provenance = {"mneme " + std::string(version()), describe(learning) + " budget", settings.plan.seed, {}};
+  row.provenance = {
+      "mneme " + std::string(version()), describe(learning) + " budget", settings.plan.seed, {}};
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
-  if (auto inserted = database.insert(std::move(rows)); !inserted) return tl::unexpected(inserted.error());
+  if (auto inserted = database.insert(std::move(rows)); !inserted)
+    return tl::unexpected(inserted.error());
   retrieval.is_learned = true;
   return {};
 }

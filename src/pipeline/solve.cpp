@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// decompose the scene -> retrieve (or learn) a local sampler per primitive -> synthesize one sampler -> plan
+// decompose the scene -> retrieve (or learn) a local sampler per primitive -> synthesize one
+// sampler -> plan
 #include <algorithm>
 #include <array>
 
@@ -31,16 +32,19 @@ Result<const PlannerEntry*> choose_planner(const std::string& name) {
 template <class Settings>
 Result<void> check_ranges(const Settings& settings) {
   std::string problem;
-  visit_settings(settings, [&](const char* name, const auto& value, auto least, auto most, const char*) {
-    // Written so that a value that is not a number fails too.
-    if (!(value >= least && value <= most)) problem = std::string("setting '") + name + "' is out of range";
-  });
+  visit_settings(settings,
+                 [&](const char* name, const auto& value, auto least, auto most, const char*) {
+                   // Written so that a value that is not a number fails too.
+                   if (!(value >= least && value <= most))
+                     problem = std::string("setting '") + name + "' is out of range";
+                 });
   if (!problem.empty()) return fail(ErrorCode::invalid, problem);
   return {};
 }
 
 Result<void> check_settings(const SolveSettings& settings) {
-  if (std::find(kSamplerNames.begin(), kSamplerNames.end(), settings.sampler) == kSamplerNames.end()) {
+  if (std::find(kSamplerNames.begin(), kSamplerNames.end(), settings.sampler) ==
+      kSamplerNames.end()) {
     return fail(ErrorCode::invalid, "unknown sampler '" + settings.sampler + "': expected one of " +
                                         join(kSamplerNames));
   }
@@ -51,17 +55,19 @@ Result<void> check_settings(const SolveSettings& settings) {
   return {};
 }
 
-/// Algorithm 1: samples from memory with probability lambda. Without components it is the uniform sampler.
+/// Algorithm 1: samples from memory with probability lambda. Without components it is the uniform
+/// sampler.
 std::shared_ptr<const Sampler> make_sampler(const Robot& robot, const SolveSettings& settings,
                                             const GlSampler& gl) {
   if (settings.sampler == "halton") return make_halton_sampler(robot);
   std::shared_ptr<const Sampler> uniform = make_uniform_sampler(robot);
   if (gl.mixture == nullptr || gl.mixture->component_count() == 0) return uniform;
-  return make_mixed_sampler(settings.lambda, make_mixture_sampler(robot, gl.mixture, settings.sigma), uniform);
+  return make_mixed_sampler(settings.lambda,
+                            make_mixture_sampler(robot, gl.mixture, settings.sigma), uniform);
 }
 
-Result<GlSampler> recall(const Problem& problem, Database& database, const CollisionChecker& checker,
-                         const SolveSettings& settings) {
+Result<GlSampler> recall(const Problem& problem, Database& database,
+                         const CollisionChecker& checker, const SolveSettings& settings) {
   auto gl = create_gl_sampler(problem.robot, problem.scene, database, settings);
   if (gl && settings.drop_invalid_means) {
     gl->mixture = std::make_shared<const GaussianMixture>(
@@ -74,7 +80,8 @@ Result<GlSampler> recall(const Problem& problem, Database& database, const Colli
 
 std::span<const std::string_view> sampler_names() { return kSamplerNames; }
 
-Result<SolveResult> solve(const Problem& problem, Database* database, const SolveSettings& settings) {
+Result<SolveResult> solve(const Problem& problem, Database* database,
+                          const SolveSettings& settings) {
   const internal::Stopwatch stopwatch;
   if (auto checked = check_settings(settings); !checked) return tl::unexpected(checked.error());
   const auto planner = choose_planner(settings.planner);

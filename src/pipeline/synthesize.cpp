@@ -11,7 +11,9 @@ namespace {
 
 class Synthesizer {
  public:
-  explicit Synthesizer(const Robot& robot) : space_(robot) { pooled_.joint_count = robot.joint_count(); }
+  explicit Synthesizer(const Robot& robot) : space_(robot) {
+    pooled_.joint_count = robot.joint_count();
+  }
 
   void add(const Match& match, Origin origin) {
     const GaussianMixture& local = match.experience->sampler;
@@ -27,8 +29,10 @@ class Synthesizer {
       }
       // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
       pooled_.factor_rows.push_back(static_cast<int>(pooled_.factors.size() / row_size));
-      const auto begin = local.factors.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * row_size);
-      pooled_.factors.insert(pooled_.factors.end(), begin, begin + static_cast<std::ptrdiff_t>(row_size));
+      const auto begin = local.factors.begin() +
+                         static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * row_size);
+      pooled_.factors.insert(pooled_.factors.end(), begin,
+                             begin + static_cast<std::ptrdiff_t>(row_size));
     }
   }
 
@@ -44,7 +48,8 @@ class Synthesizer {
     for (std::size_t j = 0; j < mean.size(); ++j) {
       const float value = pooled_.means[begin + j];
       const float inside = space_.into_limits(static_cast<int>(j), value);
-      is_inside = is_inside && (space_.periods()[j] > 0 || std::abs(inside - value) <= kLimitTolerance);
+      is_inside =
+          is_inside && (space_.periods()[j] > 0 || std::abs(inside - value) <= kLimitTolerance);
       pooled_.means[begin + j] = inside;
     }
     if (!is_inside) pooled_.means.resize(begin);

@@ -6,7 +6,8 @@
 
 namespace mneme::internal {
 
-GaussianMixture keep_valid_components(const CollisionChecker& checker, const GaussianMixture& mixture) {
+GaussianMixture keep_valid_components(const CollisionChecker& checker,
+                                      const GaussianMixture& mixture) {
   const auto count = static_cast<std::size_t>(mixture.component_count());
   const auto joints = static_cast<std::size_t>(mixture.joint_count);
   std::vector<std::uint8_t> is_valid(count);

@@ -3,6 +3,7 @@
 #include "planning/configuration_set.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace mneme::internal {
 
@@ -13,7 +14,8 @@ int ConfigurationSet::add(std::span<const float> q) {
   if (lane == 0) {
     for (std::size_t j = 0; j < joints(); ++j) blocks_.insert(blocks_.end(), kBlockSize, rows_[j]);
   }
-  float* block = blocks_.data() + static_cast<std::size_t>(index / kBlockSize) * kBlockSize * joints();
+  float* block =
+      blocks_.data() + static_cast<std::size_t>(index / kBlockSize) * kBlockSize * joints();
   for (std::size_t j = 0; j < joints(); ++j) block[j * kBlockSize + lane] = q[j];
   return index;
 }
@@ -33,7 +35,8 @@ void ConfigurationSet::measure(std::span<const float> q) {
 }
 
 void ConfigurationSet::find_nearest(int count, std::vector<int>& indices) {
-  // A heap of the nearest so far, farthest on top: nearly all configurations fail the first comparison.
+  // A heap of the nearest so far, farthest on top: nearly all configurations fail the first
+  // comparison.
   heap_.clear();
   for (int i = 0; i < measured_; ++i) {
     const std::pair<float, int> candidate = {distances_[static_cast<std::size_t>(i)], i};
@@ -48,6 +51,18 @@ void ConfigurationSet::find_nearest(int count, std::vector<int>& indices) {
   std::sort_heap(heap_.begin(), heap_.end());
   indices.clear();
   for (const auto& [distance, index] : heap_) indices.push_back(index);
+}
+
+int ConfigurationSet::find_nearest_of(std::span<const int> candidates) const {
+  int best = -1;
+  float least = std::numeric_limits<float>::infinity();
+  for (const int i : candidates) {
+    const float distance = distances_[static_cast<std::size_t>(i)];
+    if (distance >= least) continue;
+    least = distance;
+    best = i;
+  }
+  return best;
 }
 
 }  // namespace mneme::internal

@@ -4,7 +4,6 @@
 /// A growing set of configurations with nearest-neighbour queries by linear scan.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,7 +18,8 @@ namespace mneme::internal {
 class ConfigurationSet {
  public:
   /// `space` must outlive the set.
-  ConfigurationSet(const JointSpace& space, Isa isa) : space_(space), kernels_(nearest_kernels(isa)) {}
+  ConfigurationSet(const JointSpace& space, Isa isa)
+      : space_(space), kernels_(nearest_kernels(isa)) {}
 
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] std::span<const float> operator[](int index) const {
@@ -29,39 +29,32 @@ class ConfigurationSet {
   int add(std::span<const float> q);
   void clear();
 
-  /// Index and squared distance of the configuration nearest to `q`. The set must not be empty. O(size).
+  /// Index and squared distance of the configuration nearest to `q`. The set must not be empty.
+  /// O(size).
   [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const {
     return kernels_.nearest(blocks_.data(), block_count(), space_.joint_count(), q.data(),
                             space_.periods().data());
   }
   /// Measures the squared distances from `q` to all configurations, for the queries below. O(size).
   void measure(std::span<const float> q);
-  /// Indices of the `count` configurations nearest to what was measured from, nearest first, fewer if there are
-  /// fewer. O(size).
+  /// Indices of the `count` configurations nearest to what was measured from, nearest first, fewer
+  /// if there are fewer. O(size).
   void find_nearest(int count, std::vector<int>& indices);
-  /// The nearest of those measured for which `is_candidate(index)`, or -1. O(size).
-  template <class Predicate>
-  [[nodiscard]] int find_nearest_where(Predicate&& is_candidate) const {
-    int best = -1;
-    float least = std::numeric_limits<float>::infinity();
-    for (int i = 0; i < measured_; ++i) {
-      const float distance = distances_[static_cast<std::size_t>(i)];
-      if (distance >= least || !is_candidate(i)) continue;
-      least = distance;
-      best = i;
-    }
-    return best;
-  }
+  /// The nearest of `candidates`, all of them measured; -1 if there are none.
+  [[nodiscard]] int find_nearest_of(std::span<const int> candidates) const;
 
  private:
-  [[nodiscard]] std::size_t joints() const { return static_cast<std::size_t>(space_.joint_count()); }
+  [[nodiscard]] std::size_t joints() const {
+    return static_cast<std::size_t>(space_.joint_count());
+  }
   [[nodiscard]] int block_count() const { return (size_ + kBlockSize - 1) / kBlockSize; }
 
   const JointSpace& space_;
   const NearestKernels& kernels_;
   int size_ = 0;
   std::vector<float> rows_;
-  /// Lanes of the last block that hold no configuration repeat configuration 0, which then wins ties.
+  /// Lanes of the last block that hold no configuration repeat configuration 0, which then wins
+  /// ties.
   std::vector<float> blocks_;
   int measured_ = 0;  ///< configurations that `distances_` speaks of
   std::vector<float> distances_;

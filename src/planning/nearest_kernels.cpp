@@ -21,15 +21,16 @@ namespace {
 /// The query, one vector per joint, and the joints in the order in which they are summed.
 class Query {
  public:
-  HWY_INLINE Query(int joint_count, const float* q, const float* periods) : joint_count_(joint_count) {
+  HWY_INLINE Query(int joint_count, const float* q, const float* periods)
+      : joint_count_(joint_count) {
     for (int j = 0; j < joint_count; ++j) {
       values_[j] = splat(q[j]);
       if (periods[j] > 0) wrapped_[wrapped_count_++] = {j, periods[j]};
     }
   }
 
-  /// Squared distances of the configurations at `column`, one per lane. With `kJoints` > 0 that is the number of
-  /// joints, so that the loop unrolls and the query stays in registers.
+  /// Squared distances of the configurations at `column`, one per lane. With `kJoints` > 0 that is
+  /// the number of joints, so that the loop unrolls and the query stays in registers.
   template <int kJoints>
   HWY_INLINE V squared_distance(const float* column) const {
     const Tag d;
@@ -63,7 +64,8 @@ class Query {
 };
 
 template <int kJoints>
-std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint_count, const Query& query) {
+std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint_count,
+                                 const Query& query) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -96,21 +98,26 @@ std::pair<int, float> nearest(const float* blocks, int block_count, int joint_co
                               const float* periods) {
   const Query query(joint_count, q, periods);
   switch (joint_count) {
-    case 6: return nearest_of<6>(blocks, block_count, joint_count, query);
-    case 7: return nearest_of<7>(blocks, block_count, joint_count, query);
-    case 8: return nearest_of<8>(blocks, block_count, joint_count, query);
-    default: return nearest_of<0>(blocks, block_count, joint_count, query);
+    case 6:
+      return nearest_of<6>(blocks, block_count, joint_count, query);
+    case 7:
+      return nearest_of<7>(blocks, block_count, joint_count, query);
+    case 8:
+      return nearest_of<8>(blocks, block_count, joint_count, query);
+    default:
+      return nearest_of<0>(blocks, block_count, joint_count, query);
   }
 }
 
-void distances(const float* blocks, int block_count, int joint_count, const float* q, const float* periods,
-               float* squared_distances) {
+void distances(const float* blocks, int block_count, int joint_count, const float* q,
+               const float* periods, float* squared_distances) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Query query(joint_count, q, periods);
   for (int block = 0; block < block_count; ++block, blocks += kBlockSize * joint_count) {
     for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      hn::StoreU(query.squared_distance<0>(blocks + offset), d, squared_distances + block * kBlockSize + offset);
+      hn::StoreU(query.squared_distance<0>(blocks + offset), d,
+                 squared_distances + block * kBlockSize + offset);
     }
   }
 }

@@ -11,16 +11,18 @@
 
 namespace mneme::internal {
 
-/// Configurations are stored in blocks of this many: all first joints, all second joints, and so on.
+/// Configurations are stored in blocks of this many: all first joints, all second joints, and so
+/// on.
 inline constexpr int kBlockSize = 16;
 /// Most joints of a configuration.
 inline constexpr int kMaxJoints = 64;
 
 struct NearestKernels {
-  /// Index and squared distance of the configuration nearest to `q` among the first `block_count` blocks; the
-  /// lowest index among equals. `periods` has 2 pi for joints that wrap and 0 for the others.
-  std::pair<int, float> (*nearest)(const float* blocks, int block_count, int joint_count, const float* q,
-                                   const float* periods) = nullptr;
+  /// Index and squared distance of the configuration nearest to `q` among the first `block_count`
+  /// blocks; the lowest index among equals. `periods` has 2 pi for joints that wrap and 0 for the
+  /// others.
+  std::pair<int, float> (*nearest)(const float* blocks, int block_count, int joint_count,
+                                   const float* q, const float* periods) = nullptr;
   /// All squared distances, kBlockSize per block.
   void (*distances)(const float* blocks, int block_count, int joint_count, const float* q,
                     const float* periods, float* squared_distances) = nullptr;

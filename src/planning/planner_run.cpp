@@ -15,13 +15,14 @@ constexpr int kShortcutAttempts = 100;
 
 }  // namespace
 
-PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-                       const PlanSettings& settings)
+PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query,
+                       const Sampler& sampler, const PlanSettings& settings)
     : checker_(checker),
       query_(query),
       settings_(settings),
       space_(checker.robot()),
-      range_(static_cast<float>(settings.range > 0 ? settings.range : default_range(checker.robot()))),
+      range_(
+          static_cast<float>(settings.range > 0 ? settings.range : default_range(checker.robot()))),
       stream_(sampler.start(settings.seed)) {
   validate();
 }
@@ -38,7 +39,8 @@ void PlannerRun::validate() {
   }
   const Robot& robot = checker_.robot();
   start_ = to_floats(robot.normalized(query_.start));
-  for (const Configuration& goal : query_.goals) goals_.push_back(to_floats(robot.normalized(goal)));
+  for (const Configuration& goal : query_.goals)
+    goals_.push_back(to_floats(robot.normalized(goal)));
   is_ready_ = true;
 }
 
@@ -95,8 +97,9 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
 
 void PlannerRun::simplify() {
   const Path planned = result_.path;
-  // Shortcuts at the planner's resolution nearly always survive verification as a whole, which costs a tenth of
-  // verifying each one; cutting a motion moves the states that are looked at, so even verified ones are verified.
+  // Shortcuts at the planner's resolution nearly always survive verification as a whole, which
+  // costs a tenth of verifying each one; cutting a motion moves the states that are looked at, so
+  // even verified ones are verified.
   for (const bool is_each_verified : {false, true}) {
     const Stopwatch stopwatch;
     result_.path = planned;

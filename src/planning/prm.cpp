@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// PRM: Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439, grown until start and goal meet. As there,
-// milestones that are connected already are not connected again, so that the roadmap is a forest. Departure: each
-// milestone also tries the components of start and goals, which is what a query waits for.
+// PRM: Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439, grown until start and goal
+// meet. As there, milestones that are connected already are not connected again, so that the
+// roadmap is a forest. Departure: each milestone also tries the components of start and goals,
+// which is what a query waits for.
 #include <algorithm>
 #include <numeric>
 
@@ -15,7 +16,8 @@ namespace mneme {
 namespace internal {
 namespace {
 
-/// Samples are drawn and validated this many at a time, because a vector of states costs as much as one.
+/// Samples are drawn and validated this many at a time, because a vector of states costs as much as
+/// one.
 constexpr int kBatch = 16;
 
 class Prm {
@@ -31,7 +33,8 @@ class Prm {
     std::vector<std::uint8_t> is_valid(kBatch);
     std::vector<Origin> origins(kBatch);
     while (run_.begin_iterations(kBatch)) {
-      for (std::size_t i = 0; i < kBatch; ++i) origins[i] = run_.sample({batch.data() + i * joints, joints});
+      for (std::size_t i = 0; i < kBatch; ++i)
+        origins[i] = run_.sample({batch.data() + i * joints, joints});
       run_.check_states(batch, is_valid);
       for (std::size_t i = 0; i < kBatch; ++i) {
         if (is_valid[i] == 0) {
@@ -51,30 +54,33 @@ class Prm {
  private:
   static constexpr int kStart = 0;
 
-  /// Connects a new milestone to near ones of other components, and to the nearest ones in the components of start
-  /// and goals, wherever they are; returns the number of connections. Neighbours that are connected already cost no
-  /// motion check, so more of them are looked at than are tried.
+  /// Connects a new milestone to near ones of other components, and to the nearest ones in the
+  /// components of start and goals, wherever they are; returns the number of connections.
+  /// Neighbours that are connected already cost no motion check, so more of them are looked at than
+  /// are tried.
   int add_milestone(std::span<const float> q) {
-    constexpr int kLookedAtPerTry = 5;
+    constexpr int kLookedAtPerTry = 2;
     const int most_tries = run_.settings().neighbours;
     milestones_.measure(q);
     milestones_.find_nearest(kLookedAtPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);
     component_.push_back(milestone);
+    members_.push_back({milestone});
     edges_.emplace_back();
     int degree = 0, tries = 0;
     for (const int neighbour : neighbours_) {
       if (tries == most_tries) break;
-      if (find(neighbour) == find(milestone)) continue;
+      if (component_of(neighbour) == component_of(milestone)) continue;
       ++tries;
       degree += try_connecting(neighbour, milestone);
     }
     const int end_count = 1 + static_cast<int>(run_.goals().size());
     for (int end = kStart; end < std::min(end_count, milestone); ++end) {
-      const int component = find(end);
-      if (component == find(milestone)) continue;
-      const auto is_in_component = [&](int i) { return find(i) == component; };
-      degree += try_connecting(milestones_.find_nearest_where(is_in_component), milestone);
+      const int component = component_of(end);
+      if (component == component_of(milestone)) continue;
+      const int nearest =
+          milestones_.find_nearest_of(members_[static_cast<std::size_t>(component)]);
+      degree += try_connecting(nearest, milestone);
     }
     return degree;
   }
@@ -88,23 +94,32 @@ class Prm {
   void connect(int a, int b) {
     edges_[static_cast<std::size_t>(a)].push_back(b);
     edges_[static_cast<std::size_t>(b)].push_back(a);
-    component_[static_cast<std::size_t>(find(a))] = find(b);
+    merge(component_of(a), component_of(b));
   }
 
-  /// The representative of a milestone's component.
-  int find(int milestone) {
-    auto i = static_cast<std::size_t>(milestone);
-    while (component_[i] != static_cast<int>(i)) {
-      component_[i] = component_[static_cast<std::size_t>(component_[i])];
-      i = static_cast<std::size_t>(component_[i]);
+  [[nodiscard]] int component_of(int milestone) const {
+    return component_[static_cast<std::size_t>(milestone)];
+  }
+
+  /// Relabels the smaller component: a milestone changes its label at most log2(size) times.
+  void merge(int a, int b) {
+    if (a == b) return;
+    std::vector<int>* kept = &members_[static_cast<std::size_t>(a)];
+    std::vector<int>* moved = &members_[static_cast<std::size_t>(b)];
+    int label = a;
+    if (kept->size() < moved->size()) {
+      std::swap(kept, moved);
+      label = b;
     }
-    return static_cast<int>(i);
+    for (const int i : *moved) component_[static_cast<std::size_t>(i)] = label;
+    kept->insert(kept->end(), moved->begin(), moved->end());
+    moved->clear();
   }
 
   /// The goal that a verified path leads to, which is then in path_, or -1.
   int find_connected_goal() {
     for (int goal = 0; goal < static_cast<int>(run_.goals().size()); ++goal) {
-      while (find(kStart) == find(1 + goal)) {
+      while (component_of(kStart) == component_of(1 + goal)) {
         const std::vector<int> chain = find_chain(1 + goal);
         path_.clear();
         for (const int i : chain) path_.emplace_back(milestones_[i].begin(), milestones_[i].end());
@@ -121,7 +136,8 @@ class Prm {
   [[nodiscard]] std::vector<int> find_chain(int target) const {
     std::vector<int> previous(edges_.size(), -1), queue = {kStart};
     previous[kStart] = kStart;
-    for (std::size_t i = 0; i < queue.size() && previous[static_cast<std::size_t>(target)] < 0; ++i) {
+    for (std::size_t i = 0; i < queue.size() && previous[static_cast<std::size_t>(target)] < 0;
+         ++i) {
       for (const int next : edges_[static_cast<std::size_t>(queue[i])]) {
         if (previous[static_cast<std::size_t>(next)] >= 0) continue;
         previous[static_cast<std::size_t>(next)] = queue[i];
@@ -129,7 +145,8 @@ class Prm {
       }
     }
     std::vector<int> chain = {target};
-    while (chain.back() != kStart) chain.push_back(previous[static_cast<std::size_t>(chain.back())]);
+    while (chain.back() != kStart)
+      chain.push_back(previous[static_cast<std::size_t>(chain.back())]);
     std::reverse(chain.begin(), chain.end());
     return chain;
   }
@@ -138,14 +155,16 @@ class Prm {
     std::erase(edges_[static_cast<std::size_t>(a)], b);
     std::erase(edges_[static_cast<std::size_t>(b)], a);
     std::iota(component_.begin(), component_.end(), 0);
+    for (std::size_t i = 0; i < members_.size(); ++i) members_[i] = {static_cast<int>(i)};
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      for (const int j : edges_[i]) component_[static_cast<std::size_t>(find(j))] = find(static_cast<int>(i));
+      for (const int j : edges_[i]) merge(component_of(j), component_[i]);
     }
   }
 
   PlannerRun& run_;
   ConfigurationSet milestones_;
-  std::vector<int> component_;  ///< union-find parents
+  std::vector<int> component_;             ///< label of each milestone
+  std::vector<std::vector<int>> members_;  ///< of each label
   std::vector<std::vector<int>> edges_;
   std::vector<int> neighbours_;
   FloatPath path_;

@@ -13,15 +13,16 @@ std::string describe_contacts(const std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
     const Contact& contact = contacts[i];
     text += (i == 0 ? "" : ", ");
-    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") + " '" +
-            contact.other + "'";
+    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") +
+            " '" + contact.other + "'";
   }
-  if (contacts.size() > kMostNamed) text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
+  if (contacts.size() > kMostNamed)
+    text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
   return text;
 }
 
-/// Why `q` cannot be planned from or to, or nothing. Kernels and exact distances must agree that it is free,
-/// because the kernels decide what the planner sees.
+/// Why `q` cannot be planned from or to, or nothing. Kernels and exact distances must agree that it
+/// is free, because the kernels decide what the planner sees.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
                                         const std::string& what) {
   const Robot& robot = checker.robot();

@@ -19,10 +19,12 @@ class Rrt {
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
     while (run_.begin_iterations()) {
-      const int goal = rng_.uniform() < run_.settings().goal_bias
-                           ? static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())))
-                           : -1;
-      const int node = goal >= 0 ? tree_.nearest(run_.goals()[static_cast<std::size_t>(goal)]) : grow(q);
+      const int goal =
+          rng_.uniform() < run_.settings().goal_bias
+              ? static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())))
+              : -1;
+      const int node =
+          goal >= 0 ? tree_.nearest(run_.goals()[static_cast<std::size_t>(goal)]) : grow(q);
       if (node < 0) continue;
       const int reached_goal = goal >= 0 ? goal : nearest_goal_in_range(node);
       if (reached_goal >= 0 && is_goal_reached(node, reached_goal)) {
@@ -61,7 +63,8 @@ class Rrt {
     path_.push_back(target);
     const int invalid = run_.find_invalid_motion(path_);
     if (invalid < 0) return true;
-    if (invalid + 2 < static_cast<int>(path_.size())) tree_.remove(tree_.ancestor_at(last, invalid + 1));
+    if (invalid + 2 < static_cast<int>(path_.size()))
+      tree_.remove(tree_.ancestor_at(last, invalid + 1));
     return false;
   }
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are roots of one
-// tree; the smaller tree grows, as far towards the sample as it gets; a path whose motions fail verification costs the tree the failing branch, and planning goes on.
+// RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are
+// roots of one tree; the smaller tree grows, as far towards the sample as it gets; a path whose
+// motions fail verification costs the tree the failing branch, and planning goes on.
 #include <algorithm>
 #include <utility>
 
@@ -45,8 +46,9 @@ class RrtConnect {
   }
 
  private:
-  /// The tree to grow and the one to connect to it. The smaller tree grows, so that the one in the open does not
-  /// fill up while the other one is still in a passage; after many rejections the larger one, lest it starve.
+  /// The tree to grow and the one to connect to it. The smaller tree grows, so that the one in the
+  /// open does not fill up while the other one is still in a passage; after many rejections the
+  /// larger one, lest it starve.
   std::pair<Tree*, Tree*> choose_trees() {
     constexpr int kPatience = 1000;
     const bool is_start_smaller = start_tree_.size() <= goal_tree_.size();
@@ -67,8 +69,9 @@ class RrtConnect {
     return last;
   }
 
-  /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification, removes the
-  /// branch behind it; the motion that joins the trees belongs to neither and is dropped.
+  /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification,
+  /// removes the branch behind it; the motion that joins the trees belongs to neither and is
+  /// dropped.
   bool is_path_verified(int start_node, int goal_node) {
     path_ = start_tree_.path_to(start_node);
     const int start_edges = static_cast<int>(path_.size()) - 1;
@@ -100,8 +103,8 @@ class RrtConnect {
 }  // namespace
 }  // namespace internal
 
-PlanResult rrt_connect(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-                       const PlanSettings& settings) {
+PlanResult rrt_connect(const CollisionChecker& checker, const PlanQuery& query,
+                       const Sampler& sampler, const PlanSettings& settings) {
   internal::PlannerRun run(checker, query, sampler, settings);
   if (!run.is_ready()) return run.give_up(0);
   if (const int goal = run.find_direct_goal(); goal >= 0) {

@@ -19,7 +19,11 @@ struct PathPoint {
 class Shortcutter {
  public:
   Shortcutter(const CollisionChecker& checker, Path& path, bool verify, CheckCounters& counters)
-      : checker_(checker), path_(path), space_(checker.robot()), verify_(verify), counters_(counters) {
+      : checker_(checker),
+        path_(path),
+        space_(checker.robot()),
+        verify_(verify),
+        counters_(counters) {
     for (const Configuration& q : path) nodes_.push_back(internal::to_floats(q));
     measure();
   }
@@ -45,7 +49,8 @@ class Shortcutter {
     const PathPoint a = locate(first), b = locate(second);
     if (a.motion == b.motion) return;
     const std::vector<float> q_a = point_at(a), q_b = point_at(b);
-    // Neither point is an end of the path but by rare chance, so both remaining halves keep their margins.
+    // Neither point is an end of the path but by rare chance, so both remaining halves keep their
+    // margins.
     if (!is_free(q_a, q_b, false)) return;
     nodes_[a.motion + 1] = q_a;
     if (b.motion == a.motion + 1) {
@@ -88,7 +93,8 @@ class Shortcutter {
 
   PathPoint locate(float distance) const {
     std::size_t motion = 0;
-    while (motion + 1 < lengths_.size() && distance > lengths_[motion]) distance -= lengths_[motion++];
+    while (motion + 1 < lengths_.size() && distance > lengths_[motion])
+      distance -= lengths_[motion++];
     const float length = lengths_[motion];
     return {motion, length > 0 ? std::clamp(distance / length, 0.0f, 1.0f) : 0.0f};
   }
@@ -121,8 +127,8 @@ double path_length(const Robot& robot, const Path& path) {
   return length;
 }
 
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts, bool verify,
-              CheckCounters& counters) {
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
+              bool verify, CheckCounters& counters) {
   if (path.size() < 3) return;
   Shortcutter shortcutter(checker, path, verify, counters);
   shortcutter.drop_waypoints();

@@ -12,7 +12,8 @@ int Tree::add(std::span<const float> q, int parent) {
 }
 
 int Tree::root_of(int node) const {
-  while (parents_[static_cast<std::size_t>(node)] >= 0) node = parents_[static_cast<std::size_t>(node)];
+  while (parents_[static_cast<std::size_t>(node)] >= 0)
+    node = parents_[static_cast<std::size_t>(node)];
   return node;
 }
 
@@ -62,7 +63,8 @@ void Tree::remove(int node) {
   std::vector<int> parents, new_index(parents_.size(), -1);
   for (int i = 0; i < size(); ++i) {
     const int parent = parents_[static_cast<std::size_t>(i)];
-    const bool is_kept = i != node && (parent < 0 || new_index[static_cast<std::size_t>(parent)] >= 0);
+    const bool is_kept =
+        i != node && (parent < 0 || new_index[static_cast<std::size_t>(parent)] >= 0);
     if (!is_kept) continue;
     new_index[static_cast<std::size_t>(i)] = static_cast<int>(parents.size());
     parents.push_back(parent < 0 ? -1 : new_index[static_cast<std::size_t>(parent)]);
@@ -70,7 +72,8 @@ void Tree::remove(int node) {
   }
   nodes_.clear();
   parents_.clear();
-  for (std::size_t i = 0; i < parents.size(); ++i) add({rows.data() + i * joints, joints}, parents[i]);
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    add({rows.data() + i * joints, joints}, parents[i]);
 }
 
 }  // namespace mneme::internal

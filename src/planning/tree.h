@@ -13,12 +13,15 @@
 
 namespace mneme::internal {
 
-/// Nodes are configurations, edges are valid motions from parent to child. A parent has a lower index than its
-/// children. Not thread-safe.
+/// Nodes are configurations, edges are valid motions from parent to child. A parent has a lower
+/// index than its children. Not thread-safe.
 class Tree {
  public:
   explicit Tree(PlannerRun& run)
-      : run_(run), nodes_(run.space(), run.isa()), delta_(run.start().size()), target_(run.start().size()) {}
+      : run_(run),
+        nodes_(run.space(), run.isa()),
+        delta_(run.start().size()),
+        target_(run.start().size()) {}
 
   [[nodiscard]] int size() const { return nodes_.size(); }
   [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
@@ -29,10 +32,11 @@ class Tree {
   int add(std::span<const float> q, int parent);
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
 
-  /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is blocked.
-  /// `is_reached` tells whether the step ends at `q`.
+  /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is
+  /// blocked. `is_reached` tells whether the step ends at `q`.
   int extend(int node, std::span<const float> q, bool& is_reached);
-  /// Steps from `node` towards `q` until blocked. Returns the last node before `q` if `q` is in sight of it
+  /// Steps from `node` towards `q` until blocked. Returns the last node before `q` if `q` is in
+  /// sight of it
   /// (`q` itself is not added), otherwise -1.
   int connect(int node, std::span<const float> q);
 
@@ -44,7 +48,8 @@ class Tree {
   void remove(int node);
 
  private:
-  /// Writes the end of one step from `node` towards `q` into target_; false if that would be past `q`.
+  /// Writes the end of one step from `node` towards `q` into target_; false if that would be past
+  /// `q`.
   bool is_step_short(int node, std::span<const float> q);
 
   PlannerRun& run_;

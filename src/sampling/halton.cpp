@@ -31,7 +31,8 @@ double radical_inverse(std::uint64_t index, std::uint32_t base) {
 
 class HaltonStream final : public SampleStream {
  public:
-  HaltonStream(const internal::JointSpace& space, const std::vector<std::uint32_t>& primes, std::uint64_t seed)
+  HaltonStream(const internal::JointSpace& space, const std::vector<std::uint32_t>& primes,
+               std::uint64_t seed)
       : space_(space), primes_(primes) {
     Rng rng(seed);
     for (int i = 0; i < space.joint_count(); ++i) shift_.push_back(rng.uniform());
@@ -58,7 +59,8 @@ class HaltonStream final : public SampleStream {
 
 class HaltonSampler final : public Sampler {
  public:
-  explicit HaltonSampler(const Robot& robot) : space_(robot), primes_(first_primes(robot.joint_count())) {}
+  explicit HaltonSampler(const Robot& robot)
+      : space_(robot), primes_(first_primes(robot.joint_count())) {}
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
     return std::make_unique<HaltonStream>(space_, primes_, seed);
   }

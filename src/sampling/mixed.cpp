@@ -8,8 +8,8 @@ namespace {
 /// Algorithm 1, lines 2 to 6.
 class MixedStream final : public SampleStream {
  public:
-  MixedStream(double lambda, std::unique_ptr<SampleStream> first, std::unique_ptr<SampleStream> second,
-              std::uint64_t seed)
+  MixedStream(double lambda, std::unique_ptr<SampleStream> first,
+              std::unique_ptr<SampleStream> second, std::uint64_t seed)
       : lambda_(lambda), first_(std::move(first)), second_(std::move(second)), rng_(seed) {}
 
   Origin next(std::span<float> q) override {
@@ -30,12 +30,14 @@ class MixedStream final : public SampleStream {
 
 class MixedSampler final : public Sampler {
  public:
-  MixedSampler(double lambda, std::shared_ptr<const Sampler> first, std::shared_ptr<const Sampler> second)
+  MixedSampler(double lambda, std::shared_ptr<const Sampler> first,
+               std::shared_ptr<const Sampler> second)
       : lambda_(lambda), first_(std::move(first)), second_(std::move(second)) {}
 
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
     return std::make_unique<MixedStream>(lambda_, first_->start(derive_seed(seed, 1)),
-                                         second_->start(derive_seed(seed, 2)), derive_seed(seed, 3));
+                                         second_->start(derive_seed(seed, 2)),
+                                         derive_seed(seed, 3));
   }
 
  private:

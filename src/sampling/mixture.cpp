@@ -39,8 +39,8 @@ class MixtureStream final : public SampleStream {
   /// q = mean + L z for standard normal z. Rows from the last, so that q can hold z meanwhile.
   void add_correlated(int factor_row, const float* mean, std::span<float> q) {
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
-    const float* factor =
-        mixture_.factors.data() + static_cast<std::size_t>(factor_row) * (joints * (joints + 1) / 2);
+    const float* factor = mixture_.factors.data() +
+                          static_cast<std::size_t>(factor_row) * (joints * (joints + 1) / 2);
     for (std::size_t i = 0; i < joints; ++i) q[i] = normal();
     for (std::size_t i = joints; i-- > 0;) {
       const float* row = factor + i * (i + 1) / 2;
@@ -76,7 +76,8 @@ class MixtureSampler final : public Sampler {
 }  // namespace
 
 std::unique_ptr<Sampler> make_mixture_sampler(const Robot& robot,
-                                              std::shared_ptr<const GaussianMixture> mixture, double sigma) {
+                                              std::shared_ptr<const GaussianMixture> mixture,
+                                              double sigma) {
   return std::make_unique<MixtureSampler>(robot, std::move(mixture), sigma);
 }
 

@@ -31,7 +31,8 @@ inline Robot upright_arm() {
   return require_arm(R"(<robot name="upright">
     <link name="base"/>
     <link name="arm"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-    <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+    <joint name="j" type="continuous">
+      <parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
     </robot>)");
 }
 

@@ -117,8 +117,9 @@ TEST_SUITE("unit") {
     straight.points(Configuration{0, 0}, points);
     CHECK((points[2] - Vec2(2, 0)).norm() < 1e-9);
 
-    const std::string up = R"(<collision><origin xyz="0 0.5 0" rpy="-1.5707963267948966 0 0"/>
-                              <geometry><capsule radius="0.01" length="1"/></geometry></collision>)";
+    const std::string up = R"(<collision>
+      <origin xyz="0 0.5 0" rpy="-1.5707963267948966 0 0"/>
+      <geometry><capsule radius="0.01" length="1"/></geometry></collision>)";
     const PlanarChain bent = require_chain(require_arm(two_links(up, joint_at("1 0 0"))));
     bent.points(Configuration{0, 0}, points);
     CHECK((points[2] - Vec2(1, 1)).norm() < 1e-9);

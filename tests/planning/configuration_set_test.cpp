@@ -62,15 +62,17 @@ TEST_SUITE("oracle") {
         }
         const int divisor = 2 + size % 5;
         double least = 1e9;
+        std::vector<int> candidates;
         for (int i = 0; i < size; i += divisor) {
+          candidates.push_back(i);
           least = std::min(least, distances[static_cast<std::size_t>(i)]);
         }
-        const int found = set.find_nearest_where([&](int i) { return i % divisor == 0; });
+        const int found = set.find_nearest_of(candidates);
         REQUIRE(found >= 0);
         CHECK(found % divisor == 0);
         CHECK(distances.at(static_cast<std::size_t>(found)) ==
               doctest::Approx(least).epsilon(1e-4));
-        CHECK(set.find_nearest_where([](int) { return false; }) == -1);
+        CHECK(set.find_nearest_of({}) == -1);
       }
     }
   }
@@ -136,7 +138,7 @@ TEST_SUITE("unit") {
     std::vector<int> indices;
     set.find_nearest(10, indices);
     CHECK(indices == std::vector<int>{0});
-    CHECK(set.find_nearest_where([](int) { return true; }) == 0);
+    CHECK(set.find_nearest_of(std::vector<int>{0}) == 0);
     set.clear();
     set.find_nearest(10, indices);
     CHECK(indices.empty());
