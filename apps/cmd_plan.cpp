@@ -194,7 +194,7 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
 
 void add_plan(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("plan", "Solve a motion planning problem");
-  command->footer("Example:\n  mneme plan problems.json#S1 --db planar.db --svg s1.svg");
+  command->footer("Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg s1.svg");
   const auto options = std::make_shared<PlanOptions>();
   add_problem_flags(*command, *options);
   add_solve_flags(*command, *options);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 
 #include <fmt/format.h>
@@ -88,6 +89,9 @@ int run(int argument_count, char** arguments) {
     const auto unexpected = unexpected_argument(chosen_command(program));
     return report_usage_error(program, unexpected.value_or(error.what()));
   }
+  const char* isa = std::getenv("MNEME_ISA");
+  const Result<Isa> parsed = parse_isa(isa == nullptr || *isa == '\0' ? "automatic" : isa);
+  if (!parsed) return report_usage_error(program, "MNEME_ISA: " + parsed.error().message);
   catch_interrupts();
   return act(action);
 }

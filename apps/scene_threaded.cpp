@@ -3,6 +3,7 @@
 #include "scene_threaded.h"
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
@@ -66,12 +67,19 @@ Json to_json(const ThreadedInstance& instance, std::size_t index, std::uint64_t 
           {"witness", instance.witness}};
 }
 
+/// A name stays a name; a path must hold from wherever the file will be read.
+std::string robot_reference(const std::string& robot) {
+  return robot.find('/') == std::string::npos && !robot.ends_with(".urdf")
+             ? robot
+             : std::filesystem::absolute(robot).lexically_normal().string();
+}
+
 Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
   Json problems = Json::array();
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     problems.push_back(to_json(made.instances[i], i, options.seed));
   }
-  return {{"robot", options.robot},
+  return {{"robot", robot_reference(options.robot)},
           {"generator", kThreadedVersion},
           {"seed", options.seed},
           {"gap", options.settings.gap},
@@ -84,6 +92,9 @@ Result<ExitCode> run(ThreadedOptions options, const std::array<double, 2>& depth
   if (auto set = set_depth(depth, options.settings); !set) return tl::unexpected(set.error());
   const Result<Robot> robot = load_named_robot(options.robot);
   if (!robot) return tl::unexpected(robot.error());
+  const auto exit_code = [] {
+    return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;
+  };
   Progress progress("threading");
   options.settings.cancel = interrupt_flag();
   options.settings.on_progress = [&](int made, int dropped) {
@@ -91,7 +102,12 @@ Result<ExitCode> run(ThreadedOptions options, const std::array<double, 2>& depth
   };
   const auto made = make_threaded_instances(*robot, options.count, options.settings, options.seed);
   if (!made) return tl::unexpected(made.error());
-  auto written = write_file(options.output, to_json(options, *made).dump() + "\n");
+  const std::string text = to_json(options, *made).dump() + "\n";
+  if (options.output == "-") {
+    fmt::print("{}", text);
+    return exit_code();
+  }
+  auto written = write_file(options.output, text);
   if (!written) return tl::unexpected(written.error());
   if (options.is_json) {
     print_json({{"generator", kThreadedVersion},
@@ -102,7 +118,7 @@ Result<ExitCode> run(ThreadedOptions options, const std::array<double, 2>& depth
     fmt::print("{} instances in {}, {} dropped that the proof did not solve\n",
                made->instances.size(), options.output, made->dropped);
   }
-  return options.settings.cancel->load() ? ExitCode::interrupted : ExitCode::done;
+  return exit_code();
 }
 
 }  // namespace
@@ -116,12 +132,13 @@ void add_scene_threaded(CLI::App& group, Action& action) {
       "Example:\n  mneme scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 "
       "-o threaded.json");
   command->add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
-  command->add_option("-o,--output", options->output, "compact problem file to write")->required();
+  command->add_option("-o,--output", options->output, "compact problem file to write, - for standard output")->required();
   add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
              "seed of all random numbers");
   add_number(*command, "-n,--count", options->count, 1, kMaxCount, "problems to write");
   add_range(*command, "--gap", options->settings.gap, "metres between the two circles");
   add_range(*command, "--depth", *depth, "links from the first one that crosses the gap");
+  add_isa(*command);
   add_json(*command, options->is_json);
   command->callback(
       [options, depth, &action] { action = [options, depth] { return run(*options, *depth); }; });

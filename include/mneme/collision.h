@@ -32,7 +32,7 @@ struct CheckCounters {
   std::uint64_t motions = 0;
 };
 
-/// Two things that touch or overlap.
+/// Two things that overlap, or come closer than the margin.
 struct Contact {
   std::string link;
   std::string other;     ///< the name of an obstacle or of another link

@@ -13,7 +13,7 @@ namespace {
 Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, double deadline_s,
                            Database& database, PrimitiveRetrieval& retrieval) {
   LearnSettings learning = settings.learn;
-  learning.resolution = settings.resolution;
+  if (learning.resolution == 0) learning.resolution = settings.resolution;
   auto learned =
       learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed, deadline_s);
   if (!learned) return tl::unexpected(learned.error());

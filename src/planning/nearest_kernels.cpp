@@ -49,7 +49,8 @@ class Query {
       sum = hn::NegMulAdd(difference, difference, sum);
       sum = hn::MulAdd(shorter, shorter, sum);
     }
-    return sum;
+    // What was exchanged may leave a rounding error below zero.
+    return hn::Max(sum, hn::Zero(d));
   }
 
  private:
