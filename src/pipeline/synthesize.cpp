@@ -3,6 +3,7 @@
 #include "pipeline/synthesize.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "robot/joint_space.h"
 
@@ -11,8 +12,11 @@ namespace {
 
 class Synthesizer {
  public:
-  explicit Synthesizer(const Robot& robot) : space_(robot) {
+  Synthesizer(const Robot& robot, std::size_t component_count) : space_(robot) {
     pooled_.joint_count = robot.joint_count();
+    pooled_.means.reserve(component_count * static_cast<std::size_t>(robot.joint_count()));
+    pooled_.origins.reserve(component_count);
+    pooled_.factor_rows.reserve(component_count);
   }
 
   void add(const Match& match, Origin origin) {
@@ -41,16 +45,16 @@ class Synthesizer {
  private:
   bool add_moved_mean(const Symmetry& motion, std::span<const float> mean) {
     const std::size_t begin = pooled_.means.size();
+    pooled_.means.resize(begin + mean.size());
+    float* moved = pooled_.means.data() + begin;
     const float sign = motion.is_mirrored ? -1.0f : 1.0f;
-    for (const float value : mean) pooled_.means.push_back(sign * value);
-    pooled_.means[begin] += static_cast<float>(motion.rotation);
+    for (std::size_t j = 0; j < mean.size(); ++j) moved[j] = sign * mean[j];
+    moved[0] += static_cast<float>(motion.rotation);
     bool is_inside = true;
     for (std::size_t j = 0; j < mean.size(); ++j) {
-      const float value = pooled_.means[begin + j];
-      const float inside = space_.into_limits(static_cast<int>(j), value);
-      is_inside =
-          is_inside && (space_.periods()[j] > 0 || std::abs(inside - value) <= kLimitTolerance);
-      pooled_.means[begin + j] = inside;
+      const float inside = space_.into_limits(static_cast<int>(j), moved[j]);
+      is_inside &= space_.periods()[j] > 0 || std::abs(inside - moved[j]) <= kLimitTolerance;
+      moved[j] = inside;
     }
     if (!is_inside) pooled_.means.resize(begin);
     return is_inside;
@@ -64,9 +68,17 @@ class Synthesizer {
 }  // namespace
 
 GaussianMixture synthesize(const Robot& robot, std::span<const PrimitiveRetrieval> primitives) {
-  Synthesizer synthesizer(robot);
+  std::size_t component_count = 0;
+  for (const PrimitiveRetrieval& retrieval : primitives) {
+    for (const Match& match : retrieval.matches) {
+      component_count += static_cast<std::size_t>(match.experience->sampler.component_count());
+    }
+  }
+  Synthesizer synthesizer(robot, component_count);
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    for (const Match& match : primitives[i].matches) synthesizer.add(match, static_cast<Origin>(i));
+    for (const Match& match : primitives[i].matches) {
+      synthesizer.add(match, static_cast<Origin>(i));
+    }
   }
   return synthesizer.take();
 }
