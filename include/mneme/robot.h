@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "mneme/base.h"
@@ -32,11 +33,22 @@ struct Joint {
   double fixed_value = 0;     ///< the value of a movable joint outside the planning group
 };
 
+/// A triangle mesh in a file (STL, OBJ or DAE); covering.h reads it.
+struct MeshFile {
+  std::string path;           ///< on this machine; `package://` is resolved
+  Vec3 scale = Vec3::Ones();  ///< along the axes of the mesh, before `pose`
+  Transform pose;             ///< of the mesh in the link's frame
+};
+
+/// Collision geometry that is not checked as it is, but covered with spheres (covering.h).
+using Solid = std::variant<Box, Cylinder, MeshFile>;
+
 struct Link {
   std::string name;
   int parent_joint = -1;          ///< -1 for the root
   std::vector<Sphere> spheres;    ///< in the link's frame
   std::vector<Capsule> capsules;  ///< in the link's frame
+  std::vector<Solid> solids;      ///< in the link's frame; a Robot has none
 };
 
 /// What a URDF alone does not say.
