@@ -20,17 +20,25 @@ namespace mneme {
 
 enum class JointType { fixed, revolute, continuous, prismatic };
 
+/// A joint whose value follows another one: multiplier * (value of `joint`) + offset.
+struct Mimic {
+  int joint = -1;  ///< index of the joint that is followed, which follows none itself
+  double multiplier = 1;
+  double offset = 0;
+};
+
 /// A joint carries its child link: X_parent_child(q) = origin * motion(q) about or along `axis`.
 struct Joint {
   std::string name;
   JointType type = JointType::fixed;
   int parent_link = -1;
   int child_link = -1;
-  Transform origin;           ///< pose of the joint frame in the parent link's frame
-  Vec3 axis = Vec3::UnitX();  ///< unit vector in the joint frame
-  double lower = 0;           ///< radians or metres; -pi for continuous joints
-  double upper = 0;           ///< radians or metres; +pi for continuous joints
-  double fixed_value = 0;     ///< the value of a movable joint outside the planning group
+  Transform origin;            ///< pose of the joint frame in the parent link's frame
+  Vec3 axis = Vec3::UnitX();   ///< unit vector in the joint frame
+  double lower = 0;            ///< radians or metres; -pi for continuous joints
+  double upper = 0;            ///< radians or metres; +pi for continuous joints
+  double fixed_value = 0;      ///< the value of a movable joint outside the planning group
+  std::optional<Mimic> mimic;  ///< then the joint is in no group and has no value of its own
 };
 
 /// A triangle mesh in a file (STL, OBJ or DAE); covering.h reads it.
@@ -53,9 +61,18 @@ struct Link {
 
 /// What a URDF alone does not say.
 struct RobotOptions {
-  /// Names of the joints to plan for, in the order of a configuration. Empty: all movable joints,
-  /// in tree order.
+  /// Names of the joints to plan for, in the order of a configuration. Empty: those of `group`.
   std::vector<std::string> joints;
+  /// A group of the SRDF, or the chain of joints "base_link:tip_link". Empty: the SRDF's only group
+  /// that is no end effector's; without an SRDF all movable joints, in tree order.
+  std::string group;
+  /// SRDF file with groups and allowed collisions. Empty: the file beside the URDF that differs
+  /// from it by its suffix .srdf only, if there is one.
+  std::string srdf_path;
+  /// Directories in which the packages of `package://NAME/...` are looked for, in this order.
+  std::vector<std::string> package_paths;
+  /// Further pairs of links that may touch, besides those of the SRDF.
+  std::vector<std::pair<std::string, std::string>> allowed_pairs;
   /// Values of movable joints outside the group, by name. Default 0, clamped to the joint's limits.
   std::map<std::string, double> fixed_values;
 };
@@ -80,6 +97,8 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
+  /// What was left aside while reading, such as names in the SRDF that the model lacks.
+  [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
   /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
@@ -118,6 +137,7 @@ class Robot {
     std::vector<std::pair<int, int>> self_pairs;
     std::string hash;
     bool is_planar = false;
+    std::vector<std::string> warnings;
   };
   explicit Robot(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
   std::shared_ptr<const Model> model_;
