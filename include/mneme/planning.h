@@ -56,9 +56,8 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 0.0, 1e3,
-        "longest single extension of a tree, radians of L2 joint distance; 0 picks the robot's "
-        "default "
-        "(0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones "
+        "longest single extension of a tree, radians of L2 joint distance, at least 0.001; 0 picks "
+        "the robot's default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones "
         "explore slowly");
   visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
   visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
@@ -86,7 +85,7 @@ struct PlanResult {
   PlanStatus status = PlanStatus::timeout;
   std::string message;  ///< why there is no path, in words; empty if solved
   Path path;            ///< empty unless solved; starts at the start and ends at the goal reached
-  std::uint64_t iterations = 0;  ///< samples drawn
+  std::uint64_t iterations = 0;  ///< samples drawn, and goals that rrt drew instead
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;
   std::uint64_t nodes = 0;     ///< of all trees, or of the roadmap

@@ -9,8 +9,10 @@
 namespace mneme::internal {
 namespace {
 
-/// Reading the clock costs about as much as a tenth of a fast iteration.
-constexpr std::uint64_t kIterationsPerClockCheck = 16;
+/// Iterations and motions per look at the clock, which costs a tenth of a fast iteration.
+constexpr std::uint64_t kWorkPerClockCheck = 32;
+/// Shorter steps round to no movement at all, or take longer to cross the space than a time limit.
+constexpr double kLeastRange = 1e-3;
 constexpr int kShortcutAttempts = 100;
 
 }  // namespace
@@ -21,8 +23,8 @@ PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query,
       query_(query),
       settings_(settings),
       space_(checker.robot()),
-      range_(
-          static_cast<float>(settings.range > 0 ? settings.range : default_range(checker.robot()))),
+      range_(static_cast<float>(settings.range > 0 ? std::max(settings.range, kLeastRange)
+                                                   : default_range(checker.robot()))),
       stream_(sampler.start(settings.seed)) {
   validate();
 }
@@ -44,25 +46,34 @@ void PlannerRun::validate() {
   is_ready_ = true;
 }
 
-bool PlannerRun::begin_iterations(int count) {
-  if (settings_.max_iterations > 0 && result_.iterations >= settings_.max_iterations) {
-    refuse(PlanStatus::iteration_limit,
-           "no path within " + std::to_string(settings_.max_iterations) + " iterations");
-    return false;
-  }
-  if (result_.iterations >= next_clock_check_) {
-    next_clock_check_ = result_.iterations + kIterationsPerClockCheck;
-    if (settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed)) {
-      refuse(PlanStatus::cancelled, "cancelled");
-      return false;
-    }
-    if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
-      refuse(PlanStatus::timeout, "no path within the time limit");
-      return false;
+int PlannerRun::begin_iterations(int most) {
+  auto count = static_cast<std::uint64_t>(most);
+  if (settings_.max_iterations > 0) {
+    count = std::min(count, settings_.max_iterations - result_.iterations);
+    if (count == 0) {
+      refuse(PlanStatus::iteration_limit,
+             "no path within " + std::to_string(settings_.max_iterations) + " iterations");
+      return 0;
     }
   }
-  result_.iterations += static_cast<std::uint64_t>(count);
-  return true;
+  if (must_stop()) return 0;
+  result_.iterations += count;
+  return static_cast<int>(count);
+}
+
+bool PlannerRun::must_stop() {
+  if (is_stopped_) return true;
+  const std::uint64_t work = result_.iterations + counters_.motions;
+  if (work < next_clock_check_) return false;
+  next_clock_check_ = work + kWorkPerClockCheck;
+  if (settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed)) {
+    refuse(PlanStatus::cancelled, "cancelled");
+    is_stopped_ = true;
+  } else if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
+    refuse(PlanStatus::timeout, "no path within the time limit");
+    is_stopped_ = true;
+  }
+  return is_stopped_;
 }
 
 int PlannerRun::find_direct_goal() {

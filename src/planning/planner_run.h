@@ -33,8 +33,12 @@ class PlannerRun {
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
   [[nodiscard]] const FloatPath& goals() const { return goals_; }
 
-  /// Counts `count` iterations; false once a limit is reached or the run is cancelled.
-  bool begin_iterations(int count = 1);
+  /// Counts iterations, `most` or what the limit leaves of them, and returns how many: 0 once a
+  /// limit is reached or the run is cancelled.
+  int begin_iterations(int most = 1);
+  /// True once the time is up or the run is cancelled. Cheap: for the loops within an iteration
+  /// too.
+  [[nodiscard]] bool must_stop();
   Origin sample(std::span<float> q) { return stream_->next(q); }
   void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
@@ -73,7 +77,8 @@ class PlannerRun {
   CheckCounters counters_;
   PlanResult result_;
   bool is_ready_ = false;
-  std::uint64_t next_clock_check_ = 0;
+  bool is_stopped_ = false;
+  std::uint64_t next_clock_check_ = 0;  ///< in iterations and motions
 };
 
 }  // namespace mneme::internal

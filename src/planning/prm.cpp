@@ -32,11 +32,11 @@ class Prm {
     std::vector<float> batch(kBatch * joints);
     std::vector<std::uint8_t> is_valid(kBatch);
     std::vector<Origin> origins(kBatch);
-    while (run_.begin_iterations(kBatch)) {
-      for (std::size_t i = 0; i < kBatch; ++i)
+    while (const auto count = static_cast<std::size_t>(run_.begin_iterations(kBatch))) {
+      for (std::size_t i = 0; i < count; ++i)
         origins[i] = run_.sample({batch.data() + i * joints, joints});
-      run_.check_states(batch, is_valid);
-      for (std::size_t i = 0; i < kBatch; ++i) {
+      run_.check_states({batch.data(), count * joints}, {is_valid.data(), count});
+      for (std::size_t i = 0; i < count && !run_.must_stop(); ++i) {
         if (is_valid[i] == 0) {
           run_.report(origins[i], SampleOutcome::rejected);
           continue;
@@ -60,7 +60,7 @@ class Prm {
   /// are tried.
   int add_milestone(std::span<const float> q) {
     constexpr int kLookedAtPerTry = 2;
-    const int most_tries = run_.settings().neighbours;
+    const int most_tries = std::max(1, run_.settings().neighbours);
     milestones_.measure(q);
     milestones_.find_nearest(kLookedAtPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453.
+#include <algorithm>
+
 #include "mneme/planning.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
@@ -12,20 +14,24 @@ namespace {
 
 class Rrt {
  public:
-  explicit Rrt(PlannerRun& run) : run_(run), tree_(run), rng_(derive_seed(run.settings().seed, 2)) {
+  explicit Rrt(PlannerRun& run)
+      : run_(run),
+        tree_(run),
+        rng_(derive_seed(run.settings().seed, 2)),
+        tried_from_(run.goals().size(), -1) {
     tree_.add(run.start(), -1);
   }
 
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
     while (run_.begin_iterations()) {
-      const int goal =
-          rng_.uniform() < run_.settings().goal_bias
-              ? static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())))
-              : -1;
-      const int node =
-          goal >= 0 ? tree_.nearest(run_.goals()[static_cast<std::size_t>(goal)]) : grow(q);
-      if (node < 0) continue;
+      int goal = draw_goal();
+      int node = goal >= 0 ? untried_node_near(goal) : -1;
+      if (node < 0) {
+        goal = -1;
+        node = grow(q);
+        if (node < 0) continue;
+      }
       const int reached_goal = goal >= 0 ? goal : nearest_goal_in_range(node);
       if (reached_goal >= 0 && is_goal_reached(node, reached_goal)) {
         return run_.finish(path_, reached_goal, tree_.size());
@@ -35,6 +41,21 @@ class Rrt {
   }
 
  private:
+  /// A goal instead of a sample, as often as the goal bias says, otherwise -1.
+  int draw_goal() {
+    if (rng_.uniform() >= run_.settings().goal_bias) return -1;
+    return static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())));
+  }
+
+  /// The node nearest to a goal, or -1 if that node has been tried: it would be blocked again.
+  int untried_node_near(int goal) {
+    const auto i = static_cast<std::size_t>(goal);
+    const int node = tree_.nearest(run_.goals()[i]);
+    if (node == tried_from_[i]) return -1;
+    tried_from_[i] = node;
+    return node;
+  }
+
   /// One step towards a sample; the new node or -1.
   int grow(std::vector<float>& q) {
     const Origin origin = run_.sample(q);
@@ -63,14 +84,17 @@ class Rrt {
     path_.push_back(target);
     const int invalid = run_.find_invalid_motion(path_);
     if (invalid < 0) return true;
-    if (invalid + 2 < static_cast<int>(path_.size()))
+    if (invalid + 2 < static_cast<int>(path_.size())) {
       tree_.remove(tree_.ancestor_at(last, invalid + 1));
+      std::fill(tried_from_.begin(), tried_from_.end(), -1);
+    }
     return false;
   }
 
   PlannerRun& run_;
   Tree tree_;
   Rng rng_;
+  std::vector<int> tried_from_;  ///< per goal the node that was last extended towards it
   FloatPath path_;
 };
 

@@ -59,10 +59,10 @@ class RrtConnect {
   }
 
   /// Steps towards `q` until blocked; the last new node, or -1 if the first step is blocked.
-  static int grow(Tree& tree, std::span<const float> q) {
+  int grow(Tree& tree, std::span<const float> q) {
     bool is_reached = false;
     int last = tree.extend(tree.nearest(q), q, is_reached);
-    for (int node = last; node >= 0 && !is_reached;) {
+    for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {
       node = tree.extend(last, q, is_reached);
       if (node >= 0) last = node;
     }

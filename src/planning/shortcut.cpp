@@ -51,7 +51,8 @@ class Shortcutter {
     const std::vector<float> q_a = point_at(a), q_b = point_at(b);
     // Neither point is an end of the path but by rare chance, so both remaining halves keep their
     // margins.
-    if (!is_free(q_a, q_b, false)) return;
+    // A motion that was checked may touch something between the states that were looked at.
+    if (!is_state_free(q_a) || !is_free(q_a, q_b, false)) return;
     nodes_[a.motion + 1] = q_a;
     if (b.motion == a.motion + 1) {
       nodes_.insert(nodes_.begin() + static_cast<std::ptrdiff_t>(b.motion) + 1, q_b);
@@ -74,6 +75,11 @@ class Shortcutter {
   bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end) {
     return checker_.is_motion_valid(from, to, counters_) &&
            (!verify_ || internal::is_motion_verified(checker_, from, to, is_at_end, counters_));
+  }
+
+  bool is_state_free(std::span<const float> q) {
+    ++counters_.states;
+    return checker_.is_valid(q);
   }
 
   void erase_between(std::size_t first, std::size_t last) {

@@ -36,7 +36,7 @@ int Tree::extend(int node, std::span<const float> q, bool& is_reached) {
 
 int Tree::connect(int node, std::span<const float> q) {
   while (is_step_short(node, q)) {
-    if (!run_.is_motion_valid(nodes_[node], target_)) return -1;
+    if (run_.must_stop() || !run_.is_motion_valid(nodes_[node], target_)) return -1;
     node = add(target_, node);
   }
   return run_.is_motion_valid(nodes_[node], q) ? node : -1;

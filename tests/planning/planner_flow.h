@@ -121,13 +121,13 @@ inline void check_takes_the_shorter_way_round(Planner plan) {
 }
 
 /// `step`: how many configurations the planner draws at a time.
-inline void check_iteration_limit_is_exact(Planner plan, std::uint64_t step) {
+inline void check_iteration_limit_is_exact(Planner plan) {
   const World world = boxed_goal();
   Rng rng(3);
   std::vector<Configuration> script;
   for (int i = 0; i < 1000; ++i) script.push_back(random_configuration(world.robot, rng));
   const ScriptedSampler sampler(script);
-  for (const std::uint64_t limit : {step, 3 * step, 25 * step}) {
+  for (const std::uint64_t limit : {1, 3, 17, 400}) {
     PlanSettings settings = patient_settings();
     settings.max_iterations = limit;
     settings.goal_bias = 0;
@@ -137,6 +137,21 @@ inline void check_iteration_limit_is_exact(Planner plan, std::uint64_t step) {
     CHECK(sampler.log().drawn == limit);
     CHECK(result.path.empty());
     CHECK(result.message.find(std::to_string(limit)) != std::string::npos);
+  }
+}
+
+/// Steps so short that they round to no movement, or take seconds to reach a sample.
+inline void check_tiny_range_keeps_the_time_limit(Planner plan) {
+  for (const double range : {1e-6, 1e-8}) {
+    PlanSettings settings;
+    settings.timeout_s = 0.1;
+    settings.range = range;
+    const World world = boxed_goal();
+    const CollisionChecker checker = make_checker(world);
+    const auto begin = std::chrono::steady_clock::now();
+    CHECK(plan(checker, world.query, *make_uniform_sampler(world.robot), settings).status ==
+          PlanStatus::timeout);
+    CHECK(seconds_since(begin) < 0.4);
   }
 }
 

@@ -21,9 +21,12 @@ TEST_SUITE("flow") {
     check_takes_the_shorter_way_round(rrt_connect);
   }
   TEST_CASE("rrt_connect draws exactly as many configurations as it may") {
-    check_iteration_limit_is_exact(rrt_connect, 1);
+    check_iteration_limit_is_exact(rrt_connect);
   }
   TEST_CASE("rrt_connect keeps its time limit") { check_time_limit_is_kept(rrt_connect); }
+  TEST_CASE("rrt_connect keeps its time limit with steps of any length") {
+    check_tiny_range_keeps_the_time_limit(rrt_connect);
+  }
   TEST_CASE("rrt_connect without time finds nothing, not even what is in sight") {
     check_zero_time_limit(rrt_connect);
   }

@@ -17,9 +17,12 @@ TEST_SUITE("flow") {
     check_takes_the_shorter_way_round(rrt);
   }
   TEST_CASE("rrt draws exactly as many configurations as it may") {
-    check_iteration_limit_is_exact(rrt, 1);
+    check_iteration_limit_is_exact(rrt);
   }
   TEST_CASE("rrt keeps its time limit") { check_time_limit_is_kept(rrt); }
+  TEST_CASE("rrt keeps its time limit with steps of any length") {
+    check_tiny_range_keeps_the_time_limit(rrt);
+  }
   TEST_CASE("rrt without time finds nothing, not even what is in sight") {
     check_zero_time_limit(rrt);
   }

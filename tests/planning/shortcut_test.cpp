@@ -78,6 +78,31 @@ TEST_SUITE("unit") {
     CHECK(path == Path{{3, 0}, {-3, 0}});
   }
 
+  TEST_CASE("every waypoint is free at the resolution of the planner, verified or not") {
+    const Robot robot = planar_arm({1, 1});
+    CheckerSettings coarse;
+    coarse.resolution = 0.3;
+    const CollisionChecker checker =
+        make_checker(robot,
+                     make_circle_scene(
+                         "", {{1.9, 0.1, 0.05}, {1.5, 0.9, 0.05}, {0.9, -1.3, 0.05}, {-1, 1, 0.1}}),
+                     coarse);
+    Rng rng(3);
+    int in_contact = 0;
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const PlanQuery query{random_free_configuration(checker, rng),
+                            {random_free_configuration(checker, rng)}};
+      PlanSettings settings;
+      settings.seed = i;
+      settings.max_iterations = 100000;
+      settings.verify = settings.simplify = false;
+      Path path = prm(checker, query, *make_uniform_sampler(robot), settings).path;
+      CheckCounters counters;
+      shortcut(checker, path, i, 100, false, counters);
+      for (const Configuration& q : path) in_contact += checker.is_valid(q) ? 0 : 1;
+    }
+    CHECK(in_contact == 0);
+  }
   TEST_CASE("more attempts cut corners around an obstacle") {
     World world = small_worlds()[13];
     const CollisionChecker checker = make_checker(world);

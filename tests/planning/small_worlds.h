@@ -74,7 +74,7 @@ inline Robot spatial_arm() {
   };
   Robot::Parts parts;
   parts.name = "spatial_arm";
-  parts.links.push_back({"base", -1, {{Vec3(0, 0, -0.1), 0.1}}, {}});
+  parts.links.push_back({"base", -1, {{Vec3(0, 0, -0.1), 0.1}}, {}, {}});
   add_link(parts, JointType::continuous, Vec3(0, 0, 0.3), Vec3::UnitZ(), kPi,
            {{Vec3::Zero(), 0.1}});
   add_link(parts, JointType::revolute, Vec3(0, 0, 0.1), Vec3::UnitY(), 2, spheres(0.6, 0.06));
@@ -88,7 +88,7 @@ inline Robot spatial_arm() {
 inline Robot gantry() {
   Robot::Parts parts;
   parts.name = "gantry";
-  parts.links.push_back({"rail", -1, {}, {}});
+  parts.links.push_back({"rail", -1, {}, {}, {}});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitX(), 2, {});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitY(), 2, {});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitZ(), 2, {{Vec3::Zero(), 0.1}});
