@@ -26,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct LearnOptions {
   std::string robot;
+  RobotOptions robot_options;
   std::string grid;
   std::vector<std::string> scenes;
   std::string db;
@@ -77,10 +78,22 @@ Result<std::vector<std::string>> expand_problems(const std::string& pattern) {
   return problems;
 }
 
+/// A problem says itself which joints it plans for and where the others stand.
+Result<void> check_robot(const std::string& where, const Workspace& workspace, const Robot& robot) {
+  if (!workspace.problem || workspace.problem->robot.hash() == robot.hash()) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("'{}': its robot '{}' has other joints to plan for, fixed values or "
+                          "shapes than robot '{}' of the scenes before it",
+                          where, workspace.problem->robot.name(), robot.name()));
+}
+
 Result<void> append_primitives(const std::string& where, const Robot& robot,
-                               const DecomposeSettings& settings, std::vector<PrimitiveKey>& keys) {
-  const Result<Workspace> workspace = load_workspace(where);
+                               const ProblemOptions& overrides, const DecomposeSettings& settings,
+                               std::vector<PrimitiveKey>& keys) {
+  const Result<Workspace> workspace = load_workspace(where, overrides);
   if (!workspace) return tl::unexpected(workspace.error());
+  const Result<void> fits = check_robot(where, *workspace, robot);
+  if (!fits) return fits;
   const auto primitives = decompose(robot, workspace->scene, settings);
   if (!primitives) return tl::unexpected(primitives.error());
   for (const LocalPrimitive& primitive : *primitives) {
@@ -90,17 +103,46 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
   return {};
 }
 
-Result<std::vector<PrimitiveKey>> scene_keys(const LearnOptions& options, const Robot& robot) {
-  std::vector<PrimitiveKey> keys;
+Result<std::vector<std::string>> all_problems(const LearnOptions& options) {
+  std::vector<std::string> all;
   for (const std::string& pattern : options.scenes) {
     const Result<std::vector<std::string>> problems = expand_problems(pattern);
-    if (!problems) return tl::unexpected(problems.error());
-    for (const std::string& problem : *problems) {
-      const Result<void> added = append_primitives(problem, robot, options.decompose, keys);
-      if (!added) return tl::unexpected(added.error());
-    }
+    if (!problems) return problems;
+    all.insert(all.end(), problems->begin(), problems->end());
   }
-  return keys;
+  return all;
+}
+
+/// What is to be learned, and for which robot: that of the problems, if there are any.
+struct Lesson {
+  Robot robot;
+  std::vector<PrimitiveKey> keys;
+};
+
+Result<Robot> choose_robot(const LearnOptions& options, const ProblemOptions& overrides,
+                           const std::vector<std::string>& problems) {
+  if (!problems.empty()) {
+    const Result<Workspace> first = load_workspace(problems.front(), overrides);
+    if (!first) return tl::unexpected(first.error());
+    if (first->problem) return first->problem->robot;
+  }
+  return load_named_robot(options.robot, options.robot_options);
+}
+
+Result<Lesson> prepare(const LearnOptions& options) {
+  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  const Result<std::vector<std::string>> problems = all_problems(options);
+  if (!problems) return tl::unexpected(problems.error());
+  const Result<Robot> robot = choose_robot(options, *overrides, *problems);
+  if (!robot) return tl::unexpected(robot.error());
+  Lesson lesson{*robot, {}};
+  for (const std::string& problem : *problems) {
+    const Result<void> added =
+        append_primitives(problem, *robot, *overrides, options.decompose, lesson.keys);
+    if (!added) return tl::unexpected(added.error());
+  }
+  return lesson;
 }
 
 Json to_json(const LearnSummary& summary, const Database& database) {
@@ -152,30 +194,31 @@ ExitCode report(const LearnOptions& options, const LearnSummary& summary, const 
 }
 
 Result<ExitCode> run_learn(const LearnOptions& options) {
-  const Result<Robot> robot = load_named_robot(options.robot);
-  if (!robot) return tl::unexpected(robot.error());
+  Result<Lesson> lesson = prepare(options);
+  if (!lesson) return tl::unexpected(lesson.error());
+  const Robot& robot = lesson->robot;
   std::optional<PrimitiveGrid> grid;
   if (!options.grid.empty()) {
     const Result<PrimitiveGrid> read = read_grid(options);
     if (!read) return tl::unexpected(read.error());
     grid = *read;
   }
-  Result<std::vector<PrimitiveKey>> keys = scene_keys(options, *robot);
-  if (!keys) return tl::unexpected(keys.error());
   Result<Database> database =
-      open_database(options.db, *robot, OpenMode::create, options.decompose.decomposer);
+      open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
   if (grid) {
     const std::vector<PrimitiveKey> covering = cover(*grid, options.job.seed);
-    keys->insert(keys->end(), covering.begin(), covering.end());
+    lesson->keys.insert(lesson->keys.end(), covering.begin(), covering.end());
   }
-  const Result<LearnSummary> summary = learn_with_progress(*robot, *keys, *database, options.job);
+  const Result<LearnSummary> summary =
+      learn_with_progress(robot, lesson->keys, *database, options.job);
   if (!summary) return tl::unexpected(summary.error());
   return report(options, *summary, *database, grid);
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option("--robot", options.robot, "URDF file or name of a robot")->required();
+  add_robot_flags(command, options.robot_options);
   command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
   command.add_option("--scenes", options.scenes,
                      "scenes or problems whose primitives to learn: files or patterns");

@@ -26,6 +26,7 @@ namespace {
 struct PlanOptions {
   std::string problem;
   std::string robot;
+  RobotOptions robot_options;
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
   std::string db;
@@ -51,13 +52,11 @@ Result<std::optional<Database>> open_memory(const PlanOptions& options, const Ro
 
 Result<LoadedPlan> load(const PlanOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  ProblemOptions overrides{"", options.start, options.goal};
-  if (!options.robot.empty()) {
-    const Result<std::string> robot = robot_file(options.robot);
-    if (!robot) return tl::unexpected(robot.error());
-    overrides.robot_path = *robot;
-  }
-  Result<Problem> problem = read_problem(options.problem, overrides);
+  Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  overrides->start = options.start;
+  overrides->goal = options.goal;
+  Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
   Result<std::optional<Database>> database = open_memory(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
@@ -171,6 +170,7 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problem's: a URDF file or a name");
+  add_robot_flags(command, options.robot_options);
   add_number_list(command, "--start", options.start, "start instead of the problem's");
   add_number_list(command, "--goal", options.goal, "goal instead of the problem's");
   command.add_option("--db", options.db,
@@ -194,7 +194,8 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
 
 void add_plan(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("plan", "Solve a motion planning problem");
-  command->footer("Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg s1.svg");
+  command->footer(
+      "Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg s1.svg");
   const auto options = std::make_shared<PlanOptions>();
   add_problem_flags(*command, *options);
   add_solve_flags(*command, *options);

@@ -25,6 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct RobotCommandOptions {
   std::string robot;
+  RobotOptions robot_options;
   std::string scene;
   Configuration q;
   bool is_json = false;
@@ -110,8 +111,9 @@ void print_robot(const Robot& robot, const std::string& path) {
 Result<ExitCode> run_info(const RobotCommandOptions& options) {
   const Result<std::string> path = robot_file(options.robot);
   if (!path) return tl::unexpected(path.error());
-  const Result<Robot> robot = load_robot(*path);
+  const Result<Robot> robot = load_robot(*path, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
+  for (const std::string& warning : robot->warnings()) print_note("warning: " + warning);
   if (options.is_json) {
     print_json(to_json(*robot, *path));
   } else {
@@ -142,8 +144,21 @@ ExitCode report_contacts(const std::vector<Contact>& contacts, bool is_json) {
   return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
 }
 
+/// The robot as the problem has it if the scene comes with one: its group and fixed joints count.
+Result<Robot> load_robot_and_scene(const RobotCommandOptions& options, Scene& scene) {
+  if (options.scene.empty()) return load_named_robot(options.robot, options.robot_options);
+  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
+  if (!workspace) return tl::unexpected(workspace.error());
+  scene = workspace->scene;
+  if (workspace->problem) return workspace->problem->robot;
+  return load_named_robot(options.robot, options.robot_options);
+}
+
 Result<ExitCode> run_check(const RobotCommandOptions& options) {
-  const Result<Robot> robot = load_named_robot(options.robot);
+  Scene scene;
+  const Result<Robot> robot = load_robot_and_scene(options, scene);
   if (!robot) return tl::unexpected(robot.error());
   if (const auto violation = robot->describe_violation(options.q, "configuration")) {
     if (options.is_json) {
@@ -152,12 +167,6 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
       fmt::print("{}\n", *violation);
     }
     return ExitCode::invalid_ends;
-  }
-  Scene scene;
-  if (!options.scene.empty()) {
-    const Result<Workspace> workspace = load_workspace(options.scene);
-    if (!workspace) return tl::unexpected(workspace.error());
-    scene = workspace->scene;
   }
   return CollisionChecker::make(*robot, scene).map([&](const CollisionChecker& checker) {
     return report_contacts(checker.contacts(options.q), options.is_json);
@@ -190,6 +199,7 @@ void add_info(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& optio
   CLI::App* command = group.add_subcommand("info", "Show joints, limits, links and hash");
   command->footer("Example:\n  mneme robot info planar8");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  add_robot_flags(*command, options->robot_options);
   add_json(*command, options->is_json);
   command->callback([options, &action] { action = [options] { return run_info(*options); }; });
 }
@@ -199,6 +209,7 @@ void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& opti
   CLI::App* command = group.add_subcommand("check", "Say what touches at a configuration");
   command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  add_robot_flags(*command, options->robot_options);
   add_number_list(*command, "--q", options->q, "configuration")->required();
   command->add_option("--scene", options->scene, "scene or problem with the obstacles");
   add_isa(*command);

@@ -25,6 +25,7 @@ using Json = nlohmann::ordered_json;
 struct SceneInfoOptions {
   std::string scene;
   std::string robot;
+  RobotOptions robot_options;
   bool is_json = false;
   DecomposeSettings decompose;
 };
@@ -34,13 +35,13 @@ using Primitives = std::optional<std::vector<LocalPrimitive>>;
 
 Result<Primitives> find_primitives(const SceneInfoOptions& options, const Workspace& workspace) {
   const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
-  if (!options.robot.empty()) {
-    const Result<Robot> robot = load_named_robot(options.robot);
-    if (!robot) return tl::unexpected(robot.error());
-    return decompose(*robot, workspace.scene, options.decompose).map(wrap);
+  if (workspace.problem) {
+    return decompose(workspace.problem->robot, workspace.scene, options.decompose).map(wrap);
   }
-  if (!workspace.problem) return Primitives();
-  return decompose(workspace.problem->robot, workspace.scene, options.decompose).map(wrap);
+  if (options.robot.empty()) return Primitives();
+  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+  if (!robot) return tl::unexpected(robot.error());
+  return decompose(*robot, workspace.scene, options.decompose).map(wrap);
 }
 
 std::vector<std::string> obstacle_names(const Scene& scene, const LocalPrimitive& primitive) {
@@ -91,7 +92,9 @@ void print_scene(const Scene& scene, const Primitives& primitives) {
 }
 
 Result<ExitCode> run_info(const SceneInfoOptions& options) {
-  const Result<Workspace> workspace = load_workspace(options.scene);
+  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
   if (!workspace) return tl::unexpected(workspace.error());
   const Result<Primitives> primitives = find_primitives(options, *workspace);
   if (!primitives) return tl::unexpected(primitives.error());
@@ -112,6 +115,7 @@ void add_info(CLI::App& group, Action& action) {
   command->add_option("--robot", options->robot,
                       "robot that decides about primitives: URDF file or name (default: that of "
                       "the problem)");
+  add_robot_flags(*command, options->robot_options);
   add_settings(*command, options->decompose);
   add_json(*command, options->is_json);
   command->callback([options, &action] { action = [options] { return run_info(*options); }; });

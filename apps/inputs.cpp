@@ -18,8 +18,22 @@ Result<std::string> robot_file(const std::string& robot) {
   return find_robot(robot);
 }
 
-Result<Robot> load_named_robot(const std::string& robot) {
-  return robot_file(robot).and_then([](const std::string& path) { return load_robot(path); });
+Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
+  Result<Robot> loaded = robot_file(robot).and_then(
+      [&](const std::string& path) { return load_robot(path, options); });
+  if (!loaded) return loaded;
+  for (const std::string& warning : loaded->warnings()) print_note("warning: " + warning);
+  return loaded;
+}
+
+Result<ProblemOptions> problem_options(const std::string& robot, const RobotOptions& options) {
+  ProblemOptions result;
+  result.robot = options;
+  if (robot.empty()) return result;
+  return robot_file(robot).map([&](const std::string& path) {
+    result.robot_path = path;
+    return result;
+  });
 }
 
 Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
@@ -29,17 +43,17 @@ Result<Problem> read_problem(const std::string& where, const ProblemOptions& opt
   return problem;
 }
 
-Result<Workspace> load_workspace(const std::string& where) {
+Result<Workspace> load_workspace(const std::string& where, const ProblemOptions& options) {
   const auto from_problem = [](Problem problem) {
     return Workspace{problem.scene, std::move(problem)};
   };
   const bool is_compact = where.find(".json#") != std::string::npos || where.ends_with(".json");
-  if (is_compact) return read_problem(where).map(from_problem);
+  if (is_compact) return read_problem(where, options).map(from_problem);
 
   Result<Scene> scene = load_scene(where);
   if (scene) return Workspace{std::move(*scene), std::nullopt};
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
-  const Result<Problem> problem = read_problem(where);
+  const Result<Problem> problem = read_problem(where, options);
   if (problem) return from_problem(*problem);
   return fail(problem.error().code,
               fmt::format("'{}' is neither a scene ({}) nor a problem ({})", where,

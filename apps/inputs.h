@@ -15,7 +15,12 @@ namespace mneme::app {
 
 /// The URDF file that `robot`, a file or the name of a known robot, stands for.
 [[nodiscard]] Result<std::string> robot_file(const std::string& robot);
-[[nodiscard]] Result<Robot> load_named_robot(const std::string& robot);
+[[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,
+                                             const RobotOptions& options = {});
+/// What is said of a problem's robot on the command line; an empty `robot` leaves it to the
+/// problem.
+[[nodiscard]] Result<ProblemOptions> problem_options(const std::string& robot,
+                                                     const RobotOptions& options);
 
 /// load_problem, with its warnings as notes on standard error.
 [[nodiscard]] Result<Problem> read_problem(const std::string& where,
@@ -27,7 +32,8 @@ struct Workspace {
   std::optional<Problem> problem;
 };
 /// Reads a scene file or a problem (a file, or FILE.json#NAME).
-[[nodiscard]] Result<Workspace> load_workspace(const std::string& where);
+[[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
+                                               const ProblemOptions& options = {});
 
 /// Opens the database at `url` for the experience of `robot`.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,

@@ -115,6 +115,17 @@ void add_isa(CLI::App& app) {
       ->type_name("NAME");
 }
 
+void add_robot_flags(CLI::App& app, RobotOptions& options) {
+  app.add_option("--srdf", options.srdf_path,
+                 "SRDF file with groups and allowed collisions (default: the one beside the URDF)");
+  app.add_option("--group", options.group,
+                 "joints to plan for: a group of the SRDF, or the chain BASE_LINK:TIP_LINK");
+  app.add_option("--package-path", options.package_paths,
+                 "directory in which the packages of package:// are; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
+}
+
 void add_json(CLI::App& app, bool& is_json) {
   app.add_flag("--json", is_json, "print the result as JSON");
 }

@@ -18,6 +18,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "mneme/robot.h"
+
 namespace mneme::app {
 
 /// The number that is all of `text`, or nothing; "nan" and "inf" are numbers of type double.
@@ -120,6 +122,8 @@ void add_settings(CLI::App& app, Settings& settings,
 
 /// The flag --isa, which forces the instruction set of all kernels.
 void add_isa(CLI::App& app);
+/// The flags --srdf, --group and --package-path.
+void add_robot_flags(CLI::App& app, RobotOptions& options);
 /// The flag --json.
 void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.

@@ -27,6 +27,10 @@ struct Problem {
 /// What may be set from outside the problem's file.
 struct ProblemOptions {
   std::string robot_path;  ///< URDF to use instead of the one that the problem names
+  /// SRDF, packages and whatever the problem does not say itself: `group` counts where neither it
+  /// nor this names `joints`; `joints`, `srdf_path` and each of the `fixed_values` stand for those
+  /// of the problem.
+  RobotOptions robot;
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
 };

@@ -31,8 +31,8 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
   const auto text = internal::value_or_throw(internal::read_text_file(path));
   const internal::InputValue value = internal::parse_yaml(text, path);
   const Input input(value, path);
-  input.allow_keys(
-      {"name", "robot", "joints", "fixed_joints", "frame", "scene", "start", "goal", "goals"});
+  input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
+                    "start", "goal", "goals"});
   const auto named = input.find("name");
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
   const std::string directory = internal::directory_of(path);

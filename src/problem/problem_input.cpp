@@ -50,7 +50,7 @@ std::string directory_of(const std::string& path) {
 }
 
 Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
-  ProblemRobot robot = read_robot(input.header, input.directory, options.robot_path);
+  ProblemRobot robot = read_robot(input.header, input.directory, options);
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
   return {input.name,

@@ -45,43 +45,72 @@ std::string describe_obstruction(const Robot& robot, const std::string& name) {
   if (std::find(group.begin(), group.end(), joint - joints.begin()) != group.end()) {
     return "planned for";
   }
+  if (joint->mimic) {
+    return "follows another joint";
+  }
   return joint->type == JointType::fixed ? "a fixed joint" : "";
+}
+
+std::vector<std::string> joint_names(const Input& list) {
+  std::vector<std::string> names;
+  for (const Input& joint : list.items()) {
+    names.push_back(joint.text());
+  }
+  return names;
 }
 
 }  // namespace
 
 ProblemRobot read_robot(const Input& input, const std::string& directory,
-                        const std::string& override_path) {
-  const std::string path = find_path(input, directory, override_path);
-  RobotOptions options;
-  if (const auto joints = input.find("joints")) {
-    for (const Input& joint : joints->items()) {
-      options.joints.push_back(joint.text());
+                        const ProblemOptions& overrides) {
+  const std::string path = find_path(input, directory, overrides.robot_path);
+  RobotOptions options = overrides.robot;
+  std::vector<std::string> warnings;
+  if (const auto srdf = input.find("srdf"); srdf && options.srdf_path.empty()) {
+    options.srdf_path = (std::filesystem::path(directory) / srdf->text()).string();
+  }
+  if (const auto joints = input.find("joints"); joints && options.joints.empty()) {
+    options.joints = joint_names(*joints);
+    if (!options.group.empty()) {
+      warnings.push_back(joints->place(
+          fmt::format("these joints are planned for, not those of group {}", options.group)));
     }
+  } else if (const auto group = input.find("group"); group && options.group.empty()) {
+    options.group = group->text();
   }
-  ProblemRobot result{path, value_or_throw(load_robot(path, options)), {}};
-  const auto fixed_joints = input.find("fixed_joints");
-  if (!fixed_joints) {
-    return result;
+  ProblemRobot result{path, value_or_throw(load_robot(path, options)), std::move(warnings)};
+  if (const auto fixed_joints = input.find("fixed_joints")) {
+    std::map<std::string, double> values;
+    for (const auto& [name, value] : fixed_joints->entries()) {
+      values[name] = value.finite_number();
+    }
+    fix_joints(result, options, values, *fixed_joints);
   }
+  for (const std::string& warning : result.robot.warnings()) {
+    result.warnings.push_back(warning);
+  }
+  return result;
+}
+
+void fix_joints(ProblemRobot& robot, RobotOptions& options,
+                const std::map<std::string, double>& values, const Input& place) {
   std::vector<std::string> left_aside;
-  for (const auto& [name, value] : fixed_joints->entries()) {
-    const double position = value.finite_number();
-    const std::string obstruction = describe_obstruction(result.robot, name);
+  bool is_changed = false;
+  for (const auto& [name, value] : values) {
+    const std::string obstruction = describe_obstruction(robot.robot, name);
     if (obstruction.empty()) {
-      options.fixed_values[name] = position;
+      is_changed |= options.fixed_values.emplace(name, value).second;
     } else {
       left_aside.push_back(fmt::format("{} ({})", name, obstruction));
     }
   }
-  if (!options.fixed_values.empty()) {
-    result.robot = value_or_throw(load_robot(path, options));
+  if (is_changed) {
+    robot.robot = value_or_throw(load_robot(robot.path, options));
   }
   if (!left_aside.empty()) {
-    result.warnings.push_back(fixed_joints->place(fmt::format(
-        "left aside for robot {}: {}", result.robot.name(), fmt::join(left_aside, ", "))));
+    robot.warnings.push_back(place.place(fmt::format(
+        "left aside for robot {}: {}", robot.robot.name(), fmt::join(left_aside, ", "))));
   }
-  return result;
 }
 
 void check_robot_facts(const Input& input, const Robot& robot) {

@@ -4,6 +4,7 @@
 /// The robot that a problem names, and what the problem says about it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,16 @@ struct ProblemRobot {
   std::vector<std::string> warnings;
 };
 
-/// Reads the keys `robot`, `joints` and `fixed_joints` of `input`, and the robot. `override_path`
-/// stands for `robot` unless it is empty; other paths are relative to `directory`. Throws
-/// InputFailure.
+/// Reads the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` of `input`, and the robot.
+/// What `options` say stands for what the keys say; paths of the keys are relative to `directory`.
+/// Throws InputFailure.
 [[nodiscard]] ProblemRobot read_robot(const Input& input, const std::string& directory,
-                                      const std::string& override_path);
+                                      const ProblemOptions& options);
+
+/// Gives the joints of `values` that can be fixed these values, unless `options` fix them already;
+/// names the others in a warning that `place` is asked to place. Throws InputFailure.
+void fix_joints(ProblemRobot& robot, RobotOptions& options,
+                const std::map<std::string, double>& values, const Input& place);
 
 /// Compares the keys `links` and `joint_limits`, if they are given, with the robot. Throws
 /// InputFailure.

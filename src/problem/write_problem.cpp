@@ -19,7 +19,7 @@ std::string describe_group(const Robot& robot) {
   std::vector<std::string> fixed;
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
     const Joint& joint = robot.joints()[static_cast<std::size_t>(i)];
-    if (joint.type == JointType::fixed) {
+    if (joint.type == JointType::fixed || joint.mimic) {
       continue;
     }
     movable.push_back(i);

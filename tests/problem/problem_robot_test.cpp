@@ -19,11 +19,16 @@ class Lifter {
  public:
   Lifter() { write_file(directory_ / "lifter.urdf", kLiftUrdf); }
 
-  Result<ProblemRobot> read(const std::string& yaml, const std::string& override_path = "") const {
+  Result<ProblemRobot> read(const std::string& yaml, const ProblemOptions& options = {}) const {
     return internal::without_throwing([&] {
       const auto value = internal::parse_yaml(yaml, "f");
-      return internal::read_robot(Input(value, kSource), directory_ / ".", override_path);
+      return internal::read_robot(Input(value, kSource), directory_ / ".", options);
     });
+  }
+  Result<ProblemRobot> read(const std::string& yaml, const std::string& override_path) const {
+    ProblemOptions options;
+    options.robot_path = override_path;
+    return read(yaml, options);
   }
   Robot robot() const { return read("robot: lifter.urdf").value().robot; }
   std::string path() const { return directory_ / "lifter.urdf"; }
@@ -93,8 +98,36 @@ TEST_SUITE("unit") {
     REQUIRE(read.has_value());
     REQUIRE(read->warnings.size() == 1);
     CHECK(read->warnings[0] ==
-          "f:3: key fixed_joints: left aside for robot lifter: wheel (no such joint), mount (a "
-          "fixed joint), lift (planned for)");
+          "f:3: key fixed_joints: left aside for robot lifter: lift (planned for), mount (a "
+          "fixed joint), wheel (no such joint)");
+  }
+
+  TEST_CASE("joints and fixed values of the caller stand for those of the file") {
+    const Lifter lifter;
+    ProblemOptions options;
+    options.robot.joints = {"lift"};
+    options.robot.fixed_values = {{"grip", 0.01}};
+    const auto read = lifter.read(
+        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {grip: 0.03, turn: 1}", options);
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    CHECK(read->robot.joint_count() == 1);
+    for (const Joint& joint : read->robot.joints()) {
+      if (joint.name == "grip") CHECK(joint.fixed_value == 0.01);
+      if (joint.name == "turn") CHECK(joint.fixed_value == 1);
+    }
+    CHECK(read->warnings.empty());
+  }
+
+  TEST_CASE("a group of the caller gives way to the joints of the file with a warning") {
+    const Lifter lifter;
+    ProblemOptions options;
+    options.robot.group = "arm";
+    const auto read = lifter.read("robot: lifter.urdf\njoints: [turn, lift]", options);
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    CHECK(read->robot.joint_count() == 2);
+    REQUIRE(read->warnings.size() == 1);
+    CHECK(read->warnings[0] ==
+          "f:2: key joints: these joints are planned for, not those of group arm");
   }
 
   TEST_CASE("joints that are no texts and values that are no numbers are refused") {
