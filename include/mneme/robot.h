@@ -63,8 +63,9 @@ struct Link {
 struct RobotOptions {
   /// Names of the joints to plan for, in the order of a configuration. Empty: those of `group`.
   std::vector<std::string> joints;
-  /// A group of the SRDF, or the chain of joints "base_link:tip_link". Empty: the SRDF's only group
-  /// that is no end effector's; without an SRDF all movable joints, in tree order.
+  /// A group of the SRDF, or the chain of joints "base_link:tip_link"; both in tree order. Empty:
+  /// the SRDF's only group that can move and is no end effector's; without groups all joints that
+  /// move and follow no other, in tree order.
   std::string group;
   /// SRDF file with groups and allowed collisions. Empty: the file beside the URDF that differs
   /// from it by its suffix .srdf only, if there is one.
@@ -75,6 +76,13 @@ struct RobotOptions {
   std::vector<std::pair<std::string, std::string>> allowed_pairs;
   /// Values of movable joints outside the group, by name. Default 0, clamped to the joint's limits.
   std::map<std::string, double> fixed_values;
+};
+
+/// A set of joints to plan for, as an SRDF names it.
+struct JointGroup {
+  std::string name;
+  std::vector<std::string> joints;  ///< those that move and follow no other, in tree order
+  bool is_end_effector = false;
 };
 
 /// An immutable robot model with a planning group. Copies are cheap. All of it is const and
@@ -125,6 +133,11 @@ class Robot {
     std::string name;
     std::vector<Link> links;
     std::vector<Joint> joints;
+    std::vector<JointGroup> groups;
+    /// The only pairs of links that may touch, besides those of RobotOptions. Nothing: links joined
+    /// by one joint may touch.
+    std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
+    std::vector<std::string> warnings;
   };
 
  private:
@@ -143,17 +156,29 @@ class Robot {
   std::shared_ptr<const Model> model_;
 };
 
-/// Sorts the tree, picks the group and derives the pairs to check: all pairs of links with shapes
-/// that can move against each other, except links joined by one joint (fixed joints weld links into
-/// one body first). Errors: no root or several, a loop, an unknown or doubled joint name, limits
-/// that are missing or reversed.
+/// Sorts the tree, folds chains of joints that follow each other, picks the group and derives the
+/// pairs to check: all pairs of links with shapes that can move against each other, except allowed
+/// ones (see Parts; fixed joints weld links into one body first). Errors: no root or several, a
+/// loop, an unknown or doubled name, limits that are missing or reversed, links that have solids.
 [[nodiscard]] Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options = {});
 
-/// Reads a URDF file. Strict: an element that mneme cannot use exactly (a collision mesh, a mimic
-/// joint, a malformed number) is an error that names file, line and element. `<capsule radius
-/// length>` is an extension; its length is the distance between the cap centres, along z.
+/// Reads a URDF file and its SRDF, and leaves what needs covering in Link::solids. Strict: an
+/// element that mneme cannot use exactly (an unknown shape, a missing mesh file, a malformed
+/// number) is an error that names file, line and element. Names in an SRDF that the URDF lacks are
+/// warnings.
+/// `<capsule radius length>` is an extension; its length is the distance between the cap centres,
+/// along z. A `<mimic>` of a fixed joint does not count.
+[[nodiscard]] Result<Robot::Parts> read_robot(const std::string& path,
+                                              const RobotOptions& options = {});
+/// The same for URDF text; `source` names it in messages. Reads an SRDF only if the options name
+/// it.
+[[nodiscard]] Result<Robot::Parts> parse_robot_parts(std::string_view urdf,
+                                                     const std::string& source,
+                                                     const RobotOptions& options = {});
+
+/// make_robot of read_robot: a robot whose shapes are spheres and capsules already.
 [[nodiscard]] Result<Robot> load_robot(const std::string& path, const RobotOptions& options = {});
-/// The same for URDF text; `source` names it in messages.
+/// make_robot of parse_robot_parts.
 [[nodiscard]] Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
                                         const RobotOptions& options = {});
 

@@ -29,6 +29,11 @@ std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::sp
   std::vector<double> values;
   for (const Joint& joint : joints) values.push_back(joint.fixed_value);
   for (std::size_t i = 0; i < group.size(); ++i) values[static_cast<std::size_t>(group[i])] = q[i];
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const std::optional<Mimic>& mimic = joints[i].mimic;
+    if (!mimic) continue;
+    values[i] = mimic->multiplier * values[static_cast<std::size_t>(mimic->joint)] + mimic->offset;
+  }
   std::vector<Transform> poses(joints.size() + 1);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = joints[i];

@@ -12,7 +12,7 @@
 namespace mneme::internal {
 
 /// Poses of all links in the root link's frame. `group[i]` takes the value `q[i]`; other joints
-/// stand at their fixed values. Links and joints are in tree order.
+/// follow or stand at their fixed values. Links and joints are in tree order.
 [[nodiscard]] std::vector<Transform> forward_kinematics(std::span<const Joint> joints,
                                                         std::span<const int> group,
                                                         std::span<const double> q);

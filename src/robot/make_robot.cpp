@@ -7,60 +7,15 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "robot/planarity.h"
+#include "robot/planning_group.h"
 #include "robot/robot_hash.h"
 #include "robot/robot_tree.h"
 #include "robot/self_pairs.h"
 
 namespace mneme {
 namespace {
-
-std::string movable_names(std::span<const Joint> joints) {
-  std::vector<std::string_view> names;
-  for (const Joint& joint : joints) {
-    if (joint.type != JointType::fixed) names.push_back(joint.name);
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// The index of a joint that can move.
-Result<int> find_movable(std::span<const Joint> joints, const std::string& name) {
-  const auto found = std::ranges::find(joints, name, &Joint::name);
-  if (found == joints.end()) {
-    return fail(ErrorCode::invalid,
-                fmt::format("there is no joint '{}'; the movable joints are: {}", name,
-                            movable_names(joints)));
-  }
-  if (found->type == JointType::fixed) {
-    return fail(ErrorCode::invalid, fmt::format("joint '{}' is fixed; the movable joints are: {}",
-                                                name, movable_names(joints)));
-  }
-  return static_cast<int>(found - joints.begin());
-}
-
-Result<std::vector<int>> choose_group(std::span<const Joint> joints,
-                                      const std::vector<std::string>& names) {
-  std::vector<int> group;
-  if (names.empty()) {
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-      if (joints[i].type != JointType::fixed) group.push_back(static_cast<int>(i));
-    }
-    if (group.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
-    return group;
-  }
-  for (const std::string& name : names) {
-    const auto joint = find_movable(joints, name);
-    if (!joint) return tl::unexpected(joint.error());
-    if (std::ranges::find(group, *joint) != group.end()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("joint '{}' stands twice in the planning group", name));
-    }
-    group.push_back(*joint);
-  }
-  return group;
-}
 
 double within_limits(const Joint& joint, double value) {
   return joint.type == JointType::continuous ? std::remainder(value, 2 * std::numbers::pi)
@@ -73,7 +28,7 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
     joint.fixed_value = joint.type == JointType::fixed ? 0.0 : within_limits(joint, 0.0);
   }
   for (const auto& [name, value] : values) {
-    const auto i = find_movable(joints, name);
+    const auto i = internal::find_free_joint(joints, name);
     if (!i) return i.error();
     if (std::ranges::find(group, *i) != group.end()) {
       return Error{ErrorCode::invalid,
@@ -87,7 +42,47 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
     Joint& joint = joints[static_cast<std::size_t>(*i)];
     joint.fixed_value = within_limits(joint, value);
   }
+  for (Joint& joint : joints) {
+    if (!joint.mimic) continue;
+    const Joint& leader = joints[static_cast<std::size_t>(joint.mimic->joint)];
+    joint.fixed_value = joint.mimic->multiplier * leader.fixed_value + joint.mimic->offset;
+  }
   return std::nullopt;
+}
+
+std::optional<Error> refuse_solids(std::span<const Link> links) {
+  for (const Link& link : links) {
+    if (link.solids.empty()) continue;
+    return Error{ErrorCode::unsupported,
+                 fmt::format("link '{}' has {} boxes, cylinders or meshes, which must be covered "
+                             "with spheres first (`mneme robot spheres`, load_covered_robot)",
+                             link.name, link.solids.size())};
+  }
+  return std::nullopt;
+}
+
+/// Pairs of links that may touch.
+Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<const int> group,
+                                         const RobotOptions& options) {
+  std::map<std::string_view, int> links;
+  for (const Link& link : parts.links) links.emplace(link.name, static_cast<int>(links.size()));
+  internal::LinkPairs pairs;
+  if (!parts.allowed_pairs) pairs = internal::find_neighbours(parts.links, parts.joints, group);
+  using NamedPairs = std::vector<std::pair<std::string, std::string>>;
+  for (const NamedPairs& allowed :
+       {parts.allowed_pairs.value_or(NamedPairs()), options.allowed_pairs}) {
+    for (const auto& [a, b] : allowed) {
+      const auto first = links.find(a), second = links.find(b);
+      if (first == links.end() || second == links.end()) {
+        return fail(ErrorCode::invalid,
+                    fmt::format("links '{}' and '{}' are allowed to touch, but there is no link "
+                                "'{}'",
+                                a, b, first == links.end() ? a : b));
+      }
+      pairs.emplace_back(first->second, second->second);
+    }
+  }
+  return pairs;
 }
 
 Error named(const std::string& robot, const Error& error) {
@@ -102,19 +97,23 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
   if (!sorted) {
     return tl::unexpected(named(name, {ErrorCode::invalid, sorted.error().message}));
   }
-  auto group = choose_group(sorted->joints, options.joints);
+  if (const auto error = refuse_solids(sorted->links)) return tl::unexpected(named(name, *error));
+  auto group = internal::choose_group(*sorted, options);
   if (!group) return tl::unexpected(named(name, group.error()));
   if (const auto error = set_fixed_values(sorted->joints, *group, options.fixed_values)) {
     return tl::unexpected(named(name, *error));
   }
+  const auto allowed = find_allowed(*sorted, *group, options);
+  if (!allowed) return tl::unexpected(named(name, allowed.error()));
   Robot::Model model;
   model.name = name;
   model.links = std::move(sorted->links);
   model.joints = std::move(sorted->joints);
   model.group = std::move(*group);
-  model.self_pairs = internal::derive_self_pairs(model.links, model.joints, model.group);
+  model.self_pairs = internal::derive_self_pairs(model.links, model.joints, model.group, *allowed);
   model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs);
   model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);
+  model.warnings = std::move(sorted->warnings);
   return Robot(std::make_shared<const Robot::Model>(std::move(model)));
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robot/kinematics.h"
+#include "robot/mimic.h"
 
 namespace mneme::internal {
 namespace {
@@ -37,9 +38,10 @@ bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
                     std::span<const int> group) {
   const std::vector<double> zero(group.size(), 0.0);
   const std::vector<Transform> poses = forward_kinematics(joints, group, zero);
-  for (const int i : group) {
-    const Joint& joint = joints[static_cast<std::size_t>(i)];
-    if (!turns_about_z(joint, poses[static_cast<std::size_t>(joint.child_link)])) return false;
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Transform& child = poses[static_cast<std::size_t>(joints[i].child_link)];
+    if (is_moving[i] && !turns_about_z(joints[i], child)) return false;
   }
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (!lies_in_plane(links[i], poses[i])) return false;

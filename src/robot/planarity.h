@@ -10,9 +10,9 @@
 
 namespace mneme::internal {
 
-/// True if all joints of the group turn about the z axis of a frame whose z axis is parallel to the
-/// root's, and all shapes are centred in z = 0; to within 1e-9. It is enough to look at one
-/// configuration, since such joints keep z.
+/// True if all joints of the group, and all that follow them, turn about the z axis of a frame
+/// whose z axis is parallel to the root's, and all shapes are centred in z = 0; to within 1e-9. It
+/// is enough to look at one configuration, since such joints keep z.
 [[nodiscard]] bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
                                   std::span<const int> group);
 

@@ -10,10 +10,12 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include "robot/mimic.h"
+
 namespace mneme::internal {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 /// The bytes to be hashed, little-endian.
 class Bytes {
@@ -52,7 +54,21 @@ void add_shapes(Bytes& bytes, const Link& link) {
   }
 }
 
-void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group) {
+void add_value(Bytes& bytes, const Joint& joint, bool is_in_group, bool is_moving) {
+  bytes.add(static_cast<int>(is_moving));
+  if (is_in_group) {
+    bytes.add(joint.lower);
+    bytes.add(joint.upper);
+  } else if (is_moving) {
+    bytes.add(joint.mimic->joint);
+    bytes.add(joint.mimic->multiplier);
+    bytes.add(joint.mimic->offset);
+  } else {
+    bytes.add(joint.fixed_value);
+  }
+}
+
+void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group, bool is_moving) {
   bytes.add(static_cast<int>(joint.type));
   bytes.add(joint.parent_link);
   bytes.add(joint.child_link);
@@ -60,12 +76,7 @@ void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group) {
   bytes.add(joint.origin.translation);
   if (joint.type == JointType::fixed) return;
   bytes.add(joint.axis);
-  if (is_in_group) {
-    bytes.add(joint.lower);
-    bytes.add(joint.upper);
-  } else {
-    bytes.add(joint.fixed_value);
-  }
+  add_value(bytes, joint, is_in_group, is_moving);
 }
 
 }  // namespace
@@ -77,8 +88,10 @@ std::string hash_robot(std::span<const Link> links, std::span<const Joint> joint
   bytes.add(kVersion);
   bytes.add_count(links.size());
   for (const Link& link : links) add_shapes(bytes, link);
+  const std::vector<bool> is_moving = find_moving(joints, group);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    add_joint(bytes, joints[i], std::ranges::find(group, static_cast<int>(i)) != group.end());
+    const bool is_in_group = std::ranges::find(group, static_cast<int>(i)) != group.end();
+    add_joint(bytes, joints[i], is_in_group, is_moving[i]);
   }
   bytes.add_count(group.size());
   for (const int joint : group) bytes.add(joint);

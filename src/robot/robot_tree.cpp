@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "robot/mimic.h"
+
 namespace mneme::internal {
 namespace {
 
@@ -113,6 +115,14 @@ Fault check_values(const Robot::Parts& parts) {
   return std::nullopt;
 }
 
+Fault fold_followers(Robot::Parts& parts) {
+  const auto fault = fold_mimics(parts.joints);
+  if (!fault) return std::nullopt;
+  const auto& [joint, what] = *fault;
+  return PartsFault{fmt::format("joint '{}': {}", parts.joints[index(joint)].name, what), -1,
+                    joint};
+}
+
 Fault assign_parents(Robot::Parts& parts) {
   for (Link& link : parts.links) link.parent_joint = -1;
   for (std::size_t i = 0; i < parts.joints.size(); ++i) {
@@ -193,7 +203,11 @@ Joint canonical(Joint joint) {
 Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& order) {
   Robot::Parts sorted;
   sorted.name = std::move(parts.name);
+  sorted.groups = std::move(parts.groups);
+  sorted.allowed_pairs = std::move(parts.allowed_pairs);
+  sorted.warnings = std::move(parts.warnings);
   std::vector<int> new_link(parts.links.size(), 0);
+  std::vector<int> new_joint(parts.joints.size(), 0);
   sorted.links.push_back(std::move(parts.links[index(root)]));
   for (const int old_joint : order) {
     Joint joint = canonical(std::move(parts.joints[index(old_joint)]));
@@ -203,7 +217,11 @@ Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& ord
     sorted.links.back().parent_joint = link - 1;
     joint.parent_link = new_link[index(joint.parent_link)];
     joint.child_link = link;
+    new_joint[index(old_joint)] = link - 1;
     sorted.joints.push_back(std::move(joint));
+  }
+  for (Joint& joint : sorted.joints) {
+    if (joint.mimic) joint.mimic->joint = new_joint[index(joint.mimic->joint)];
   }
   return sorted;
 }
@@ -212,6 +230,7 @@ Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& ord
 
 tl::expected<Robot::Parts, PartsFault> sort_tree(Robot::Parts parts) {
   if (auto fault = check_values(parts)) return tl::unexpected(*fault);
+  if (auto fault = fold_followers(parts)) return tl::unexpected(*fault);
   if (auto fault = assign_parents(parts)) return tl::unexpected(*fault);
   const auto root = find_root(parts);
   if (!root) return tl::unexpected(root.error());

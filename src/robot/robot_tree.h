@@ -20,9 +20,9 @@ struct PartsFault {
   int joint = -1;
 };
 
-/// Checks names, numbers and the tree; makes axes unit vectors; sorts links and joints depth first,
-/// children in the order of their joints, so that joint `i` carries link `i + 1`. Sorting what is
-/// sorted changes nothing.
+/// Checks names, numbers and the tree; makes axes unit vectors; folds chains of joints that follow
+/// each other; sorts links and joints depth first, children in the order of their joints, so that
+/// joint `i` carries link `i + 1`. Sorting what is sorted changes nothing.
 [[nodiscard]] tl::expected<Robot::Parts, PartsFault> sort_tree(Robot::Parts parts);
 
 }  // namespace mneme::internal

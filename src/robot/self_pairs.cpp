@@ -5,19 +5,20 @@
 #include <algorithm>
 #include <set>
 
+#include "robot/mimic.h"
+
 namespace mneme::internal {
 namespace {
 
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
 /// The body of each link: the index of the body's topmost link.
 std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
-                      std::span<const int> group) {
-  std::vector<bool> is_moving(joints.size(), false);
-  for (const int joint : group) is_moving[static_cast<std::size_t>(joint)] = true;
+                      const std::vector<bool>& is_moving) {
   std::vector<int> bodies(links.size(), 0);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    bodies[static_cast<std::size_t>(joints[i].child_link)] =
-        is_moving[i] ? joints[i].child_link
-                     : bodies[static_cast<std::size_t>(joints[i].parent_link)];
+    bodies[index(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[index(joints[i].parent_link)];
   }
   return bodies;
 }
@@ -26,23 +27,38 @@ bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsul
 
 }  // namespace
 
-std::vector<std::pair<int, int>> derive_self_pairs(std::span<const Link> links,
-                                                   std::span<const Joint> joints,
-                                                   std::span<const int> group) {
-  const std::vector<int> bodies = weld(links, joints, group);
-  std::set<std::pair<int, int>> neighbours;
-  for (const int i : group) {
-    const Joint& joint = joints[static_cast<std::size_t>(i)];
-    neighbours.insert(std::minmax({bodies[static_cast<std::size_t>(joint.parent_link)],
-                                   bodies[static_cast<std::size_t>(joint.child_link)]}));
+LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                          std::span<const int> group) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  const std::vector<int> bodies = weld(links, joints, is_moving);
+  std::set<std::pair<int, int>> joined;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!is_moving[i]) continue;
+    joined.insert(
+        std::minmax({bodies[index(joints[i].parent_link)], bodies[index(joints[i].child_link)]}));
   }
-  std::vector<std::pair<int, int>> pairs;
+  LinkPairs neighbours;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      if (!joined.contains(std::minmax({bodies[a], bodies[b]}))) continue;
+      neighbours.emplace_back(static_cast<int>(a), static_cast<int>(b));
+    }
+  }
+  return neighbours;
+}
+
+LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
+                            std::span<const int> group, const LinkPairs& allowed) {
+  const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
+  std::set<std::pair<int, int>> may_touch;
+  for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
+  LinkPairs pairs;
   for (std::size_t a = 0; a < links.size(); ++a) {
     if (!has_shapes(links[a])) continue;
     for (std::size_t b = a + 1; b < links.size(); ++b) {
       if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
-      if (neighbours.contains(std::minmax({bodies[a], bodies[b]}))) continue;
-      pairs.emplace_back(static_cast<int>(a), static_cast<int>(b));
+      const std::pair pair(static_cast<int>(a), static_cast<int>(b));
+      if (!may_touch.contains(pair)) pairs.push_back(pair);
     }
   }
   return pairs;

@@ -12,11 +12,17 @@
 
 namespace mneme::internal {
 
-/// Pairs of links with shapes, first < second, that the joints of `group` move against each other,
-/// except those whose rigid bodies one such joint connects. Fixed joints, and joints outside the
-/// group, weld links into bodies.
-[[nodiscard]] std::vector<std::pair<int, int>> derive_self_pairs(std::span<const Link> links,
-                                                                 std::span<const Joint> joints,
-                                                                 std::span<const int> group);
+using LinkPairs = std::vector<std::pair<int, int>>;
+
+/// Pairs of links whose rigid bodies one moving joint connects.
+[[nodiscard]] LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                                        std::span<const int> group);
+
+/// Pairs of links with shapes, first < second, that the joints of `group` and those that follow
+/// them move against each other, except `allowed` ones (in any order). Other joints weld links into
+/// bodies.
+[[nodiscard]] LinkPairs derive_self_pairs(std::span<const Link> links,
+                                          std::span<const Joint> joints, std::span<const int> group,
+                                          const LinkPairs& allowed);
 
 }  // namespace mneme::internal

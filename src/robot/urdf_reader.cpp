@@ -1,23 +1,19 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/robot.h"
+#include "robot/urdf_reader.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <algorithm>
+#include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "robot/robot_file.h"
 #include "robot/robot_tree.h"
 #include "robot/xml_reader.h"
 
-namespace mneme {
+namespace mneme::internal {
 namespace {
-
-using internal::XmlElement;
-using internal::XmlReader;
-
-constexpr std::size_t kMaxFileSize = std::size_t{64} << 20;
 
 /// Reads the parts of a robot from URDF, and remembers the lines on which they stand.
 class UrdfReader {
@@ -25,7 +21,6 @@ class UrdfReader {
   explicit UrdfReader(const std::string& source) : xml_(source) {}
 
   Result<Robot::Parts> read(std::string_view urdf);
-  [[nodiscard]] int robot_line() const { return robot_line_; }
 
  private:
   void read_robot(const XmlElement& element);
@@ -35,9 +30,11 @@ class UrdfReader {
   void read_joint(const XmlElement& element);
   JointType read_type(const XmlElement& element);
   void read_motion(const XmlElement& element, Joint& joint);
+  void read_mimic(const XmlElement& element, Joint& joint);
   Transform read_origin(const XmlElement& element);
   void connect_joints();
   int find_link(const XmlElement& joint, const char* end);
+  int find_leader(const XmlElement& mimic);
   Result<Robot::Parts> sorted();
 
   XmlReader xml_;
@@ -50,7 +47,7 @@ class UrdfReader {
 
 Result<Robot::Parts> UrdfReader::read(std::string_view urdf) {
   tinyxml2::XMLDocument document;
-  if (urdf.size() > kMaxFileSize) xml_.note(1, "the text is longer than 64 MB");
+  if (urdf.size() > kMaxRobotFileSize) xml_.note(1, "the text is longer than 64 MB");
   const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, urdf, "robot");
   if (robot != nullptr) read_robot(*robot);
   return xml_.fault() ? tl::unexpected(*xml_.fault()) : sorted();
@@ -147,13 +144,12 @@ void UrdfReader::read_joint(const XmlElement& element) {
   xml_.set_context(fmt::format("joint '{}'", joint.name));
   xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
                       {"dynamics", "safety_controller", "calibration", "gazebo"});
-  if (const XmlElement* mimic = element.FirstChildElement("mimic")) {
-    xml_.note(mimic->GetLineNum(), "<mimic>: joints that follow others are not supported",
-              ErrorCode::unsupported);
-  }
   joint.type = read_type(element);
   joint.origin = read_origin(element);
-  if (joint.type != JointType::fixed) read_motion(element, joint);
+  if (joint.type != JointType::fixed) {
+    read_motion(element, joint);
+    read_mimic(element, joint);
+  }
   joint_elements_.push_back(&element);
   parts_.joints.push_back(std::move(joint));
 }
@@ -172,11 +168,23 @@ void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
   joint.upper = xml_.number(*limit, "upper");
 }
 
+void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {
+  const XmlElement* mimic = element.FirstChildElement("mimic");
+  if (mimic == nullptr) return;
+  xml_.check_attributes(*mimic, {"joint", "multiplier", "offset"});
+  joint.mimic.emplace();
+  if (mimic->Attribute("multiplier")) joint.mimic->multiplier = xml_.number(*mimic, "multiplier");
+  if (mimic->Attribute("offset")) joint.mimic->offset = xml_.number(*mimic, "offset");
+}
+
 void UrdfReader::connect_joints() {
   for (std::size_t i = 0; i < parts_.joints.size() && !xml_.fault(); ++i) {
     xml_.set_context(fmt::format("joint '{}'", parts_.joints[i].name));
     parts_.joints[i].parent_link = find_link(*joint_elements_[i], "parent");
     parts_.joints[i].child_link = find_link(*joint_elements_[i], "child");
+    if (parts_.joints[i].mimic) {
+      parts_.joints[i].mimic->joint = find_leader(*joint_elements_[i]->FirstChildElement("mimic"));
+    }
   }
   xml_.set_context("");
 }
@@ -192,10 +200,18 @@ int UrdfReader::find_link(const XmlElement& joint, const char* end) {
   return -1;
 }
 
+int UrdfReader::find_leader(const XmlElement& mimic) {
+  const std::string name = xml_.text(mimic, "joint");
+  const auto found = std::ranges::find(parts_.joints, name, &Joint::name);
+  if (found != parts_.joints.end()) return static_cast<int>(found - parts_.joints.begin());
+  xml_.note(mimic.GetLineNum(), fmt::format("<mimic>: there is no joint '{}'", name));
+  return -1;
+}
+
 Result<Robot::Parts> UrdfReader::sorted() {
-  auto result = internal::sort_tree(std::move(parts_));
+  auto result = sort_tree(std::move(parts_));
   if (result) return std::move(*result);
-  const internal::PartsFault& fault = result.error();
+  const PartsFault& fault = result.error();
   int line = robot_line_;
   if (fault.link >= 0) line = link_lines_[static_cast<std::size_t>(fault.link)];
   if (fault.joint >= 0) {
@@ -205,40 +221,10 @@ Result<Robot::Parts> UrdfReader::sorted() {
   return tl::unexpected(*xml_.fault());
 }
 
-/// The whole file; one byte beyond kMaxFileSize is enough to know that it is too long.
-Result<std::string> read_file(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  std::string block(std::size_t{1} << 16, '\0');
-  while (file && text.size() <= kMaxFileSize) {
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (file.bad() || !file.is_open()) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path,
-                                           errno != 0 ? std::strerror(errno) : "input error"));
-  }
-  return text;
-}
-
 }  // namespace
 
-Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
-                          const RobotOptions& options) {
-  UrdfReader reader(source);
-  auto parts = reader.read(urdf);
-  if (!parts) return tl::unexpected(parts.error());
-  auto robot = make_robot(std::move(*parts), options);
-  if (robot) return robot;
-  return fail(robot.error().code,
-              fmt::format("{}:{}: {}", source, reader.robot_line(), robot.error().message));
+Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source) {
+  return UrdfReader(source).read(urdf);
 }
 
-Result<Robot> load_robot(const std::string& path, const RobotOptions& options) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return parse_robot(*text, path, options);
-}
-
-}  // namespace mneme
+}  // namespace mneme::internal
