@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/planning_group.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace mneme::internal {
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool is_free(const Joint& joint) { return joint.type != JointType::fixed && !joint.mimic; }
+
+Names free_names(std::span<const Joint> joints) {
+  Names names;
+  for (const Joint& joint : joints) {
+    if (is_free(joint)) names.push_back(joint.name);
+  }
+  return names;
+}
+
+Names group_names(std::span<const JointGroup> groups) {
+  Names names;
+  for (const JointGroup& group : groups) names.push_back(group.name);
+  return names;
+}
+
+Result<std::vector<int>> find_all(std::span<const Joint> joints, const Names& names) {
+  std::vector<int> group;
+  for (const std::string& name : names) {
+    const auto joint = find_free_joint(joints, name);
+    if (!joint) return tl::unexpected(joint.error());
+    if (std::ranges::find(group, *joint) != group.end()) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("joint '{}' stands twice in the planning group", name));
+    }
+    group.push_back(*joint);
+  }
+  return group;
+}
+
+/// The joints of "base_link:tip_link", or nothing if these are no two links.
+std::optional<Names> find_chain(const Robot::Parts& parts, const std::string& name) {
+  const auto find = [&](const std::string& link) {
+    return std::ranges::find(parts.links, link, &Link::name) - parts.links.begin();
+  };
+  const std::size_t colon = name.find(':');
+  if (colon == std::string::npos) return std::nullopt;
+  const auto base = find(name.substr(0, colon)), tip = find(name.substr(colon + 1));
+  if (std::max(base, tip) >= std::ssize(parts.links)) return std::nullopt;
+  return joints_between(parts.links, parts.joints, static_cast<int>(base), static_cast<int>(tip));
+}
+
+Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
+  std::optional<Names> joints;
+  const auto group = std::ranges::find(parts.groups, name, &JointGroup::name);
+  if (group != parts.groups.end()) {
+    joints = group->joints;
+  } else {
+    joints = find_chain(parts, name);
+  }
+  if (!joints) {
+    return fail(ErrorCode::invalid,
+                fmt::format("there is no group '{}'; expected {}{}the two links of a chain as "
+                            "base_link:tip_link",
+                            name, fmt::join(group_names(parts.groups), ", "),
+                            parts.groups.empty() ? "" : " or "));
+  }
+  if (joints->empty()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("group '{}' has no joint that can be planned for; those of the robot "
+                            "are: {}",
+                            name, fmt::join(free_names(parts.joints), ", ")));
+  }
+  return *joints;
+}
+
+/// The only group of the SRDF that fits. Groups of the same joints count as one.
+Result<Names> find_only(const Robot::Parts& parts) {
+  std::vector<JointGroup> fitting;
+  for (const JointGroup& group : parts.groups) {
+    const bool is_new =
+        std::ranges::find(fitting, group.joints, &JointGroup::joints) == fitting.end();
+    if (!group.joints.empty() && !group.is_end_effector && is_new) fitting.push_back(group);
+  }
+  if (fitting.size() == 1) return fitting.front().joints;
+  if (fitting.empty()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("no group of the SRDF ({}) can move and is no end effector's; name the "
+                            "joints to plan for",
+                            fmt::join(group_names(parts.groups), ", ")));
+  }
+  return fail(ErrorCode::invalid,
+              fmt::format("the SRDF has several groups that can be planned for: {}; name one",
+                          fmt::join(group_names(fitting), ", ")));
+}
+
+}  // namespace
+
+Result<int> find_free_joint(std::span<const Joint> joints, const std::string& name) {
+  const auto found = std::ranges::find(joints, name, &Joint::name);
+  std::string fault;
+  if (found == joints.end()) {
+    fault = fmt::format("there is no joint '{}'", name);
+  } else if (found->type == JointType::fixed) {
+    fault = fmt::format("joint '{}' is fixed", name);
+  } else if (found->mimic) {
+    fault = fmt::format("joint '{}' follows joint '{}'", name,
+                        joints[static_cast<std::size_t>(found->mimic->joint)].name);
+  } else {
+    return static_cast<int>(found - joints.begin());
+  }
+  return fail(ErrorCode::invalid, fmt::format("{}; the movable joints are: {}", fault,
+                                              fmt::join(free_names(joints), ", ")));
+}
+
+Names joints_between(std::span<const Link> links, std::span<const Joint> joints, int base,
+                     int tip) {
+  std::vector<bool> is_between(joints.size(), false);
+  // A child's index is above its parent's, so the larger of the two is never above the other.
+  while (base != tip) {
+    int& lower = std::max(base, tip) == tip ? tip : base;
+    const int joint = links[static_cast<std::size_t>(lower)].parent_joint;
+    is_between[static_cast<std::size_t>(joint)] = true;
+    lower = joints[static_cast<std::size_t>(joint)].parent_link;
+  }
+  Names names;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (is_between[i] && is_free(joints[i])) names.push_back(joints[i].name);
+  }
+  return names;
+}
+
+Result<std::vector<int>> choose_group(const Robot::Parts& parts, const RobotOptions& options) {
+  Names names = options.joints;
+  if (names.empty() && !options.group.empty()) {
+    auto named = find_named(parts, options.group);
+    if (!named) return tl::unexpected(named.error());
+    names = *std::move(named);
+  } else if (names.empty() && !parts.groups.empty()) {
+    auto only = find_only(parts);
+    if (!only) return tl::unexpected(only.error());
+    names = *std::move(only);
+  } else if (names.empty()) {
+    names = free_names(parts.joints);
+  }
+  if (names.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
+  return find_all(parts.joints, names);
+}
+
+}  // namespace mneme::internal

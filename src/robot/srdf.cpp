@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/srdf.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "robot/planning_group.h"
+#include "robot/srdf_reader.h"
+
+namespace mneme::internal {
+namespace {
+
+using NamedPair = std::pair<std::string, std::string>;
+
+std::set<std::string_view> names_of(const std::vector<SrdfName>& list) {
+  std::set<std::string_view> names;
+  for (const SrdfName& entry : list) names.insert(entry.name);
+  return names;
+}
+
+NamedPair ordered(const std::string& a, const std::string& b) {
+  return a < b ? NamedPair(a, b) : NamedPair(b, a);
+}
+
+/// Looks up the names of one SRDF in one robot.
+class SrdfLookup {
+ public:
+  SrdfLookup(const Srdf& srdf, const std::string& source, Robot::Parts& parts)
+      : srdf_(srdf), source_(source), parts_(parts) {
+    for (const Link& link : parts.links) links_.emplace(link.name, static_cast<int>(links_.size()));
+    for (const Joint& joint : parts.joints) joints_.insert(joint.name);
+    for (const SrdfName& joint : srdf.virtual_joints) joints_.insert(joint.name);
+    for (const SrdfGroup& group : srdf.groups) groups_.emplace(group.name.name, &group);
+  }
+
+  void add_groups();
+  void add_allowed_pairs();
+
+ private:
+  std::set<std::string> all_joints(const SrdfGroup& group);
+  void add_joints(const SrdfGroup& group, std::set<std::string>& joints);
+  std::optional<int> find_link(const SrdfName& name);
+  bool has_joint(const SrdfName& name);
+  std::optional<NamedPair> find_pair(const SrdfPair& pair);
+  void warn(const SrdfName& name, const char* kind);
+
+  const Srdf& srdf_;
+  const std::string& source_;
+  Robot::Parts& parts_;
+  std::map<std::string_view, int> links_;
+  std::set<std::string_view> joints_;
+  std::map<std::string_view, const SrdfGroup*> groups_;
+  std::set<std::string> warned_;
+};
+
+void SrdfLookup::warn(const SrdfName& name, const char* kind) {
+  if (!warned_.insert(fmt::format("{} {}", kind, name.name)).second) return;
+  parts_.warnings.push_back(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line,
+                                        parts_.name, kind, name.name));
+}
+
+std::optional<int> SrdfLookup::find_link(const SrdfName& name) {
+  const auto found = links_.find(name.name);
+  if (found != links_.end()) return found->second;
+  warn(name, "link");
+  return std::nullopt;
+}
+
+bool SrdfLookup::has_joint(const SrdfName& name) {
+  const bool is_there = joints_.contains(name.name);
+  if (!is_there) warn(name, "joint");
+  return is_there;
+}
+
+std::optional<NamedPair> SrdfLookup::find_pair(const SrdfPair& pair) {
+  const auto first = find_link(pair.first), second = find_link(pair.second);
+  if (!first || !second) return std::nullopt;
+  return ordered(pair.first.name, pair.second.name);
+}
+
+/// The joints of a group without those of its subgroups.
+void SrdfLookup::add_joints(const SrdfGroup& group, std::set<std::string>& joints) {
+  for (const SrdfName& joint : group.joints) {
+    if (has_joint(joint)) joints.insert(joint.name);
+  }
+  for (const SrdfName& name : group.links) {
+    const auto link = find_link(name);
+    if (!link || *link == 0) continue;
+    joints.insert(parts_.joints[static_cast<std::size_t>(*link - 1)].name);
+  }
+  for (const SrdfPair& chain : group.chains) {
+    const auto base = find_link(chain.first), tip = find_link(chain.second);
+    if (!base || !tip) continue;
+    for (std::string& joint : joints_between(parts_.links, parts_.joints, *base, *tip)) {
+      joints.insert(std::move(joint));
+    }
+  }
+}
+
+/// The joints of a group and its subgroups.
+std::set<std::string> SrdfLookup::all_joints(const SrdfGroup& group) {
+  std::set<std::string> joints;
+  std::vector<const SrdfGroup*> family{&group};
+  for (std::size_t i = 0; i < family.size(); ++i) {
+    add_joints(*family[i], joints);
+    for (const SrdfName& name : family[i]->subgroups) {
+      const auto subgroup = groups_.find(name.name);
+      if (subgroup == groups_.end()) {
+        warn(name, "group");
+      } else if (std::ranges::find(family, subgroup->second) == family.end()) {
+        family.push_back(subgroup->second);
+      }
+    }
+  }
+  return joints;
+}
+
+void SrdfLookup::add_groups() {
+  const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
+  const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
+  for (const SrdfGroup& group : srdf_.groups) {
+    const std::set<std::string> joints = all_joints(group);
+    JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
+    for (const Joint& joint : parts_.joints) {
+      const bool is_free = joint.type != JointType::fixed && !joint.mimic;
+      if (is_free && joints.contains(joint.name) && !passive.contains(joint.name)) {
+        added.joints.push_back(joint.name);
+      }
+    }
+    parts_.groups.push_back(std::move(added));
+  }
+}
+
+void SrdfLookup::add_allowed_pairs() {
+  std::set<NamedPair> allowed;
+  for (const SrdfName& name : srdf_.disabled_links) {
+    if (!find_link(name)) continue;
+    for (const Link& link : parts_.links) {
+      if (link.name != name.name) allowed.insert(ordered(link.name, name.name));
+    }
+  }
+  for (const SrdfPair& pair : srdf_.enabled) {
+    if (const auto named = find_pair(pair)) allowed.erase(*named);
+  }
+  for (const SrdfPair& pair : srdf_.disabled) {
+    if (auto named = find_pair(pair)) allowed.insert(*std::move(named));
+  }
+  parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
+}
+
+}  // namespace
+
+std::optional<Error> apply_srdf(std::string_view text, const std::string& source,
+                                Robot::Parts& parts) {
+  const Result<Srdf> srdf = read_srdf(text, source);
+  if (!srdf) return srdf.error();
+  if (srdf->robot.name != parts.name) {
+    parts.warnings.push_back(fmt::format("{}:{}: this SRDF is for robot '{}', not for '{}'", source,
+                                         srdf->robot.line, srdf->robot.name, parts.name));
+  }
+  SrdfLookup lookup(*srdf, source, parts);
+  lookup.add_groups();
+  lookup.add_allowed_pairs();
+  return std::nullopt;
+}
+
+}  // namespace mneme::internal
