@@ -133,11 +133,11 @@ class Robot {
     std::string name;
     std::vector<Link> links;
     std::vector<Joint> joints;
-    std::vector<JointGroup> groups;
+    std::vector<JointGroup> groups = {};
     /// The only pairs of links that may touch, besides those of RobotOptions. Nothing: links joined
     /// by one joint may touch.
     std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = {};
   };
 
  private:

@@ -42,8 +42,7 @@ TEST_SUITE("unit") {
 
     Robot::Parts parts = make_chain(2);
     parts.joints[1].lower = -1;
-    const internal::JointSpace reversed(
-        require_robot(parts, {.joints = {"j2", "j1"}, .fixed_values = {}}));
+    const internal::JointSpace reversed(require_robot(parts, test::plan_for({"j2", "j1"})));
     CHECK(reversed.lower(0) == -1.0f);
     CHECK(reversed.lower(1) == -2.0f);
   }

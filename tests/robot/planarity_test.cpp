@@ -12,6 +12,14 @@
 namespace mneme {
 
 TEST_SUITE("unit") {
+  TEST_CASE("a joint that follows the group must turn about z too") {
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[1].mimic = test::follow(0);
+    CHECK(test::require_robot(parts).is_planar());
+    parts.joints[1].axis = Vec3::UnitX();
+    CHECK_FALSE(test::require_robot(parts).is_planar());
+  }
+
   TEST_CASE("arms that turn about z with shapes in the plane are planar") {
     CHECK(test::planar8().is_planar());
     Robot::Parts parts = test::make_chain(3);

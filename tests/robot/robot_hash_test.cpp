@@ -12,6 +12,8 @@
 namespace mneme {
 namespace {
 
+using test::plan_for;
+
 struct Change {
   std::string what;
   std::function<void(Robot::Parts&)> apply;
@@ -74,6 +76,7 @@ TEST_SUITE("law") {
          }},
         {"axis", [](Robot::Parts& p) { p.joints[2].axis = -p.joints[2].axis; }},
         {"type", [](Robot::Parts& p) { p.joints[2].type = JointType::prismatic; }},
+        {"following", [](Robot::Parts& p) { p.joints[3].mimic = test::follow(0); }},
         {"parent", [](Robot::Parts& p) { p.joints[3].parent_link = 2; }},
     };
     for (const Change& change : changes) {
@@ -86,13 +89,27 @@ TEST_SUITE("law") {
     const auto hash = [](const RobotOptions& options) {
       return test::require_robot(test::make_chain(3), options).hash();
     };
-    const std::string all = hash({{"j1", "j2", "j3"}, {}});
+    const std::string all = hash(plan_for({"j1", "j2", "j3"}));
     CHECK(all == hash({}));
-    CHECK(all != hash({{"j2", "j1", "j3"}, {}}));
-    const std::string two = hash({{"j1", "j2"}, {}});
+    CHECK(all != hash(plan_for({"j2", "j1", "j3"})));
+    const std::string two = hash(plan_for({"j1", "j2"}));
     CHECK(two != all);
-    CHECK(two == hash({{"j1", "j2"}, {{"j3", 0.0}}}));
-    CHECK(two != hash({{"j1", "j2"}, {{"j3", 0.5}}}));
+    CHECK(two == hash(plan_for({"j1", "j2"}, {{"j3", 0.0}})));
+    CHECK(two != hash(plan_for({"j1", "j2"}, {{"j3", 0.5}})));
+  }
+
+  TEST_CASE("whom a joint follows and how counts, unless it stands still") {
+    const auto hash = [](int joint, double multiplier, double offset,
+                         const std::vector<std::string>& group) {
+      Robot::Parts parts = test::make_chain(4);
+      parts.joints[3].mimic = test::follow(joint, multiplier, offset);
+      return test::require_robot(parts, plan_for(group)).hash();
+    };
+    const std::vector<std::string> group{"j1", "j2", "j3"};
+    CHECK(hash(0, 1, 0, group) != hash(1, 1, 0, group));
+    CHECK(hash(0, 1, 0, group) != hash(0, -1, 0, group));
+    CHECK(hash(0, 1, 0, group) != hash(0, 1, 0.5, group));
+    CHECK(hash(0, 1, 0.5, {"j2"}) == hash(2, -1, 0.5, {"j2"}));
   }
 
   TEST_CASE("the pairs that are checked count") {

@@ -52,6 +52,17 @@ TEST_SUITE("unit") {
     CHECK(sorted->joints[0].upper == kPi);
   }
 
+  TEST_CASE("what joints follow keeps its meaning when they are sorted") {
+    Robot::Parts parts = make_chain(3);
+    std::swap(parts.joints[0], parts.joints[2]);
+    parts.joints[1].mimic = test::follow(0, 2);  // j2 follows j3
+    const auto sorted = sort_tree(parts);
+    REQUIRE(sorted.has_value());
+    REQUIRE(sorted->joints[1].name == "j2");
+    CHECK(sorted->joints[1].mimic->joint == 2);
+    CHECK(sort_tree(*sorted)->joints[1].mimic->joint == 2);
+  }
+
   TEST_CASE("a fixed joint needs neither axis nor limits") {
     Robot::Parts parts = make_chain(1, JointType::fixed);
     parts.joints[0].axis = Vec3::Zero();

@@ -44,6 +44,24 @@ TEST_SUITE("unit") {
     CHECK(pairs_of(robot) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
   }
 
+  TEST_CASE("joints that follow the group move their links too") {
+    Robot::Parts parts = test::make_chain(4);
+    parts.joints[1].mimic = test::follow(0);
+    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))) ==
+          Pairs{{0, 2}, {0, 3}, {0, 4}});
+    parts.joints[1].mimic = test::follow(0, 0);
+    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))).empty());
+  }
+
+  TEST_CASE("with a list of allowed pairs neighbours are checked like others") {
+    Robot::Parts parts = test::make_chain(3);
+    parts.joints[2].type = JointType::fixed;
+    parts.allowed_pairs.emplace();
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}});
+    parts.allowed_pairs->emplace_back("l2", "l0");
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 1}, {0, 3}, {1, 2}, {1, 3}});
+  }
+
   TEST_CASE("links on two branches are checked against each other") {
     Robot::Parts parts = test::make_chain(2);
     parts.joints[1].parent_link = 0;

@@ -52,6 +52,19 @@ inline Robot require_robot(Robot::Parts parts, const RobotOptions& options = {})
   return *robot;
 }
 
+/// Options that name the joints of the group and the values of others.
+inline RobotOptions plan_for(std::vector<std::string> joints,
+                             std::map<std::string, double> fixed_values = {}) {
+  RobotOptions options;
+  options.joints = std::move(joints);
+  options.fixed_values = std::move(fixed_values);
+  return options;
+}
+
+inline Mimic follow(int joint, double multiplier = 1, double offset = 0) {
+  return {joint, multiplier, offset};
+}
+
 inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }

@@ -186,7 +186,38 @@ TEST_SUITE("unit") {
     check_refusals({
         {"type=\"revolute\"", "type=\"planar\"", 11, "joint 'turn': <joint>: type 'planar'", code},
         {"type=\"revolute\"", "type=\"floating\"", 11, "type 'floating' is not supported", code},
-        {"<axis", "<mimic joint=\"x\"/><axis", 15, "joint 'turn': <mimic>", code},
+    });
+  }
+
+  TEST_CASE("a joint may follow one that stands below it in the file") {
+    const Robot robot = require_parsed(replaced("</robot>", R"(<link name="hand"/>
+      <joint name="grip" type="prismatic"><parent link="tool"/><child link="hand"/>
+      <limit lower="0" upper="1"/><mimic joint="slide" multiplier="-2" offset="0.5"/></joint>
+      <link name="other"/><joint name="slide" type="prismatic"><parent link="tool"/>
+      <child link="other"/><limit lower="0" upper="1"/></joint></robot>)"));
+    REQUIRE(robot.joint_count() == 2);
+    CHECK(robot.group_joint(1).name == "slide");
+    const Joint& grip = robot.joints()[1];
+    REQUIRE(grip.name == "grip");
+    REQUIRE(grip.mimic.has_value());
+    CHECK(robot.joints()[static_cast<std::size_t>(grip.mimic->joint)].name == "slide");
+    CHECK(grip.mimic->multiplier == -2);
+    CHECK(grip.mimic->offset == 0.5);
+  }
+
+  TEST_CASE("a fixed joint that should follow another stays fixed") {
+    const std::string fixed = R"(<link name="hand"/><joint name="grip" type="fixed">
+      <parent link="tool"/><child link="hand"/><mimic joint="nobody"/></joint></robot>)";
+    CHECK_FALSE(require_parsed(replaced("</robot>", fixed)).joints()[1].mimic.has_value());
+  }
+
+  TEST_CASE("joints that cannot follow are refused at their line") {
+    check_refusals({
+        {"<axis", "<mimic joint=\"x\"/><axis", 15, "joint 'turn': <mimic>: there is no joint 'x'"},
+        {"<axis", "<mimic/><axis", 15, "joint 'turn': <mimic>: attribute 'joint' is missing"},
+        {"<axis", "<mimic joint=\"turn\"/><axis", 11, "joint 'turn': the joints that it follows"},
+        {"<axis", "<mimic joint=\"turn\" multiplier=\"x\"/><axis", 15, "multiplier is 'x'"},
+        {"<axis", "<mimic joint=\"turn\" ofset=\"1\"/><axis", 15, "unknown attribute 'ofset'"},
     });
   }
 
@@ -216,31 +247,6 @@ TEST_SUITE("unit") {
          "link=\"base\"/></joint></robot>",
          18, "2 joint(s) form a loop"},
     });
-  }
-
-  TEST_CASE("options that do not fit the robot are errors that name the file") {
-    const auto robot = parse_robot(kArm, "arm.urdf", {{"elbow"}, {}});
-    REQUIRE_FALSE(robot.has_value());
-    CHECK(robot.error().code == ErrorCode::invalid);
-    CHECK(robot.error().message.starts_with("arm.urdf:1: robot 'arm': there is no joint 'elbow'"));
-  }
-
-  TEST_CASE("files that cannot be read or are too long are errors that name the file") {
-    const test::TemporaryDirectory directory;
-    const std::string absent = directory / "absent.urdf";
-    CHECK(load_robot(absent).error().code == ErrorCode::io);
-    CHECK(contains(load_robot(absent).error().message, absent + ": cannot be read: No such file"));
-    CHECK(load_robot(directory / "").error().code == ErrorCode::io);
-    const std::string large = directory / "large.urdf";
-    test::write_file(large, kArm);
-    std::filesystem::resize_file(large, (std::uintmax_t{64} << 20) + 1);
-    CHECK(contains(load_robot(large).error().message, large + ":1: the text is longer than 64 MB"));
-  }
-
-  TEST_CASE("a file and its text give the same robot") {
-    const test::TemporaryDirectory directory;
-    test::write_file(directory / "arm.urdf", kArm);
-    CHECK(load_robot(directory / "arm.urdf").value().hash() == require_parsed(kArm).hash());
   }
 }
 

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/srdf.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robot/robot_tree.h"
+#include "robot/small_robots.h"
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+using internal::apply_srdf;
+using test::contains;
+using Names = std::vector<std::string>;
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+/// A chain of five joints to which an SRDF with these elements is applied.
+Robot::Parts applied(const std::string& elements, Robot::Parts parts = test::make_chain(5)) {
+  auto sorted = internal::sort_tree(std::move(parts));
+  REQUIRE(sorted.has_value());
+  const auto fault =
+      apply_srdf("<robot name=\"chain\">\n" + elements + "</robot>", "a.srdf", *sorted);
+  REQUIRE_MESSAGE(!fault, (fault ? fault->message : ""));
+  return *std::move(sorted);
+}
+
+Names first_group(const std::string& content, Robot::Parts parts = test::make_chain(5)) {
+  return applied("<group name=\"g\">" + content + "</group>", std::move(parts)).groups.at(0).joints;
+}
+
+std::vector<std::pair<int, int>> pairs_of(const Robot::Parts& parts) {
+  const Robot robot = test::require_robot(parts);
+  return {robot.self_pairs().begin(), robot.self_pairs().end()};
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("groups are unions of joints, links' joints, chains and groups, in tree order") {
+    CHECK(first_group(R"(<joint name="j4"/><joint name="j1"/>)") == Names{"j1", "j4"});
+    CHECK(first_group(R"(<link name="l0"/><link name="l2"/>)") == Names{"j2"});
+    CHECK(first_group(R"(<chain base_link="l1" tip_link="l3"/>)") == Names{"j2", "j3"});
+    const Robot::Parts parts = applied(R"(<group name="both"><group name="a"/><group name="b"/>
+      </group><group name="a"><joint name="j5"/></group>
+      <group name="b"><joint name="j2"/><group name="both"/></group>)");
+    CHECK(parts.groups.at(0).joints == Names{"j2", "j5"});
+    CHECK(parts.groups.at(1).joints == Names{"j5"});
+    CHECK(parts.warnings.empty());
+  }
+
+  TEST_CASE("fixed, following, passive and virtual joints are in no group") {
+    Robot::Parts parts = test::make_chain(5);
+    parts.joints[0].type = JointType::fixed;
+    parts.joints[1].mimic = test::follow(2);
+    const Robot::Parts read = applied(
+        R"(<virtual_joint name="world" type="floating" parent_frame="map" child_link="l0"/>
+           <passive_joint name="j4"/><group name="g"><joint name="world"/>
+           <chain base_link="l0" tip_link="l5"/></group>)",
+        parts);
+    CHECK(read.groups.at(0).joints == Names{"j3", "j5"});
+    CHECK(read.warnings.empty());
+  }
+
+  TEST_CASE("groups of end effectors are marked") {
+    const Robot::Parts parts = applied(R"(<group name="hand"><joint name="j5"/></group>
+      <group name="arm"><joint name="j1"/></group>
+      <end_effector name="e" parent_link="l4" group="hand"/>)");
+    CHECK(parts.groups.at(0).is_end_effector);
+    CHECK_FALSE(parts.groups.at(1).is_end_effector);
+    CHECK(test::require_robot(parts).group_joint(0).name == "j1");
+  }
+
+  TEST_CASE("only disabled pairs may touch, neighbours or not") {
+    CHECK(pairs_of(applied("", test::make_chain(2))) ==
+          std::vector<std::pair<int, int>>{{0, 1}, {0, 2}, {1, 2}});
+    CHECK(pairs_of(applied(R"(<disable_collisions link1="l1" link2="l0" reason="Adjacent"/>
+                              <disable_collisions link1="l0" link2="l1"/>)",
+                           test::make_chain(2))) ==
+          std::vector<std::pair<int, int>>{{0, 2}, {1, 2}});
+  }
+
+  TEST_CASE("a link that may touch all may not touch those it is enabled for") {
+    const Robot::Parts parts = applied(R"(<disable_default_collisions link="l1"/>
+      <enable_collisions link1="l1" link2="l2"/>)",
+                                       test::make_chain(2));
+    CHECK(parts.allowed_pairs == Pairs{{"l0", "l1"}});
+  }
+
+  TEST_CASE("names that the robot lacks are left aside with one warning each") {
+    const Robot::Parts parts = applied(R"(<group name="g"><joint name="elbow"/><joint name="j1"/>
+      <group name="nobody"/><chain base_link="l0" tip_link="hand"/></group>
+      <disable_collisions link1="l0" link2="wheel"/>
+      <disable_collisions link1="wheel" link2="l1"/>)");
+    CHECK(parts.groups.at(0).joints == Names{"j1"});
+    CHECK(parts.allowed_pairs == Pairs());
+    CHECK(parts.warnings == Names{"a.srdf:2: robot 'chain' has no joint 'elbow'",
+                                  "a.srdf:3: robot 'chain' has no link 'hand'",
+                                  "a.srdf:3: robot 'chain' has no group 'nobody'",
+                                  "a.srdf:4: robot 'chain' has no link 'wheel'"});
+    const Robot robot = test::require_robot(parts);
+    CHECK(Names(robot.warnings().begin(), robot.warnings().end()) == parts.warnings);
+  }
+
+  TEST_CASE("an SRDF for another robot is used with a warning") {
+    Robot::Parts parts = test::make_chain(1);
+    CHECK_FALSE(apply_srdf("<robot name=\"other\"/>", "a.srdf", parts).has_value());
+    CHECK(parts.warnings == Names{"a.srdf:1: this SRDF is for robot 'other', not for 'chain'"});
+  }
+
+  TEST_CASE("a malformed SRDF is an error") {
+    Robot::Parts parts = test::make_chain(1);
+    const auto fault = apply_srdf("<robot name=\"chain\"><group/></robot>", "a.srdf", parts);
+    REQUIRE(fault.has_value());
+    CHECK(contains(fault->message, "a.srdf:1: <group>"));
+  }
+}
+
+}  // namespace mneme
