@@ -9,13 +9,14 @@
 
 #include "collision/collision_kernels.h"
 #include "collision/contacts.h"
-#include "collision/make_tables.h"
+#include "collision/robot_tables.h"
+#include "collision/scene_tables.h"
 #include "robot/joint_space.h"
 
 namespace mneme {
 namespace {
 
-using FloatConfiguration = std::array<float, internal::kMaxRows>;
+using FloatConfiguration = std::array<float, internal::kMaxFrames>;
 
 FloatConfiguration to_float(std::span<const double> q) {
   FloatConfiguration result;

@@ -27,7 +27,4 @@ struct CollisionKernels {
 /// The kernels of an instruction set that this machine has.
 [[nodiscard]] const CollisionKernels& collision_kernels(Isa isa);
 
-/// More frames, links with shapes, or joints than this do not fit the kernels' stack frames.
-inline constexpr int kMaxRows = 64;
-
 }  // namespace mneme::internal

@@ -75,6 +75,10 @@ std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
 double fixed_clearance(const Robot& robot, const Scene& scene) {
   std::vector<bool> is_moving(robot.joints().size(), false);
   for (const int joint : robot.group()) is_moving[static_cast<std::size_t>(joint)] = true;
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const auto& mimic = robot.joints()[i].mimic;
+    if (mimic && is_moving[static_cast<std::size_t>(mimic->joint)]) is_moving[i] = true;
+  }
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const std::vector<Transform> poses = robot.link_poses(zero);
   std::vector<bool> is_fixed(robot.links().size(), true);

@@ -62,18 +62,19 @@ HWY_INLINE V3 excess(const V3& x, const V3& h) {
   return {excess(x.x, h.x), excess(x.y, h.y), excess(x.z, h.z)};
 }
 
-HWY_INLINE V point_box(const V3& p, const BoxRow& box) {
-  const V3 local = rotate(box.rotation, p - splat(box.center));
-  return squared_norm(excess(local, splat(box.half_extents)));
+HWY_INLINE V3 into_frame(const ObstacleRow& row, const V3& p) {
+  return rotate(row.rotation, p - splat(row.center));
+}
+
+/// For points and segments in the coordinates of a box around the origin.
+HWY_INLINE V point_box(const V3& p, const V3& half_extents) {
+  return squared_norm(excess(p, half_extents));
 }
 
 /// The squared distance along the segment is convex and piecewise quadratic, so that its derivative
 /// is monotone and linear between the six parameters where a coordinate crosses a face. The two of
 /// them (or ends) that bracket the sign change give the minimum exactly.
-HWY_INLINE V segment_box(const Segment& segment, const BoxRow& box) {
-  const V3 a = rotate(box.rotation, segment.a - splat(box.center));
-  const V3 u = rotate(box.rotation, segment.u);
-  const V3 h = splat(box.half_extents);
+HWY_INLINE V segment_box(const V3& a, const V3& u, const V3& h) {
   const V zero = hn::Zero(Tag());
   V t_low = zero, t_high = splat(1.0f);
   V slope_low = dot(excess(a, h), u);
@@ -99,6 +100,42 @@ HWY_INLINE V segment_box(const Segment& segment, const BoxRow& box) {
   const V step = hn::IfThenZeroElse(hn::Lt(rise, splat(1e-30f)), hn::Div(hn::Neg(slope_low), rise));
   const V t = hn::MulAdd(clamp01(step), hn::Sub(t_high, t_low), t_low);
   return squared_norm(excess(mul_add(t, u, a), h));
+}
+
+/// From a cylinder around the origin, along z, to a point: zero inside.
+struct CylinderSize {
+  V radius, half_length;
+
+  HWY_INLINE V3 excess_of(const V3& p) const {
+    const V r = hn::Sqrt(hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y)));
+    const V beyond_side = hn::Div(hn::Max(hn::Sub(r, radius), hn::Zero(Tag())), hn::Max(r, radius));
+    return {hn::Mul(beyond_side, p.x), hn::Mul(beyond_side, p.y), excess(p.z, half_length)};
+  }
+};
+
+HWY_INLINE V point_cylinder(const V3& p, V radius, V half_length) {
+  const V r = hn::Sqrt(hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y)));
+  const V zero = hn::Zero(Tag());
+  const V side = hn::Max(hn::Sub(r, radius), zero);
+  const V end = hn::Max(hn::Sub(hn::Abs(p.z), half_length), zero);
+  return hn::MulAdd(side, side, hn::Mul(end, end));
+}
+
+/// The squared distance from a convex solid is convex along a segment: halves the stretch in which
+/// its slope changes sign down to 1e-6 of the segment.
+HWY_INLINE V segment_cylinder(const V3& a, const V3& u, const CylinderSize& cylinder) {
+  const V zero = hn::Zero(Tag());
+  V low = zero, width = splat(1.0f);
+  for (int halving = 0; halving < 20; ++halving) {
+    width = hn::Mul(width, splat(0.5f));
+    const V middle = hn::Add(low, width);
+    const V slope = dot(cylinder.excess_of(mul_add(middle, u, a)), u);
+    low = hn::IfThenElse(hn::Lt(slope, zero), middle, low);
+  }
+  const V t = hn::MulAdd(width, splat(0.5f), low);
+  return hn::Min(squared_norm(cylinder.excess_of(a)),
+                 hn::Min(squared_norm(cylinder.excess_of(a + u)),
+                         squared_norm(cylinder.excess_of(mul_add(t, u, a)))));
 }
 
 }  // namespace HWY_NAMESPACE

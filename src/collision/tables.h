@@ -4,35 +4,61 @@
 /// Robot and scene as the kernels read them: flat arrays of floats, nothing of Eigen.
 #pragma once
 
-#include <string>
-#include <utility>
+#include <array>
 #include <vector>
 
 namespace mneme::internal {
 
-/// A frame that a joint of the group moves. Its z axis is the joint's axis.
+/// Frames that joints move, and the root; more do not fit the kernels' stack frames.
+inline constexpr int kMaxFrames = 64;
+/// Bodies of the robot; links that move together share one if there are more.
+inline constexpr int kMaxBodies = 128;
+/// Shapes of a group.
+inline constexpr int kMaxGroupSize = 8;
+/// The number of obstacles in SceneTables is a multiple of this: the lanes of the widest vector.
+inline constexpr int kObstacleBlock = 16;
+
+/// How a frame is turned in its parent at joint value 0.
+enum class Turn {
+  none,
+  permutation,  ///< each of its axes is one of the parent's, or its opposite
+  general,
+};
+
+/// A frame that a joint moves. Its z axis is the joint's axis.
 struct FrameRow {
-  int parent = -1;  ///< frame, or -1 for the robot's root
-  int joint = 0;    ///< index into a configuration
+  int parent = 0;                    ///< 0 is the robot's root, i + 1 is row i
+  int joint = 0;                     ///< index into a configuration
+  float multiplier = 1, offset = 0;  ///< the joint's value is multiplier * q[joint] + offset
   bool is_prismatic = false;
-  bool is_rotated = false;  ///< `rotation` is not the identity
-  float rotation[9] = {};   ///< row-major, in the parent frame, at joint value 0
+  Turn turn = Turn::none;
+  float rotation[9] = {};     ///< row-major, in the parent frame, at joint value 0
+  int source[3] = {0, 1, 2};  ///< of a permutation: the parent's axis for each axis
+  float sign[3] = {};         ///< of a permutation: -0 where that axis is reversed, otherwise 0
   float translation[3] = {};
 };
 
-/// The shapes of one link, in the coordinates of its frame.
-struct LinkRow {
-  int link = 0;          ///< index into Robot::links()
-  int frame = -1;        ///< -1: fixed to the root
-  float center[3] = {};  ///< of a sphere around all shapes
+struct Ball {
+  float center[3] = {};
   float radius = 0;
-  int sphere_begin = 0, sphere_end = 0;
-  int capsule_begin = 0, capsule_end = 0;
 };
 
-struct SphereRow {
-  float center[3];
-  float radius;
+/// Neighbouring shapes of one link.
+struct GroupRow {
+  Ball ball;  ///< around them
+  int sphere_begin = 0, sphere_end = 0;
+  int capsule_begin = 0, capsule_end = 0;
+
+  [[nodiscard]] bool is_sphere() const {
+    return sphere_end - sphere_begin == 1 && capsule_begin == capsule_end;
+  }
+};
+
+/// Links that move together and lie close to each other.
+struct BodyRow {
+  int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
+  Ball ball;      ///< around all groups
+  int group_begin = 0, group_end = 0;
 };
 
 struct CapsuleRow {
@@ -41,28 +67,50 @@ struct CapsuleRow {
   float radius;
 };
 
-struct BoxRow {
-  float center[3];
-  float rotation[9];  ///< row-major, world to box
-  float half_extents[3];
-  float bounding_radius;
+/// The group `first` of one body is checked against some groups of another.
+struct GroupPairRow {
+  int first = 0;
+  int second_begin = 0, second_end = 0;
+};
+
+struct BodyPairRow {
+  int first = 0, second = 0;
+  int begin = 0, end = 0;  ///< into group_pairs
 };
 
 struct RobotTables {
   int joint_count = 0;
   std::vector<FrameRow> frames;  ///< parents before children
-  std::vector<LinkRow> links;    ///< that have shapes and move, tips first: they hit most often
-  std::vector<LinkRow> fixed_links;
-  std::vector<SphereRow> spheres;
+  std::vector<BodyRow> bodies;   ///< tips first, because they hit most often; then those that stand
+  int moving_count = 0;          ///< how many of the bodies move
+  std::vector<GroupRow> groups;  ///< body by body, link by link
+  std::vector<Ball> spheres;
   std::vector<CapsuleRow> capsules;
-  std::vector<std::pair<int, int>> pairs;        ///< indices into `links`
-  std::vector<std::pair<int, int>> fixed_pairs;  ///< a moving link and one of `fixed_links`
+  std::vector<BodyPairRow> body_pairs;
+  std::vector<GroupPairRow> group_pairs;
 };
 
+enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule };
+
+/// An obstacle's shape in the scene's frame.
+struct ObstacleRow {
+  ObstacleKind kind = ObstacleKind::sphere;
+  float center[3] = {};  ///< of a capsule: its first end
+  float end[3] = {};     ///< of a capsule
+  /// Row-major, from the scene's frame to that of a box or cylinder that is not aligned.
+  float rotation[9] = {};
+  float half_extents[3] = {};  ///< of a box; of a cylinder: radius, radius, half the length
+  float rounding = 0;          ///< the radius of a sphere or capsule, around its centre or axis
+};
+
+/// Obstacles in a frame whose axes are those of most boxes: they need no rotation, and the bounds
+/// below are tight. Its origin is the robot's root.
 struct SceneTables {
-  std::vector<SphereRow> spheres;
-  std::vector<CapsuleRow> capsules;
-  std::vector<BoxRow> boxes;
+  float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, from the root to that frame
+  std::vector<ObstacleRow> obstacles;
+  /// Per axis, of the box around each obstacle; filled up to a multiple of kObstacleBlock with
+  /// boxes that nothing overlaps.
+  std::array<std::vector<float>, 3> lower, upper;
 };
 
 }  // namespace mneme::internal

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Vectors of points and the few functions on lanes that Highway 1.0.3 lacks. Included once per target.
+// Vectors of points and the few functions on lanes that Highway 1.0.3 lacks. Included once per
+// target.
 #if defined(MNEME_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_SIMD_LANES_INL_H_
 #undef MNEME_SIMD_LANES_INL_H_
@@ -36,10 +37,17 @@ HWY_INLINE V3 operator+(const V3& a, const V3& b) {
 HWY_INLINE V3 operator-(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
+HWY_INLINE V3 operator*(V s, const V3& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+}
 HWY_INLINE V3 negated(const V3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
 /// a + s b
 HWY_INLINE V3 mul_add(V s, const V3& b, const V3& a) {
   return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
+}
+/// s b - a
+HWY_INLINE V3 mul_sub(V s, const V3& b, const V3& a) {
+  return {hn::MulSub(s, b.x, a.x), hn::MulSub(s, b.y, a.y), hn::MulSub(s, b.z, a.z)};
 }
 HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
@@ -50,6 +58,44 @@ HWY_INLINE V3 cross(const V3& a, const V3& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 HWY_INLINE V clamp01(V x) { return hn::Min(hn::Max(x, hn::Zero(Tag())), splat(1.0f)); }
+
+#if HWY_TARGET == HWY_SCALAR
+
+HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
+  const V* coordinates[3] = {&p.x, &p.y, &p.z};
+  for (int i = 0; i < 3; ++i) lower[i] = upper[i] = hn::GetLane(*coordinates[i]);
+}
+
+#else
+
+/// {least x, least y, least z, least z} of all lanes, or the greatest ones, in each block of four.
+template <class Pick>
+HWY_INLINE V pick_lanes(const V3& p, const Pick& pick) {
+  const Tag d;
+  const hn::Repartition<double, Tag> pairs;
+  const auto merge = [&](V a, V b) {
+    return pick(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+  };
+  const auto xy = hn::BitCast(pairs, merge(p.x, p.y)), z = hn::BitCast(pairs, merge(p.z, p.z));
+  V result = pick(hn::BitCast(d, hn::InterleaveLower(pairs, xy, z)),
+                  hn::BitCast(d, hn::InterleaveUpper(pairs, xy, z)));
+#if HWY_TARGET <= HWY_AVX3
+  result = pick(result, hn::ReverseBlocks(d, result));
+#endif
+#if HWY_TARGET <= HWY_AVX2
+  result = pick(result, hn::SwapAdjacentBlocks(result));
+#endif
+  return result;
+}
+
+/// The least and greatest coordinates of all lanes' points. Both arrays hold a whole vector, whose
+/// first three values count.
+HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
+  hn::Store(pick_lanes(p, [](V a, V b) { return hn::Min(a, b); }), Tag(), lower);
+  hn::Store(pick_lanes(p, [](V a, V b) { return hn::Max(a, b); }), Tag(), upper);
+}
+
+#endif
 
 /// Sine and cosine for |x| up to about 1e4: reduction by pi/2 in three terms (Cody and Waite), then
 /// minimax polynomials on [-pi/4, pi/4]. Absolute error below 1.5e-7.
@@ -65,11 +111,11 @@ HWY_INLINE void sin_cos(V x, V& sine, V& cosine) {
                          splat(-1.6666654611e-1f)),
               r2),
       r, r);
-  const V c = hn::MulAdd(
-      hn::Mul(hn::MulAdd(hn::MulAdd(splat(2.443315711809948e-5f), r2, splat(-1.388731625493765e-3f)),
-                         r2, splat(4.166664568298827e-2f)),
-              r2),
-      r2, hn::NegMulAdd(splat(0.5f), r2, splat(1.0f)));
+  const V c = hn::MulAdd(hn::Mul(hn::MulAdd(hn::MulAdd(splat(2.443315711809948e-5f), r2,
+                                                       splat(-1.388731625493765e-3f)),
+                                            r2, splat(4.166664568298827e-2f)),
+                                 r2),
+                         r2, hn::NegMulAdd(splat(0.5f), r2, splat(1.0f)));
   const hn::RebindToSigned<Tag> di;
   const auto n = hn::ConvertTo(di, quadrant);
   const M is_odd = hn::RebindMask(d, hn::TestBit(n, hn::Set(di, 1)));

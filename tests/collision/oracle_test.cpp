@@ -27,9 +27,10 @@ struct ObstacleKind {
   const char* name;
   Shape (*make)(Rng&);
 };
-constexpr std::array<ObstacleKind, 4> kKinds = {{{"sphere", small_sphere},
+constexpr std::array<ObstacleKind, 5> kKinds = {{{"sphere", small_sphere},
                                                  {"box", small_box},
                                                  {"capsule", small_capsule},
+                                                 {"cylinder", small_cylinder},
                                                  {"any shape", small_shape}}};
 
 struct Tally {
@@ -220,7 +221,7 @@ TEST_SUITE("oracle") {
     for (int i = 0; i < 60; ++i) {
       const Robot robot = random_robot(rng);
       const Scene scene =
-          random_scene(robot, 8, rng, kKinds.at(static_cast<std::size_t>(i) % 4).make);
+          random_scene(robot, 8, rng, kKinds.at(static_cast<std::size_t>(i) % 5).make);
       const CollisionChecker checker = require_checker(robot, scene);
       for (int k = 0; k < 40; ++k) {
         const Configuration q = random_configuration(robot, rng);

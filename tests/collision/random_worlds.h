@@ -4,6 +4,7 @@
 /// Random robots, scenes and states, and what checkers say of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <numbers>
 #include <string>
@@ -172,9 +173,12 @@ inline Shape small_box(Rng& rng) {
 inline Shape small_capsule(Rng& rng) {
   return Capsule{Vec3::Zero(), random_vector(rng, 0.7), rng.uniform(0.01, 0.2)};
 }
+inline Shape small_cylinder(Rng& rng) {
+  return Cylinder{{}, rng.uniform(0.01, 0.3), rng.uniform(0.02, 0.8)};
+}
 inline Shape small_shape(Rng& rng) {
-  const std::uint32_t kind = rng.index(3);
-  return kind == 0 ? small_sphere(rng) : kind == 1 ? small_box(rng) : small_capsule(rng);
+  constexpr std::array kMakers = {small_sphere, small_box, small_capsule, small_cylinder};
+  return kMakers.at(rng.index(kMakers.size()))(rng);
 }
 
 }  // namespace mneme::test

@@ -1,0 +1,292 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/robot_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "collision/shape_groups.h"
+
+namespace mneme::internal {
+namespace {
+
+/// Shapes of a group: fewer cost more balls, more are posed in vain more often.
+constexpr std::size_t kGroupSize = 4;
+/// Two bodies are one if the ball around both is at most so many times larger, in volume, than
+/// their own together.
+constexpr double kMergeRatio = 1.5;
+
+std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
+
+void store(const Vec3& v, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
+}
+
+Ball to_ball(const Sphere& sphere) {
+  Ball ball;
+  store(sphere.center, ball.center);
+  // Rounding to float must not shrink the bound.
+  ball.radius = static_cast<float>(sphere.radius * (1 + 1e-6) + 1e-6);
+  return ball;
+}
+
+/// A rotation that takes the z axis to the unit vector `axis`, or to its opposite if `is_reversed`
+/// says so. For the axes of coordinates it permutes them without any change of sign.
+Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
+  is_reversed = false;
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(std::abs(axis[i]) - 1) > 1e-12) continue;
+    is_reversed = axis[i] < 0;
+    Eigen::Matrix3d cyclic = Eigen::Matrix3d::Zero();
+    for (int k = 0; k < 3; ++k) cyclic((i + 1 + k) % 3, k) = 1;
+    return cyclic;
+  }
+  return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+}
+
+void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
+  const Eigen::Matrix3d rounded = rotation.array().round();
+  for (int i = 0; i < 9; ++i) row.rotation[i] = static_cast<float>(rotation(i / 3, i % 3));
+  if (!rotation.isApprox(rounded, 1e-9)) {
+    row.turn = Turn::general;
+    return;
+  }
+  row.turn = rounded.isIdentity() ? Turn::none : Turn::permutation;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Index source = 0;
+    rounded.col(i).cwiseAbs().maxCoeff(&source);
+    row.source[i] = static_cast<int>(source);
+    row.sign[i] = rounded(source, i) < 0 ? -0.0f : 0.0f;
+  }
+}
+
+/// How a joint moves with a configuration: by one joint of the group, or not at all.
+struct Drive {
+  int joint = 0;
+  double multiplier = 1, offset = 0;
+};
+
+class RobotTablesBuilder {
+ public:
+  explicit RobotTablesBuilder(const Robot& robot)
+      : robot_(robot), placements_(robot.links().size()), groups_of_link_(robot.links().size()) {
+    tables_.joint_count = robot.joint_count();
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      group_index_[robot.group()[as_index(i)]] = i;
+    }
+  }
+
+  RobotTables build() {
+    for (std::size_t i = 0; i < robot_.links().size(); ++i) {
+      if (robot_.links()[i].parent_joint >= 0) place(static_cast<int>(i));
+    }
+    add_bodies();
+    add_pairs();
+    return std::move(tables_);
+  }
+
+ private:
+  /// Where a link's coordinates are expressed: a frame, and the link's pose in it.
+  struct Placement {
+    int frame = 0;
+    Transform X_frame_link;
+  };
+  /// Links that share a bounding ball.
+  struct Body {
+    int frame = 0;
+    Sphere ball;
+    std::vector<int> links;
+  };
+  struct Range {
+    int begin = 0, end = 0;
+  };
+
+  [[nodiscard]] std::optional<Drive> drive_of(int joint_index) const {
+    const Joint& joint = robot_.joints()[as_index(joint_index)];
+    const auto own = group_index_.find(joint_index);
+    if (own != group_index_.end()) return Drive{own->second};
+    if (!joint.mimic) return std::nullopt;
+    const auto followed = group_index_.find(joint.mimic->joint);
+    if (followed == group_index_.end()) return std::nullopt;
+    return Drive{followed->second, joint.mimic->multiplier, joint.mimic->offset};
+  }
+
+  /// Of a joint that no joint of the group drives.
+  [[nodiscard]] double value_of(const Joint& joint) const {
+    if (!joint.mimic) return joint.fixed_value;
+    const Joint& followed = robot_.joints()[as_index(joint.mimic->joint)];
+    return joint.mimic->multiplier * followed.fixed_value + joint.mimic->offset;
+  }
+
+  void place(int link_index) {
+    const int joint_index = robot_.links()[as_index(link_index)].parent_joint;
+    const Joint& joint = robot_.joints()[as_index(joint_index)];
+    const Placement& parent = placements_[as_index(joint.parent_link)];
+    const Transform X_frame_joint = parent.X_frame_link * joint.origin;
+    Placement& placement = placements_[as_index(link_index)];
+    const auto drive = drive_of(joint_index);
+    if (!drive) {
+      placement = {parent.frame, X_frame_joint * fixed_motion(joint, value_of(joint))};
+      return;
+    }
+    bool is_reversed = false;
+    const Eigen::Matrix3d to_axis = rotation_to_axis(joint.axis, is_reversed);
+    const double sign = is_reversed ? -1 : 1;
+    FrameRow row;
+    row.parent = parent.frame;
+    row.joint = drive->joint;
+    row.multiplier = static_cast<float>(sign * drive->multiplier);
+    row.offset = static_cast<float>(sign * drive->offset);
+    row.is_prismatic = joint.type == JointType::prismatic;
+    store_turn(X_frame_joint.rotation * to_axis, row);
+    store(X_frame_joint.translation, row.translation);
+    tables_.frames.push_back(row);
+    placement.frame = static_cast<int>(tables_.frames.size());
+    placement.X_frame_link = {to_axis.transpose(), Vec3::Zero()};
+  }
+
+  static Transform fixed_motion(const Joint& joint, double value) {
+    if (joint.type == JointType::fixed) return {};
+    if (joint.type == JointType::prismatic) {
+      return {Eigen::Matrix3d::Identity(), joint.axis * value};
+    }
+    return {rotation_about(joint.axis, value), Vec3::Zero()};
+  }
+
+  /// The shapes of a link in the coordinates of its frame.
+  [[nodiscard]] std::vector<Capsule> shapes_of(int link_index) const {
+    const Link& link = robot_.links()[as_index(link_index)];
+    const Transform& X = placements_[as_index(link_index)].X_frame_link;
+    std::vector<Capsule> shapes;
+    for (const Sphere& s : link.spheres) shapes.push_back({X * s.center, X * s.center, s.radius});
+    for (const Capsule& c : link.capsules) shapes.push_back({X * c.a, X * c.b, c.radius});
+    return shapes;
+  }
+
+  void add_bodies() {
+    std::vector<Body> bodies;
+    for (std::size_t i = 0; i < robot_.links().size(); ++i) {
+      const int link = static_cast<int>(i);
+      const std::vector<Capsule> shapes = shapes_of(link);
+      if (!shapes.empty()) {
+        bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
+      }
+    }
+    while (merge_closest(bodies, bodies.size() > as_index(kMaxBodies))) {
+    }
+    std::stable_sort(bodies.begin(), bodies.end(),
+                     [](const Body& a, const Body& b) { return a.frame > b.frame; });
+    for (const Body& body : bodies) add_body(body);
+  }
+
+  /// Merges the two bodies that lose least by it, if that is little enough or `must_merge`.
+  static bool merge_closest(std::vector<Body>& bodies, bool must_merge) {
+    const auto volume = [](const Sphere& ball) { return std::pow(ball.radius, 3); };
+    std::size_t first = 0, second = 0;
+    double least = must_merge ? INFINITY : kMergeRatio;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      for (std::size_t k = i + 1; k < bodies.size(); ++k) {
+        if (bodies[i].frame != bodies[k].frame) continue;
+        const double ratio = volume(enclosing_ball(bodies[i].ball, bodies[k].ball)) /
+                             (volume(bodies[i].ball) + volume(bodies[k].ball));
+        if (!(ratio < least)) continue;
+        least = ratio;
+        first = i;
+        second = k;
+      }
+    }
+    if (second == 0) return false;
+    Body& kept = bodies[first];
+    kept.ball = enclosing_ball(kept.ball, bodies[second].ball);
+    kept.links.insert(kept.links.end(), bodies[second].links.begin(), bodies[second].links.end());
+    bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(second));
+    return true;
+  }
+
+  void add_body(const Body& body) {
+    BodyRow row;
+    row.frame = body.frame;
+    row.group_begin = static_cast<int>(tables_.groups.size());
+    std::vector<Capsule> all;
+    for (const int link : body.links) {
+      std::vector<Capsule> shapes = shapes_of(link);
+      Range& groups = groups_of_link_[as_index(link)];
+      groups.begin = static_cast<int>(tables_.groups.size());
+      std::size_t begin = 0;
+      for (const std::size_t end : sort_into_groups(shapes, kGroupSize)) {
+        add_group(std::span(shapes).subspan(begin, end - begin));
+        begin = end;
+      }
+      groups.end = static_cast<int>(tables_.groups.size());
+      body_of_link_[link] = static_cast<int>(tables_.bodies.size());
+      all.insert(all.end(), shapes.begin(), shapes.end());
+    }
+    row.group_end = static_cast<int>(tables_.groups.size());
+    row.ball = to_ball(enclosing_ball(all));
+    tables_.bodies.push_back(row);
+    if (body.frame > 0) ++tables_.moving_count;
+  }
+
+  void add_group(std::span<const Capsule> shapes) {
+    GroupRow row;
+    row.ball = to_ball(enclosing_ball(shapes));
+    row.sphere_begin = static_cast<int>(tables_.spheres.size());
+    row.capsule_begin = static_cast<int>(tables_.capsules.size());
+    for (const Capsule& shape : shapes) {
+      if (shape.a == shape.b) {
+        Ball& sphere = tables_.spheres.emplace_back();
+        store(shape.a, sphere.center);
+        sphere.radius = static_cast<float>(shape.radius);
+      } else {
+        CapsuleRow& capsule = tables_.capsules.emplace_back();
+        store(shape.a, capsule.a);
+        store(shape.b, capsule.b);
+        capsule.radius = static_cast<float>(shape.radius);
+      }
+    }
+    row.sphere_end = static_cast<int>(tables_.spheres.size());
+    row.capsule_end = static_cast<int>(tables_.capsules.size());
+    tables_.groups.push_back(row);
+  }
+
+  void add_pairs() {
+    std::map<std::pair<int, int>, std::vector<GroupPairRow>> pairs;
+    for (auto [a, b] : robot_.self_pairs()) {
+      if (body_of_link_.at(a) > body_of_link_.at(b)) std::swap(a, b);
+      const Range& first = groups_of_link_[as_index(a)];
+      const Range& second = groups_of_link_[as_index(b)];
+      auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
+      for (int i = first.begin; i < first.end; ++i) rows.push_back({i, second.begin, second.end});
+    }
+    for (const auto& [bodies, rows] : pairs) {
+      BodyPairRow row{bodies.first, bodies.second, static_cast<int>(tables_.group_pairs.size()), 0};
+      tables_.group_pairs.insert(tables_.group_pairs.end(), rows.begin(), rows.end());
+      row.end = static_cast<int>(tables_.group_pairs.size());
+      tables_.body_pairs.push_back(row);
+    }
+  }
+
+  const Robot& robot_;
+  std::map<int, int> group_index_;
+  std::vector<Placement> placements_;
+  std::vector<Range> groups_of_link_;
+  std::map<int, int> body_of_link_;
+  RobotTables tables_;
+};
+
+}  // namespace
+
+Result<RobotTables> make_robot_tables(const Robot& robot) {
+  RobotTables tables = RobotTablesBuilder(robot).build();
+  if (tables.frames.size() > as_index(kMaxFrames)) {
+    return fail(ErrorCode::unsupported, "robot '" + robot.name() + "' has more than " +
+                                            std::to_string(kMaxFrames) + " joints that move");
+  }
+  return tables;
+}
+
+}  // namespace mneme::internal

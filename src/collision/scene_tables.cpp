@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/scene_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <Eigen/LU>
+
+namespace mneme::internal {
+namespace {
+
+/// Coordinates up to here keep the kernels' error below a millimetre; see docs/numerics.md.
+constexpr double kFarthest = 1e4;
+/// Largest entry of a rotation that counts as 0: it moves points by less than floats resolve.
+constexpr double kAligned = 1e-7;
+/// Of so many boxes the axes are tried as those of the scene.
+constexpr int kMaxTrials = 16;
+
+void store(const Vec3& v, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
+}
+
+void store(const Eigen::Matrix3d& m, float* out) {
+  for (int i = 0; i < 9; ++i) out[i] = static_cast<float>(m(i / 3, i % 3));
+}
+
+bool is_rotation(const Eigen::Matrix3d& matrix) {
+  return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
+}
+
+/// What is wrong with a shape, or nothing. Comparisons are written so that a NaN is wrong.
+struct FindFlaw {
+  static constexpr std::string_view kSize = "has a size that is not positive";
+  static constexpr std::string_view kPose = "is posed by a matrix that is no rotation";
+
+  std::string_view operator()(const Sphere& s) const { return s.radius > 0 ? "" : kSize; }
+  std::string_view operator()(const Capsule& s) const { return s.radius > 0 ? "" : kSize; }
+  std::string_view operator()(const Box& s) const {
+    if (!(s.half_extents.array() > 0).all()) return kSize;
+    return is_rotation(s.pose.rotation) ? "" : kPose;
+  }
+  std::string_view operator()(const Cylinder& s) const {
+    if (!(s.radius > 0 && s.length > 0)) return kSize;
+    return is_rotation(s.pose.rotation) ? "" : kPose;
+  }
+};
+
+Result<void> check(const Obstacle& obstacle) {
+  if (obstacle.shapes.empty()) {
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "' has no shapes");
+  }
+  for (const Shape& shape : obstacle.shapes) {
+    const Sphere bound = bounding_sphere(shape);
+    const std::string_view flaw = bound.center.norm() + bound.radius <= kFarthest
+                                      ? std::visit(FindFlaw{}, shape)
+                                      : "is not finite or extends beyond 10 km";
+    if (flaw.empty()) continue;
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "': a " +
+                                        std::string(shape_name(shape)) + " " + std::string(flaw));
+  }
+  return {};
+}
+
+/// True if each axis of `rotation` is an axis of its reference or the opposite of one.
+bool is_permutation(const Eigen::Matrix3d& rotation) {
+  return ((rotation.array().abs() < kAligned) || (rotation.array().abs() > 1 - kAligned)).all();
+}
+
+/// From the root to a frame with the axes of most boxes.
+Eigen::Matrix3d choose_axes(const Scene& scene) {
+  std::vector<Eigen::Matrix3d> boxes;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      if (const auto* box = std::get_if<Box>(&shape)) boxes.push_back(box->pose.rotation);
+    }
+  }
+  const auto count_aligned = [&](const Eigen::Matrix3d& axes) {
+    return std::ranges::count_if(boxes, [&](const Eigen::Matrix3d& rotation) {
+      return is_permutation(axes.transpose() * rotation);
+    });
+  };
+  // The robot's own axes cost least and win ties.
+  Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
+  auto most = count_aligned(best);
+  const std::size_t trials = std::min(boxes.size(), std::size_t{kMaxTrials});
+  for (std::size_t i = 0; i < trials && 2 * most < std::ssize(boxes); ++i) {
+    const auto count = count_aligned(boxes[i]);
+    if (count <= most) continue;
+    most = count;
+    best = boxes[i];
+  }
+  return best.transpose();
+}
+
+/// A shape's row, and the box around it by its centre and half of its extents.
+struct Placed {
+  ObstacleRow row;
+  Vec3 center = Vec3::Zero();
+  Vec3 reach = Vec3::Zero();
+};
+
+/// Expects shapes in the scene's frame.
+struct Place {
+  Placed operator()(const Sphere& s) const {
+    Placed result{{}, s.center, Vec3::Constant(s.radius)};
+    result.row.kind = ObstacleKind::sphere;
+    result.row.rounding = static_cast<float>(s.radius);
+    store(s.center, result.row.center);
+    return result;
+  }
+
+  Placed operator()(const Capsule& s) const {
+    Placed result{{}, (s.a + s.b) / 2, Vec3::Constant(s.radius) + (s.b - s.a).cwiseAbs() / 2};
+    result.row.kind = ObstacleKind::capsule;
+    result.row.rounding = static_cast<float>(s.radius);
+    store(s.a, result.row.center);
+    store(s.b, result.row.end);
+    return result;
+  }
+
+  Placed operator()(const Box& s) const {
+    const Eigen::Matrix3d& rotation = s.pose.rotation;
+    Placed result{{}, s.pose.translation, rotation.cwiseAbs() * s.half_extents};
+    const bool is_aligned = is_permutation(rotation);
+    result.row.kind = is_aligned ? ObstacleKind::aligned_box : ObstacleKind::box;
+    store(result.center, result.row.center);
+    store(Eigen::Matrix3d(rotation.transpose()), result.row.rotation);
+    store(is_aligned ? result.reach : s.half_extents, result.row.half_extents);
+    return result;
+  }
+
+  Placed operator()(const Cylinder& s) const {
+    const Vec3 axis = s.pose.rotation.col(2);
+    const Vec3 across = (1 - axis.array().square()).max(0).sqrt();
+    Placed result{{}, s.pose.translation, s.radius * across + s.length / 2 * axis.cwiseAbs()};
+    const bool is_upright = axis.head<2>().cwiseAbs().maxCoeff() < kAligned;
+    result.row.kind = is_upright ? ObstacleKind::upright_cylinder : ObstacleKind::cylinder;
+    store(result.center, result.row.center);
+    store(Eigen::Matrix3d(s.pose.rotation.transpose()), result.row.rotation);
+    store(Vec3(s.radius, s.radius, s.length / 2), result.row.half_extents);
+    return result;
+  }
+};
+
+void add(const Placed& placed, SceneTables& tables) {
+  tables.obstacles.push_back(placed.row);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    // Rounding to float must not shrink the box.
+    const double reach =
+        placed.reach[axis] + 1e-6 * (1 + std::abs(placed.center[axis]) + placed.reach[axis]);
+    tables.lower[i].push_back(static_cast<float>(placed.center[axis] - reach));
+    tables.upper[i].push_back(static_cast<float>(placed.center[axis] + reach));
+  }
+}
+
+}  // namespace
+
+Result<SceneTables> make_scene_tables(const Scene& scene) {
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (auto checked = check(obstacle); !checked) return tl::unexpected(checked.error());
+  }
+  SceneTables tables;
+  const Transform X_SW{choose_axes(scene), Vec3::Zero()};
+  store(X_SW.rotation, tables.rotation);
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      add(std::visit(Place{}, transformed(X_SW, shape)), tables);
+    }
+  }
+  const std::size_t blocks = (tables.obstacles.size() + kObstacleBlock - 1) / kObstacleBlock;
+  for (auto& bounds : tables.lower) {
+    bounds.resize(blocks * kObstacleBlock, std::numeric_limits<float>::infinity());
+  }
+  for (auto& bounds : tables.upper) {
+    bounds.resize(blocks * kObstacleBlock, -std::numeric_limits<float>::infinity());
+  }
+  return tables;
+}
+
+}  // namespace mneme::internal
