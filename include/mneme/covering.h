@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Covering: spheres that hold the boxes, cylinders and meshes of a robot, and the pairs of links
+/// that need no check.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/robot.h"
+
+namespace mneme {
+
+struct CoverSettings {
+  /// Metres that a sphere may stick out of the solids. Halving it takes three to four times as many
+  /// spheres; about half of it is the mean. Small links are given less: 0.4 of the middle one of
+  /// their three extents, though not less than 0.005. > 0.
+  double excess = 0.025;
+  /// Spheres a link may have; where `excess` needs more, it is enlarged for that link. > 0.
+  int max_spheres = 16;
+};
+
+/// Declares the fields' names, ranges and sentences once, for the command line.
+template <class Settings, class Visitor>
+requires std::same_as<std::remove_const_t<Settings>, CoverSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("excess", s.excess, 0.001, 1.0,
+        "metres that a sphere may stick out of the geometry; halving it takes three to four times "
+        "as many spheres");
+  visit("max-per-link", s.max_spheres, 1, 1000,
+        "spheres a link may have; where the excess needs more, it is enlarged for that link");
+}
+
+/// What covers the solids of one link, measured by samples that the search did not use.
+struct LinkCover {
+  std::string link;
+  std::vector<Sphere> spheres;  ///< in the link's frame
+  double uncovered = 0;         ///< fraction of the surface outside all spheres; 0 is promised
+  double mean_excess = 0;       ///< metres that the spheres' common skin is outside the solids
+  double max_excess = 0;        ///< metres
+};
+
+/// Covers the surface of a link's solids and all that it encloses: what cannot be reached from
+/// outside through gaps of more than about a hundredth of the link's size, and what lies within a
+/// surface with holes, by the vote of five lines. Takes up to seconds; the result depends on the
+/// solids and the settings alone. Errors: a mesh that cannot be used (the message names its file),
+/// solids without any surface or not finite.
+[[nodiscard]] Result<LinkCover> cover_link(const Link& link, const CoverSettings& settings = {});
+
+/// A robot whose solids have become spheres.
+struct Covering {
+  Robot::Parts parts;            ///< without solids; spheres and capsules stay as they were
+  std::vector<LinkCover> links;  ///< those that had solids, in their order
+};
+/// Covers each link that has solids, several at a time.
+[[nodiscard]] Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings = {});
+
+/// Why a pair of links need not be checked.
+enum class AllowedReason {
+  adjacent,  ///< joined by a joint, by welded links or by links without shapes
+  always,    ///< in contact in every sample
+  never,     ///< in contact in no sample
+  at_rest,   ///< in contact where all joints are zero
+};
+/// The word for it in an SRDF: "Adjacent", "Always", "Never" or "Default".
+[[nodiscard]] std::string_view to_string(AllowedReason reason);
+
+struct AllowedPair {
+  std::string first;
+  std::string second;
+  AllowedReason reason = AllowedReason::adjacent;
+};
+
+struct PairSettings {
+  int samples = 10000;         ///< random configurations of all joints; > 0
+  bool allow_at_rest = false;  ///< also allow what touches where all joints are zero
+  std::uint64_t seed = 1;
+};
+
+/// The pairs of links with shapes that need not be checked, found by sampling; each pair once, in
+/// the order of the links. The parts have no solids. Errors: those of make_robot; no joint to
+/// sample.
+[[nodiscard]] Result<std::vector<AllowedPair>> derive_allowed_pairs(
+    const Robot::Parts& parts, const PairSettings& settings = {});
+
+struct CoveredRobot {
+  Robot robot;
+  std::vector<std::string> notes;  ///< what was done, for people: one sentence each
+};
+
+/// load_robot for robots with any collision geometry: solids are covered, and without an SRDF the
+/// pairs that are adjacent or always in contact are allowed. Covers are kept in
+/// $XDG_CACHE_HOME/mneme, or ~/.cache/mneme, named by a hash of geometry, settings and the version
+/// of the algorithm. A damaged entry is replaced; a cache that cannot be used costs time only.
+[[nodiscard]] Result<CoveredRobot> load_covered_robot(const std::string& path,
+                                                      const RobotOptions& options = {},
+                                                      const CoverSettings& settings = {});
+
+}  // namespace mneme

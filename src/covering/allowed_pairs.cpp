@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "covering/touching.h"
+
+namespace mneme {
+namespace {
+
+using Pair = std::pair<int, int>;
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
+
+/// The robot with all joints that have a value of their own.
+Result<Robot> make_whole(const Robot::Parts& parts) {
+  RobotOptions options;
+  for (const Joint& joint : parts.joints) {
+    if (joint.type != JointType::fixed && !joint.mimic) options.joints.push_back(joint.name);
+  }
+  if (!options.joints.empty()) return make_robot(parts, options);
+  return fail(ErrorCode::invalid, fmt::format("robot '{}': there is no joint that can move, so "
+                                              "that no pair of links needs a check",
+                                              parts.name));
+}
+
+/// Links that joints join directly. Links that fixed joints weld together are one body; a body
+/// without shapes counts as part of the one above it.
+class Adjacency {
+ public:
+  explicit Adjacency(const Robot& robot) : bodies_(robot.links().size(), 0) {
+    std::set<int> solid = {0};
+    const auto joints = robot.joints();
+    for (const Joint& joint : joints) {
+      bodies_[at(joint.child_link)] =
+          joint.type == JointType::fixed ? bodies_[at(joint.parent_link)] : joint.child_link;
+    }
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
+    }
+    for (const Joint& joint : joints) {
+      int above = bodies_[at(joint.parent_link)];
+      while (!solid.contains(above)) {
+        const int up = robot.links()[at(above)].parent_joint;
+        above = bodies_[at(joints[at(up)].parent_link)];
+      }
+      neighbours_.insert(std::minmax({above, bodies_[at(joint.child_link)]}));
+    }
+  }
+
+  [[nodiscard]] bool are_adjacent(int first, int second) const {
+    const Pair pair = std::minmax({bodies_[at(first)], bodies_[at(second)]});
+    return pair.first == pair.second || neighbours_.contains(pair);
+  }
+
+ private:
+  std::vector<int> bodies_;  ///< of each link: the body's topmost link
+  std::set<Pair> neighbours_;
+};
+
+/// What the samples said of a pair.
+struct Record {
+  Pair links;
+  bool has_touched = false;
+  bool has_been_apart = false;
+  bool touches_at_rest = false;
+};
+
+std::vector<Pair> pairs_with_shapes(const Robot& robot) {
+  std::vector<Pair> pairs;
+  const int count = static_cast<int>(robot.links().size());
+  for (int i = 0; i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) {
+      if (has_shapes(robot.links()[at(i)]) && has_shapes(robot.links()[at(j)])) {
+        pairs.emplace_back(i, j);
+      }
+    }
+  }
+  return pairs;
+}
+
+void sample(const Robot& robot, const PairSettings& settings, std::vector<Record>& records) {
+  internal::PosedShapes shapes(robot);
+  shapes.pose(robot.normalized(Configuration(at(robot.joint_count()), 0.0)));
+  for (Record& record : records) {
+    record.touches_at_rest = shapes.touch(record.links.first, record.links.second);
+  }
+  Rng rng(settings.seed);
+  std::vector<Record*> open;
+  for (Record& record : records) open.push_back(&record);
+  Configuration q(at(robot.joint_count()));
+  for (int i = 0; i < settings.samples && !open.empty(); ++i) {
+    for (int j = 0; j < robot.joint_count(); ++j) {
+      q[at(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
+    }
+    shapes.pose(q);
+    for (Record* record : open) {
+      const bool touches = shapes.touch(record->links.first, record->links.second);
+      (touches ? record->has_touched : record->has_been_apart) = true;
+    }
+    std::erase_if(open, [](const Record* r) { return r->has_touched && r->has_been_apart; });
+  }
+}
+
+std::optional<AllowedReason> reason_for(const Record& record, bool allow_at_rest) {
+  if (!record.has_been_apart) return AllowedReason::always;
+  if (!record.has_touched) return AllowedReason::never;
+  if (allow_at_rest && record.touches_at_rest) return AllowedReason::at_rest;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view to_string(AllowedReason reason) {
+  switch (reason) {
+    case AllowedReason::adjacent:
+      return "Adjacent";
+    case AllowedReason::always:
+      return "Always";
+    case AllowedReason::never:
+      return "Never";
+    case AllowedReason::at_rest:
+      return "Default";
+  }
+  return "";
+}
+
+Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
+                                                      const PairSettings& settings) {
+  if (settings.samples <= 0) {
+    return fail(ErrorCode::invalid,
+                fmt::format("{} samples were asked for, expected 1 or more", settings.samples));
+  }
+  const auto robot = make_whole(parts);
+  if (!robot) return tl::unexpected(robot.error());
+  const Adjacency adjacency(*robot);
+  const std::vector<Pair> pairs = pairs_with_shapes(*robot);
+  std::vector<Record> records;
+  for (const Pair& pair : pairs) {
+    if (!adjacency.are_adjacent(pair.first, pair.second)) records.push_back({pair});
+  }
+  sample(*robot, settings, records);
+
+  std::vector<AllowedPair> allowed;
+  auto record = records.begin();
+  for (const Pair& pair : pairs) {
+    std::optional<AllowedReason> reason = AllowedReason::adjacent;
+    if (record != records.end() && record->links == pair) {
+      reason = reason_for(*record++, settings.allow_at_rest);
+    }
+    if (!reason) continue;
+    const auto name = [&](int link) { return robot->links()[at(link)].name; };
+    allowed.push_back({name(pair.first), name(pair.second), *reason});
+  }
+  return allowed;
+}
+
+}  // namespace mneme

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "covering/elements.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace mneme::internal {
+namespace {
+
+using Key = std::array<int, 3>;
+using Groups = std::map<Key, Element>;
+
+Key key_of(const Vec3& point, double size) {
+  const Vec3 cell = (point / size).array().floor();
+  return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
+}
+
+/// A ball around the middle of the balls' centres.
+Sphere bound(std::span<const Sphere> balls) {
+  Vec3 low = balls.front().center;
+  Vec3 high = low;
+  for (const Sphere& ball : balls) {
+    low = low.cwiseMin(ball.center);
+    high = high.cwiseMax(ball.center);
+  }
+  Sphere result{0.5 * (low + high), 0};
+  for (const Sphere& ball : balls) {
+    result.radius = std::max(result.radius, (ball.center - result.center).norm() + ball.radius);
+  }
+  return result;
+}
+
+void drop_equal(std::vector<Sphere>& balls) {
+  const auto key = [](const Sphere& s) {
+    return std::array{s.center.x(), s.center.y(), s.center.z(), s.radius};
+  };
+  std::ranges::sort(balls, {}, key);
+  const auto rest = std::ranges::unique(balls, {}, key);
+  balls.erase(rest.begin(), rest.end());
+}
+
+void add_to(std::vector<Element>& elements, Groups groups) {
+  for (auto& [key, element] : groups) {
+    drop_equal(element.balls);
+    element.bound = bound(element.balls);
+    elements.push_back(std::move(element));
+  }
+}
+
+}  // namespace
+
+double Element::reach_from(const Vec3& center) const {
+  double reach = 0;
+  for (const Sphere& ball : balls) {
+    reach = std::max(reach, (ball.center - center).norm() + ball.radius);
+  }
+  return reach;
+}
+
+bool Element::is_within(const Sphere& sphere) const {
+  const double distance = (bound.center - sphere.center).norm();
+  if (distance + bound.radius <= sphere.radius) return true;
+  if (distance - bound.radius > sphere.radius) return false;
+  return std::ranges::all_of(balls, [&](const Sphere& ball) {
+    return (ball.center - sphere.center).norm() + ball.radius <= sphere.radius;
+  });
+}
+
+std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid,
+                                   double size) {
+  Groups surface;
+  for (const Triangle& t : subdivide(mesh, size)) {
+    std::vector<Sphere>& balls = surface[key_of(t.centroid(), size)].balls;
+    for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
+  }
+  Groups inside;
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.cell_size();
+  for (const SolidModel::Cell& cell : solid.inner_cells()) {
+    inside[key_of(cell.center, size)].balls.push_back(
+        {cell.center, cell.is_whole ? half_diagonal : 0.0});
+  }
+  std::vector<Element> elements;
+  add_to(elements, std::move(surface));
+  add_to(elements, std::move(inside));
+  return elements;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The inside of a link: which points its surface encloses, and how deep they lie.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "covering/triangle_mesh.h"
+#include "covering/triangle_tree.h"
+
+namespace mneme::internal {
+
+/// What a surface encloses: all that cannot be reached from outside on a grid without touching the
+/// surface, so that parts that overlap and inner walls do no harm; and all that lines through it
+/// say lies within, so that a tube without caps is full. Const and parallel-safe.
+class SolidModel {
+ public:
+  explicit SolidModel(const TriangleMesh& mesh);
+
+  [[nodiscard]] bool contains(const Vec3& point) const;
+  /// Distance to the outer surface: positive inside, negative outside. Inner walls do not count.
+  [[nodiscard]] double depth(const Vec3& point) const;
+
+  /// Edge of the grid's cells, metres.
+  [[nodiscard]] double cell_size() const { return cell_size_; }
+  /// Centres of the cells that lie inside; `is_whole` if no surface runs through the cell.
+  struct Cell {
+    Vec3 center;
+    bool is_whole = false;
+  };
+  [[nodiscard]] const std::vector<Cell>& inner_cells() const { return inner_cells_; }
+  /// The largest balls inside about cells near the medial axis: the ball about any other cell lies,
+  /// but for rounding to the grid, within one of these.
+  [[nodiscard]] std::vector<Sphere> medial_balls() const;
+
+ private:
+  enum class Kind : std::uint8_t { unknown, outside, surface, inside };
+  using Index = std::array<int, 3>;
+
+  void mark_surface();
+  void flood();
+  void fill_open(bool has_rim);
+  void collect_inner_cells();
+  [[nodiscard]] bool is_near_outside(const Vec3& point) const;
+  [[nodiscard]] Index index_of(const Vec3& point) const;
+  [[nodiscard]] bool is_in_grid(const Index& index) const;
+  [[nodiscard]] Vec3 center_of(const Index& index) const;
+  [[nodiscard]] std::size_t slot(const Index& index) const;
+  [[nodiscard]] Index index_at(std::size_t slot) const;
+
+  TriangleTree surface_;
+  TriangleTree outer_{{}};
+  Vec3 origin_;
+  double cell_size_ = 0;
+  Index counts_{};
+  std::vector<Kind> kinds_;
+  std::vector<Cell> inner_cells_;
+};
+
+}  // namespace mneme::internal

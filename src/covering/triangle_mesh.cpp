@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "covering/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace mneme::internal {
+namespace {
+
+constexpr int kSides = 48;
+
+/// Numbers for points, the same for equal ones. Sorting beats hashing for the sizes there are.
+std::vector<int> number_corners(const TriangleMesh& mesh) {
+  std::vector<Vec3> points;
+  points.reserve(3 * mesh.size());
+  for (const Triangle& t : mesh) points.insert(points.end(), {t.a, t.b, t.c});
+  const auto less = [](const Vec3& p, const Vec3& q) {
+    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+  };
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    return less(points[static_cast<std::size_t>(i)], points[static_cast<std::size_t>(j)]);
+  });
+  std::vector<int> numbers(points.size(), 0);
+  int number = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto here = static_cast<std::size_t>(order[i]);
+    if (i > 0 && points[static_cast<std::size_t>(order[i - 1])] != points[here]) ++number;
+    numbers[here] = number;
+  }
+  return numbers;
+}
+
+void add_halves(const Triangle& t, double length, TriangleMesh& result) {
+  const std::array<double, 3> edges = {(t.b - t.a).norm(), (t.c - t.b).norm(), (t.a - t.c).norm()};
+  const auto longest = std::ranges::max_element(edges);
+  if (*longest <= length) {
+    result.push_back(t);
+    return;
+  }
+  std::array<Vec3, 3> p = {t.a, t.b, t.c};
+  std::rotate(p.begin(), p.begin() + (longest - edges.begin()), p.end());
+  const Vec3 middle = 0.5 * (p[0] + p[1]);
+  add_halves({p[0], middle, p[2]}, length, result);
+  add_halves({middle, p[1], p[2]}, length, result);
+}
+
+}  // namespace
+
+double Triangle::area() const { return 0.5 * (b - a).cross(c - a).norm(); }
+
+TriangleMesh triangulate(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Vec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    corners[i] = box.pose * sign.cwiseProduct(box.half_extents);
+  }
+  constexpr std::array<std::array<std::size_t, 4>, 6> kFaces = {
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  TriangleMesh mesh;
+  for (const auto& f : kFaces) {
+    mesh.push_back({corners[f[0]], corners[f[1]], corners[f[2]]});
+    mesh.push_back({corners[f[0]], corners[f[2]], corners[f[3]]});
+  }
+  return mesh;
+}
+
+TriangleMesh triangulate(const Cylinder& cylinder) {
+  const double radius = cylinder.radius / std::cos(std::numbers::pi / kSides);
+  const auto corner = [&](int side, double z) {
+    const double angle = 2 * std::numbers::pi * (side % kSides) / kSides;
+    return cylinder.pose * Vec3(radius * std::cos(angle), radius * std::sin(angle), z);
+  };
+  const double top = 0.5 * cylinder.length;
+  TriangleMesh mesh;
+  for (int i = 0; i < kSides; ++i) {
+    const std::array<Vec3, 4> side = {corner(i, -top), corner(i + 1, -top), corner(i + 1, top),
+                                      corner(i, top)};
+    mesh.push_back({side[0], side[1], side[2]});
+    mesh.push_back({side[0], side[2], side[3]});
+    mesh.push_back({cylinder.pose * Vec3(0, 0, -top), side[1], side[0]});
+    mesh.push_back({cylinder.pose * Vec3(0, 0, top), side[3], side[2]});
+  }
+  return mesh;
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  const std::vector<int> corners = number_corners(mesh);
+  std::map<std::pair<int, int>, int> balance;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+      const int from = corners[i + edge];
+      const int to = corners[i + (edge + 1) % 3];
+      balance[std::minmax({from, to})] += from < to ? 1 : -1;
+    }
+  }
+  return std::ranges::all_of(balance, [](const auto& entry) { return entry.second == 0; });
+}
+
+TriangleMesh subdivide(const TriangleMesh& mesh, double length) {
+  TriangleMesh result;
+  for (const Triangle& triangle : mesh) add_halves(triangle, length, result);
+  return result;
+}
+
+double surface_area(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& triangle : mesh) area += triangle.area();
+  return area;
+}
+
+Bounds bounds_of(const TriangleMesh& mesh) {
+  Bounds bounds{mesh.front().a, mesh.front().a};
+  for (const Triangle& t : mesh) {
+    bounds.low = bounds.low.cwiseMin(t.a).cwiseMin(t.b).cwiseMin(t.c);
+    bounds.high = bounds.high.cwiseMax(t.a).cwiseMax(t.b).cwiseMax(t.c);
+  }
+  return bounds;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Surfaces as triangles: what every solid is turned into before it is covered.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mneme/robot.h"
+
+namespace mneme::internal {
+
+struct Triangle {
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::Zero();
+  Vec3 c = Vec3::Zero();
+
+  [[nodiscard]] double area() const;
+  [[nodiscard]] Vec3 centroid() const { return (a + b + c) / 3.0; }
+};
+
+/// Triangles in any order; neighbours have corners at the very same coordinates.
+using TriangleMesh = std::vector<Triangle>;
+
+[[nodiscard]] TriangleMesh triangulate(const Box& box);
+/// The cylinder lies in the prism that this is, and touches each of its sides.
+[[nodiscard]] TriangleMesh triangulate(const Cylinder& cylinder);
+
+/// True if every edge is shared by as many triangles in one direction as in the other, so that the
+/// surface has no rim.
+[[nodiscard]] bool is_closed(const TriangleMesh& mesh);
+
+/// The same surface as triangles without an edge longer than `length`.
+[[nodiscard]] TriangleMesh subdivide(const TriangleMesh& mesh, double length);
+
+[[nodiscard]] double surface_area(const TriangleMesh& mesh);
+
+/// Least and greatest coordinates; `mesh` has a triangle.
+struct Bounds {
+  Vec3 low;
+  Vec3 high;
+};
+[[nodiscard]] Bounds bounds_of(const TriangleMesh& mesh);
+
+}  // namespace mneme::internal

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Nearest points on a surface, and which side of it a point is on.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "covering/triangle_mesh.h"
+
+namespace mneme::internal {
+
+/// A tree of boxes over triangles. Const and parallel-safe.
+class TriangleTree {
+ public:
+  explicit TriangleTree(TriangleMesh mesh);
+
+  /// Distance from `point` to the nearest triangle; infinite if that is not less than `limit`.
+  [[nodiscard]] double distance(const Vec3& point,
+                                double limit = std::numeric_limits<double>::infinity()) const;
+  /// True if most of five fixed lines through `point` cross the surface an odd number of times on
+  /// either side. The direction in which triangles turn does not matter, and holes rarely do.
+  [[nodiscard]] bool is_enclosed(const Vec3& point) const;
+
+ private:
+  struct Node {
+    Vec3 low;
+    Vec3 high;
+    int first = 0;   ///< of its triangles
+    int count = 0;   ///< 0 if it has children
+    int right = -1;  ///< the left child follows its parent
+  };
+  int build(int first, int count);
+  void nearest(int node, const Vec3& point, double& least2) const;
+  [[nodiscard]] bool is_odd_both_ways(const Vec3& origin, const Vec3& direction) const;
+
+  TriangleMesh mesh_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace mneme::internal

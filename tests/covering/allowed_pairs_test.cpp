@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/covering.h"
+
+#include <map>
+
+#include "covering/small_parts.h"
+#include "covering/solids.h"
+
+namespace mneme::test {
+namespace {
+
+using Reasons = std::map<std::string, AllowedReason>;
+
+Reasons reasons_of(const Robot::Parts& parts, const PairSettings& settings = {}) {
+  const auto pairs = derive_allowed_pairs(parts, settings);
+  REQUIRE_MESSAGE(pairs.has_value(), (pairs ? "" : pairs.error().message));
+  Reasons reasons;
+  for (const AllowedPair& pair : *pairs) reasons[pair.first + " " + pair.second] = pair.reason;
+  CHECK(reasons.size() == pairs->size());
+  return reasons;
+}
+
+Robot::Parts make_balls(int joint_count, double radius) {
+  Robot::Parts parts = make_bare_chain(joint_count);
+  for (Link& link : parts.links) link.spheres = {{{0, 0, 0}, radius}};
+  return parts;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("neighbours are adjacent, also where they never touch") {
+    const Reasons reasons = reasons_of(make_balls(1, 0.1));
+    CHECK(reasons == Reasons{{"l0 l1", AllowedReason::adjacent}});
+  }
+
+  TEST_CASE("pairs that cannot meet are never in contact, pairs that can are not allowed") {
+    // l0 and l2 are 2 cos(q / 2) apart, at least 1.08; l3 can come back to l0.
+    const Reasons reasons = reasons_of(make_balls(3, 0.3));
+    CHECK(reasons.at("l0 l2") == AllowedReason::never);
+    CHECK(reasons.at("l1 l3") == AllowedReason::never);
+    CHECK_FALSE(reasons.contains("l0 l3"));
+    CHECK(reasons.size() == 5);
+  }
+
+  TEST_CASE("pairs that cannot part are always in contact") {
+    CHECK(reasons_of(make_balls(2, 1.1)).at("l0 l2") == AllowedReason::always);
+  }
+
+  TEST_CASE("contact at rest is allowed only if asked for") {
+    Robot::Parts parts = make_balls(2, 0.1);
+    // Straight ahead, the tip of l2 lies beside l0's far end.
+    parts.links[0].spheres = {{{2.2, 0, 0}, 0.3}};
+    CHECK_FALSE(reasons_of(parts).contains("l0 l2"));
+    CHECK(reasons_of(parts, {10000, true, 1}).at("l0 l2") == AllowedReason::at_rest);
+  }
+
+  TEST_CASE("links that are welded together are adjacent, and so are their neighbours") {
+    Robot::Parts parts = make_balls(3, 0.3);
+    parts.joints[1].type = JointType::fixed;
+    const Reasons reasons = reasons_of(parts);
+    CHECK(reasons.at("l1 l2") == AllowedReason::adjacent);
+    CHECK(reasons.at("l0 l2") == AllowedReason::adjacent);
+    CHECK(reasons.at("l1 l3") == AllowedReason::adjacent);
+  }
+
+  TEST_CASE("a link without shapes passes adjacency on to the link above it") {
+    Robot::Parts parts = make_balls(2, 1.1);
+    parts.links[1].spheres.clear();
+    CHECK(reasons_of(parts) == Reasons{{"l0 l2", AllowedReason::adjacent}});
+  }
+
+  TEST_CASE("reasons have the words of an SRDF") {
+    CHECK(to_string(AllowedReason::adjacent) == "Adjacent");
+    CHECK(to_string(AllowedReason::always) == "Always");
+    CHECK(to_string(AllowedReason::never) == "Never");
+    CHECK(to_string(AllowedReason::at_rest) == "Default");
+  }
+
+  TEST_CASE("no samples, no joints and no tree are errors") {
+    CHECK_FALSE(derive_allowed_pairs(make_balls(1, 0.1), {0, false, 1}).has_value());
+    CHECK_FALSE(derive_allowed_pairs(make_balls(0, 0.1)).has_value());
+    Robot::Parts loop = make_balls(2, 0.1);
+    loop.joints[0].parent_link = 2;
+    CHECK_FALSE(derive_allowed_pairs(loop).has_value());
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("the same seed gives the same pairs, and more samples allow no more") {
+    Rng rng(4);
+    Robot::Parts parts = make_bare_chain(6);
+    for (Link& link : parts.links) link.spheres = {{0.4 * random_point(rng, 1), 0.3}};
+    const Reasons few = reasons_of(parts, {50, false, 1});
+    CHECK(few == reasons_of(parts, {50, false, 1}));
+    const Reasons many = reasons_of(parts, {5000, false, 1});
+    CHECK(many.size() < few.size());
+    for (const auto& [pair, reason] : many) CHECK(few.at(pair) == reason);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
