@@ -70,7 +70,9 @@ struct RobotOptions {
   /// SRDF file with groups and allowed collisions. Empty: the file beside the URDF that differs
   /// from it by its suffix .srdf only, if there is one.
   std::string srdf_path;
-  /// Directories in which the packages of `package://NAME/...` are looked for, in this order.
+  /// Directories in which the packages of `package://NAME/...` are looked for, in this order: each
+  /// is the package's folder or holds it. Then those of ROS_PACKAGE_PATH, then the folders NAME
+  /// that the URDF is in.
   std::vector<std::string> package_paths;
   /// Further pairs of links that may touch, besides those of the SRDF.
   std::vector<std::pair<std::string, std::string>> allowed_pairs;

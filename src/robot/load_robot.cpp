@@ -33,7 +33,7 @@ Result<Robot> make_from(const Result<Robot::Parts>& parts, const std::string& so
 
 Result<Robot::Parts> parse_robot_parts(std::string_view urdf, const std::string& source,
                                        const RobotOptions& options) {
-  auto parts = internal::read_urdf(urdf, source);
+  auto parts = internal::read_urdf(urdf, source, options.package_paths);
   if (!parts || options.srdf_path.empty()) return parts;
   const auto text = internal::read_robot_file(options.srdf_path);
   if (!text) return tl::unexpected(text.error());

@@ -53,10 +53,11 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
 std::optional<Error> refuse_solids(std::span<const Link> links) {
   for (const Link& link : links) {
     if (link.solids.empty()) continue;
-    return Error{ErrorCode::unsupported,
-                 fmt::format("link '{}' has {} boxes, cylinders or meshes, which must be covered "
-                             "with spheres first (`mneme robot spheres`, load_covered_robot)",
-                             link.name, link.solids.size())};
+    return Error{
+        ErrorCode::unsupported,
+        fmt::format("link '{}' has collision geometry besides spheres and capsules; cover it "
+                    "with spheres first (`mneme robot spheres`, load_covered_robot)",
+                    link.name)};
   }
   return std::nullopt;
 }

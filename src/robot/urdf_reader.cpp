@@ -10,7 +10,7 @@
 
 #include "robot/robot_file.h"
 #include "robot/robot_tree.h"
-#include "robot/xml_reader.h"
+#include "robot/urdf_collision.h"
 
 namespace mneme::internal {
 namespace {
@@ -18,26 +18,25 @@ namespace {
 /// Reads the parts of a robot from URDF, and remembers the lines on which they stand.
 class UrdfReader {
  public:
-  explicit UrdfReader(const std::string& source) : xml_(source) {}
+  UrdfReader(const std::string& source, const std::vector<std::string>& package_paths)
+      : xml_(source), meshes_(source, package_paths) {}
 
   Result<Robot::Parts> read(std::string_view urdf);
 
  private:
   void read_robot(const XmlElement& element);
   void read_link(const XmlElement& element);
-  void read_collision(const XmlElement& element, Link& link);
-  void add_shape(const XmlElement& shape, const Transform& X_link_shape, Link& link);
   void read_joint(const XmlElement& element);
   JointType read_type(const XmlElement& element);
   void read_motion(const XmlElement& element, Joint& joint);
   void read_mimic(const XmlElement& element, Joint& joint);
-  Transform read_origin(const XmlElement& element);
   void connect_joints();
   int find_link(const XmlElement& joint, const char* end);
   int find_leader(const XmlElement& mimic);
   Result<Robot::Parts> sorted();
 
   XmlReader xml_;
+  MeshFinder meshes_;
   Robot::Parts parts_;
   int robot_line_ = 1;
   std::vector<int> link_lines_;
@@ -75,52 +74,11 @@ void UrdfReader::read_link(const XmlElement& element) {
   xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
   for (const auto* collision = element.FirstChildElement("collision"); collision;
        collision = collision->NextSiblingElement("collision")) {
-    read_collision(*collision, link);
+    read_collision(xml_, meshes_, *collision, link);
   }
   link_indices_.emplace(link.name, static_cast<int>(parts_.links.size()));
   link_lines_.push_back(element.GetLineNum());
   parts_.links.push_back(std::move(link));
-}
-
-void UrdfReader::read_collision(const XmlElement& element, Link& link) {
-  xml_.check_children(element, {"origin", "geometry"}, {"material"});
-  const Transform X_link_shape = read_origin(element);
-  const XmlElement* geometry = xml_.required_child(element, "geometry");
-  if (geometry == nullptr) return;
-  xml_.check_children(*geometry, {"sphere", "capsule", "box", "cylinder", "mesh"}, {});
-  const XmlElement* shape = geometry->FirstChildElement();
-  if (shape == nullptr || shape->NextSiblingElement() != nullptr) {
-    xml_.note(geometry->GetLineNum(), "<geometry>: expected exactly one shape");
-    return;
-  }
-  add_shape(*shape, X_link_shape, link);
-}
-
-void UrdfReader::add_shape(const XmlElement& shape, const Transform& X_link_shape, Link& link) {
-  const std::string_view kind = shape.Name();
-  if (kind == "sphere") {
-    xml_.check_attributes(shape, {"radius"});
-    link.spheres.push_back({X_link_shape.translation, xml_.non_negative_number(shape, "radius")});
-  } else if (kind == "capsule") {
-    xml_.check_attributes(shape, {"radius", "length"});
-    const Vec3 half(0, 0, 0.5 * xml_.non_negative_number(shape, "length"));
-    link.capsules.push_back({X_link_shape * Vec3(-half), X_link_shape * half,
-                             xml_.non_negative_number(shape, "radius")});
-  } else {
-    xml_.note(shape.GetLineNum(),
-              fmt::format("<{}>: collision geometry of this kind is not supported yet; expected "
-                          "<sphere> or <capsule>",
-                          kind),
-              ErrorCode::unsupported);
-  }
-}
-
-Transform UrdfReader::read_origin(const XmlElement& element) {
-  const XmlElement* origin = element.FirstChildElement("origin");
-  if (origin == nullptr) return {};
-  xml_.check_attributes(*origin, {"xyz", "rpy"});
-  return {rotation_from_rpy(xml_.vector(*origin, "rpy", Vec3::Zero())),
-          xml_.vector(*origin, "xyz", Vec3::Zero())};
 }
 
 JointType UrdfReader::read_type(const XmlElement& element) {
@@ -145,7 +103,7 @@ void UrdfReader::read_joint(const XmlElement& element) {
   xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
                       {"dynamics", "safety_controller", "calibration", "gazebo"});
   joint.type = read_type(element);
-  joint.origin = read_origin(element);
+  joint.origin = read_origin(xml_, element);
   if (joint.type != JointType::fixed) {
     read_motion(element, joint);
     read_mimic(element, joint);
@@ -223,8 +181,9 @@ Result<Robot::Parts> UrdfReader::sorted() {
 
 }  // namespace
 
-Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source) {
-  return UrdfReader(source).read(urdf);
+Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
+                               const std::vector<std::string>& package_paths) {
+  return UrdfReader(source, package_paths).read(urdf);
 }
 
 }  // namespace mneme::internal

@@ -6,12 +6,15 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mneme/robot.h"
 
 namespace mneme::internal {
 
-/// The links and joints, checked and in tree order. `source` names the text in messages.
-[[nodiscard]] Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source);
+/// The links and joints, checked and in tree order. `source` names the text in messages; meshes are
+/// relative to it.
+[[nodiscard]] Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
+                                             const std::vector<std::string>& package_paths);
 
 }  // namespace mneme::internal

@@ -152,6 +152,12 @@ double XmlReader::number(const XmlElement& element, const char* attribute) {
   return result.value_or(0);
 }
 
+double XmlReader::positive_number(const XmlElement& element, const char* attribute) {
+  const double value = number(element, attribute);
+  if (value <= 0) note(element, fmt::format("{} is {}, expected more than 0", attribute, value));
+  return value;
+}
+
 double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) {
   const double value = number(element, attribute);
   if (value < 0) note(element, fmt::format("{} is {}, expected 0 or more", attribute, value));

@@ -48,6 +48,7 @@ class XmlReader {
   std::string text(const XmlElement& element, const char* attribute);
   /// The attribute's value: one finite decimal number, whatever the locale.
   double number(const XmlElement& element, const char* attribute);
+  double positive_number(const XmlElement& element, const char* attribute);
   double non_negative_number(const XmlElement& element, const char* attribute);
   /// The attribute's three numbers; `fallback` where it is missing.
   Vec3 vector(const XmlElement& element, const char* attribute, const Vec3& fallback);

@@ -84,7 +84,7 @@ TEST_SUITE("unit") {
     const auto robot = make_robot(parts);
     REQUIRE_FALSE(robot.has_value());
     CHECK(robot.error().code == ErrorCode::unsupported);
-    CHECK(contains(robot.error().message, "robot 'chain': link 'l1' has 1 boxes, cylinders"));
+    CHECK(contains(robot.error().message, "robot 'chain': link 'l1' has collision geometry"));
     CHECK(contains(robot.error().message, "`mneme robot spheres`"));
   }
 

@@ -154,13 +154,6 @@ TEST_SUITE("unit") {
     });
   }
 
-  TEST_CASE("collision geometry that needs a covering is unsupported, by link and element") {
-    for (const std::string kind : {"box", "cylinder", "mesh"}) {
-      check_refusals({{"<sphere radius=\"0.1\"/>", "<" + kind + " size=\"1 1 1\"/>", 7,
-                       "link 'tool': <" + kind + ">", ErrorCode::unsupported}});
-    }
-  }
-
   TEST_CASE("joints that are malformed are refused at their line") {
     check_refusals({
         {"upper=\"1.5\"", "upper=\"-1.5\"", 11, "joint 'turn': its lower limit -1 is above"},

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/mesh_finder.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace mneme::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The rest of `text` after `prefix`, or nothing.
+std::optional<std::string_view> after(std::string_view text, std::string_view prefix) {
+  if (!text.starts_with(prefix)) return std::nullopt;
+  return text.substr(prefix.size());
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+/// Without a slash at the end, so that its last component is a name.
+fs::path as_directory(const fs::path& path) {
+  std::error_code failure;
+  const fs::path absolute = fs::absolute(path, failure).lexically_normal();
+  if (failure) return path;
+  return absolute.has_filename() ? absolute : absolute.parent_path();
+}
+
+std::vector<std::string> ros_package_path() {
+  std::vector<std::string> directories;
+  const char* variable = std::getenv("ROS_PACKAGE_PATH");
+  std::string_view rest = variable == nullptr ? "" : variable;
+  while (!rest.empty()) {
+    const std::size_t length = std::min(rest.find(':'), rest.size());
+    if (length > 0) directories.emplace_back(rest.substr(0, length));
+    rest.remove_prefix(std::min(rest.size(), length + 1));
+  }
+  return directories;
+}
+
+/// Whether a relative path stays below where it starts.
+bool stays_inside(const fs::path& path) {
+  if (path.is_absolute()) return false;
+  const fs::path normal = path.lexically_normal();
+  return !normal.empty() && *normal.begin() != "..";
+}
+
+Result<std::string> no_file(const std::vector<std::string>& tried) {
+  return fail(ErrorCode::io,
+              fmt::format("there is no such file; searched: {}", fmt::join(tried, ", ")));
+}
+
+}  // namespace
+
+MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths)
+    : urdf_directory_(as_directory(fs::path(urdf_path).parent_path()).string()),
+      package_paths_(package_paths) {
+  for (std::string& directory : ros_package_path()) package_paths_.push_back(std::move(directory));
+}
+
+Result<std::string> MeshFinder::find(const std::string& name) const {
+  if (const auto rest = after(name, "package://")) return find_in_package(*rest);
+  fs::path path = fs::path(urdf_directory_) / name;
+  if (const auto rest = after(name, "file://")) {
+    if (!rest->starts_with('/')) {
+      return fail(ErrorCode::unsupported, "expected an absolute path as file:///PATH");
+    }
+    path = *rest;
+  } else if (name.find("://") != std::string::npos) {
+    return fail(ErrorCode::unsupported, "expected package://NAME/PATH, file:///PATH or a path");
+  }
+  if (!is_file(path)) return no_file({path.lexically_normal().string()});
+  return path.lexically_normal().string();
+}
+
+Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) const {
+  const std::size_t slash = std::min(name_and_path.find('/'), name_and_path.size());
+  const fs::path package = name_and_path.substr(0, slash);
+  const fs::path path = name_and_path.substr(std::min(slash + 1, name_and_path.size()));
+  if (package.empty() || package == "." || package == ".." || path.empty()) {
+    return fail(ErrorCode::parse, "expected package://NAME/PATH");
+  }
+  if (!stays_inside(path)) {
+    return fail(ErrorCode::parse,
+                fmt::format("the path leaves the package '{}'", package.string()));
+  }
+  std::vector<fs::path> folders;
+  for (const std::string& directory : package_paths_) {
+    const fs::path normal = as_directory(directory);
+    folders.push_back(normal / package);
+    if (normal.filename() == package) folders.push_back(normal);
+  }
+  for (fs::path above = urdf_directory_; above.has_relative_path(); above = above.parent_path()) {
+    if (above.filename() == package) folders.push_back(above);
+  }
+  std::vector<std::string> tried;
+  for (const fs::path& folder : folders) {
+    tried.push_back((folder / path).lexically_normal().string());
+    if (is_file(tried.back())) return tried.back();
+  }
+  if (!tried.empty()) return no_file(tried);
+  return fail(ErrorCode::io, fmt::format("where is the package '{}'? No directory with packages is "
+                                         "given (package path, ROS_PACKAGE_PATH)",
+                                         package.string()));
+}
+
+}  // namespace mneme::internal

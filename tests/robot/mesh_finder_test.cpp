@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/mesh_finder.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robot/small_robots.h"
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+using internal::MeshFinder;
+using test::contains;
+namespace fs = std::filesystem;
+
+/// ROS_PACKAGE_PATH for the duration of a test.
+class RosPackagePath {
+ public:
+  explicit RosPackagePath(const std::string& value) {
+    if (const char* before = std::getenv("ROS_PACKAGE_PATH")) before_ = before;
+    ::setenv("ROS_PACKAGE_PATH", value.c_str(), 1);
+  }
+  RosPackagePath(const RosPackagePath&) = delete;
+  RosPackagePath& operator=(const RosPackagePath&) = delete;
+  ~RosPackagePath() {
+    if (before_) ::setenv("ROS_PACKAGE_PATH", before_->c_str(), 1);
+    if (!before_) ::unsetenv("ROS_PACKAGE_PATH");
+  }
+
+ private:
+  std::optional<std::string> before_;
+};
+
+/// src/arm_description/{urdf,meshes/a.stl} and an empty folder, all below a temporary directory.
+class Workspace {
+ public:
+  Workspace() {
+    fs::create_directories(directory_ / "src/arm_description/urdf");
+    fs::create_directories(directory_ / "src/arm_description/meshes");
+    fs::create_directories(directory_ / "empty");
+    test::write_file(mesh(), "solid");
+  }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return directory_ / name; }
+  [[nodiscard]] std::string mesh() const {
+    return fs::path(directory_ / "src/arm_description/meshes/a.stl").lexically_normal();
+  }
+
+ private:
+  test::TemporaryDirectory directory_;
+  RosPackagePath none_{""};
+};
+
+constexpr const char* kMesh = "package://arm_description/meshes/a.stl";
+
+std::string refusal(const MeshFinder& meshes, const std::string& name, ErrorCode code) {
+  const auto path = meshes.find(name);
+  REQUIRE_FALSE(path.has_value());
+  CHECK(path.error().code == code);
+  return path.error().message;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a package path is the package's folder or holds it, and the first that fits counts") {
+    const Workspace w;
+    const std::string urdf = w / "arm.urdf";
+    CHECK(MeshFinder(urdf, {w / "src"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "src/"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "src/arm_description"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "empty", w / "src/arm_description/"}).find(kMesh) == w.mesh());
+    fs::create_directories(w / "empty/arm_description/meshes");
+    test::write_file(w / "empty/arm_description/meshes/a.stl", "solid");
+    CHECK(MeshFinder(urdf, {w / "empty", w / "src"}).find(kMesh) != w.mesh());
+  }
+
+  TEST_CASE("ROS_PACKAGE_PATH and the folders of the URDF are searched too") {
+    const Workspace w;
+    CHECK(MeshFinder(w / "src/arm_description/urdf/arm.urdf", {}).find(kMesh) == w.mesh());
+    const RosPackagePath variable((w / "empty") + "::" + (w / "src") + ":");
+    CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == w.mesh());
+  }
+
+  TEST_CASE("other names are relative to the URDF or absolute after file://") {
+    const Workspace w;
+    const MeshFinder meshes(w / "src/arm_description/urdf/arm.urdf", {});
+    CHECK(meshes.find("../meshes/a.stl") == w.mesh());
+    CHECK(meshes.find("file://" + w.mesh()) == w.mesh());
+    CHECK(meshes.find(w.mesh()) == w.mesh());
+  }
+
+  TEST_CASE("where a missing file was looked for is said") {
+    const Workspace w;
+    const std::string missing = "package://arm_description/meshes/b.stl";
+    const std::string message =
+        refusal(MeshFinder(w / "arm.urdf", {w / "empty", w / "src"}), missing, ErrorCode::io);
+    CHECK(contains(message, "no such file; searched: "));
+    CHECK(contains(message, "/empty/arm_description/meshes/b.stl, "));
+    CHECK(contains(message, "/src/arm_description/meshes/b.stl"));
+    const MeshFinder nowhere(w / "arm.urdf", {});
+    CHECK(contains(refusal(nowhere, missing, ErrorCode::io),
+                   "where is the package 'arm_description'?"));
+    CHECK(contains(refusal(nowhere, "b.stl", ErrorCode::io), "/b.stl"));
+    CHECK(contains(refusal(nowhere, "empty", ErrorCode::io), "no such file"));
+  }
+
+  TEST_CASE("a package's path must stay in the package") {
+    const Workspace w;
+    const MeshFinder meshes(w / "arm.urdf", {w / "src", w / "src/arm_description"});
+    for (const std::string path : {"../secret.stl", "meshes/../../secret.stl", "/etc/passwd"}) {
+      CAPTURE(path);
+      CHECK(contains(refusal(meshes, "package://arm_description/" + path, ErrorCode::parse),
+                     "leaves the package 'arm_description'"));
+    }
+    CHECK(meshes.find("package://arm_description/urdf/../meshes/a.stl") == w.mesh());
+    for (const std::string name : {"package://", "package:///a.stl", "package://../src/a.stl",
+                                   "package://arm_description", "package://arm_description/"}) {
+      CAPTURE(name);
+      CHECK(contains(refusal(meshes, name, ErrorCode::parse), "expected package://NAME/PATH"));
+    }
+  }
+
+  TEST_CASE("other places than files are not supported") {
+    const MeshFinder meshes("arm.urdf", {});
+    CHECK(contains(refusal(meshes, "http://host/a.stl", ErrorCode::unsupported), "package://"));
+    CHECK(contains(refusal(meshes, "file://host/a.stl", ErrorCode::unsupported), "file:///PATH"));
+  }
+}
+
+}  // namespace mneme
