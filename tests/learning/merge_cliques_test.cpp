@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "learning/pairs_of_circles.h"
+#include "support/planar_memory.h"
 
 #include <Eigen/Dense>
 

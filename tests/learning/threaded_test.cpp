@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/threaded.h"
 
-#include "learning/pairs_of_circles.h"
+#include "support/planar_memory.h"
 
 namespace mneme::test {
 

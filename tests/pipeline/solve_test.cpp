@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/planar_memory.h"
+#include "support/planar_memory.h"
 
 #include <algorithm>
 #include <limits>

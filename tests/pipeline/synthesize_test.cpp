@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/synthesize.h"
 
-#include "pipeline/planar_memory.h"
+#include "support/planar_memory.h"
 
 namespace mneme::test {
 namespace {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Pairs of circles that planar8 can thread itself through, and learning that takes milliseconds.
+/// Planar arms, pairs of circles that planar8 can thread itself through, and memories of them that
+/// take milliseconds to learn.
 #pragma once
 
 #include "support/support.h"
@@ -36,10 +37,38 @@ inline Robot upright_arm() {
     </robot>)");
 }
 
-inline CollisionChecker make_checker(const Robot& robot, const Scene& scene) {
-  auto checker = CollisionChecker::make(robot, scene);
+/// A problem of scenes/planar, such as "threaded_b4".
+inline Problem planar_problem(const std::string& name) {
+  ProblemOptions options;
+  options.robot_path = source_file("robots/planar8.urdf");
+  auto problem = load_problem(source_file("scenes/planar/" + name + ".yaml"), options);
+  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+  return std::move(*problem);
+}
+
+inline CollisionChecker make_checker(const Robot& robot, const Scene& scene, double margin = 0) {
+  CheckerSettings settings;
+  settings.margin = margin;
+  auto checker = CollisionChecker::make(robot, scene, settings);
   REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
   return *checker;
+}
+
+/// A pair of circles well within the arm's reach, canonical.
+inline PrimitiveKey near_pair() { return make_primitive({3, 1.4, 1.2, 3.4, -1.5, 1.3}).key; }
+
+/// Keys whose numbers differ from those of `key` by at most `spread`; canonical, with a gap.
+inline std::vector<PrimitiveKey> keys_near(const PrimitiveKey& key, int count, double spread,
+                                           std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<PrimitiveKey> keys;
+  while (static_cast<int>(keys.size()) < count) {
+    PrimitiveKey moved = key;
+    for (double& value : moved) value += rng.uniform(-spread, spread);
+    const LocalPrimitive primitive = make_primitive(moved);
+    if (primitive.gap > 0.15) keys.push_back(primitive.key);
+  }
+  return keys;
 }
 
 /// Pairs within the arm's reach.
@@ -89,6 +118,15 @@ inline Database make_database(const std::string& path, const Robot& robot,
   auto database = Database::open(path, *space, mode);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
+}
+
+inline void learn_into(Database& database, const Robot& robot,
+                       const std::vector<PrimitiveKey>& keys,
+                       const LearnSettings& settings = cheap_settings()) {
+  LearnJob job;
+  job.settings = settings;
+  const auto summary = learn_primitives(robot, keys, database, job);
+  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
 }
 
 }  // namespace mneme::test
