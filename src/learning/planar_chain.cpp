@@ -13,6 +13,11 @@ double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
+bool do_boxes_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
+         (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
+}
+
 }  // namespace
 
 Result<PlanarChain> PlanarChain::make(const Robot& robot) {
@@ -81,7 +86,8 @@ bool do_segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& 
   const Vec2 ab = b - a, cd = d - c;
   const double side_c = cross(ab, c - a), side_d = cross(ab, d - a);
   const double side_a = cross(cd, a - c), side_b = cross(cd, b - c);
-  return side_c * side_d <= 0 && side_a * side_b <= 0;
+  // On one line no side tells segments apart, their boxes do.
+  return side_c * side_d <= 0 && side_a * side_b <= 0 && do_boxes_meet(a, b, c, d);
 }
 
 }  // namespace mneme::internal

@@ -107,6 +107,26 @@ TEST_SUITE("law") {
     }
     CHECK(crossing > 200);
   }
+
+  TEST_CASE("segments on one line cross if and only if they overlap") {
+    Rng rng(4);
+    int apart = 0;
+    for (int round = 0; round < 2000; ++round) {
+      const double angle = rng.uniform(-kPi, kPi);
+      // Axes too: there the points lie on the line exactly.
+      const Vec2 along = round % 3 == 0 ? Vec2(0, 1) : Vec2(std::cos(angle), std::sin(angle));
+      const auto place = [&] { return rng.uniform(-1, 1); };
+      const double a = place(), b = place(), c = place(), d = place();
+      const bool is_apart = std::max(a, b) < std::min(c, d) || std::max(c, d) < std::min(a, b);
+      apart += is_apart;
+      if (is_apart) {
+        CHECK(!internal::do_segments_cross(a * along, b * along, c * along, d * along));
+      } else if (round % 3 == 0) {
+        CHECK(internal::do_segments_cross(a * along, b * along, c * along, d * along));
+      }
+    }
+    CHECK(apart > 300);
+  }
 }
 
 TEST_SUITE("unit") {
@@ -152,6 +172,8 @@ TEST_SUITE("unit") {
     CHECK(!do_segments_cross({0, 0}, {2, 0}, {0, 0.1}, {2, 0.1}));
     CHECK(!do_segments_cross({0, 0}, {2, 0}, {1, 0.1}, {1, 1}));
     CHECK(!do_segments_cross({0, 0}, {2, 0}, {3, -1}, {3, 1}));
+    CHECK(!do_segments_cross({0, 0}, {1, 0}, {2, 0}, {3, 0}));
+    CHECK(do_segments_cross({0, 0}, {1, 0}, {1, 0}, {3, 0}));
   }
 }
 

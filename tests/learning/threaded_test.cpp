@@ -24,6 +24,8 @@ TEST_SUITE("unit") {
     CHECK(first({std::atan2(0.3, 2) + elbow, -2 * elbow, elbow - std::atan2(0.3, 2)}) == 2);
     // The order of the circles and a mirror image change nothing.
     CHECK(first_crossing_link(arm, {3, -1.5, 1, 3, 1.5, 1}, Configuration{0, 0, 0}) == 1);
+    // A stretched arm that points away from a gap on its line.
+    CHECK(first_crossing_link(arm, {-9, 0, 1, -6, 0, 1}, Configuration{0, 0, 0}) == -1);
   }
 
   TEST_CASE("the base may stand in the gap: then the first link crosses it") {
