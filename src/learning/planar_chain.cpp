@@ -9,7 +9,7 @@
 namespace mneme::internal {
 namespace {
 
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+constexpr double kTurn = 2 * std::numbers::pi;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -47,6 +47,7 @@ Result<PlanarChain> PlanarChain::make(const Robot& robot) {
     tip = link.capsules[0].b;
     chain.lengths_.push_back(tip.norm());
     chain.bends_.push_back(std::atan2(tip.y(), tip.x()));
+    chain.limits_.push_back({joint.lower, joint.upper});
     parent_link = joint.child_link;
   }
   return chain;
@@ -67,13 +68,26 @@ void PlanarChain::points(std::span<const double> q, std::vector<Vec2>& result) c
 
 Configuration PlanarChain::joint_values(std::span<const double> directions) const {
   Configuration q;
-  double angle = 0;
-  for (std::size_t i = 0; i < lengths_.size(); ++i) {
-    const double next = directions[i] - bends_[i];
-    q.push_back(wrapped(next - angle));
-    angle = next;
+  double before = 0;
+  for (int link = 0; link < link_count(); ++link) {
+    const double direction = directions[static_cast<std::size_t>(link)];
+    q.push_back(joint_value(link, direction, before));
+    before = direction;
   }
   return q;
+}
+
+double PlanarChain::joint_value(int link, double direction, double before) const {
+  const double bend = bends_[static_cast<std::size_t>(link)];
+  const double value = std::remainder((direction - bend) - (before - bend_before(link)), kTurn);
+  for (const double turned : {value + kTurn, value - kTurn}) {
+    if (!limits(link).contains(value) && limits(link).contains(turned)) return turned;
+  }
+  return value;
+}
+
+double PlanarChain::direction(int link, double value, double before) const {
+  return before - bend_before(link) + value + bends_[static_cast<std::size_t>(link)];
 }
 
 GapSegment gap_segment(std::span<const double> key) {

@@ -15,6 +15,14 @@ namespace mneme::internal {
 
 using Vec2 = Eigen::Vector2d;
 
+/// Joint limits, radians.
+struct Limits {
+  double lower = 0, upper = 0;
+
+  [[nodiscard]] double width() const { return upper - lower; }
+  [[nodiscard]] bool contains(double value) const { return lower <= value && value <= upper; }
+};
+
 /// A serial arm in the plane z = 0 whose links are single capsules that start at their joint.
 class PlanarChain {
  public:
@@ -27,12 +35,27 @@ class PlanarChain {
 
   /// Points 0 to link_count(): the base, then the far end of each link, at joint values `q`.
   void points(std::span<const double> q, std::vector<Vec2>& result) const;
-  /// Joint values from the directions of the links, radians in the world; wrapped to [-pi, pi).
+  /// Joint values from the directions of the links, radians in the world; wrapped to [-pi, pi), or
+  /// whole turns from there if that is within the limits.
   [[nodiscard]] Configuration joint_values(std::span<const double> directions) const;
 
+  /// The value of joint `link` that turns its link into `direction` if the link before it has
+  /// direction `before` (0 for the first link).
+  [[nodiscard]] double joint_value(int link, double direction, double before) const;
+  /// The inverse: the direction of `link` with its joint at `value`.
+  [[nodiscard]] double direction(int link, double value, double before) const;
+  [[nodiscard]] const Limits& limits(int link) const {
+    return limits_[static_cast<std::size_t>(link)];
+  }
+
  private:
+  [[nodiscard]] double bend_before(int link) const {
+    return link == 0 ? 0 : bends_[static_cast<std::size_t>(link) - 1];
+  }
+
   std::vector<double> lengths_;
   std::vector<double> bends_;  ///< angle between a joint's x axis and its link
+  std::vector<Limits> limits_;
 };
 
 /// The segment between two circles, from surface to surface along the line of centres.

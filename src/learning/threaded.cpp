@@ -3,7 +3,8 @@
 
 // Threaded configurations are built link by link: the links before the gap at random among the
 // directions that leave it within reach, the two links that lead into it by two-link inverse
-// kinematics onto a random point of it, the links behind it at random.
+// kinematics onto a random point of it, the links behind it at random. All of them keep the limits
+// of their joints.
 #include "learning/threaded.h"
 
 #include <algorithm>
@@ -41,10 +42,26 @@ class ThreadedBuilder {
   }
 
  private:
-  /// Appends a link if it is free: outside both circles, crossing no link but its neighbour, and
-  /// crossing the gap only if it `may_cross`.
+  [[nodiscard]] int next_link() const { return static_cast<int>(directions_.size()); }
+  [[nodiscard]] double last_direction() const {
+    return directions_.empty() ? 0 : directions_.back();
+  }
+
+  /// A random direction of the next link, within `window` of `toward` or within the limits of its
+  /// joint, whichever is the narrower range.
+  double draw_direction(double toward, double window) {
+    const Limits& limits = chain_.limits(next_link());
+    if (limits.width() >= 2 * window) return toward + rng_.uniform(-window, window);
+    const double value = rng_.uniform(limits.lower, limits.upper);
+    return chain_.direction(next_link(), value, last_direction());
+  }
+
+  /// Appends a link if it is free: its joint within the limits, outside both circles, crossing no
+  /// link but its neighbour, and crossing the gap only if it `may_cross`.
   bool add_link(double direction, bool may_cross) {
-    const auto link = static_cast<int>(directions_.size());
+    const int link = next_link();
+    const double value = chain_.joint_value(link, direction, last_direction());
+    if (!chain_.limits(link).contains(value)) return false;
     const Vec2 from = points_.back();
     const Vec2 to = from + chain_.length(link) * Vec2(std::cos(direction), std::sin(direction));
     if (hits_circle(from, to, 0) || hits_circle(from, to, 3)) return false;
@@ -62,7 +79,7 @@ class ThreadedBuilder {
   bool add_leading_link(double rest) {
     const Vec2 to_target = target_ - points_.back();
     const double distance = to_target.norm();
-    const double length = chain_.length(static_cast<int>(directions_.size()));
+    const double length = chain_.length(next_link());
     // Cosine rule; beyond [-1, 1] no direction will do, or any.
     const double cosine =
         (distance * distance + length * length - rest * rest) / (2 * distance * length);
@@ -70,14 +87,16 @@ class ThreadedBuilder {
     const double window = std::acos(std::max(-1.0, cosine));
     const double toward = std::atan2(to_target.y(), to_target.x());
     for (int i = 0; i < kTriesPerLink; ++i) {
-      if (add_link(toward + rng_.uniform(-window, window), false)) return true;
+      const double direction = draw_direction(toward, window);
+      if (std::abs(std::remainder(direction - toward, 2 * std::numbers::pi)) > window) continue;
+      if (add_link(direction, false)) return true;
     }
     return false;
   }
 
   bool add_trailing_link() {
     for (int i = 0; i < kTriesPerLink; ++i) {
-      if (add_link(rng_.uniform(-std::numbers::pi, std::numbers::pi), true)) return true;
+      if (add_link(draw_direction(0, std::numbers::pi), true)) return true;
     }
     return false;
   }
@@ -98,7 +117,7 @@ class ThreadedBuilder {
   bool aim_two_links() {
     const Vec2 to_target = target_ - points_.back();
     const double distance = to_target.norm();
-    const double a = chain_.length(static_cast<int>(directions_.size())), b = entry_length_;
+    const double a = chain_.length(next_link()), b = entry_length_;
     if (distance >= a + b || distance <= std::abs(a - b)) return false;
     const double toward = std::atan2(to_target.y(), to_target.x());
     const double shoulder = std::acos((a * a + distance * distance - b * b) / (2 * a * distance));

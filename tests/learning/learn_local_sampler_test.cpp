@@ -37,6 +37,19 @@ TEST_SUITE("law") {
     CHECK(in_contact * 100 <= means);
   }
 
+  TEST_CASE("an arm of narrow joints learns as well, within its limits") {
+    const Robot robot = limited_arm(planar8_lengths(), -1.5, 1.5);
+    int with_components = 0;
+    for (const PrimitiveKey& key : random_keys(30, 1)) {
+      const LocalSampler sampler = learn(robot, key, cheap_settings(), 1).sampler;
+      with_components += sampler.component_count() > 0;
+      for (int i = 0; i < sampler.component_count(); ++i) {
+        CHECK(!robot.describe_violation(mean_of(sampler, i), "mean").has_value());
+      }
+    }
+    CHECK(with_components > 20);
+  }
+
   TEST_CASE("learning depends on its arguments alone") {
     const Robot robot = planar8();
     for (const PrimitiveKey& key : random_keys(5, 12)) {

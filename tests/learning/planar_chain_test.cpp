@@ -85,6 +85,20 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("a direction and a joint value are each other's inverse, within the limits") {
+    const PlanarChain chain = require_chain(limited_arm({1, 2, 1.5}, 0.5, 6.5));
+    Rng rng(5);
+    for (int round = 0; round < 200; ++round) {
+      const double before = rng.uniform(-9, 9), value = rng.uniform(0.5, 6.5);
+      const double back = chain.joint_value(2, chain.direction(2, value, before), before);
+      CHECK(chain.limits(2).contains(back));
+      CHECK(std::abs(std::remainder(back - value, 2 * kPi)) < 1e-9);
+    }
+    // Where no number of turns leads within the limits, there is only the nearest to zero.
+    CHECK(chain.joint_value(1, 0.3, 0) == doctest::Approx(0.3));
+    CHECK(!chain.limits(1).contains(0.3));
+  }
+
   TEST_CASE("segments that cross do so in whichever order they are given") {
     Rng rng(3);
     int crossing = 0;

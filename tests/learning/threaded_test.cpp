@@ -77,6 +77,29 @@ TEST_SUITE("law") {
     CHECK(found > asked / 3);
   }
 
+  TEST_CASE(
+      "threaded configurations keep the limits of narrow joints, and are found all the same") {
+    for (const auto& [lower, upper] : {std::pair{-1.5, 1.5}, {-0.8, 2.0}, {0.2, 6.2}}) {
+      const Robot robot = limited_arm(planar8_lengths(), lower, upper);
+      Rng rng(1);
+      int found = 0, asked = 0;
+      for (const PrimitiveKey& key : random_keys(30, 1)) {
+        const CollisionChecker checker = make_checker(robot, make_scene(key));
+        for (int link = 0; link < robot.joint_count(); ++link) {
+          ++asked;
+          const auto q = sample_threaded(checker, key, link, 300, rng);
+          if (!q) continue;
+          ++found;
+          CHECK(!robot.describe_violation(*q, "threaded").has_value());
+          CHECK(checker.is_valid(std::span<const double>(*q)));
+          CHECK(first_crossing_link(robot, key, *q) == link);
+        }
+      }
+      INFO(found, " of ", asked, " with limits ", lower, " to ", upper);
+      CHECK(found > asked / 3);
+    }
+  }
+
   TEST_CASE("the same stream of numbers gives the same configuration, the next one another") {
     const Robot robot = planar8();
     const PrimitiveKey key = random_keys(1, 7)[0];

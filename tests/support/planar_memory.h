@@ -27,6 +27,22 @@ inline Robot planar_arm(const std::vector<double>& lengths) {
   return require_arm(*urdf);
 }
 
+/// The same with other limits of all joints but the first, which turns all the way.
+inline Robot limited_arm(const std::vector<double>& lengths, double lower, double upper) {
+  std::string urdf = planar_arm_urdf("limited", lengths, 0.001).value();
+  const std::string full = R"(lower="-3.141592653589793" upper="3.141592653589793")";
+  const std::string limits =
+      "lower=\"" + std::to_string(lower) + "\" upper=\"" + std::to_string(upper) + "\"";
+  REQUIRE(urdf.find(full) != std::string::npos);
+  for (std::size_t at = 0; (at = urdf.find(full)) != std::string::npos;) {
+    urdf.replace(at, full.size(), limits);
+  }
+  return require_arm(urdf);
+}
+
+/// Lengths of planar8's links.
+inline std::vector<double> planar8_lengths() { return {1.6, 1.4, 1.8, 1.2, 1.5, 1.3, 1.1, 1.7}; }
+
 /// An arm of one joint that turns about the y axis.
 inline Robot upright_arm() {
   return require_arm(R"(<robot name="upright">
