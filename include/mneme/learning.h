@@ -98,8 +98,9 @@ struct PrimitiveGrid {
 /// Draws a random primitive of the grid's range, canonical; the base lies in neither circle.
 [[nodiscard]] PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng);
 /// A sequence of canonical primitives that covers the grid, each far from those before it; ends
-/// when `count` is reached and random primitives of the range keep finding a match. The same seed
-/// gives the same sequence, and a larger count continues it.
+/// when `count` is reached and random primitives of the range keep finding a match. The same
+/// arguments give the same sequence. Its first `count` primitives are also the first of any larger
+/// count; those that come after them to complete the cover are not.
 [[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed);
 
 /// How well keys cover a grid: the similarity error of random primitives of the range to their

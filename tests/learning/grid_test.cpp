@@ -103,6 +103,11 @@ TEST_SUITE("law") {
     const auto more = cover(grid, 3);
     REQUIRE(more.size() >= 260);
     CHECK(std::equal(keys.begin(), keys.begin() + 150, more.begin()));
+    // What completes the cover of a few comes after them.
+    grid.count = 3;
+    const auto few = cover(grid, 3);
+    CHECK(few.size() > 10);
+    CHECK(std::equal(few.begin(), few.begin() + 3, more.begin()));
   }
 
   TEST_CASE("chosen keys keep apart better than random ones") {
