@@ -3,6 +3,7 @@
 
 /// mneme learn: fills a database with local samplers.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -152,6 +153,7 @@ Json to_json(const LearnSummary& summary, const Database& database) {
           {"samplers", database.size()}, {"bytes", database.info().bytes}};
 }
 
+/// Json writes errors that are infinite, because there is no key, as null.
 Json to_json(const Coverage& coverage, double threshold) {
   return {{"probes", coverage.probes},
           {"threshold", threshold},
@@ -170,6 +172,10 @@ void print_summary(const LearnSummary& summary, const Database& database) {
 }
 
 void print_coverage(const Coverage& coverage, double threshold) {
+  if (!std::isfinite(coverage.max)) {
+    fmt::print("coverage: none, because the database is empty\n");
+    return;
+  }
   fmt::print("coverage: similarity error to the nearest, over {} random primitives of the range:\n",
              coverage.probes);
   fmt::print("  median {:.3f}, p95 {:.3f}, max {:.3f} m^2; {} was asked for\n", coverage.median,
@@ -179,7 +185,7 @@ void print_coverage(const Coverage& coverage, double threshold) {
 ExitCode report(const LearnOptions& options, const LearnSummary& summary, const Database& database,
                 const std::optional<PrimitiveGrid>& grid) {
   std::optional<Coverage> coverage;
-  if (grid && database.size() > 0) coverage = measure_coverage(database, *grid);
+  if (grid) coverage = measure_coverage(database, *grid);
   if (options.is_json) {
     Json json = to_json(summary, database);
     json["coverage"] = coverage ? to_json(*coverage, grid->max_similarity_error) : Json();

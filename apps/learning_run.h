@@ -15,7 +15,8 @@ namespace mneme::app {
                                                        std::span<const PrimitiveKey> keys,
                                                        Database& database, LearnJob job);
 
-/// The largest similarity errors that random primitives of the grid meet in the database.
+/// The similarity errors that random primitives of the grid meet in the database; infinite if it is
+/// empty.
 [[nodiscard]] Coverage measure_coverage(const Database& database, const PrimitiveGrid& grid);
 
 }  // namespace mneme::app

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -107,7 +108,10 @@ struct PrimitiveGrid {
 /// nearest key.
 struct Coverage {
   int probes = 0;
-  double median = 0, p95 = 0, max = 0;  ///< squared distances, m^2
+  /// Squared distances, m^2; infinite without keys or probes.
+  double median = std::numeric_limits<double>::infinity();
+  double p95 = std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 };
 [[nodiscard]] Coverage measure_coverage(const PrimitiveGrid& grid,
                                         std::span<const PrimitiveKey> keys, int probes,

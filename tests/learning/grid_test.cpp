@@ -143,6 +143,20 @@ TEST_SUITE("oracle") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("no keys cover nothing, and no probes show nothing") {
+    const double infinite = std::numeric_limits<double>::infinity();
+    Rng rng(1);
+    const PrimitiveGrid grid;
+    const std::vector<PrimitiveKey> keys = {sample_primitive(grid, rng)};
+    for (const Coverage& coverage :
+         {measure_coverage(grid, {}, 100, 1), measure_coverage(grid, keys, 0, 1)}) {
+      CHECK(coverage.median == infinite);
+      CHECK(coverage.p95 == infinite);
+      CHECK(coverage.max == infinite);
+    }
+    CHECK(std::isfinite(measure_coverage(grid, keys, 1, 1).max));
+  }
+
   TEST_CASE("what is measured against itself is covered") {
     Rng rng(8), again(8);
     const PrimitiveGrid grid;
