@@ -58,7 +58,7 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   if (!robot) return tl::unexpected(robot.error());
   Result<Database> database = open_database(options.out + "/planar.db", *robot, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
-  const std::vector<PrimitiveKey> keys = cover(*grid, options.job.seed);
+  const std::vector<PrimitiveKey> keys = cover_grid(*grid, options.job.seed);
   Result<LearnSummary> summary = learn_with_progress(*robot, keys, *database, options.job);
   if (!summary) return tl::unexpected(summary.error());
   print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary->learned,

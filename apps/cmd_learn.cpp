@@ -213,7 +213,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
       open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
   if (grid) {
-    const std::vector<PrimitiveKey> covering = cover(*grid, options.job.seed);
+    const std::vector<PrimitiveKey> covering = cover_grid(*grid, options.job.seed);
     lesson->keys.insert(lesson->keys.end(), covering.begin(), covering.end());
   }
   const Result<LearnSummary> summary =

@@ -3,8 +3,6 @@
 
 #include "learning_run.h"
 
-#include <vector>
-
 #include <fmt/format.h>
 
 #include "console.h"
@@ -17,6 +15,11 @@ constexpr int kCoverageProbes = 2000;
 constexpr std::uint64_t kCoverageSeed = 1;
 
 }  // namespace
+
+std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed) {
+  print_note("choosing primitives that cover the range");
+  return cover(grid, seed, interrupt_flag());
+}
 
 Result<LearnSummary> learn_with_progress(const Robot& robot, std::span<const PrimitiveKey> keys,
                                          Database& database, LearnJob job) {

@@ -5,10 +5,14 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "mneme/learning.h"
 
 namespace mneme::app {
+
+/// The primitives that cover the grid; fewer if it is interrupted.
+[[nodiscard]] std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed);
 
 /// Learns `keys` with progress on standard error until it is done or interrupted.
 [[nodiscard]] Result<LearnSummary> learn_with_progress(const Robot& robot,

@@ -101,8 +101,10 @@ struct PrimitiveGrid {
 /// A sequence of canonical primitives that covers the grid, each far from those before it; ends
 /// when `count` is reached and random primitives of the range keep finding a match. The same
 /// arguments give the same sequence. Its first `count` primitives are also the first of any larger
-/// count; those that come after them to complete the cover are not.
-[[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed);
+/// count; those that come after them to complete the cover are not. Ends early, within a few
+/// milliseconds, once `cancel` is set.
+[[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed,
+                                              const std::atomic<bool>* cancel = nullptr);
 
 /// How well keys cover a grid: the similarity error of random primitives of the range to their
 /// nearest key.

@@ -57,12 +57,14 @@ PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng) {
   }
 }
 
-std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed) {
+std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed,
+                                const std::atomic<bool>* cancel) {
+  const auto is_cancelled = [&] { return cancel != nullptr && cancel->load(); };
   Rng rng(seed);
   std::vector<PrimitiveKey> keys = {sample_primitive(grid, rng)};
   KeySet chosen(keys.front().size());
   chosen.add(keys.front());
-  while (static_cast<int>(keys.size()) < grid.count) {
+  while (static_cast<int>(keys.size()) < grid.count && !is_cancelled()) {
     PrimitiveKey best;
     double best_error = -1;
     for (int i = 0; i < kCandidates; ++i) {
@@ -76,7 +78,7 @@ std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed) {
     chosen.add(best);
     keys.push_back(std::move(best));
   }
-  for (int covered = 0; covered < kCoveredInARow; ++covered) {
+  for (int covered = 0; covered < kCoveredInARow && !is_cancelled(); ++covered) {
     PrimitiveKey probe = sample_primitive(grid, rng);
     if (chosen.nearest_error(probe) < grid.max_similarity_error) continue;
     covered = -1;

@@ -34,6 +34,15 @@ std::vector<std::string> small_learn(const PlanarFiles& files, const std::string
   return command;
 }
 
+void read_err_until(RunningProgram& program, const std::string& word) {
+  std::string text;
+  while (!has_text(text, word)) {
+    const std::string piece = program.read_err();
+    REQUIRE_MESSAGE(!piece.empty(), text);
+    text += piece;
+  }
+}
+
 std::vector<std::string> listed_keys(const std::string& database) {
   const ProgramRun run = run_program({"db", "list", database, "--json"});
   REQUIRE_MESSAGE(run.exit_code == 0, run.err);
@@ -99,13 +108,36 @@ TEST_SUITE("flow") {
     const std::string database = files / "new.db";
     const auto command = small_learn(files, database, {"--count", "1000"});
     RunningProgram program(command);
-    REQUIRE(has_text(program.read_err(), "learning"));
+    read_err_until(program, "learning");
     program.send(SIGINT);
     const ProgramRun run = program.wait();
     CHECK_MESSAGE(run.exit_code == 130, run.err);
     CHECK(has_text(run.err, "the same command goes on from here"));
     CHECK(run_program({"db", "verify", database}).exit_code == 0);
     CHECK(run_program(small_learn(files, database)).exit_code == 0);
+  }
+
+  TEST_CASE("an interrupt while primitives are chosen ends the command with nothing learned") {
+    const PlanarFiles files;
+    for (const bool is_json : {true, false}) {
+      auto command = small_learn(files, files / "new.db", {"--count", "1000000"});
+      if (is_json) command.push_back("--json");
+      RunningProgram program(command);
+      read_err_until(program, "choosing");
+      program.send(SIGINT);
+      const ProgramRun run = program.wait();
+      CHECK_MESSAGE(run.exit_code == 130, run.err);
+      CHECK(!has_text(run.err, "learning 1000"));
+      CHECK(has_text(run.err, "the same command goes on from here"));
+      if (is_json) {
+        const Json json = Json::parse(run.out);
+        CHECK(json["learned"] == 0);
+        CHECK(json["is_cancelled"] == true);
+        CHECK(json["coverage"]["max"].is_null());
+      } else {
+        CHECK(has_text(run.out, "coverage: none, because the database is empty"));
+      }
+    }
   }
 }
 

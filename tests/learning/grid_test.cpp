@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
 
+#include <atomic>
 #include <limits>
 
 namespace mneme::test {
@@ -143,6 +144,17 @@ TEST_SUITE("oracle") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a cancelled cover ends with what it has") {
+    PrimitiveGrid grid;
+    grid.count = 100000000;
+    const std::atomic<bool> is_cancelled = true;
+    const auto keys = cover(grid, 7, &is_cancelled);
+    grid.count = 10;
+    const auto all = cover(grid, 7);
+    REQUIRE(keys.size() < 10);
+    CHECK(std::equal(keys.begin(), keys.end(), all.begin()));
+  }
+
   TEST_CASE("no keys cover nothing, and no probes show nothing") {
     const double infinite = std::numeric_limits<double>::infinity();
     Rng rng(1);
