@@ -70,7 +70,8 @@ struct LearnResult {
 
 /// Section V-A: greedily groups means that see each other along straight free motions, and replaces
 /// each group by one component with the group's mean, and its covariance if it has more than
-/// joint_count members.
+/// joint_count members. Components that have a factor already stay as they are, and groups whose
+/// mean is in contact stay apart; members of a group count for the same origin.
 [[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
                                          const LocalSampler& sampler);
 

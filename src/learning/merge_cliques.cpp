@@ -31,16 +31,28 @@ class CliqueMerger {
       if (is_taken[first]) continue;
       std::vector<std::size_t> clique = {first};
       for (std::size_t i = first + 1; i < is_taken.size(); ++i) {
-        if (is_taken[i] || !sees_all(i, clique)) continue;
+        if (is_taken[i] || !can_join(i, clique)) continue;
         is_taken[i] = true;
         clique.push_back(i);
       }
-      add_component(clique);
+      add_clique(clique);
     }
     return std::move(merged_);
   }
 
  private:
+  [[nodiscard]] bool has_factor(std::size_t component) const {
+    return !sampler_.factor_rows.empty() && sampler_.factor_rows[component] >= 0;
+  }
+  [[nodiscard]] Origin origin(std::size_t component) const {
+    return sampler_.origins.empty() ? 0 : sampler_.origins[component];
+  }
+
+  bool can_join(std::size_t component, const std::vector<std::size_t>& clique) {
+    return !has_factor(component) && !has_factor(clique.front()) &&
+           origin(component) == origin(clique.front()) && sees_all(component, clique);
+  }
+
   [[nodiscard]] std::span<const float> mean(std::size_t component) const {
     const auto joints = static_cast<std::size_t>(sampler_.joint_count);
     return {sampler_.means.data() + component * joints, joints};
@@ -53,27 +65,50 @@ class CliqueMerger {
     return true;
   }
 
-  void add_component(const std::vector<std::size_t>& clique) {
-    const auto joints = static_cast<Eigen::Index>(sampler_.joint_count);
-    const std::span<const float> origin = mean(clique.front());
-    // Displacements from one member are free of the jump where continuous joints wrap.
-    Eigen::MatrixXd offsets(joints, static_cast<Eigen::Index>(clique.size()));
-    std::vector<float> delta(origin.size());
-    for (std::size_t i = 0; i < clique.size(); ++i) {
-      space_.difference(origin.data(), mean(clique[i]).data(), delta.data());
-      for (Eigen::Index j = 0; j < joints; ++j) {
-        offsets(j, static_cast<Eigen::Index>(i)) = delta[static_cast<std::size_t>(j)];
-      }
-    }
+  void add_clique(const std::vector<std::size_t>& clique) {
+    const Eigen::MatrixXd offsets = offsets_from_first(clique);
     const Eigen::VectorXd center = offsets.rowwise().mean();
-    for (Eigen::Index j = 0; j < joints; ++j) {
-      const auto i = static_cast<std::size_t>(j);
-      merged_.means.push_back(
-          space_.into_limits(static_cast<int>(j), origin[i] + static_cast<float>(center(j))));
+    const std::span<const float> first = mean(clique.front());
+    std::vector<float> middle(first.size());
+    for (std::size_t j = 0; j < middle.size(); ++j) {
+      const auto offset = static_cast<float>(center(static_cast<Eigen::Index>(j)));
+      middle[j] = space_.into_limits(static_cast<int>(j), first[j] + offset);
     }
-    const bool has_covariance = static_cast<Eigen::Index>(clique.size()) > joints;
+    if (clique.size() == 1 || !checker_.is_valid(std::span<const float>(middle))) {
+      for (const std::size_t member : clique) add_as_it_is(member);
+      return;
+    }
+    add_mean(middle, origin(clique.front()));
+    const bool has_covariance = clique.size() > middle.size();
     merged_.factor_rows.push_back(has_covariance ? factor_count_++ : -1);
     if (has_covariance) add_factor(offsets.colwise() - center);
+  }
+
+  /// Displacements of the members from the first one: free of the jump where continuous joints
+  /// wrap.
+  [[nodiscard]] Eigen::MatrixXd offsets_from_first(const std::vector<std::size_t>& clique) const {
+    Eigen::MatrixXd offsets(sampler_.joint_count, static_cast<Eigen::Index>(clique.size()));
+    Eigen::VectorXf delta(sampler_.joint_count);
+    for (std::size_t i = 0; i < clique.size(); ++i) {
+      space_.difference(mean(clique.front()).data(), mean(clique[i]).data(), delta.data());
+      offsets.col(static_cast<Eigen::Index>(i)) = delta.cast<double>();
+    }
+    return offsets;
+  }
+
+  void add_mean(std::span<const float> values, Origin from) {
+    merged_.means.insert(merged_.means.end(), values.begin(), values.end());
+    if (!sampler_.origins.empty()) merged_.origins.push_back(from);
+  }
+
+  void add_as_it_is(std::size_t component) {
+    add_mean(mean(component), origin(component));
+    merged_.factor_rows.push_back(has_factor(component) ? factor_count_++ : -1);
+    if (!has_factor(component)) return;
+    const std::size_t joints = mean(component).size(), size = joints * (joints + 1) / 2;
+    const float* row =
+        sampler_.factors.data() + size * static_cast<std::size_t>(sampler_.factor_rows[component]);
+    merged_.factors.insert(merged_.factors.end(), row, row + size);
   }
 
   void add_factor(const Eigen::MatrixXd& centered) {

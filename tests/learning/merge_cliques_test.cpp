@@ -31,8 +31,8 @@ std::optional<Eigen::MatrixXd> covariance_of(const LocalSampler& sampler, int co
   return factor * factor.transpose();
 }
 
-/// A ball that slides in the plane z = 0, on a table with one wall along x = 0 that ends at y = 0.
-CollisionChecker sliding_ball() {
+/// A ball that slides in the plane z = 0, among boxes.
+CollisionChecker sliding_ball_among(const std::vector<Shape>& shapes) {
   auto robot = parse_robot(R"(<robot name="slider"><link name="rail"/><link name="cart"/>
     <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
     <joint name="x" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
@@ -41,11 +41,19 @@ CollisionChecker sliding_ball() {
       <limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>)",
                            "slider.urdf");
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return make_checker(*robot, {"", {{"table", shapes}}});
+}
+
+/// With one wall along x = 0 that ends at y = 0.
+CollisionChecker sliding_ball() {
   Box wall;
   wall.pose.translation = Vec3(0, -1.5, 0);
   wall.half_extents = Vec3(0.1, 1.5, 1);
-  return make_checker(*robot, {"", {{"wall", {wall}}}});
+  return sliding_ball_among({wall});
 }
+
+/// With a thin post at the origin.
+CollisionChecker ball_around_post() { return sliding_ball_among({Sphere{Vec3::Zero(), 0.02}}); }
 
 }  // namespace
 
@@ -132,6 +140,46 @@ TEST_SUITE("unit") {
     const auto covariance = covariance_of(merged, 0);
     REQUIRE(covariance.has_value());
     CHECK((*covariance)(0, 0) < 0.05);
+  }
+
+  TEST_CASE("components with a covariance of their own stay as they are") {
+    const CollisionChecker checker = sliding_ball();
+    LocalSampler sampler = make_sampler({{1, -1}, {1.2, -1}, {1.1, -0.9}, {1.3, -1.1}});
+    sampler.factor_rows = {-1, 1, -1, 0};
+    sampler.factors = {0.1f, 0.02f, 0.2f, 0.3f, -0.05f, 0.4f};
+    const LocalSampler merged = merge_cliques(checker, sampler);
+    REQUIRE(merged.component_count() == 3);
+    CHECK(mean_of(merged, 0)[0] == doctest::Approx(1.05));
+    CHECK(!covariance_of(merged, 0).has_value());
+    for (const auto& [after, before] : {std::pair{1, 1}, {2, 3}}) {
+      CHECK(mean_of(merged, after) == mean_of(sampler, before));
+      REQUIRE(covariance_of(merged, after).has_value());
+      CHECK(*covariance_of(merged, after) == *covariance_of(sampler, before));
+    }
+    // What has nothing more to join is merged already.
+    CHECK(is_same_mixture(merge_cliques(checker, merged), merged));
+  }
+
+  TEST_CASE("components join only those that count for the same origin, and keep it") {
+    const CollisionChecker checker = sliding_ball();
+    LocalSampler sampler = make_sampler({{1, -1}, {1.2, -1}, {1.1, -0.9}, {1.3, -1.1}});
+    sampler.origins = {4, 2, 4, 2};
+    const LocalSampler merged = merge_cliques(checker, sampler);
+    CHECK(merged.origins == std::vector<Origin>{4, 2});
+    REQUIRE(merged.component_count() == 2);
+    CHECK(mean_of(merged, 0)[0] == doctest::Approx(1.05));
+    CHECK(mean_of(merged, 1)[0] == doctest::Approx(1.25));
+    CHECK(merge_cliques(checker, make_sampler({{1, -1}})).origins.empty());
+  }
+
+  TEST_CASE("a group whose mean is in contact stays apart") {
+    // A post that the straight motions between the three corners pass, but not their middle.
+    const CollisionChecker checker = ball_around_post();
+    const std::vector<Configuration> corners = {{-1, 0}, {0, -1}, {1, 0.9}};
+    const LocalSampler sampler = make_sampler(corners);
+    const LocalSampler merged = merge_cliques(checker, sampler);
+    CHECK(merged.means == sampler.means);
+    CHECK(merged.factor_rows == std::vector<int>{-1, -1, -1});
   }
 
   TEST_CASE("a sampler without components stays one") {
