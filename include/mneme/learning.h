@@ -61,9 +61,9 @@ struct LearnResult {
 
 /// Section IV-A of the paper: solves queries that start with the arm threaded through the gap,
 /// stratified by the first link that crosses it, and end with the arm wholly out; shortcuts the
-/// paths and places one component at each waypoint. Depends on the arguments alone if `deadline_s`
-/// is 0; otherwise it stops after that many seconds with what it has. Errors: a robot that it does
-/// not handle.
+/// paths and places one component at each waypoint; no mean is in contact. Depends on the arguments
+/// alone if `deadline_s` is 0; otherwise it stops after that many seconds with what it has. Errors:
+/// a robot that it does not handle.
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
                                                       const LearnSettings& settings,
                                                       std::uint64_t seed, double deadline_s = 0);

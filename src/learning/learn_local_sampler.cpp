@@ -101,11 +101,15 @@ class Learner {
     if (!planned.is_solved()) return false;
     ++result_.solved;
     // The last waypoint is an arbitrary configuration outside; it says nothing about the gap.
-    for (std::size_t i = 0; i + 1 < planned.path.size(); ++i) {
-      std::vector<float>& means = result_.sampler.means;
-      means.insert(means.end(), planned.path[i].begin(), planned.path[i].end());
-    }
+    for (std::size_t i = 0; i + 1 < planned.path.size(); ++i) add_component(planned.path[i]);
     return true;
+  }
+
+  /// Not if it is in contact once it is rounded as it is stored.
+  void add_component(const Configuration& q) {
+    const std::vector<float> mean(q.begin(), q.end());
+    if (!checker_.is_valid(std::span<const float>(mean))) return;
+    result_.sampler.means.insert(result_.sampler.means.end(), mean.begin(), mean.end());
   }
 
   internal::Stopwatch stopwatch_;
