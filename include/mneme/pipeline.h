@@ -78,6 +78,7 @@ struct GlSampler {
 
 /// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are
 /// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
+/// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,
                                                   Database& database,
                                                   const SolveSettings& settings);
@@ -96,7 +97,7 @@ struct SolveResult {
 /// Decomposes the scene, retrieves or learns a local sampler per primitive, synthesizes one
 /// sampler, plans. `database` may be null: then the sampler "gl" draws uniformly. Errors: an
 /// unknown planner or sampler, a setting out of range, a scene that cannot be checked or
-/// decomposed.
+/// decomposed, a database of another robot or decomposer.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 

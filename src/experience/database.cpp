@@ -7,6 +7,7 @@
 #include "experience/experience_table.h"
 #include "experience/row_check.h"
 #include "experience/schema.h"
+#include "experience/space.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -68,16 +69,6 @@ struct Database::State {
 };
 
 namespace {
-
-std::string describe(const ExperienceSpace& space) {
-  return fmt::format("robot '{}' (hash {}, {} joints, decomposer {}, keys of {})", space.robot_name,
-                     space.robot_hash, space.joint_count, space.decomposer, space.key_size);
-}
-
-bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b) {
-  return a.robot_hash == b.robot_hash && a.decomposer == b.decomposer &&
-         a.joint_count == b.joint_count && a.key_size == b.key_size;
-}
 
 Error with_advice(Error error, const std::string& path) {
   if (error.code == ErrorCode::corrupt) {
@@ -142,10 +133,8 @@ Result<std::unique_ptr<Database::State>> Database::State::load(Connection& conne
   }
   auto space = internal::read_space(connection);
   if (!space) return tl::unexpected(space.error());
-  if (wanted != nullptr && !is_same_space(*space, *wanted)) {
-    return fail(ErrorCode::wrong_robot,
-                fmt::format("{}: holds experience of {}; expected that of {}", connection.path(),
-                            describe(*space), describe(*wanted)));
+  if (wanted != nullptr && !internal::is_same_space(*space, *wanted)) {
+    return internal::refuse_space(connection.path(), *space, *wanted);
   }
   auto state = std::make_unique<State>(connection.path(), *space, internal::kSchemaVersion);
   const auto loaded =
@@ -180,7 +169,7 @@ Result<Database> Database::open(const std::string& path, const ExperienceSpace& 
                                 OpenMode mode) {
   if (space.joint_count < 1 || space.key_size < 1) {
     return fail(ErrorCode::invalid,
-                fmt::format("{}: cannot hold experience of {}", path, describe(space)));
+                fmt::format("{}: cannot hold experience of {}", path, internal::describe(space)));
   }
   auto state = State::open(path, &space, mode);
   if (!state) return tl::unexpected(with_advice(state.error(), path));

@@ -1,10 +1,31 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/experience.h"
+#include "experience/space.h"
 
 #include "primitive/decomposers.h"
 
+#include <fmt/format.h>
+
 namespace mneme {
+namespace internal {
+
+std::string describe(const ExperienceSpace& space) {
+  return fmt::format("robot '{}' (hash {}, {} joints, decomposer {}, keys of {})", space.robot_name,
+                     space.robot_hash, space.joint_count, space.decomposer, space.key_size);
+}
+
+bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b) {
+  return a.robot_hash == b.robot_hash && a.decomposer == b.decomposer &&
+         a.joint_count == b.joint_count && a.key_size == b.key_size;
+}
+
+tl::unexpected<Error> refuse_space(const std::string& url, const ExperienceSpace& found,
+                                   const ExperienceSpace& wanted) {
+  return fail(ErrorCode::wrong_robot, fmt::format("{}: holds experience of {}; expected that of {}",
+                                                  url, describe(found), describe(wanted)));
+}
+
+}  // namespace internal
 
 Result<ExperienceSpace> make_space(const Robot& robot, const std::string& decomposer) {
   return internal::find_decomposer(decomposer).map([&](const internal::Decomposer* found) {

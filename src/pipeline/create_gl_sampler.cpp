@@ -3,6 +3,7 @@
 
 // Algorithm 2 of the paper, "Create GL-Sampler".
 #include "base/stopwatch.h"
+#include "experience/space.h"
 #include "mneme/pipeline.h"
 #include "pipeline/synthesize.h"
 
@@ -32,12 +33,25 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
   return {};
 }
 
+/// A database that was opened to look at it may be of any space, or of none if it is empty.
+Result<void> check_database(const Robot& robot, const SolveSettings& settings,
+                            const Database& database) {
+  const auto wanted = make_space(robot, settings.decompose.decomposer);
+  if (!wanted) return tl::unexpected(wanted.error());
+  const ExperienceSpace& found = database.space();
+  if (found.key_size == 0 || internal::is_same_space(found, *wanted)) return {};
+  return internal::refuse_space(database.info().url, found, *wanted);
+}
+
 }  // namespace
 
 Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
                                     const SolveSettings& settings) {
   const internal::Stopwatch stopwatch;
   GlSampler gl;
+  if (auto checked = check_database(robot, settings, database); !checked) {
+    return tl::unexpected(checked.error());
+  }
   auto primitives = decompose(robot, scene, settings.decompose);
   if (!primitives) return tl::unexpected(primitives.error());
   const auto retrieve = [&](const LocalPrimitive& primitive) {

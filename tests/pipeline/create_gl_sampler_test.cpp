@@ -190,6 +190,33 @@ TEST_SUITE("unit") {
               .primitives.size() == 1);
   }
 
+  TEST_CASE("a database of another robot is refused, however it was opened") {
+    const Robot robot = planar8(), other = planar_arm({3, 3, 3});
+    const TemporaryDirectory directory;
+    {
+      Database foreign = make_database(directory / "a.db", other);
+      learn_into(foreign, other, {near_pair()});
+    }
+    auto database = Database::inspect(directory / "a.db");
+    REQUIRE(database.has_value());
+    const auto gl = create_gl_sampler(robot, make_scene(near_pair()), *database, {});
+    REQUIRE(!gl.has_value());
+    CHECK(gl.error().code == ErrorCode::wrong_robot);
+    for (const std::string& part : {directory / "a.db", other.hash(), robot.hash()}) {
+      CHECK_MESSAGE(gl.error().message.find(part) != std::string::npos, gl.error().message);
+    }
+    CHECK(create(other, make_scene(near_pair()), *database, {}).primitives.size() == 1);
+  }
+
+  TEST_CASE("an empty file that is only looked at is of every robot") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
+    auto database = Database::inspect(directory / "a.db");
+    REQUIRE(database.has_value());
+    CHECK(create(planar8(), make_scene(near_pair()), *database, {}).mixture->component_count() ==
+          0);
+  }
+
   TEST_CASE("a scene that cannot be decomposed is an error that names the obstacle") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;

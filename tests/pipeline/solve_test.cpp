@@ -242,6 +242,18 @@ TEST_SUITE("unit") {
     CHECK(solve_or_fail(problem, nullptr, {}).plan.is_solved());
   }
 
+  TEST_CASE("a database of another robot is an error, if memory is asked for") {
+    const Problem problem = easy_problem();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", planar_arm({3, 3, 3}));
+    const auto refused = solve(problem, &database, {});
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+  }
+
   TEST_CASE("a scene that cannot be checked is an error") {
     Problem problem = easy_problem();
     problem.scene.obstacles.push_back({"hole", {Sphere{Vec3(std::nan(""), 0, 0), 1}}});
