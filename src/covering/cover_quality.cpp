@@ -40,7 +40,8 @@ std::vector<Vec3> sample_surface(const TriangleMesh& mesh, int count) {
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i) {
     const auto found = std::ranges::upper_bound(sums, area * rng.uniform());
-    const Triangle& t = mesh[std::min(static_cast<std::size_t>(found - sums.begin()), mesh.size() - 1)];
+    const Triangle& t =
+        mesh[std::min(static_cast<std::size_t>(found - sums.begin()), mesh.size() - 1)];
     const double root = std::sqrt(rng.uniform());
     const double u = rng.uniform();
     points.push_back((1 - root) * t.a + root * (1 - u) * t.b + root * u * t.c);
@@ -64,7 +65,8 @@ std::vector<Vec3> sample_near_surface(const SolidModel& solid) {
 
 double uncovered_fraction(std::span<const Vec3> points, std::span<const Sphere> spheres) {
   if (points.empty()) return 0;
-  const auto bare = std::ranges::count_if(points, [&](const Vec3& p) { return !is_covered(p, spheres); });
+  const auto bare =
+      std::ranges::count_if(points, [&](const Vec3& p) { return !is_covered(p, spheres); });
   return static_cast<double>(bare) / static_cast<double>(points.size());
 }
 
@@ -74,10 +76,9 @@ Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid) 
   for (std::size_t s = 0; s < spheres.size(); ++s) {
     const double share = spheres[s].radius * spheres[s].radius;
     for (int i = 0; i < kPointsPerSphere; ++i) {
-      const Vec3 point =
-          spheres[s].center + spheres[s].radius * spiral_point(i, kPointsPerSphere);
-      const bool is_hidden = is_covered(point, spheres.first(s)) ||
-                             is_covered(point, spheres.subspan(s + 1));
+      const Vec3 point = spheres[s].center + spheres[s].radius * spiral_point(i, kPointsPerSphere);
+      const bool is_hidden =
+          is_covered(point, spheres.first(s)) || is_covered(point, spheres.subspan(s + 1));
       if (is_hidden) continue;
       const double outside = std::max(0.0, -solid.depth(point));
       area += share;

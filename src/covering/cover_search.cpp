@@ -126,7 +126,6 @@ class CoverSearch {
   Rng& rng_;
 };
 
-
 constexpr std::size_t kMostProposals = 2500;
 constexpr std::size_t kMostSurfaceProposals = 500;
 
@@ -147,18 +146,17 @@ std::vector<Sphere> propose_spheres(const SolidModel& solid, std::vector<Sphere>
                                     std::span<const Element> elements, double excess, Rng& rng) {
   std::vector<Sphere> proposals = thin_out(std::move(medial_balls), kMostProposals, rng);
   for (Sphere& sphere : proposals) sphere.radius += excess;
-  std::vector<Sphere> skin;
-  for (const Element& element : elements) {
-    const double radius = solid.depth(element.bound.center) + excess;
-    if (radius > 0) skin.push_back({element.bound.center, radius});
+  std::vector<const Element*> skin;
+  for (const Element& element : elements) skin.push_back(&element);
+  for (const Element* element : thin_out(std::move(skin), kMostSurfaceProposals, rng)) {
+    const double radius = solid.depth(element->bound.center) + excess;
+    if (radius > 0) proposals.push_back({element->bound.center, radius});
   }
-  const auto chosen = thin_out(std::move(skin), kMostSurfaceProposals, rng);
-  proposals.insert(proposals.end(), chosen.begin(), chosen.end());
   return proposals;
 }
 
-std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals,
-                                   std::span<const Element> elements, std::int64_t effort, Rng& rng) {
+std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<const Element> elements,
+                                   std::int64_t effort, Rng& rng) {
   return CoverSearch(std::move(proposals), elements, rng).run(effort);
 }
 

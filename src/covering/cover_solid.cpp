@@ -19,6 +19,7 @@ constexpr double kLeastExcess = 0.005;
 /// Pieces per surface: fewer make spheres overlap more than they must, more take time.
 constexpr double kFewestPieces = 800;
 constexpr double kMostPieces = 8000;
+constexpr double kFewestAlong = 100;
 constexpr std::int64_t kProbeEffort = 10'000'000;
 constexpr std::int64_t kFinalEffort = 150'000'000;
 constexpr int kHalvings = 4;
@@ -32,6 +33,14 @@ double excess_for(const TriangleMesh& mesh, double excess) {
   return std::min(excess, std::max(kRelativeExcess * extents[1], kLeastExcess));
 }
 
+double piece_size(const TriangleMesh& mesh, double excess) {
+  const double area = surface_area(mesh);
+  const Bounds bounds = bounds_of(mesh);
+  const double longest = (bounds.high - bounds.low).maxCoeff();
+  const double most = std::max(std::sqrt(area / kFewestPieces), longest / kFewestAlong);
+  return std::clamp(0.5 * excess, std::sqrt(area / kMostPieces), most);
+}
+
 /// One surface, covered again and again with different excesses.
 class Coverer {
  public:
@@ -40,10 +49,7 @@ class Coverer {
 
   /// Few spheres that stick out by at most `excess`.
   [[nodiscard]] std::vector<Sphere> cover(double excess, std::int64_t effort) {
-    const double area = surface_area(mesh_);
-    const double size = std::clamp(0.5 * excess, std::sqrt(area / kMostPieces),
-                                   std::sqrt(area / kFewestPieces));
-    elements_ = make_elements(mesh_, solid_, size);
+    elements_ = make_elements(mesh_, solid_, piece_size(mesh_, excess));
     Rng rng(1);
     return choose_spheres(propose_spheres(solid_, medial_balls_, elements_, excess, rng), elements_,
                           effort, rng);

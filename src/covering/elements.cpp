@@ -18,19 +18,20 @@ Key key_of(const Vec3& point, double size) {
   return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
 }
 
-/// A ball around the middle of the balls' centres.
+/// A ball around the mean of the balls' centres.
 Sphere bound(std::span<const Sphere> balls) {
-  Vec3 low = balls.front().center;
-  Vec3 high = low;
-  for (const Sphere& ball : balls) {
-    low = low.cwiseMin(ball.center);
-    high = high.cwiseMax(ball.center);
-  }
-  Sphere result{0.5 * (low + high), 0};
+  Sphere result;
+  for (const Sphere& ball : balls) result.center += ball.center / static_cast<double>(balls.size());
   for (const Sphere& ball : balls) {
     result.radius = std::max(result.radius, (ball.center - result.center).norm() + ball.radius);
   }
   return result;
+}
+
+/// True if the sphere about the same centre that is smaller by `margin` holds the point.
+bool holds(const Sphere& sphere, const Vec3& point, double margin) {
+  const double reach = sphere.radius - margin;
+  return reach >= 0 && (point - sphere.center).squaredNorm() <= reach * reach;
 }
 
 void drop_equal(std::vector<Sphere>& balls) {
@@ -61,16 +62,13 @@ double Element::reach_from(const Vec3& center) const {
 }
 
 bool Element::is_within(const Sphere& sphere) const {
-  const double distance = (bound.center - sphere.center).norm();
-  if (distance + bound.radius <= sphere.radius) return true;
-  if (distance - bound.radius > sphere.radius) return false;
-  return std::ranges::all_of(balls, [&](const Sphere& ball) {
-    return (ball.center - sphere.center).norm() + ball.radius <= sphere.radius;
-  });
+  if (!holds(sphere, bound.center, 0)) return false;
+  if (holds(sphere, bound.center, bound.radius)) return true;
+  return std::ranges::all_of(
+      balls, [&](const Sphere& ball) { return holds(sphere, ball.center, ball.radius); });
 }
 
-std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid,
-                                   double size) {
+std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid, double size) {
   Groups surface;
   for (const Triangle& t : subdivide(mesh, size)) {
     std::vector<Sphere>& balls = surface[key_of(t.centroid(), size)].balls;

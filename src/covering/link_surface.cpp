@@ -22,8 +22,7 @@ Result<TriangleMesh> link_surface(const Link& link) {
   for (const Solid& solid : link.solids) {
     const auto part = std::visit(Triangulate{}, solid);
     if (!part) {
-      return fail(part.error().code,
-                  fmt::format("link '{}': {}", link.name, part.error().message));
+      return fail(part.error().code, fmt::format("link '{}': {}", link.name, part.error().message));
     }
     surface.insert(surface.end(), part->begin(), part->end());
   }

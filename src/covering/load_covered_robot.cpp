@@ -58,7 +58,8 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
     parts = std::move(made->covering.parts);
     if (!parts->allowed_pairs) {
       auto pairs = derive_pairs(*parts);
-      if (!pairs) return fail(pairs.error().code, fmt::format("{}: {}", path, pairs.error().message));
+      if (!pairs)
+        return fail(pairs.error().code, fmt::format("{}: {}", path, pairs.error().message));
       parts->allowed_pairs = std::move(*pairs);
     }
   }

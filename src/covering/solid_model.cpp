@@ -16,8 +16,8 @@ constexpr int kPadding = 2;
 constexpr std::array<std::array<int, 3>, 6> kNeighbours = {
     {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
-/// A ball lies within its neighbour's if that grows by the step between them. The direction in which
-/// balls grow fastest is up to 27 degrees from that of a step.
+/// A ball lies within its neighbour's if that grows by the step between them. The direction in
+/// which balls grow fastest is up to 27 degrees from that of a step.
 constexpr double kGrowth = 0.85;
 
 std::vector<std::array<int, 3>> all_neighbours() {
@@ -68,7 +68,8 @@ std::size_t SolidModel::slot(const Index& i) const {
 SolidModel::Index SolidModel::index_at(std::size_t slot) const {
   const auto x = static_cast<std::size_t>(counts_[0]);
   const auto y = static_cast<std::size_t>(counts_[1]);
-  return {static_cast<int>(slot % x), static_cast<int>(slot / x % y), static_cast<int>(slot / x / y)};
+  return {static_cast<int>(slot % x), static_cast<int>(slot / x % y),
+          static_cast<int>(slot / x / y)};
 }
 
 SolidModel::Index SolidModel::index_of(const Vec3& point) const {

@@ -65,8 +65,8 @@ bool PosedShapes::touch(int first, int second) const {
   const Body& t = posed_[static_cast<std::size_t>(second)];
   if (s.shapes.empty() || t.shapes.empty() || !are_overlapping(s.bound, t.bound)) return false;
   return std::ranges::any_of(s.shapes, [&](const Capsule& shape) {
-    return std::ranges::any_of(
-        t.shapes, [&](const Capsule& other) { return are_overlapping(shape, other); });
+    return std::ranges::any_of(t.shapes,
+                               [&](const Capsule& other) { return are_overlapping(shape, other); });
   });
 }
 

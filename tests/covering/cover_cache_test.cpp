@@ -51,9 +51,9 @@ TEST_SUITE("unit") {
     const std::string good = read_file(path);
     std::string other_number = good;
     other_number[other_number.find("0.3")] = '9';
-    for (const std::string& bad : {std::string(), good.substr(0, good.size() / 2),
-                                   good.substr(0, good.size() - 2), other_number, "{}\n" + good,
-                                   std::string(1000, '\0')}) {
+    for (const std::string& bad :
+         {std::string(), good.substr(0, good.size() / 2), good.substr(0, good.size() - 2),
+          other_number, "{}\n" + good, std::string(1000, '\0')}) {
       write_file(path, bad);
       CHECK_FALSE(cache.find(kKey).has_value());
     }

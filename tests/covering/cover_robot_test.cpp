@@ -53,7 +53,8 @@ TEST_SUITE("unit") {
     CHECK(second->stored == 0);
     REQUIRE(second->covering.links[0].spheres.size() == first->covering.links[0].spheres.size());
     CHECK(second->covering.links[1].link == "l2");
-    CHECK(second->covering.links[0].spheres[0].radius == first->covering.links[0].spheres[0].radius);
+    CHECK(second->covering.links[0].spheres[0].radius ==
+          first->covering.links[0].spheres[0].radius);
     const auto entry = std::filesystem::directory_iterator(files / "cache")->path();
     write_file(entry.string(), "rubbish");
     const auto third = internal::cover_robot(make_parts(), {}, cache);

@@ -39,7 +39,6 @@ TEST_SUITE("unit") {
         {{{0, 0, 0}, {0.2, 0, 0}, {0, 0.2, 0}}},
         internal::triangulate(make_box({0.3, 0.2, 0})),
         make_tube(0.05, 0.25),
-        internal::triangulate(make_box({0.5, 0.001, 0.001})),
         internal::triangulate(Cylinder{{}, 0.0005, 0.3}),
     };
     for (const TriangleMesh& mesh : meshes) {
@@ -62,7 +61,8 @@ TEST_SUITE("law") {
     for (const TriangleMesh& mesh : meshes) {
       const LinkCover cover = cover_solid(mesh, {0.03, 50});
       CHECK(cover.uncovered == 0);
-      CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 50000), cover.spheres) == 0);
+      CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 50000), cover.spheres) ==
+            0);
       CHECK(cover.max_excess <= 0.03 + 1e-4);
       CHECK(cover.mean_excess < 0.7 * cover.max_excess);
       const internal::SolidModel solid(mesh);

@@ -22,8 +22,11 @@ TEST_SUITE("unit") {
   TEST_CASE("a link without a surface, or one that is not finite, is refused by name") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const std::vector<Solid>& solids :
-         {std::vector<Solid>{}, {make_box({0, 0, 0})}, {Cylinder{{}, 0, 0}},
-          {make_box({nan, 1, 1})}, {make_box({1, 1, 1}), make_box({1, 1, 1}, {nan, 0, 0})}}) {
+         {std::vector<Solid>{},
+          {make_box({0, 0, 0})},
+          {Cylinder{{}, 0, 0}},
+          {make_box({nan, 1, 1})},
+          {make_box({1, 1, 1}), make_box({1, 1, 1}, {nan, 0, 0})}}) {
       Link link;
       link.name = "wrist";
       link.solids = solids;

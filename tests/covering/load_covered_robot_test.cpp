@@ -34,9 +34,10 @@ std::string link_of(const std::string& name, const std::string& geometry) {
 
 /// Three links in a row along x; the second is a mesh file, "part.stl".
 std::string make_urdf() {
-  const std::string joint = "<parent link=\"{}\"/><child link=\"{}\"/><axis xyz=\"0 0 1\"/>"
-                            "<origin xyz=\"0.4 0 0\"/>"
-                            "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>";
+  const std::string joint =
+      "<parent link=\"{}\"/><child link=\"{}\"/><axis xyz=\"0 0 1\"/>"
+      "<origin xyz=\"0.4 0 0\"/>"
+      "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>";
   return "<robot name=\"r\">" + link_of("a", "<box size=\"0.3 0.08 0.08\"/>") +
          link_of("b", "<mesh filename=\"part.stl\"/>") +
          link_of("c", "<cylinder radius=\"0.05\" length=\"0.2\"/>") +
@@ -61,7 +62,8 @@ struct RobotFiles {
 };
 
 TEST_SUITE("unit") {
-  TEST_CASE("a robot of boxes, cylinders and meshes is covered, and the cache makes no difference") {
+  TEST_CASE(
+      "a robot of boxes, cylinders and meshes is covered, and the cache makes no difference") {
     const RobotFiles files;
     const CoveredRobot first = files.load();
     REQUIRE(first.notes.size() == 1);

@@ -17,7 +17,9 @@ using internal::TriangleMesh;
 std::string make_dae(const std::string& unit, const std::string& up, const std::string& matrix) {
   return "<?xml version=\"1.0\"?>\n"
          "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"
-         "<asset><unit name=\"u\" meter=\"" + unit + "\"/><up_axis>" + up + "</up_axis></asset>"
+         "<asset><unit name=\"u\" meter=\"" +
+         unit + "\"/><up_axis>" + up +
+         "</up_axis></asset>"
          "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\">"
          "<float_array id=\"a\" count=\"9\">1 0 0 0 1 0 0 0 1</float_array>"
          "<technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\">"
@@ -26,7 +28,8 @@ std::string make_dae(const std::string& unit, const std::string& up, const std::
          "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
          "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
          "<p>0 1 2</p></triangles></mesh></geometry></library_geometries>"
-         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" + matrix +
+         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" +
+         matrix +
          "</matrix><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
          "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>\n";
 }
@@ -53,7 +56,8 @@ TEST_SUITE("unit") {
   TEST_CASE("polygons of an OBJ file become triangles; scale comes before pose") {
     const TemporaryDirectory files;
     write_file(files / "square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-    const auto mesh = read_mesh({files / "square.obj", {2, 3, 1}, {Eigen::Matrix3d::Identity(), {1, 0, 5}}});
+    const auto mesh =
+        read_mesh({files / "square.obj", {2, 3, 1}, {Eigen::Matrix3d::Identity(), {1, 0, 5}}});
     REQUIRE(mesh.has_value());
     CHECK(mesh->size() == 2);
     CHECK(internal::bounds_of(*mesh).low.isApprox(Vec3(1, 0, 5)));

@@ -28,9 +28,8 @@ inline internal::TriangleMesh joined(const internal::TriangleMesh& a,
 /// A cylinder about z without its flat ends.
 inline internal::TriangleMesh make_tube(double radius, double length) {
   internal::TriangleMesh tube = internal::triangulate(Cylinder{{}, radius, length});
-  std::erase_if(tube, [](const internal::Triangle& t) {
-    return t.a.z() == t.b.z() && t.b.z() == t.c.z();
-  });
+  std::erase_if(
+      tube, [](const internal::Triangle& t) { return t.a.z() == t.b.z() && t.b.z() == t.c.z(); });
   return tube;
 }
 
@@ -41,16 +40,16 @@ inline Vec3 random_point(Rng& rng, double reach) {
 }
 
 inline bool is_held(const Vec3& point, const std::vector<Sphere>& spheres) {
-  return std::ranges::any_of(spheres, [&](const Sphere& s) {
-    return (point - s.center).norm() <= s.radius + 1e-9;
-  });
+  return std::ranges::any_of(
+      spheres, [&](const Sphere& s) { return (point - s.center).norm() <= s.radius + 1e-9; });
 }
 
 inline std::string to_text_stl(const internal::TriangleMesh& mesh) {
   std::string text = "solid s\n";
   for (const internal::Triangle& t : mesh) {
     text += "facet normal 0 0 0\nouter loop\n";
-    for (const Vec3& p : {t.a, t.b, t.c}) text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
+    for (const Vec3& p : {t.a, t.b, t.c})
+      text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
     text += "endloop\nendfacet\n";
   }
   return text + "endsolid s\n";

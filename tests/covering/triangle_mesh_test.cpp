@@ -30,7 +30,8 @@ TEST_SUITE("unit") {
     const TriangleMesh mesh = internal::triangulate(Cylinder{{}, 0.5, 2});
     CHECK(internal::is_closed(mesh));
     for (const Triangle& t : mesh) {
-      for (const Vec3& middle : std::array<Vec3, 3>{0.5 * (t.a + t.b), 0.5 * (t.b + t.c), 0.5 * (t.c + t.a)}) {
+      for (const Vec3& middle :
+           std::array<Vec3, 3>{0.5 * (t.a + t.b), 0.5 * (t.b + t.c), 0.5 * (t.c + t.a)}) {
         if (std::abs(middle.z()) == 1.0) continue;
         CHECK(middle.head<2>().norm() >= 0.5 - 1e-12);
         CHECK(middle.head<2>().norm() < 0.502);
