@@ -184,6 +184,16 @@ class Robot {
 [[nodiscard]] Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
                                         const RobotOptions& options = {});
 
+/// URDF text that reads back to the same parts, except groups, allowed pairs and warnings, which
+/// are no matter of URDF. Solids are written too, meshes by their path on this machine. `comment`
+/// stands at the top and holds no "--". The indices in `parts` are valid.
+[[nodiscard]] std::string to_urdf(const Robot::Parts& parts, std::string_view comment = "");
+/// SRDF text with the groups and allowed pairs; `reasons` says why each pair is allowed, such as
+/// "Adjacent", or is empty.
+[[nodiscard]] std::string to_srdf(const Robot::Parts& parts,
+                                  std::span<const std::string> reasons = {},
+                                  std::string_view comment = "");
+
 /// URDF text of a planar arm: links along x in the plane z = 0, joints about z; the first is
 /// continuous, the others are limited to [-pi, pi]. `lengths` in metres, each > 0; links are
 /// capsules of `thickness` (diameter).

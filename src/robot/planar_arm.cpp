@@ -7,31 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "robot/xml_text.h"
+
 namespace mneme {
 namespace {
 
 // check_urdf wants an effort and a velocity where there are limits; mneme uses neither.
 constexpr std::string_view kUnusedLimits = R"(effort="1" velocity="1")";
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 std::string link_element(std::size_t number, double length, double radius) {
   return fmt::format(R"(  <link name="link_{}">
@@ -89,7 +71,7 @@ Result<std::string> planar_arm_urdf(const std::string& name, std::span<const dou
   <link name="base"/>
 {}{}</robot>
 )",
-                     escaped(name), links, joints);
+                     internal::xml_escaped(name), links, joints);
 }
 
 }  // namespace mneme
