@@ -45,7 +45,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "standard deviation of a mixture component, joint units; smaller repeats the past, larger "
         "explores around it");
   visit("similarity", s.similarity, 0.0, 1e9,
-        "retrieve samplers whose squared key distance is less than this (m^2); the paper used 3");
+        "retrieve samplers whose squared key distance is less than this (m^2), and those of the "
+        "same key whatever it is; the paper used 3");
   visit(
       "max-matches", s.max_matches, 0, 1000000,
       "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");

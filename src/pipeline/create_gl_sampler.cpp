@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Algorithm 2 of the paper, "Create GL-Sampler".
+#include <algorithm>
+#include <limits>
+
 #include "base/stopwatch.h"
 #include "experience/space.h"
 #include "mneme/pipeline.h"
@@ -54,8 +57,10 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   }
   auto primitives = decompose(robot, scene, settings.decompose);
   if (!primitives) return tl::unexpected(primitives.error());
+  // A key always matches itself: what was learned for it, now or before, serves it.
+  const double threshold = std::max(settings.similarity, std::numeric_limits<double>::denorm_min());
   const auto retrieve = [&](const LocalPrimitive& primitive) {
-    return database.find(primitive, settings.similarity, settings.max_matches);
+    return database.find(primitive, threshold, settings.max_matches);
   };
   for (LocalPrimitive& primitive : *primitives) {
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();

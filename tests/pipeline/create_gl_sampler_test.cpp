@@ -80,6 +80,28 @@ TEST_SUITE("unit") {
     CHECK(reopened.size() == 1);
   }
 
+  TEST_CASE("a threshold that lets nothing through lets the same key through") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    SolveSettings settings = learning_settings();
+    settings.similarity = 0;
+    for (int round = 0; round < 3; ++round) {
+      const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
+      CHECK(gl.primitives[0].is_learned == (round == 0));
+      CHECK(gl.primitives[0].matches.size() == 1);
+      CHECK(gl.mixture->component_count() == database.info().components);
+      CHECK(database.size() == 1);
+    }
+    // Without a budget too, but nothing that differs.
+    settings.learn_budget_s = 0;
+    CHECK(create(robot, make_scene(near_pair()), database, settings).primitives[0].matches.size() ==
+          1);
+    PrimitiveKey other = near_pair();
+    other[2] += 1e-6;
+    CHECK(create(robot, make_scene(other), database, settings).primitives[0].matches.empty());
+  }
+
   TEST_CASE("a miss without a budget leaves sampler and database empty") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
