@@ -62,11 +62,13 @@ struct LearnResult {
 /// Section IV-A of the paper: solves queries that start with the arm threaded through the gap,
 /// stratified by the first link that crosses it, and end with the arm wholly out; shortcuts the
 /// paths and places one component at each waypoint; no mean is in contact. Depends on the arguments
-/// alone if `deadline_s` is 0; otherwise it stops after that many seconds with what it has. Errors:
-/// a robot that it does not handle.
+/// alone if `deadline_s` is 0; otherwise it stops after that many seconds with what it has, and in
+/// any case within a few milliseconds once `cancel` is set. Errors: a robot that it does not
+/// handle.
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
                                                       const LearnSettings& settings,
-                                                      std::uint64_t seed, double deadline_s = 0);
+                                                      std::uint64_t seed, double deadline_s = 0,
+                                                      const std::atomic<bool>* cancel = nullptr);
 
 /// Section V-A: greedily groups means that see each other along straight free motions, and replaces
 /// each group by one component with the group's mean, and its covariance if it has more than

@@ -55,7 +55,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "checks");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
         "seconds per query for learning primitives that have no match, 0 for none; counts as "
-        "planning time");
+        "planning time and ends with the time limit");
   visit("resolution", s.resolution, 0.0, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
         "default");
@@ -79,6 +79,7 @@ struct GlSampler {
 
 /// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are
 /// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
+/// Learning ends `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
 /// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,
                                                   Database& database,

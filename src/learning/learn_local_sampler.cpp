@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/stopwatch.h"
+#include "learning/merge_cliques.h"
 #include "learning/planar_chain.h"
 #include "learning/threaded.h"
 #include "mneme/learning.h"
@@ -26,13 +27,14 @@ class Learner {
  public:
   Learner(const CollisionChecker& checker, const internal::PlanarChain& chain,
           const PrimitiveKey& key, const LearnSettings& settings, std::uint64_t seed,
-          double deadline_s)
+          double deadline_s, const std::atomic<bool>* cancel)
       : checker_(checker),
         chain_(chain),
         key_(key),
         settings_(settings),
         rng_(seed),
         deadline_s_(deadline_s),
+        cancel_(cancel),
         uniform_(make_uniform_sampler(checker.robot())) {
     result_.sampler.joint_count = checker.robot().joint_count();
   }
@@ -40,7 +42,8 @@ class Learner {
   LearnResult run() {
     for (int link = chain_.link_count() - 1; link >= 0 && !is_late(); --link) learn_from_link(link);
     if (settings_.merge_cliques && result_.sampler.component_count() > 0) {
-      result_.sampler = merge_cliques(checker_, result_.sampler);
+      result_.sampler =
+          internal::merge_cliques(checker_, result_.sampler, [this] { return is_late(); });
     }
     result_.time_s = stopwatch_.elapsed_s();
     return std::move(result_);
@@ -48,6 +51,7 @@ class Learner {
 
  private:
   [[nodiscard]] bool is_late() const {
+    if (cancel_ != nullptr && cancel_->load()) return true;
     return deadline_s_ > 0 && stopwatch_.elapsed_s() >= deadline_s_;
   }
 
@@ -95,6 +99,7 @@ class Learner {
     plan.timeout_s = deadline_s_ > 0 ? std::max(0.0, deadline_s_ - stopwatch_.elapsed_s()) : 1e6;
     plan.seed = rng_.next();
     plan.verify = false;
+    plan.cancel = cancel_;
     const PlanResult planned = rrt_connect(checker_, query, sampler, plan);
     ++result_.queries;
     result_.iterations += planned.iterations;
@@ -119,6 +124,7 @@ class Learner {
   const LearnSettings& settings_;
   Rng rng_;
   double deadline_s_;
+  const std::atomic<bool>* cancel_;
   std::shared_ptr<const Sampler> uniform_;
   LearnResult result_;
 };
@@ -135,14 +141,14 @@ std::string describe(const LearnSettings& settings) {
 
 Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
                                         const LearnSettings& settings, std::uint64_t seed,
-                                        double deadline_s) {
+                                        double deadline_s, const std::atomic<bool>* cancel) {
   const auto chain = internal::PlanarChain::make(robot);
   if (!chain) return tl::unexpected(chain.error());
   CheckerSettings checking;
   checking.resolution = settings.resolution;
   const auto checker = CollisionChecker::make(robot, make_scene(key), checking);
   if (!checker) return tl::unexpected(checker.error());
-  return Learner(*checker, *chain, key, settings, seed, deadline_s).run();
+  return Learner(*checker, *chain, key, settings, seed, deadline_s, cancel).run();
 }
 
 }  // namespace mneme

@@ -68,8 +68,10 @@ class LearnRun {
     for (;;) {
       const std::size_t task = next_task_.fetch_add(1);
       if (task >= tasks_.size() || has_failed_.load() || is_cancelled()) return;
-      auto learned =
-          learn_local_sampler(robot_, tasks_[task].key, job_.settings, tasks_[task].seed);
+      auto learned = learn_local_sampler(robot_, tasks_[task].key, job_.settings, tasks_[task].seed,
+                                         0, job_.cancel);
+      // What a cancellation cut short is not what the arguments say.
+      if (is_cancelled()) return;
       const std::lock_guard lock(mutex_);
       finished_.emplace(task, std::move(learned));
       is_finished_.notify_one();

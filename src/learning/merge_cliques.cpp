@@ -3,13 +3,11 @@
 
 // Section V-A of the paper. Finding the fewest cliques is NP-hard; as in the paper they are found
 // one after the other, here each starting from the first configuration that is left.
-#include <cmath>
-#include <optional>
+#include "learning/merge_cliques.h"
+
+#include "robot/joint_space.h"
 
 #include <Eigen/Cholesky>
-
-#include "mneme/learning.h"
-#include "robot/joint_space.h"
 
 namespace mneme {
 namespace {
@@ -20,8 +18,9 @@ constexpr double kLeastDeviation = 0.01;
 
 class CliqueMerger {
  public:
-  CliqueMerger(const CollisionChecker& checker, const LocalSampler& sampler)
-      : checker_(checker), space_(checker.robot()), sampler_(sampler) {
+  CliqueMerger(const CollisionChecker& checker, const LocalSampler& sampler,
+               const std::function<bool()>& is_late)
+      : checker_(checker), space_(checker.robot()), sampler_(sampler), is_late_(is_late) {
     merged_.joint_count = sampler.joint_count;
   }
 
@@ -30,7 +29,7 @@ class CliqueMerger {
     for (std::size_t first = 0; first < is_taken.size(); ++first) {
       if (is_taken[first]) continue;
       std::vector<std::size_t> clique = {first};
-      for (std::size_t i = first + 1; i < is_taken.size(); ++i) {
+      for (std::size_t i = first + 1; i < is_taken.size() && !is_late_(); ++i) {
         if (is_taken[i] || !can_join(i, clique)) continue;
         is_taken[i] = true;
         clique.push_back(i);
@@ -126,6 +125,7 @@ class CliqueMerger {
   const CollisionChecker& checker_;
   internal::JointSpace space_;
   const LocalSampler& sampler_;
+  const std::function<bool()>& is_late_;
   CheckCounters counters_;
   LocalSampler merged_;
   int factor_count_ = 0;
@@ -133,8 +133,13 @@ class CliqueMerger {
 
 }  // namespace
 
+LocalSampler internal::merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler,
+                                     const std::function<bool()>& is_late) {
+  return CliqueMerger(checker, sampler, is_late).merge();
+}
+
 LocalSampler merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler) {
-  return CliqueMerger(checker, sampler).merge();
+  return internal::merge_cliques(checker, sampler, [] { return false; });
 }
 
 }  // namespace mneme

@@ -13,13 +13,16 @@
 namespace mneme {
 namespace {
 
+/// Seconds of the time limit that learning leaves, because an insertion waits for the disk.
+constexpr double kInsertionTime = 0.01;
+
 /// Lines 6 and 7: creates the local sampler of a primitive that has no match, and inserts it.
 Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, double deadline_s,
                            Database& database, PrimitiveRetrieval& retrieval) {
   LearnSettings learning = settings.learn;
   if (learning.resolution == 0) learning.resolution = settings.resolution;
-  auto learned =
-      learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed, deadline_s);
+  auto learned = learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed,
+                                     deadline_s, settings.plan.cancel);
   if (!learned) return tl::unexpected(learned.error());
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned->sampler.component_count() == 0) return {};
@@ -66,7 +69,8 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = std::move(primitive);
     retrieval.matches = retrieve(retrieval.primitive);
-    const double budget_s = settings.learn_budget_s - gl.learning_time_s;
+    const double rest_s = settings.plan.timeout_s - stopwatch.elapsed_s() - kInsertionTime;
+    const double budget_s = std::min(settings.learn_budget_s - gl.learning_time_s, rest_s);
     if (!retrieval.matches.empty() || budget_s <= 0) continue;
     const internal::Stopwatch learning;
     auto learned = learn_on_miss(robot, settings, budget_s, database, retrieval);

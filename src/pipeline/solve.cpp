@@ -98,7 +98,9 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
     result.plan = *std::move(refused);
   } else {
     if (settings.sampler == "gl" && database != nullptr) {
-      auto gl = recall(problem, *database, *checker, settings);
+      SolveSettings rest = settings;
+      rest.plan.timeout_s -= stopwatch.elapsed_s();
+      auto gl = recall(problem, *database, *checker, rest);
       if (!gl) return tl::unexpected(gl.error());
       result.gl = std::move(*gl);
     }

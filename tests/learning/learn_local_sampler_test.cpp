@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
 
+#include <atomic>
 #include <chrono>
 
 namespace mneme::test {
@@ -90,6 +91,7 @@ TEST_SUITE("unit") {
     long_winded.paths_per_start = 1000;
     for (const double deadline : {1e-6, 0.02, 0.2}) {
       const auto begin = std::chrono::steady_clock::now();
+      long_winded.merge_cliques = !long_winded.merge_cliques;
       const LearnResult learned = learn(robot, random_keys(1, 13)[0], long_winded, 1, deadline);
       const double elapsed =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -97,6 +99,19 @@ TEST_SUITE("unit") {
       CHECK(learned.time_s <= elapsed);
       if (deadline > 0.1) CHECK(learned.sampler.component_count() > 0);
     }
+  }
+
+  TEST_CASE("learning ends with what it has once it is cancelled") {
+    LearnSettings endless;
+    endless.starts_per_link = 1000;
+    endless.paths_per_start = 1000;
+    endless.max_iterations = 100000000;
+    const std::atomic<bool> is_cancelled = true;
+    const auto learned =
+        learn_local_sampler(planar8(), random_keys(1, 13)[0], endless, 1, 0, &is_cancelled);
+    REQUIRE(learned.has_value());
+    CHECK(learned->queries == 0);
+    CHECK(learned->sampler.component_count() == 0);
   }
 
   TEST_CASE("more starts and paths make more components") {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "learning/merge_cliques.h"
+
 #include "support/planar_memory.h"
 
 #include <Eigen/Dense>
@@ -180,6 +182,18 @@ TEST_SUITE("unit") {
     const LocalSampler merged = merge_cliques(checker, sampler);
     CHECK(merged.means == sampler.means);
     CHECK(merged.factor_rows == std::vector<int>{-1, -1, -1});
+  }
+
+  TEST_CASE("what is left when time is up stays as it is") {
+    const CollisionChecker checker = sliding_ball();
+    const LocalSampler sampler = make_sampler({{1, -1}, {1.2, -1}, {1, -0.9}, {1.3, -1.1}});
+    int calls = 0;
+    const auto is_late = [&] { return ++calls > 1; };
+    const LocalSampler merged = internal::merge_cliques(checker, sampler, is_late);
+    REQUIRE(merged.component_count() == 3);
+    CHECK(mean_of(merged, 0)[0] == doctest::Approx(1.1));
+    CHECK(mean_of(merged, 1) == mean_of(sampler, 2));
+    CHECK(mean_of(merged, 2) == mean_of(sampler, 3));
   }
 
   TEST_CASE("a sampler without components stays one") {

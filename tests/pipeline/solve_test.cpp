@@ -3,6 +3,7 @@
 #include "support/planar_memory.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 namespace mneme::test {
@@ -223,6 +224,52 @@ TEST_SUITE("unit") {
     const SolveResult result = solve_or_fail(easy_problem(), nullptr, settings);
     CHECK(result.plan.status == PlanStatus::timeout);
     CHECK(result.plan.iterations == 0);
+  }
+
+  TEST_CASE("learning keeps the time limit and hears a cancellation") {
+    const Problem problem = planar_problem("scenario2");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 10;
+    settings.learn.starts_per_link = 1000;
+    settings.learn.paths_per_start = 1000;
+    settings.similarity = 1e-9;
+    for (const bool is_merging : {false, true}) {
+      settings.learn.merge_cliques = is_merging;
+      settings.plan.timeout_s = is_merging ? 0.2 : 0.1;
+      const SolveResult result = solve_or_fail(problem, &database, settings);
+      // Without the limit it would be ten seconds; the slack is for busy machines.
+      CHECK(result.total_time_s < settings.plan.timeout_s + 0.2);
+    }
+    const std::int64_t rows = database.size();
+    CHECK(rows > 0);
+    const std::atomic<bool> is_cancelled = true;
+    settings.plan.timeout_s = 10;
+    settings.plan.cancel = &is_cancelled;
+    const SolveResult cancelled = solve_or_fail(problem, &database, settings);
+    CHECK(cancelled.plan.status == PlanStatus::cancelled);
+    CHECK(cancelled.total_time_s < 1);
+    CHECK(database.size() == rows);
+  }
+
+  TEST_CASE("what is learned says with which settings, the resolution of the solve included") {
+    const Problem problem = planar_problem("scenario1");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    settings.learn = cheap_settings();
+    settings.resolution = 0.03;
+    const auto learned_with = [&] {
+      solve_or_fail(problem, &database, settings);
+      return database.get(database.size() - 1).provenance.settings;
+    };
+    CHECK(learned_with().find("learn-resolution=0.03") != std::string::npos);
+    Database other = make_database(directory / "b.db", problem.robot);
+    database = std::move(other);
+    settings.learn.resolution = 0.01;
+    CHECK(learned_with().find("learn-resolution=0.01") != std::string::npos);
   }
 
   TEST_CASE("a scene that the decomposer cannot take is an error only for the sampler of memory") {
