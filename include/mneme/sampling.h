@@ -28,7 +28,7 @@ class SampleStream {
   virtual ~SampleStream() = default;
   /// Writes a configuration within the joint limits into `q` (joint_count() values).
   virtual Origin next(std::span<float> q) = 0;
-  /// Tells the source what became of its latest configuration.
+  /// Tells the source what became of one of its configurations, in any order.
   virtual void report(Origin, SampleOutcome) {}
 };
 

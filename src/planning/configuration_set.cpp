@@ -12,11 +12,17 @@ int ConfigurationSet::add(std::span<const float> q) {
   const auto lane = static_cast<std::size_t>(index % kBlockSize);
   rows_.insert(rows_.end(), q.begin(), q.end());
   if (lane == 0) {
-    for (std::size_t j = 0; j < joints(); ++j) blocks_.insert(blocks_.end(), kBlockSize, rows_[j]);
+    blocks_.insert(blocks_.end(), kBlockSize * joints(), 0.0f);
+    blocks_.insert(blocks_.end(), kBlockSize, std::numeric_limits<float>::infinity());
   }
   float* block =
-      blocks_.data() + static_cast<std::size_t>(index / kBlockSize) * kBlockSize * joints();
-  for (std::size_t j = 0; j < joints(); ++j) block[j * kBlockSize + lane] = q[j];
+      blocks_.data() + static_cast<std::size_t>(index / kBlockSize) * kBlockSize * (joints() + 1);
+  float sum = 0;
+  for (std::size_t j = 0; j < joints(); ++j) {
+    block[j * kBlockSize + lane] = q[j];
+    sum += q[j] * q[j];
+  }
+  block[joints() * kBlockSize + lane] = 0.5f * sum;
   return index;
 }
 

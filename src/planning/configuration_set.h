@@ -53,10 +53,8 @@ class ConfigurationSet {
   const NearestKernels& kernels_;
   int size_ = 0;
   std::vector<float> rows_;
-  /// Lanes of the last block that hold no configuration repeat configuration 0, which then wins
-  /// ties.
-  std::vector<float> blocks_;
-  int measured_ = 0;  ///< configurations that `distances_` speaks of
+  std::vector<float> blocks_;  ///< as the kernels read them
+  int measured_ = 0;           ///< configurations that `distances_` speaks of
   std::vector<float> distances_;
   std::vector<std::pair<float, int>> heap_;
 };

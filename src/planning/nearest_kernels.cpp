@@ -18,27 +18,30 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// The query, one vector per joint, and the joints in the order in which they are summed.
+/// The query, one vector per joint, and which joints wrap.
 class Query {
  public:
   HWY_INLINE Query(int joint_count, const float* q, const float* periods)
       : joint_count_(joint_count) {
+    float sum = 0;
     for (int j = 0; j < joint_count; ++j) {
       values_[j] = splat(q[j]);
+      sum += q[j] * q[j];
       if (periods[j] > 0) wrapped_[wrapped_count_++] = {j, periods[j]};
     }
+    half_norm_ = 0.5f * sum;
   }
 
-  /// Squared distances of the configurations at `column`, one per lane. With `kJoints` > 0 that is
-  /// the number of joints, so that the loop unrolls and the query stays in registers.
+  /// Half the squared distances of the configurations at `column`, one per lane, less that of the
+  /// query from zero: |x|^2 / 2 - q x takes half the instructions of |x - q|^2. With `kJoints` > 0
+  /// that is the number of joints, so that the loop unrolls and the query stays in registers.
   template <int kJoints>
-  HWY_INLINE V squared_distance(const float* column) const {
+  HWY_INLINE V score(const float* column) const {
     const Tag d;
     const int joint_count = kJoints > 0 ? kJoints : joint_count_;
-    V sum = hn::Zero(d);
+    V score = hn::LoadU(d, column + joint_count * kBlockSize);
     for (int j = 0; j < joint_count; ++j) {
-      const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
-      sum = hn::MulAdd(difference, difference, sum);
+      score = hn::NegMulAdd(hn::LoadU(d, column + j * kBlockSize), values_[j], score);
     }
     // Exchanges the squares of the joints that wrap, of which most robots have few.
     for (int i = 0; i < wrapped_count_; ++i) {
@@ -46,11 +49,16 @@ class Query {
       const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
       const V turns = hn::Round(hn::Mul(difference, splat(1.0f / period)));
       const V shorter = hn::NegMulAdd(turns, splat(period), difference);
-      sum = hn::NegMulAdd(difference, difference, sum);
-      sum = hn::MulAdd(shorter, shorter, sum);
+      const V change = hn::MulSub(shorter, shorter, hn::Mul(difference, difference));
+      score = hn::MulAdd(splat(0.5f), change, score);
     }
-    // What was exchanged may leave a rounding error below zero.
-    return hn::Max(sum, hn::Zero(d));
+    return score;
+  }
+
+  /// The squared distance that belongs to a score; rounding may leave it just below zero.
+  HWY_INLINE V squared_distance(V score) const {
+    const V half = hn::Max(hn::Add(score, splat(half_norm_)), hn::Zero(Tag()));
+    return hn::Add(half, half);
   }
 
  private:
@@ -60,6 +68,7 @@ class Query {
   };
   int joint_count_;
   int wrapped_count_ = 0;
+  float half_norm_;
   V values_[kMaxJoints];
   Wrapped wrapped_[kMaxJoints];
 };
@@ -70,29 +79,24 @@ std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const int stride = kBlockSize * (joint_count + 1);
   V least = splat(std::numeric_limits<float>::infinity());
   auto least_base = hn::Zero(di);
-  for (int block = 0; block < block_count; ++block, blocks += kBlockSize * joint_count) {
+  for (int block = 0; block < block_count; ++block, blocks += stride) {
     for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      const V sum = query.squared_distance<kJoints>(blocks + offset);
-      const M is_less = hn::Lt(sum, least);
-      least = hn::IfThenElse(is_less, sum, least);
+      const V score = query.score<kJoints>(blocks + offset);
+      const M is_less = hn::Lt(score, least);
+      least = hn::IfThenElse(is_less, score, least);
       least_base = hn::IfThenElse(hn::RebindMask(di, is_less),
                                   hn::Set(di, block * kBlockSize + offset), least_base);
     }
   }
-  HWY_ALIGN float distance[HWY_MAX_BYTES / sizeof(float)];
-  HWY_ALIGN std::int32_t base[HWY_MAX_BYTES / sizeof(float)];
-  hn::Store(least, d, distance);
-  hn::Store(least_base, di, base);
-  std::pair<int, float> best = {base[0], distance[0]};
-  for (int lane = 1; lane < lanes; ++lane) {
-    const int index = base[lane] + lane;
-    if (distance[lane] < best.second || (distance[lane] == best.second && index < best.first)) {
-      best = {index, distance[lane]};
-    }
-  }
-  return best;
+  const V least_of_all = hn::MinOfLanes(d, least);
+  const auto index = hn::Add(least_base, hn::Iota(di, 0));
+  const auto candidates = hn::IfThenElse(hn::RebindMask(di, hn::Eq(least, least_of_all)), index,
+                                         hn::Set(di, std::numeric_limits<std::int32_t>::max()));
+  return {hn::GetLane(hn::MinOfLanes(di, candidates)),
+          hn::GetLane(query.squared_distance(least_of_all))};
 }
 
 std::pair<int, float> nearest(const float* blocks, int block_count, int joint_count, const float* q,
@@ -114,10 +118,11 @@ void distances(const float* blocks, int block_count, int joint_count, const floa
                const float* periods, float* squared_distances) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const int stride = kBlockSize * (joint_count + 1);
   const Query query(joint_count, q, periods);
-  for (int block = 0; block < block_count; ++block, blocks += kBlockSize * joint_count) {
+  for (int block = 0; block < block_count; ++block, blocks += stride) {
     for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      hn::StoreU(query.squared_distance<0>(blocks + offset), d,
+      hn::StoreU(query.squared_distance(query.score<0>(blocks + offset)), d,
                  squared_distances + block * kBlockSize + offset);
     }
   }

@@ -12,11 +12,13 @@
 namespace mneme::internal {
 
 /// Configurations are stored in blocks of this many: all first joints, all second joints, and so
-/// on.
+/// on, then half of their squared norms. Lanes without a configuration have an infinite norm, so
+/// that they are never near.
 inline constexpr int kBlockSize = 16;
 /// Most joints of a configuration.
 inline constexpr int kMaxJoints = 64;
 
+/// Squared distances are right within 1e-6 of the configurations' squared norms.
 struct NearestKernels {
   /// Index and squared distance of the configuration nearest to `q` among the first `block_count`
   /// blocks; the lowest index among equals. `periods` has 2 pi for joints that wrap and 0 for the

@@ -3,6 +3,7 @@
 #include "planning/planner_run.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "planning/path_conversion.h"
 
@@ -13,6 +14,8 @@ namespace {
 constexpr std::uint64_t kWorkPerClockCheck = 32;
 /// Shorter steps round to no movement at all, or take longer to cross the space than a time limit.
 constexpr double kLeastRange = 1e-3;
+/// Radians of L2 joint distance.
+constexpr float kFirstDomainRadius = 4;
 constexpr int kShortcutAttempts = 100;
 
 }  // namespace
@@ -25,6 +28,8 @@ PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query,
       space_(checker.robot()),
       range_(static_cast<float>(settings.range > 0 ? std::max(settings.range, kLeastRange)
                                                    : default_range(checker.robot()))),
+      first_domain_(checker.robot().is_planar() ? std::numeric_limits<float>::infinity()
+                                                : kFirstDomainRadius * kFirstDomainRadius),
       stream_(sampler.start(settings.seed)) {
   validate();
 }

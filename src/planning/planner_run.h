@@ -28,6 +28,9 @@ class PlannerRun {
   [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] const JointSpace& space() const { return space_; }
   [[nodiscard]] float range() const { return range_; }
+  /// Squared radius of a tree node's domain once it could not be extended; infinite for planar
+  /// arms, whose passages are found sooner without.
+  [[nodiscard]] float first_domain() const { return first_domain_; }
   [[nodiscard]] const PlanSettings& settings() const { return settings_; }
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
@@ -71,6 +74,7 @@ class PlannerRun {
   const PlanSettings& settings_;
   JointSpace space_;
   float range_;
+  float first_domain_;
   std::vector<float> start_;
   FloatPath goals_;
   std::unique_ptr<SampleStream> stream_;

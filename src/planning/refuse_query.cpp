@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mneme/planning.h"
+#include "planning/path_conversion.h"
 
 namespace mneme {
 namespace {
@@ -21,16 +22,22 @@ std::string describe_contacts(const std::vector<Contact>& contacts) {
   return text;
 }
 
-/// Why `q` cannot be planned from or to, or nothing. Kernels and exact distances must agree that it
-/// is free, because the kernels decide what the planner sees.
+/// Why `q` cannot be planned from or to, or nothing. The kernels decide, because they are what the
+/// planner sees; exact distances, which cost a thousand times more, have their say close to
+/// contact.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
                                         const std::string& what) {
   const Robot& robot = checker.robot();
   if (auto violation = robot.describe_violation(q, what)) return violation;
   const Configuration inside = robot.normalized(q);
+  const std::vector<float> values = internal::to_floats(inside);
+  CheckCounters ignored;
+  if (checker.is_motion_valid(values, values, ignored, {1, kVerificationMargin})) {
+    return std::nullopt;
+  }
   const std::vector<Contact> contacts = checker.contacts(inside);
   if (!contacts.empty()) return what + " is in contact: " + describe_contacts(contacts);
-  if (!checker.is_valid(std::span<const double>(inside))) {
+  if (!checker.is_valid(std::span<const float>(values))) {
     return what + " is within rounding error of contact";
   }
   return std::nullopt;

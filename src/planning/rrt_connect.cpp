@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are
-// roots of one tree; the smaller tree grows, as far towards the sample as it gets; a path whose
-// motions fail verification costs the tree the failing branch, and planning goes on.
+// roots of one tree; the smaller tree grows, so that the one in the open does not fill up while the
+// other one is still in a passage, and as far towards the sample as it gets; nodes that cannot be
+// extended have bounded domains; a path whose motions fail verification costs the tree the failing
+// branch, and planning goes on.
 #include <algorithm>
 #include <utility>
 
 #include "mneme/planning.h"
 #include "planning/planner_run.h"
+#include "planning/step_batch.h"
 #include "planning/tree.h"
 
 namespace mneme {
@@ -17,53 +20,48 @@ namespace {
 
 class RrtConnect {
  public:
-  explicit RrtConnect(PlannerRun& run) : run_(run), start_tree_(run), goal_tree_(run) {
+  explicit RrtConnect(PlannerRun& run)
+      : run_(run), start_tree_(run_), goal_tree_(run_), batch_(run_) {
     start_tree_.add(run.start(), -1);
     for (const std::vector<float>& goal : run.goals()) goal_tree_.add(goal, -1);
   }
 
   PlanResult solve() {
-    std::vector<float> q(run_.start().size());
-    while (run_.begin_iterations()) {
-      auto [growing, other] = choose_trees();
-      const Origin origin = run_.sample(q);
-      const int node = grow(*growing, q);
-      rejections_ = node < 0 ? rejections_ + 1 : 0;
-      if (node < 0) {
-        run_.report(origin, SampleOutcome::rejected);
-        continue;
-      }
-      const std::span<const float> reached = (*growing)[node];
-      const int facing = other->connect(other->nearest(reached), reached);
-      run_.report(origin, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
-      if (facing < 0) continue;
-      const bool is_forward = growing == &start_tree_;
-      if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
-        return run_.finish(path_, goal_, node_count());
+    for (;;) {
+      const bool is_forward = start_tree_.size() <= goal_tree_.size();
+      Tree& growing = is_forward ? start_tree_ : goal_tree_;
+      Tree& other = is_forward ? goal_tree_ : start_tree_;
+      if (!batch_.draw(growing)) return run_.give_up(node_count());
+      for (int i = 0; i < batch_.size(); ++i) {
+        const int node = grow(growing, i);
+        if (node < 0) {
+          batch_.settle(i, SampleOutcome::rejected);
+          continue;
+        }
+        const int facing = other.connect(other.nearest(growing[node]), growing[node]);
+        batch_.settle(i, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
+        if (facing < 0) continue;
+        if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
+          return run_.finish(path_, goal_, node_count());
+        }
+        // The nodes that the rest of the batch starts at may be gone.
+        while (++i < batch_.size()) batch_.settle(i, SampleOutcome::rejected);
       }
     }
-    return run_.give_up(node_count());
   }
 
  private:
-  /// The tree to grow and the one to connect to it. The smaller tree grows, so that the one in the
-  /// open does not fill up while the other one is still in a passage; after many rejections the
-  /// larger one, lest it starve.
-  std::pair<Tree*, Tree*> choose_trees() {
-    constexpr int kPatience = 1000;
-    const bool is_start_smaller = start_tree_.size() <= goal_tree_.size();
-    const bool is_larger_due = rejections_ >= kPatience;
-    if (is_larger_due) rejections_ = 0;
-    if (is_start_smaller != is_larger_due) return {&start_tree_, &goal_tree_};
-    return {&goal_tree_, &start_tree_};
-  }
-
-  /// Steps towards `q` until blocked; the last new node, or -1 if the first step is blocked.
-  int grow(Tree& tree, std::span<const float> q) {
-    bool is_reached = false;
-    int last = tree.extend(tree.nearest(q), q, is_reached);
+  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node,
+  /// or -1 if the step itself is blocked.
+  int grow(Tree& tree, int i) {
+    const int from = batch_.node(i);
+    const bool is_free = batch_.is_end_valid(i) && run_.is_motion_valid(tree[from], batch_.end(i));
+    tree.adapt_domain(from, is_free);
+    if (!is_free) return -1;
+    int last = tree.add(batch_.end(i), from);
+    bool is_reached = batch_.is_sample_reached(i);
     for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {
-      node = tree.extend(last, q, is_reached);
+      node = tree.extend(last, batch_.sample(i), is_reached);
       if (node >= 0) last = node;
     }
     return last;
@@ -95,7 +93,7 @@ class RrtConnect {
 
   PlannerRun& run_;
   Tree start_tree_, goal_tree_;
-  int rejections_ = 0;  ///< in a row
+  StepBatch batch_;
   FloatPath path_;
   int goal_ = 0;
 };

@@ -3,12 +3,38 @@
 #include "planning/tree.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace mneme::internal {
+namespace {
+
+/// Of squared radii; VAMP's figures.
+constexpr float kDomainGrowth = 1.0002f;
+constexpr float kLeastDomain = 1;
+
+}  // namespace
 
 int Tree::add(std::span<const float> q, int parent) {
   parents_.push_back(parent);
+  domains_.push_back(std::numeric_limits<float>::infinity());
   return nodes_.add(q);
+}
+
+int Tree::nearest_in_domain(std::span<const float> q) const {
+  const auto [node, squared_distance] = nodes_.nearest(q);
+  return squared_distance <= domains_[static_cast<std::size_t>(node)] ? node : -1;
+}
+
+void Tree::adapt_domain(int node, bool is_extended) {
+  float& domain = domains_[static_cast<std::size_t>(node)];
+  if (is_extended) {
+    domain *= kDomainGrowth;
+  } else if (std::isinf(domain)) {
+    domain = run_.first_domain();
+  } else {
+    domain = std::max(domain / kDomainGrowth, kLeastDomain);
+  }
 }
 
 int Tree::root_of(int node) const {
@@ -17,25 +43,27 @@ int Tree::root_of(int node) const {
   return node;
 }
 
-bool Tree::is_step_short(int node, std::span<const float> q) {
+bool Tree::step(int node, std::span<const float> q, std::span<float> end) const {
   const std::span<const float> from = nodes_[node];
-  const float length = run_.space().difference(from.data(), q.data(), delta_.data());
-  if (length <= run_.range()) return false;
-  const float fraction = run_.range() / length;
-  for (std::size_t j = 0; j < target_.size(); ++j) {
-    target_[j] = run_.space().into_limits(static_cast<int>(j), from[j] + fraction * delta_[j]);
+  const float length = run_.space().difference(from.data(), q.data(), end.data());
+  if (length <= run_.range()) {
+    std::copy(q.begin(), q.end(), end.begin());
+    return true;
   }
-  return true;
+  const float fraction = run_.range() / length;
+  for (std::size_t j = 0; j < end.size(); ++j) {
+    end[j] = run_.space().into_limits(static_cast<int>(j), from[j] + fraction * end[j]);
+  }
+  return false;
 }
 
 int Tree::extend(int node, std::span<const float> q, bool& is_reached) {
-  is_reached = !is_step_short(node, q);
-  const std::span<const float> to = is_reached ? q : std::span<const float>(target_);
-  return run_.is_motion_valid(nodes_[node], to) ? add(to, node) : -1;
+  is_reached = step(node, q, target_);
+  return run_.is_motion_valid(nodes_[node], target_) ? add(target_, node) : -1;
 }
 
 int Tree::connect(int node, std::span<const float> q) {
-  while (is_step_short(node, q)) {
+  while (!step(node, q, target_)) {
     if (run_.must_stop() || !run_.is_motion_valid(nodes_[node], target_)) return -1;
     node = add(target_, node);
   }
@@ -70,10 +98,15 @@ void Tree::remove(int node) {
     parents.push_back(parent < 0 ? -1 : new_index[static_cast<std::size_t>(parent)]);
     rows.insert(rows.end(), nodes_[i].begin(), nodes_[i].end());
   }
+  std::vector<float> domains;
+  for (std::size_t i = 0; i < new_index.size(); ++i) {
+    if (new_index[i] >= 0) domains.push_back(domains_[i]);
+  }
   nodes_.clear();
   parents_.clear();
   for (std::size_t i = 0; i < parents.size(); ++i)
     add({rows.data() + i * joints, joints}, parents[i]);
+  domains_ = std::move(domains);
 }
 
 }  // namespace mneme::internal

@@ -18,10 +18,7 @@ namespace mneme::internal {
 class Tree {
  public:
   explicit Tree(PlannerRun& run)
-      : run_(run),
-        nodes_(run.space(), run.isa()),
-        delta_(run.start().size()),
-        target_(run.start().size()) {}
+      : run_(run), nodes_(run.space(), run.isa()), target_(run.start().size()) {}
 
   [[nodiscard]] int size() const { return nodes_.size(); }
   [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
@@ -31,7 +28,15 @@ class Tree {
   /// Adds a node; `parent` is -1 for a root.
   int add(std::span<const float> q, int parent);
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
+  /// The nearest node, or -1 if `q` lies outside its domain.
+  [[nodiscard]] int nearest_in_domain(std::span<const float> q) const;
+  /// Adapts the domain of `node` to whether a step from it was free: the first one that was not
+  /// bounds the domain, further ones shrink it, success lets it grow. Dynamic-domain RRT: Jaillet,
+  /// Yershova, LaValle and Simeon, DOI 10.1109/IROS.2005.1545607.
+  void adapt_domain(int node, bool is_extended);
 
+  /// Writes the end of one step of at most the range from `node` towards `q`; true if that is `q`.
+  bool step(int node, std::span<const float> q, std::span<float> end) const;
   /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is
   /// blocked. `is_reached` tells whether the step ends at `q`.
   int extend(int node, std::span<const float> q, bool& is_reached);
@@ -48,14 +53,11 @@ class Tree {
   void remove(int node);
 
  private:
-  /// Writes the end of one step from `node` towards `q` into target_; false if that would be past
-  /// `q`.
-  bool is_step_short(int node, std::span<const float> q);
-
   PlannerRun& run_;
   ConfigurationSet nodes_;
   std::vector<int> parents_;
-  std::vector<float> delta_, target_;
+  std::vector<float> domains_;  ///< squared radius per node
+  std::vector<float> target_;
 };
 
 }  // namespace mneme::internal

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Steps of a tree towards samples, drawn and looked at together.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planning/planner_run.h"
+#include "planning/tree.h"
+
+namespace mneme::internal {
+
+/// A batch of steps whose ends are validated a vector at a time: in narrow passages nearly all
+/// steps are blocked, and nearly all of those already at their ends, so that a blocked step costs
+/// one lane instead of a vector. Not thread-safe.
+class StepBatch {
+ public:
+  explicit StepBatch(PlannerRun& run);
+
+  /// Draws steps of `tree`: one after a success, more the longer there has been none. Samples
+  /// outside the domain of their nearest node are rejected. After kPatience rejections in a row a
+  /// step starts at a random node instead, wherever its sample is, so that no tree starves. False
+  /// if a limit is reached before the first step.
+  bool draw(const Tree& tree);
+
+  [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
+  /// The node that step `i` starts at.
+  [[nodiscard]] int node(int i) const { return step(i).node; }
+  [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
+  [[nodiscard]] std::span<const float> end(int i) const { return row(ends_, i); }
+  /// True if step `i` ends at its sample.
+  [[nodiscard]] bool is_sample_reached(int i) const { return step(i).is_sample_reached; }
+  [[nodiscard]] bool is_end_valid(int i) const {
+    return is_valid_[static_cast<std::size_t>(i)] != 0;
+  }
+  /// Tells the sampler what became of the sample of step `i`.
+  void settle(int i, SampleOutcome outcome);
+
+ private:
+  struct Step {
+    int node = -1;
+    bool is_sample_reached = false;
+    Origin origin = kUniformOrigin;
+  };
+
+  [[nodiscard]] const Step& step(int i) const { return steps_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] std::span<const float> row(const std::vector<float>& rows, int i) const {
+    const std::size_t joints = run_.start().size();
+    return {rows.data() + static_cast<std::size_t>(i) * joints, joints};
+  }
+  [[nodiscard]] int choose_node(const Tree& tree, std::span<const float> q);
+  void report(Origin origin, SampleOutcome outcome);
+
+  PlannerRun& run_;
+  Rng rng_;
+  int rejections_ = 0;  ///< in a row
+  std::vector<Step> steps_;
+  std::vector<float> samples_, ends_;
+  std::vector<std::uint8_t> is_valid_;
+};
+
+}  // namespace mneme::internal
