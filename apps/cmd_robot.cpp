@@ -17,6 +17,7 @@
 #include "inputs.h"
 #include "options.h"
 #include "output_file.h"
+#include "robot_spheres.h"
 
 namespace mneme::app {
 namespace {
@@ -111,9 +112,8 @@ void print_robot(const Robot& robot, const std::string& path) {
 Result<ExitCode> run_info(const RobotCommandOptions& options) {
   const Result<std::string> path = robot_file(options.robot);
   if (!path) return tl::unexpected(path.error());
-  const Result<Robot> robot = load_robot(*path, options.robot_options);
+  const Result<Robot> robot = load_named_robot(*path, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
-  for (const std::string& warning : robot->warnings()) print_note("warning: " + warning);
   if (options.is_json) {
     print_json(to_json(*robot, *path));
   } else {
@@ -246,13 +246,15 @@ void add_planar(CLI::App& group, Action& action) {
 }  // namespace
 
 void add_robot(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand("robot", "Look at robots, or make a planar arm");
+  CLI::App* group = program.add_subcommand(
+      "robot", "Look at robots, cover them with spheres, or make a planar arm");
   group->require_subcommand(1);
   group->footer("Example:\n  mneme robot info planar8");
   const auto options = std::make_shared<RobotCommandOptions>();
   add_info(*group, options, action);
   add_check(*group, options, action);
   add_planar(*group, action);
+  add_robot_spheres(*group, action);
 }
 
 }  // namespace mneme::app

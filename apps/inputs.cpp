@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "mneme/covering.h"
+
 #include "console.h"
 
 namespace mneme::app {
@@ -19,11 +21,12 @@ Result<std::string> robot_file(const std::string& robot) {
 }
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
-  Result<Robot> loaded = robot_file(robot).and_then(
-      [&](const std::string& path) { return load_robot(path, options); });
-  if (!loaded) return loaded;
-  for (const std::string& warning : loaded->warnings()) print_note("warning: " + warning);
-  return loaded;
+  const Result<CoveredRobot> loaded = robot_file(robot).and_then(
+      [&](const std::string& path) { return load_covered_robot(path, options); });
+  if (!loaded) return tl::unexpected(loaded.error());
+  for (const std::string& note : loaded->notes) print_note(note);
+  for (const std::string& warning : loaded->robot.warnings()) print_note("warning: " + warning);
+  return loaded->robot;
 }
 
 Result<ProblemOptions> problem_options(const std::string& robot, const RobotOptions& options) {

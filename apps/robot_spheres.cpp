@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "robot_spheres.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/covering.h"
+
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+#include "output_file.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+struct SpheresOptions {
+  std::string robot;
+  std::string output;
+  std::string srdf_output;
+  RobotOptions reading;
+  CoverSettings cover;
+  PairSettings pairs;
+  bool is_json = false;
+};
+
+struct Made {
+  Covering covering;
+  std::vector<std::string> reasons;  ///< of the allowed pairs
+};
+
+constexpr std::string_view kOwnReason = "User";
+
+/// Replaces the allowed pairs of `parts` by those that sampling allows and then those that it had
+/// from its SRDF. Returns the reasons.
+Result<std::vector<std::string>> allow_pairs(Robot::Parts& parts, const PairSettings& settings) {
+  return derive_allowed_pairs(parts, settings).map([&](const std::vector<AllowedPair>& derived) {
+    Pairs pairs;
+    std::vector<std::string> reasons;
+    std::set<Pairs::value_type> known;
+    const auto add = [&](const std::string& first, const std::string& second,
+                         std::string_view reason) {
+      if (!known.insert(std::minmax(first, second)).second) return;
+      pairs.emplace_back(first, second);
+      reasons.emplace_back(reason);
+    };
+    for (const AllowedPair& pair : derived) add(pair.first, pair.second, to_string(pair.reason));
+    const auto own = parts.allowed_pairs.value_or(Pairs());
+    for (const auto& [first, second] : own) add(first, second, kOwnReason);
+    parts.allowed_pairs = std::move(pairs);
+    return reasons;
+  });
+}
+
+Result<Made> make(const std::string& path, const SpheresOptions& options) {
+  auto parts = read_robot(path, options.reading);
+  if (!parts) return tl::unexpected(parts.error());
+  for (const std::string& warning : parts->warnings) print_note("warning: " + warning);
+  auto covering = cover_robot(std::move(*parts), options.cover);
+  if (!covering) {
+    return fail(covering.error().code, fmt::format("{}: {}", path, covering.error().message));
+  }
+  Made made{std::move(*covering), {}};
+  if (options.srdf_output.empty()) return made;
+  auto reasons = allow_pairs(made.covering.parts, options.pairs);
+  if (!reasons) return tl::unexpected(reasons.error());
+  made.reasons = std::move(*reasons);
+  return made;
+}
+
+/// The files that are read are worth more than what is made of them.
+bool is_input(const std::string& output, const std::string& urdf, const std::string& srdf) {
+  const auto beside = std::filesystem::path(urdf).replace_extension(".srdf");
+  const auto inputs = {std::filesystem::path(urdf), std::filesystem::path(srdf), beside};
+  return std::ranges::any_of(inputs, [&](const std::filesystem::path& input) {
+    std::error_code ignored;
+    return std::filesystem::equivalent(output, input, ignored);
+  });
+}
+
+Result<void> write(const Made& made, const SpheresOptions& options) {
+  const std::string comment = fmt::format(
+      "Collision geometry as spheres, made by mneme robot spheres with an excess of {} "
+      "m and at most {} spheres per link",
+      options.cover.excess, options.cover.max_spheres);
+  auto written = write_file(options.output, to_urdf(made.covering.parts, comment));
+  if (!written || options.srdf_output.empty()) return written;
+  const std::string srdf_comment = fmt::format(
+      "Allowed pairs derived from {} samples by mneme robot spheres", options.pairs.samples);
+  return write_file(options.srdf_output, to_srdf(made.covering.parts, made.reasons, srdf_comment));
+}
+
+std::size_t count_spheres(const Robot::Parts& parts) {
+  std::size_t count = 0;
+  for (const Link& link : parts.links) count += link.spheres.size();
+  return count;
+}
+
+std::vector<std::pair<std::string, std::size_t>> count_reasons(
+    const std::vector<std::string>& reasons) {
+  std::vector<std::pair<std::string, std::size_t>> counts;
+  for (const std::string reason : {"Adjacent", "Always", "Never", "Default", "User"}) {
+    counts.emplace_back(reason, static_cast<std::size_t>(std::ranges::count(reasons, reason)));
+  }
+  return counts;
+}
+
+void print_table(const Made& made, const SpheresOptions& options) {
+  fmt::print("{:<28} {:>7} {:>9} {:>13} {:>12}\n", "link", "spheres", "uncovered", "mean excess m",
+             "max excess m");
+  for (const LinkCover& link : made.covering.links) {
+    fmt::print("{:<28} {:>7} {:>9.2g} {:>13.4f} {:>12.4f}\n", link.link, link.spheres.size(),
+               link.uncovered, link.mean_excess, link.max_excess);
+  }
+  fmt::print("wrote {}: {}; {} of {} covered\n", options.output,
+             counted(count_spheres(made.covering.parts), "sphere", "spheres"),
+             made.covering.links.size(),
+             counted(made.covering.parts.links.size(), "link", "links"));
+  if (options.srdf_output.empty()) return;
+  std::string text;
+  for (const auto& [reason, count] : count_reasons(made.reasons)) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
+  }
+  fmt::print("wrote {}: {} ({})\n", options.srdf_output,
+             counted(made.reasons.size(), "allowed pair", "allowed pairs"), text);
+}
+
+Json to_json(const Made& made, const SpheresOptions& options) {
+  Json links = Json::array();
+  for (const LinkCover& link : made.covering.links) {
+    links.push_back({{"name", link.link},
+                     {"spheres", link.spheres.size()},
+                     {"uncovered", link.uncovered},
+                     {"mean_excess", link.mean_excess},
+                     {"max_excess", link.max_excess}});
+  }
+  Json json = {{"path", options.output},
+               {"name", made.covering.parts.name},
+               {"spheres", count_spheres(made.covering.parts)},
+               {"links", links},
+               {"srdf_path", nullptr},
+               {"allowed_pairs", nullptr}};
+  if (options.srdf_output.empty()) return json;
+  json["srdf_path"] = options.srdf_output;
+  for (const auto& [reason, count] : count_reasons(made.reasons)) {
+    json["allowed_pairs"][reason] = count;
+  }
+  return json;
+}
+
+Result<ExitCode> run_spheres(const SpheresOptions& options) {
+  const Result<std::string> path = robot_file(options.robot);
+  if (!path) return tl::unexpected(path.error());
+  for (const std::string& output : {options.output, options.srdf_output}) {
+    if (!is_input(output, *path, options.reading.srdf_path)) continue;
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}' is the robot that is read; expected another file", output));
+  }
+  const Result<Made> made = make(*path, options);
+  if (!made) return tl::unexpected(made.error());
+  const Result<void> written = write(*made, options);
+  if (!written) return tl::unexpected(written.error());
+  if (options.is_json) {
+    print_json(to_json(*made, options));
+  } else {
+    print_table(*made, options);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_robot_spheres(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<SpheresOptions>();
+  CLI::App* command =
+      group.add_subcommand("spheres", "Cover boxes, cylinders and meshes with spheres");
+  command->footer(
+      "Example:\n  mneme robot spheres arm.urdf -o arm_spheres.urdf --srdf-out arm_spheres.srdf");
+  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  command->add_option("-o,--output", options->output, "URDF file to write")->required();
+  command->add_option("--srdf-out", options->srdf_output,
+                      "SRDF file to write: groups, and pairs that need no check");
+  command->add_option("--srdf", options->reading.srdf_path,
+                      "SRDF with groups and pairs to keep (default: the one beside ROBOT)");
+  command
+      ->add_option("--package-path", options->reading.package_paths,
+                   "directory of package:// meshes; may be repeated")
+      ->type_name("DIR");
+  add_settings(*command, options->cover);
+  add_number(*command, "--samples", options->pairs.samples, 1, 100'000'000,
+             "random configurations that decide which pairs need no check");
+  command->add_flag("--allow-rest", options->pairs.allow_at_rest,
+                    "also allow pairs that touch where all joints are zero");
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_spheres(*options); }; });
+}
+
+}  // namespace mneme::app
