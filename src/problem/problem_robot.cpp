@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/problem_robot.h"
 
+#include "mneme/covering.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 namespace mneme::internal {
 namespace {
@@ -61,6 +64,11 @@ std::vector<std::string> joint_names(const Input& list) {
 
 }  // namespace
 
+ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options) {
+  CoveredRobot covered = value_or_throw(load_covered_robot(path, options));
+  return {path, std::move(covered.robot), std::move(covered.notes)};
+}
+
 ProblemRobot read_robot(const Input& input, const std::string& directory,
                         const ProblemOptions& overrides) {
   const std::string path = find_path(input, directory, overrides.robot_path);
@@ -78,7 +86,8 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   } else if (const auto group = input.find("group"); group && options.group.empty()) {
     options.group = group->text();
   }
-  ProblemRobot result{path, value_or_throw(load_robot(path, options)), std::move(warnings)};
+  ProblemRobot result = load_problem_robot(path, options);
+  std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
   if (const auto fixed_joints = input.find("fixed_joints")) {
     std::map<std::string, double> values;
     for (const auto& [name, value] : fixed_joints->entries()) {
@@ -105,7 +114,7 @@ void fix_joints(ProblemRobot& robot, RobotOptions& options,
     }
   }
   if (is_changed) {
-    robot.robot = value_or_throw(load_robot(robot.path, options));
+    robot.robot = load_problem_robot(robot.path, options).robot;
   }
   if (!left_aside.empty()) {
     robot.warnings.push_back(place.place(fmt::format(

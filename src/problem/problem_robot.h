@@ -19,6 +19,9 @@ struct ProblemRobot {
   std::vector<std::string> warnings;
 };
 
+/// load_covered_robot, whose notes become warnings. Throws InputFailure.
+[[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options);
+
 /// Reads the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` of `input`, and the robot.
 /// What `options` say stands for what the keys say; paths of the keys are relative to `directory`.
 /// Throws InputFailure.
