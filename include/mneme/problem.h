@@ -35,10 +35,19 @@ struct ProblemOptions {
   std::optional<Configuration> goal;
 };
 
-/// Reads one problem. `where` is a YAML file, or FILE.json#NAME (or #INDEX) for one problem of a
-/// compact file. The start and goals are not validated here: that is part of planning.
+/// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a
+/// compact file, or a motion plan request of MoveIt, whose planning scene lies beside it
+/// (request0001.yaml and scene0001.yaml) or is named first (SCENE.yaml,REQUEST.yaml). The start and
+/// goals are not validated here: that is part of planning.
 [[nodiscard]] Result<Problem> load_problem(const std::string& where,
                                            const ProblemOptions& options = {});
+
+/// The scene of a scene file or of a problem, as the file gives it: no robot is read. `where` is
+/// what load_problem takes, or a scene file.
+[[nodiscard]] Result<FramedScene> extract_scene(const std::string& where);
+/// The scene in the frame of the robot's root link. Errors: its frame is no link of the robot, or
+/// one that moves.
+[[nodiscard]] Result<Scene> in_root_frame(const FramedScene& scene, const Robot& robot);
 
 /// Names of the problems in a compact file, in order; those without a name have their index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);

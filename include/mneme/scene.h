@@ -24,9 +24,18 @@ struct Scene {
   std::vector<Obstacle> obstacles;
 };
 
-/// Reads a scene file (docs/file_formats.md). Errors name file, line and key; names of obstacles
-/// must differ.
+/// A scene in a frame that may differ from the robot's root link.
+struct FramedScene {
+  Scene scene;
+  std::string frame;  ///< a link that is fixed to the root; empty for the root itself
+};
+
+/// Reads a scene file or MoveIt's planning scene (docs/file_formats.md), whose objects must then
+/// share one frame: without a robot it is taken for that of its root link. Errors name file, line
+/// and key; names of obstacles must differ.
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
+/// The same with the name of that frame.
+[[nodiscard]] Result<FramedScene> load_framed_scene(const std::string& path);
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
 /// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding.

@@ -86,6 +86,25 @@ Scene read_compact_scene(const Input& problem, const std::string& name) {
   return scene.take(name);
 }
 
+/// One problem of a file, which this must outlive.
+struct CompactProblem {
+  Input header;
+  Input problem;
+  std::string name;
+};
+
+CompactProblem find_in_file(const InputValue& value, const CompactAddress& address) {
+  const Input header(value, address.path);
+  const std::vector<Input> problems = header.at("problems").items();
+  const std::vector<std::string> names = names_of(problems);
+  const std::size_t position = find_problem(names, address);
+  return {header, problems[position], names[position]};
+}
+
+InputValue read_file(const std::string& path) {
+  return parse_json(value_or_throw(read_text_file(path)), path);
+}
+
 }  // namespace
 
 std::optional<CompactAddress> split_address(const std::string& where) {
@@ -100,15 +119,18 @@ std::optional<CompactAddress> split_address(const std::string& where) {
   return CompactAddress{where.substr(0, hash), where.substr(hash + 1)};
 }
 
+FramedScene extract_compact_scene(const CompactAddress& address) {
+  const InputValue value = read_file(address.path);
+  const CompactProblem found = find_in_file(value, address);
+  const auto frame = found.header.find("frame");
+  return {read_compact_scene(found.problem, found.name), frame ? frame->text() : ""};
+}
+
 Problem read_compact_problem(const CompactAddress& address, const ProblemOptions& options) {
-  const InputValue value = parse_json(value_or_throw(read_text_file(address.path)), address.path);
-  const Input header(value, address.path);
-  const std::vector<Input> problems = header.at("problems").items();
-  const std::vector<std::string> names = names_of(problems);
-  const std::size_t position = find_problem(names, address);
-  const Input& problem = problems[position];
-  return read_problem({header, problem, names[position], directory_of(address.path),
-                       read_compact_scene(problem, names[position])},
+  const InputValue value = read_file(address.path);
+  const CompactProblem found = find_in_file(value, address);
+  return read_problem({found.header, found.problem, found.name, directory_of(address.path),
+                       read_compact_scene(found.problem, found.name)},
                       options);
 }
 

@@ -18,6 +18,9 @@ struct CompactAddress {
 };
 [[nodiscard]] std::optional<CompactAddress> split_address(const std::string& where);
 
+/// The scene of one problem, and the frame that the file names. Throws InputFailure.
+[[nodiscard]] FramedScene extract_compact_scene(const CompactAddress& address);
+
 /// Throws InputFailure.
 [[nodiscard]] Problem read_compact_problem(const CompactAddress& address,
                                            const ProblemOptions& options);

@@ -3,6 +3,8 @@
 #include "problem/problem_input.h"
 
 #include "problem/problem_robot.h"
+#include "scene/scene_builder.h"
+#include "scene/scene_input.h"
 
 #include <filesystem>
 
@@ -34,16 +36,21 @@ std::vector<Configuration> read_goals(const Input& input, const ProblemOptions& 
   return result;
 }
 
-Scene moved(const Transform& X_AB, Scene scene) {
-  for (Obstacle& obstacle : scene.obstacles) {
-    for (Shape& shape : obstacle.shapes) {
-      shape = transformed(X_AB, shape);
-    }
-  }
-  return scene;
-}
-
 }  // namespace
+
+Scene read_scene_of_problem(const Input& problem, const std::string& path) {
+  const auto named = problem.find("name");
+  const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
+  const Input scene = problem.at("scene");
+  if (scene.is_text()) {
+    return value_or_throw(
+        load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
+  }
+  if (!scene.is_map()) {
+    scene.fail_expecting("a scene, or the path of a scene file");
+  }
+  return read_scene(scene, name);
+}
 
 std::string directory_of(const std::string& path) {
   return std::filesystem::path(path).parent_path().string();

@@ -22,6 +22,10 @@ struct ProblemInput {
 /// The directory that paths in the file `path` are relative to.
 [[nodiscard]] std::string directory_of(const std::string& path);
 
+/// The key `scene` of the problem file at `path`: a scene, or the path of a scene file. Throws
+/// InputFailure.
+[[nodiscard]] Scene read_scene_of_problem(const Input& problem, const std::string& path);
+
 /// Throws InputFailure.
 [[nodiscard]] Problem read_problem(const ProblemInput& input, const ProblemOptions& options);
 

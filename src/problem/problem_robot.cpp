@@ -93,7 +93,9 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
     for (const auto& [name, value] : fixed_joints->entries()) {
       values[name] = value.finite_number();
     }
-    fix_joints(result, options, values, *fixed_joints);
+    if (fix_joints(result, options, values, *fixed_joints)) {
+      result.robot = load_problem_robot(path, options).robot;
+    }
   }
   for (const std::string& warning : result.robot.warnings()) {
     result.warnings.push_back(warning);
@@ -101,7 +103,7 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   return result;
 }
 
-void fix_joints(ProblemRobot& robot, RobotOptions& options,
+bool fix_joints(ProblemRobot& robot, RobotOptions& options,
                 const std::map<std::string, double>& values, const Input& place) {
   std::vector<std::string> left_aside;
   bool is_changed = false;
@@ -113,13 +115,11 @@ void fix_joints(ProblemRobot& robot, RobotOptions& options,
       left_aside.push_back(fmt::format("{} ({})", name, obstruction));
     }
   }
-  if (is_changed) {
-    robot.robot = load_problem_robot(robot.path, options).robot;
-  }
   if (!left_aside.empty()) {
     robot.warnings.push_back(place.place(fmt::format(
         "left aside for robot {}: {}", robot.robot.name(), fmt::join(left_aside, ", "))));
   }
+  return is_changed;
 }
 
 void check_robot_facts(const Input& input, const Robot& robot) {
@@ -152,31 +152,40 @@ void check_robot_facts(const Input& input, const Robot& robot) {
   }
 }
 
-Transform read_frame(const Input& input, const Robot& robot) {
-  const auto frame = input.find("frame");
-  if (!frame) {
-    return {};
-  }
+std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
+                                         const Input& place) {
   const auto links = robot.links();
-  const auto found = std::find_if(links.begin(), links.end(),
-                                  [name = frame->text()](const Link& l) { return l.name == name; });
+  const auto found =
+      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.name == name; });
   if (found == links.end()) {
-    frame->fail(ErrorCode::invalid, fmt::format("expected a link of robot {}, got \"{}\"",
-                                                robot.name(), frame->text()));
+    return std::nullopt;
   }
   Transform X_RF;
   for (const Link* link = &*found; link->parent_joint >= 0;) {
     const Joint& joint = robot.joints()[static_cast<std::size_t>(link->parent_joint)];
     if (joint.type != JointType::fixed) {
-      frame->fail(ErrorCode::unsupported,
-                  fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
-                              "which joint {} moves",
-                              robot.name(), frame->text(), joint.name));
+      place.fail(ErrorCode::unsupported,
+                 fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
+                             "which joint {} moves",
+                             robot.name(), name, joint.name));
     }
     X_RF = joint.origin * X_RF;
     link = &links[static_cast<std::size_t>(joint.parent_link)];
   }
   return X_RF;
+}
+
+Transform read_frame(const Input& input, const Robot& robot) {
+  const auto frame = input.find("frame");
+  if (!frame) {
+    return {};
+  }
+  const auto X_RF = find_fixed_link(robot, frame->text(), *frame);
+  if (!X_RF) {
+    frame->fail(ErrorCode::invalid, fmt::format("expected a link of robot {}, got \"{}\"",
+                                                robot.name(), frame->text()));
+  }
+  return *X_RF;
 }
 
 }  // namespace mneme::internal

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,13 +30,19 @@ struct ProblemRobot {
                                       const ProblemOptions& options);
 
 /// Gives the joints of `values` that can be fixed these values, unless `options` fix them already;
-/// names the others in a warning that `place` is asked to place. Throws InputFailure.
-void fix_joints(ProblemRobot& robot, RobotOptions& options,
-                const std::map<std::string, double>& values, const Input& place);
+/// names the others in a warning that `place` is asked to place. True if that changes the options:
+/// then the robot must be read again.
+[[nodiscard]] bool fix_joints(ProblemRobot& robot, RobotOptions& options,
+                              const std::map<std::string, double>& values, const Input& place);
 
 /// Compares the keys `links` and `joint_limits`, if they are given, with the robot. Throws
 /// InputFailure.
 void check_robot_facts(const Input& input, const Robot& robot);
+
+/// Pose in the root link's frame of the link `name`; nothing if there is no such link. Throws
+/// InputFailure with `place` if the link can move against the root.
+[[nodiscard]] std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
+                                                       const Input& place);
 
 /// Pose in the root link's frame of the link that the key `frame` names; the identity if there is
 /// no such key. Throws InputFailure if the link can move against the root.

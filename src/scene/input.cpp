@@ -157,6 +157,17 @@ double Input::positive_number() const {
   return value;
 }
 
+bool Input::boolean() const {
+  if (const auto* value = std::get_if<bool>(&value_->content)) {
+    return *value;
+  }
+  const auto* text = std::get_if<InputValue::Text>(&value_->content);
+  const bool is_plain = text != nullptr && !text->is_quoted;
+  if (is_plain && (text->text == "true" || text->text == "True")) return true;
+  if (is_plain && (text->text == "false" || text->text == "False")) return false;
+  fail_expecting("true or false");
+}
+
 std::string Input::text() const {
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
   if (text == nullptr) {

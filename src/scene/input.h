@@ -82,6 +82,10 @@ class Input {
   [[nodiscard]] bool is_list() const {
     return std::holds_alternative<InputValue::List>(value_->content);
   }
+  /// True of a key without a value, and of null.
+  [[nodiscard]] bool is_nothing() const {
+    return std::holds_alternative<std::monostate>(value_->content);
+  }
   [[nodiscard]] bool is_text() const {
     return std::holds_alternative<InputValue::Text>(value_->content);
   }
@@ -98,6 +102,7 @@ class Input {
   [[nodiscard]] double finite_number() const;
   /// Finite and above zero.
   [[nodiscard]] double positive_number() const;
+  [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::vector<double> numbers() const;
   /// Exactly `count` finite numbers; `what` describes them in the message.

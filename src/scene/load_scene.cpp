@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
+#include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 #include "scene/text_file.h"
 #include "scene/yaml_input.h"
@@ -10,20 +11,39 @@
 
 namespace mneme {
 
+namespace {
+
+Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string& source) {
+  return internal::without_throwing([&] {
+    const internal::InputValue value = internal::parse_yaml(yaml, source);
+    const internal::Input input(value, source);
+    const std::string name = std::filesystem::path(source).stem().string();
+    if (!internal::is_moveit_scene(input)) {
+      return FramedScene{internal::read_scene(input, name), ""};
+    }
+    const internal::MoveitScene scene = internal::read_moveit_scene(input, name);
+    return internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
+  });
+}
+
+Scene without_frame(FramedScene scene) { return std::move(scene.scene); }
+
+}  // namespace
+
 Result<Scene> load_scene(const std::string& path) {
+  return load_framed_scene(path).map(without_frame);
+}
+
+Result<FramedScene> load_framed_scene(const std::string& path) {
   const auto text = internal::read_text_file(path);
   if (!text) {
     return tl::unexpected<Error>(text.error());
   }
-  return parse_scene(*text, path);
+  return parse_framed_scene(*text, path);
 }
 
 Result<Scene> parse_scene(std::string_view yaml, const std::string& source) {
-  return internal::without_throwing([&] {
-    const internal::InputValue value = internal::parse_yaml(yaml, source);
-    return internal::read_scene(internal::Input(value, source),
-                                std::filesystem::path(source).stem().string());
-  });
+  return parse_framed_scene(yaml, source).map(without_frame);
 }
 
 }  // namespace mneme

@@ -2,28 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/obstacle_input.h"
 
-#include <fmt/format.h>
+#include "scene/pose_input.h"
 
-#include <cmath>
+#include <fmt/format.h>
 
 namespace mneme::internal {
 namespace {
-
-Vec3 read_point(const Input& input) {
-  const std::vector<double> p = input.finite_numbers(3, "x, y, z in metres");
-  return {p[0], p[1], p[2]};
-}
-
-Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first) {
-  const std::vector<double> q = input.finite_numbers(
-      4, is_scalar_first ? "a quaternion w, x, y, z" : "a quaternion x, y, z, w");
-  constexpr double kLeastNorm = 1e-6;
-  if (std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) < kLeastNorm) {
-    input.fail(ErrorCode::parse, "expected a quaternion that is not zero");
-  }
-  return is_scalar_first ? rotation_from_quaternion(q[0], q[1], q[2], q[3])
-                         : rotation_from_quaternion(q[3], q[0], q[1], q[2]);
-}
 
 /// Reads the shape of one obstacle, and refuses keys that its type does not have.
 class ShapeReader {

@@ -6,6 +6,20 @@
 
 namespace mneme::internal {
 
+Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
+  for (Shape& shape : obstacle.shapes) {
+    shape = transformed(X_AB, shape);
+  }
+  return obstacle;
+}
+
+Scene moved(const Transform& X_AB, Scene scene) {
+  for (Obstacle& obstacle : scene.obstacles) {
+    obstacle = moved(X_AB, std::move(obstacle));
+  }
+  return scene;
+}
+
 std::optional<std::string> SceneBuilder::add(const std::string& name, const std::string& body,
                                              const Shape& shape) {
   if (name.empty() && body.empty()) {

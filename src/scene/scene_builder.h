@@ -14,6 +14,10 @@
 
 namespace mneme::internal {
 
+/// `obstacle` or `scene`, given in frame B, expressed in frame A.
+[[nodiscard]] Obstacle moved(const Transform& X_AB, Obstacle obstacle);
+[[nodiscard]] Scene moved(const Transform& X_AB, Scene scene);
+
 class SceneBuilder {
  public:
   /// Adds `shape` as an obstacle of its own, or to the composite obstacle `body` if that is not

@@ -48,8 +48,8 @@ TEST_SUITE("unit") {
           "p.yaml:4: key scene: expected a scene, or the path of a scene file, got a list of 1");
     CHECK(failure(rest) == "p.yaml:1: expected the key scene, which is missing");
     CHECK(failure(rest + "scene: {}\nplanner: rrt") ==
-          "p.yaml:5: key planner: unknown key, expected one of name, robot, joints, fixed_joints, "
-          "frame, scene, start, goal, goals");
+          "p.yaml:5: key planner: unknown key, expected one of name, robot, srdf, group, joints, "
+          "fixed_joints, frame, scene, start, goal, goals");
     CHECK(failure("") == "p.yaml:1: expected a map, got nothing");
   }
 

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The state of a robot in MoveIt's messages.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mneme/geometry.h"
+#include "scene/input.h"
+
+namespace mneme::internal {
+
+struct MoveitState {
+  std::map<std::string, double> positions;  ///< by joint
+  /// Pose of the robot's root link in `base_frame`, as a virtual joint has it.
+  std::optional<Transform> base;
+  std::string base_frame;
+};
+
+/// The entries of the list `key`; none if the key is missing or has no value. Throws InputFailure.
+[[nodiscard]] std::vector<Input> items_if_any(const Input& input, std::string_view key);
+/// The text of the key `frame_id` of the key `header`, or nothing.
+[[nodiscard]] std::string read_frame_id(const Input& input);
+
+/// Throws InputFailure; objects that are attached to the robot are refused by name.
+[[nodiscard]] MoveitState read_moveit_state(const Input& input);
+/// `state` with what `difference` says instead.
+[[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
+
+}  // namespace mneme::internal

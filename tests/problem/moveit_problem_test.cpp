@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/moveit_problem.h"
+
+#include "problem/moveit_files.h"
+#include "scene/read_yaml.h"
+
+namespace mneme::test {
+namespace {
+
+using internal::Input;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a request finds the scene beside it by its number, or it is named first") {
+    const auto beside = [](const std::string& path) {
+      return read_yaml("{}",
+                       [&](const Input& input) { return internal::scene_of_request(input, path); });
+    };
+    CHECK(beside("a/request0001.yaml").value() == "a/scene0001.yaml");
+    CHECK(beside("requests/my_request_7.yml").value() == "requests/my_scene_7.yml");
+    CHECK(beside("requests/query.yaml").error().message ==
+          "f:1: the scene of this motion plan request is unknown; expected a file name with "
+          "\"request\" in it, or SCENE.yaml,requests/query.yaml");
+    CHECK(internal::split_moveit_address("a.yaml,b.yaml")->request == "b.yaml");
+    CHECK(internal::split_moveit_address("a,b.yml,c")->scene == "a,b.yml");
+    CHECK_FALSE(internal::split_moveit_address("a,b.yaml"));
+  }
+
+  TEST_CASE("start, goal, fixed joints and obstacles come from both files") {
+    const MoveitFiles files;
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    CHECK(problem->name == "request0001");
+    CHECK(problem->start == Configuration{0.1, 0.5});
+    REQUIRE(problem->goals.size() == 1);
+    CHECK(problem->goals[0][0] == 0.75);
+    CHECK(problem->goals[0][1] == doctest::Approx(1.05));
+    for (const Joint& joint : problem->robot.joints()) {
+      if (joint.name == "grip") CHECK(joint.fixed_value == 0.03);
+    }
+    const auto ball = std::get<Sphere>(problem->scene.obstacles.at(0).shapes.at(0));
+    CHECK((ball.center - Vec3(-1, 0, 0.5)).norm() < 1e-12);
+    CHECK(problem->warnings.empty());
+    const auto same =
+        load_problem(files / "scene0001.yaml" + "," + files / "request0001.yaml", files.options);
+    REQUIRE(same.has_value());
+    CHECK(same->start == problem->start);
+  }
+
+  TEST_CASE("start and goal of the caller stand for those of the request") {
+    MoveitFiles files;
+    files.options.start = Configuration{0, 0};
+    files.options.goal = Configuration{1, 1};
+    CHECK(files.load().value().start == Configuration{0, 0});
+    CHECK(files.load().value().goals == std::vector<Configuration>{{1, 1}});
+  }
+
+  TEST_CASE("joints that the robot lacks are left aside with a warning") {
+    const MoveitFiles files(replaced(kMoveitScene, "grip], position: [0.1, 0.2, 0.03]",
+                                     "wheel], position: [0.1, 0.2, 0]"));
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    REQUIRE(problem->warnings.size() == 1);
+    CHECK(problem->warnings[0].find("left aside for robot lifter: wheel (no such joint)") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("pairs of links that may touch are not checked") {
+    RobotOptions options;
+    options.joints = {"lift", "turn"};
+    const MoveitFiles files(kMoveitScene +
+                            "allowed_collision_matrix: {entry_names: [arm, base], entry_values: "
+                            "[[false, true], [true, false]]}\n");
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    CHECK(problem->robot.self_pairs().empty());
+  }
+
+  TEST_CASE("problems that cannot be read exactly are refused by name") {
+    const auto with_scene = [](const std::string& from, const std::string& to) {
+      return MoveitFiles(replaced(kMoveitScene, from, to)).failure();
+    };
+    const auto with_request = [](const std::string& from, const std::string& to) {
+      return MoveitFiles(kMoveitScene, replaced(kMoveitRequest, from, to)).failure();
+    };
+    CHECK(
+        with_scene("frame_id: base", "frame_id: table") ==
+        "scene0001.yaml:5: key world.collision_objects[0]: expected a frame that is a link of the "
+        "robot, the planning frame \"\" or one of the fixed_frame_transforms, got \"table\"");
+    CHECK(
+        with_scene("frame_id: base", "frame_id: arm") ==
+        "scene0001.yaml:5: key world.collision_objects[0]: expected the root link of robot lifter "
+        "or one fixed to it, got \"arm\", which joint turn moves");
+    CHECK(with_scene("type: sphere", "type: cone").find("object \"ball\" has a cone") !=
+          std::string::npos);
+    CHECK(
+        with_scene("[lift, turn, grip], position: [0.1,", "[wheel, turn, grip], position: [0.1,") ==
+        "request0001.yaml:1: expected a start position of joint lift, which is planned for; there "
+        "is none");
+    CHECK(with_request("joint_name: lift", "joint_name: spin") ==
+          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints that are "
+          "planned for, got one of spin; the robot is lifter");
+    CHECK(with_request("joint_name: lift", "joint_name: grip") ==
+          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints that are "
+          "planned for, got one of grip; the robot is lifter");
+    CHECK(with_request("      - {joint_name: lift, position: 0.75}\n", "") ==
+          "request0001.yaml:4: key goal_constraints[0]: expected a goal position of joint lift, "
+          "which is planned for; there is none");
+  }
+
+  TEST_CASE("a robot that is not known, and a scene without request, are refused") {
+    MoveitFiles files;
+    const auto scene = load_problem(files / "scene0001.yaml", files.options);
+    REQUIRE_FALSE(scene.has_value());
+    CHECK(scene.error().message.find("scene0001.yaml:1: this is a planning scene without start and "
+                                     "goal; expected its motion plan request") !=
+          std::string::npos);
+    files.options.robot_path.clear();
+    CHECK(files.failure().find("scene0001.yaml:2: key robot_model_name: ") == 0);
+    std::filesystem::remove(files / "scene0001.yaml");
+    CHECK(files.load().error().code == ErrorCode::io);
+  }
+}
+
+/// The problem `number` of a set as compact JSON.
+Result<Problem> load_compact(const std::string& set, const std::string& number,
+                             const ProblemOptions& options) {
+  return load_problem(*data_file("mbm/fetch/" + set + ".json") + "#" + number, options);
+}
+
+double distance(const Configuration& a, const Configuration& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+void check_same_shape(const Shape& a, const Shape& b) {
+  REQUIRE(a.index() == b.index());
+  if (const auto* box = std::get_if<Box>(&a)) {
+    const auto& other = std::get<Box>(b);
+    CHECK((box->pose.translation - other.pose.translation).norm() < 1e-6);
+    CHECK((box->pose.rotation - other.pose.rotation).norm() < 1e-6);
+    CHECK((box->half_extents - other.half_extents).norm() < 1e-6);
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&a)) {
+    const auto& other = std::get<Cylinder>(b);
+    CHECK((cylinder->pose.translation - other.pose.translation).norm() < 1e-6);
+    CHECK((cylinder->pose.rotation - other.pose.rotation).norm() < 1e-6);
+    CHECK(std::abs(cylinder->radius - other.radius) < 1e-6);
+    CHECK(std::abs(cylinder->length - other.length) < 1e-6);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("MotionBenchMaker's files say what the compact ones say") {
+    const auto root = data_file("mbm/moveit_yaml");
+    const auto urdf = data_file("../robots/spherized/fetch_spherized.urdf");
+    const auto srdf = data_file("../robots/spherized/fetch.srdf");
+    if (!root || !urdf || !srdf) return;
+    ProblemOptions options;
+    options.robot_path = *urdf;
+    options.robot.srdf_path = *srdf;
+    for (const std::string set : {"cage", "box", "bookshelf_thin"}) {
+      for (const std::string number : {"1", "3", "5"}) {
+        INFO(set << " " << number);
+        const auto moveit =
+            load_problem(*root + "/" + set + "_fetch/request000" + number + ".yaml", options);
+        REQUIRE_MESSAGE(moveit.has_value(), (moveit ? "" : moveit.error().message));
+        const auto compact = load_compact(set, number, options);
+        REQUIRE_MESSAGE(compact.has_value(), (compact ? "" : compact.error().message));
+        CHECK(moveit->robot.hash() == compact->robot.hash());
+        CHECK(distance(moveit->start, compact->start) < 1e-6);
+        CHECK(distance(moveit->goals.at(0), compact->goals.at(0)) < 1e-6);
+        REQUIRE(moveit->scene.obstacles.size() == compact->scene.obstacles.size());
+        for (std::size_t i = 0; i < moveit->scene.obstacles.size(); ++i) {
+          REQUIRE(moveit->scene.obstacles[i].name == compact->scene.obstacles[i].name);
+          check_same_shape(moveit->scene.obstacles[i].shapes.at(0),
+                           compact->scene.obstacles[i].shapes.at(0));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
