@@ -24,7 +24,7 @@ constexpr std::int64_t kProbeEffort = 10'000'000;
 constexpr std::int64_t kFinalEffort = 150'000'000;
 constexpr int kHalvings = 4;
 constexpr int kSurfaceSamples = 20000;
-constexpr double kStep = 1e-5;
+constexpr double kStepsPerMetre = 1e5;
 
 double excess_for(const TriangleMesh& mesh, double excess) {
   const Bounds bounds = bounds_of(mesh);
@@ -84,9 +84,9 @@ class Coverer {
 
 /// On round numbers, without leaving anything bare.
 Sphere rounded(const Sphere& sphere) {
-  const Vec3 center = (sphere.center / kStep).array().round() * kStep;
+  const Vec3 center = (sphere.center * kStepsPerMetre).array().round() / kStepsPerMetre;
   const double radius = sphere.radius + (center - sphere.center).norm();
-  return {center, std::ceil(radius / kStep) * kStep};
+  return {center, std::ceil(radius * kStepsPerMetre) / kStepsPerMetre};
 }
 
 /// Grows the sphere that is nearest to each bare point.
