@@ -28,17 +28,17 @@ namespace mneme::app {
 
 /// A scene, and the problem that it came in, if it did.
 struct Workspace {
-  Scene scene;
+  FramedScene framed;  ///< that of a problem is in the frame of the root link
   std::optional<Problem> problem;
 };
-/// Reads a scene file or a problem (a file, or FILE.json#NAME).
+/// Reads a scene file or a problem (whatever load_problem takes).
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
 /// Opens the database at `url` for the experience of `robot`.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
                                              OpenMode mode,
-                                             const std::string& decomposer = "pairs");
+                                             const std::string& decomposer = "");
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url);
 /// The path of the SQLite file that `url` names.

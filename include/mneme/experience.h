@@ -46,8 +46,9 @@ struct ExperienceSpace {
   int joint_count = 0;
   int key_size = 0;
 };
+/// An empty `decomposer` is the robot's own.
 [[nodiscard]] Result<ExperienceSpace> make_space(const Robot& robot,
-                                                 const std::string& decomposer = "pairs");
+                                                 const std::string& decomposer = "");
 
 /// A stored experience that is similar to a query.
 struct Match {

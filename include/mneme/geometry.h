@@ -75,6 +75,9 @@ using Shape = std::variant<Sphere, Box, Cylinder, Capsule>;
 
 /// Distance from a point to a solid: 0 inside.
 [[nodiscard]] double distance(const Vec3& point, const Shape& shape);
+/// Distance between two solids: 0 if they meet. Found by iteration, at most a few 1e-5 m too large
+/// unless nearly parallel faces end close to each other: then up to a millimetre.
+[[nodiscard]] double distance(const Shape& a, const Shape& b);
 /// Distance between the segment ab and a solid: 0 if they meet. A segment may be a point.
 /// Exact for spheres, boxes and capsules; for cylinders found numerically to within 1e-9 m.
 [[nodiscard]] double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape);

@@ -70,6 +70,17 @@ struct LearnResult {
                                                       std::uint64_t seed, double deadline_s = 0,
                                                       const std::atomic<bool>* cancel = nullptr);
 
+/// Learns from what was solved: per primitive of the scene one row whose components are the
+/// waypoints of `paths` that belong to it, moved to the canonical frame. A waypoint belongs to a
+/// primitive if one shape of the robot that the symmetric joints move is closer than `reach`
+/// (metres) to all obstacles of the primitive. Rows have no provenance yet; primitives without a
+/// waypoint have none. O(waypoints * shapes * obstacles). Errors: those of decompose().
+[[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const Robot& robot,
+                                                               const Scene& scene,
+                                                               std::span<const Path> paths,
+                                                               const DecomposeSettings& settings,
+                                                               double reach = 0.12);
+
 /// Section V-A: greedily groups means that see each other along straight free motions, and replaces
 /// each group by one component with the group's mean, and its covariance if it has more than
 /// joint_count members. Components that have a factor already stay as they are, and groups whose

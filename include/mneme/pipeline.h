@@ -21,10 +21,13 @@ struct SolveSettings {
   std::string planner = "rrt_connect";
   std::string sampler = "gl";
   double lambda = 0.5;
-  double sigma = 0.05;
-  double similarity = 0.5;
+  double sigma = 0;
+  double similarity = 0;
   int max_matches = 8;
   bool drop_invalid_means = true;
+  int retrieve_after = -1;
+  double first_components = -1;
+  double component_growth = 0.5;
   double learn_budget_s = 0;
   double resolution = 0;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
@@ -42,17 +45,28 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
         "may never get anywhere");
   visit("sigma", s.sigma, 0.0, 10.0,
-        "standard deviation of a mixture component, joint units; smaller repeats the past, larger "
-        "explores around it");
+        "standard deviation of a mixture component, radians (half as many metres for prismatic "
+        "joints); smaller repeats the past, larger explores around it; 0 picks the robot's default "
+        "(0.05 for a planar arm, 0.3 otherwise)");
   visit("similarity", s.similarity, 0.0, 1e9,
         "retrieve samplers whose squared key distance is less than this (m^2), and those of the "
-        "same key whatever it is; the paper used 3");
+        "same key whatever it is; 0 picks the robot's default (0.5 for a planar arm, 0.05 "
+        "otherwise); the paper used 3");
   visit(
       "max-matches", s.max_matches, 0, 1000000,
       "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
         "drop retrieved means that are in contact in the whole scene, all in one batch of state "
         "checks");
+  visit("retrieve-after", s.retrieve_after, -1, 1000000000,
+        "iterations with uniform samples before memory is asked, so that easy problems do not pay "
+        "for it; -1 picks the robot's default (0 for a planar arm, 1500 otherwise)");
+  visit("first-components", s.first_components, -1.0, 1e9,
+        "progressive widening: draws are from this many of the most similar components first; 0 "
+        "for all from the start (the paper's rule), -1 picks the robot's default (0 for a planar "
+        "arm, 20 otherwise)");
+  visit("component-growth", s.component_growth, 0.0, 1e9,
+        "progressive widening: components that are added per iteration");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
         "seconds per query for learning primitives that have no match, 0 for none; counts as "
         "planning time and ends with the time limit");

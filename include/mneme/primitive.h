@@ -4,6 +4,7 @@
 /// Local primitives: the pieces of a workspace that experience is bound to.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <span>
 #include <string>
@@ -18,22 +19,39 @@
 namespace mneme {
 
 /// The numbers that describe a primitive in the robot's base frame; metres.
-/// For a pair of circles (x_a, y_a, r_a, x_b, y_b, r_b), as in the paper.
+/// Of the decomposer "pairs" (x_a, y_a, r_a, x_b, y_b, r_b), as in the paper. Of "body_pairs" two
+/// blocks of kBodyKeySize numbers: see body_key().
 using PrimitiveKey = std::vector<double>;
 
 /// A motion of the workspace that a motion of the leading joints undoes: first the mirror image y
-/// -> -y (which negates all joints of a planar arm), then a rotation about the base's z axis (which
-/// adds to joint 1).
+/// -> -y (which negates all joints of a planar arm), then a rotation about the axis of the turning
+/// joint and a shift along it.
 struct Symmetry {
   double rotation = 0;  ///< radians
   bool is_mirrored = false;
+  double lift = 0;  ///< metres along z
 };
 /// The motion that undoes `motion`.
 [[nodiscard]] Symmetry inverse(const Symmetry& motion);
 /// `first`, then `second`, as one motion.
 [[nodiscard]] Symmetry compose(const Symmetry& second, const Symmetry& first);
-/// The configuration whose body is that of `q`, moved by `motion`. Joint 1 is wrapped to [-pi, pi).
-[[nodiscard]] Configuration moved_configuration(const Symmetry& motion, std::span<const double> q);
+
+/// The leading joints of a robot that move all the rest of it rigidly; what stands before them on
+/// the tree, such as a base or a head, is not moved by any symmetry.
+struct SymmetricJoints {
+  int turn = -1;                  ///< index into a configuration of the joint about z, or -1
+  int lift = -1;                  ///< of the prismatic joint along z, or -1
+  double axis_x = 0, axis_y = 0;  ///< where the axis of `turn` meets the plane z = 0, metres
+};
+/// Finds them in the kinematics: along the chain from the root, a prismatic joint along the root's
+/// z and a revolute or continuous one about it, in either order, that carry all further joints of
+/// the group. A planar arm has joint 1; Fetch has torso lift and shoulder pan. O(links).
+[[nodiscard]] SymmetricJoints find_symmetric_joints(const Robot& robot);
+
+/// The configuration whose moving links are those of `q`, moved by `motion`. The turning joint is
+/// wrapped to [-pi, pi); limits are the caller's business.
+[[nodiscard]] Configuration moved_configuration(const SymmetricJoints& joints,
+                                                const Symmetry& motion, std::span<const double> q);
 /// The pair of circles `key`, moved by `motion`.
 [[nodiscard]] PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key);
 
@@ -42,38 +60,58 @@ struct LocalPrimitive {
   std::vector<int>
       obstacles;  ///< indices into the scene; of make_scene(key) if it came from make_primitive()
   PrimitiveKey key;   ///< canonical: the midpoint of the two centres lies on the positive x axis
+                      ///< (seen from the axis of the turning joint) and, with a lift, at z = 0
   Symmetry to_scene;  ///< takes the canonical primitive to the scene
   double gap = 0;     ///< metres between the two obstacles
 };
 
 struct DecomposeSettings {
-  std::string decomposer = "pairs";
-  double max_gap = 1.0;
+  std::string decomposer;
+  double max_gap = 0;
 };
 
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, DecomposeSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("max-gap", s.max_gap, 0.0, 1e6,
-        "two obstacles at most this far apart (metres, between surfaces) form a primitive");
+        "two obstacles at most this far apart (metres, between surfaces) form a primitive; 0 picks "
+        "the decomposer's default (1 for pairs of circles, 0.25 for body_pairs)");
 }
 
-/// Algorithm 2, line 1: the pairs of circles whose gap is positive and at most `max_gap` and that
-/// the robot can reach, in scene order. Two circles that overlap leave no passage and form no
-/// primitive. Errors: an unknown decomposer; a robot or obstacles that it does not handle.
+/// Algorithm 2, line 1: the pairs of obstacles whose gap is at most `max_gap`, in scene order. An
+/// empty `decomposer` is the robot's own: "pairs" for planar arms, which needs spheres in the plane
+/// and leaves out pairs that overlap or that the arm cannot reach; "body_pairs" for all others,
+/// which takes obstacles of any shapes, touching ones too. Errors: an unknown decomposer; a robot
+/// or obstacles that it does not handle.
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose(const Robot& robot, const Scene& scene,
                                                             const DecomposeSettings& settings = {});
 
 /// Name and version of a decomposer: experience is keyed to it, because a key means nothing without
 /// it.
 [[nodiscard]] Result<std::string> decomposer_version(const std::string& decomposer);
+/// The decomposer of a robot: "pairs" or "body_pairs".
+[[nodiscard]] std::string default_decomposer(const Robot& robot);
+
+/// Numbers of one obstacle in a key of the decomposer "body_pairs".
+inline constexpr int kBodyKeySize = 9;
+/// An obstacle as numbers, all in metres and all alike under the Euclidean norm, whatever its
+/// shapes: its centroid c (x, y, z), then the square root S of three times the covariance of its
+/// volume (xx, yy, zz, and sqrt(2) times xy, xz, yz). S of a box with half extents h and rotation R
+/// is R diag(h) R^T, so that no order or sign of its axes matters; a cylinder has sqrt(3)/2 of its
+/// radius and half its length, a sphere sqrt(3/5) of its radius. Shapes of one obstacle are summed
+/// by volume.
+[[nodiscard]] std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle);
+/// Brings a pair of bodies to canonical form.
+[[nodiscard]] LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
+                                                 const Obstacle& b);
 
 /// Brings a pair of circles to canonical form.
 [[nodiscard]] LocalPrimitive make_primitive(const PrimitiveKey& circles);
 /// The two circles of a key as a scene of their own.
 [[nodiscard]] Scene make_scene(const PrimitiveKey& key);
 
-/// One of the ways to write down the same canonical primitive: either order, either mirror image.
+/// One of the ways to write down the same canonical primitive: either order, and for circles either
+/// mirror image.
 struct KeyImage {
   PrimitiveKey key;
   bool is_mirrored = false;

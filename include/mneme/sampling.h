@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -66,11 +67,27 @@ struct GaussianMixture {
   }
 };
 
+/// Progressive widening over components in order of relevance: the n-th draw (from 0) is one of the
+/// first `first + growth * n`.
+struct Widening {
+  double first = 0;  ///< 0: all components from the first draw, as in the paper
+  double growth = 0;
+};
+
 /// Draws a component with equal probability, then a configuration from it. `sigma` is the standard
-/// deviation in joint units of components without a factor, >= 0. Continuous joints wrap, the
-/// others clamp to their limits. The mixture must have components.
+/// deviation of components without a factor, >= 0: radians, and half as many metres for prismatic
+/// joints. Continuous joints wrap, the others clamp to their limits. The mixture must have
+/// components.
 [[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(
-    const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma);
+    const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
+    const Widening& widening = {});
+
+/// The first `count` draws of a stream are from `first`; then `make_rest` is asked, once per
+/// stream, for the sampler of all further ones: what is found quickly pays nothing for what takes
+/// time to prepare. Origins are those of the sampler that was drawn from.
+[[nodiscard]] std::unique_ptr<Sampler> make_lazy_sampler(
+    std::shared_ptr<const Sampler> first, int count,
+    std::function<std::shared_ptr<const Sampler>()> make_rest);
 
 /// Algorithm 1, line 2: with probability `lambda` in [0, 1] from `first`, otherwise from `second`.
 [[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(double lambda,

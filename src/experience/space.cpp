@@ -28,7 +28,8 @@ tl::unexpected<Error> refuse_space(const std::string& url, const ExperienceSpace
 }  // namespace internal
 
 Result<ExperienceSpace> make_space(const Robot& robot, const std::string& decomposer) {
-  return internal::find_decomposer(decomposer).map([&](const internal::Decomposer* found) {
+  const std::string& name = decomposer.empty() ? default_decomposer(robot) : decomposer;
+  return internal::find_decomposer(name).map([&](const internal::Decomposer* found) {
     return ExperienceSpace{robot.name(), robot.hash(), std::string(found->version),
                            robot.joint_count(), found->key_size};
   });

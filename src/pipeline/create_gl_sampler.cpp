@@ -6,8 +6,9 @@
 #include <limits>
 
 #include "base/stopwatch.h"
-#include "experience/space.h"
 #include "mneme/pipeline.h"
+#include "pipeline/complete_settings.h"
+#include "pipeline/database_check.h"
 #include "pipeline/synthesize.h"
 
 namespace mneme {
@@ -39,23 +40,14 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
   return {};
 }
 
-/// A database that was opened to look at it may be of any space, or of none if it is empty.
-Result<void> check_database(const Robot& robot, const SolveSettings& settings,
-                            const Database& database) {
-  const auto wanted = make_space(robot, settings.decompose.decomposer);
-  if (!wanted) return tl::unexpected(wanted.error());
-  const ExperienceSpace& found = database.space();
-  if (found.key_size == 0 || internal::is_same_space(found, *wanted)) return {};
-  return internal::refuse_space(database.info().url, found, *wanted);
-}
-
 }  // namespace
 
 Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
-                                    const SolveSettings& settings) {
+                                    const SolveSettings& asked) {
   const internal::Stopwatch stopwatch;
+  const SolveSettings settings = internal::complete_settings(asked, robot);
   GlSampler gl;
-  if (auto checked = check_database(robot, settings, database); !checked) {
+  if (auto checked = internal::check_database(robot, settings, database); !checked) {
     return tl::unexpected(checked.error());
   }
   auto primitives = decompose(robot, scene, settings.decompose);

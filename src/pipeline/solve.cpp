@@ -5,9 +5,12 @@
 // sampler -> plan
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/stopwatch.h"
 #include "mneme/pipeline.h"
+#include "pipeline/complete_settings.h"
+#include "pipeline/database_check.h"
 #include "pipeline/valid_components.h"
 
 namespace mneme {
@@ -62,18 +65,73 @@ std::shared_ptr<const Sampler> make_sampler(const Robot& robot, const SolveSetti
   if (settings.sampler == "halton") return make_halton_sampler(robot);
   std::shared_ptr<const Sampler> uniform = make_uniform_sampler(robot);
   if (gl.mixture == nullptr || gl.mixture->component_count() == 0) return uniform;
-  return make_mixed_sampler(settings.lambda,
-                            make_mixture_sampler(robot, gl.mixture, settings.sigma), uniform);
+  // The mixture is drawn from in a fraction lambda of the iterations.
+  const Widening widening{settings.first_components,
+                          settings.component_growth / std::max(settings.lambda, 1e-3)};
+  return make_mixed_sampler(
+      settings.lambda, make_mixture_sampler(robot, gl.mixture, settings.sigma, widening), uniform);
 }
 
-Result<GlSampler> recall(const Problem& problem, Database& database,
-                         const CollisionChecker& checker, const SolveSettings& settings) {
-  auto gl = create_gl_sampler(problem.robot, problem.scene, database, settings);
-  if (gl && settings.drop_invalid_means) {
-    gl->mixture = std::make_shared<const GaussianMixture>(
-        internal::keep_valid_components(checker, *gl->mixture));
+/// Algorithm 2 for one query, at once or when the planner asks for it.
+class Recall {
+ public:
+  Recall(const Problem& problem, Database& database, const CollisionChecker& checker,
+         const SolveSettings& settings)
+      : problem_(problem), database_(database), checker_(checker), settings_(settings) {}
+
+  /// What memory has to say, or the uniform sampler if that is nothing.
+  std::shared_ptr<const Sampler> make() {
+    SolveSettings rest = settings_;
+    rest.plan.timeout_s -= stopwatch_.elapsed_s();
+    auto gl = create_gl_sampler(problem_.robot, problem_.scene, database_, rest);
+    if (!gl) {
+      failure_ = gl.error();
+      return make_uniform_sampler(problem_.robot);
+    }
+    gl_ = std::move(*gl);
+    if (settings_.drop_invalid_means) {
+      gl_.mixture = std::make_shared<const GaussianMixture>(
+          internal::keep_valid_components(checker_, *gl_.mixture));
+    }
+    return make_sampler(problem_.robot, settings_, gl_);
   }
-  return gl;
+
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
+  GlSampler take() { return std::move(gl_); }
+
+ private:
+  internal::Stopwatch stopwatch_;
+  const Problem& problem_;
+  Database& database_;
+  const CollisionChecker& checker_;
+  const SolveSettings& settings_;
+  GlSampler gl_;
+  std::optional<Error> failure_;
+};
+
+/// The planner with memory: its time and that of retrieval are one.
+Result<void> plan_with_memory(const Problem& problem, Database& database,
+                              const CollisionChecker& checker, Planner plan,
+                              const SolveSettings& settings, double spent_s, SolveResult& result) {
+  if (auto checked = internal::check_database(problem.robot, settings, database); !checked) {
+    return checked;
+  }
+  const internal::Stopwatch stopwatch;
+  Recall recall(problem, database, checker, settings);
+  std::shared_ptr<const Sampler> sampler;
+  if (settings.retrieve_after == 0) {
+    sampler = recall.make();
+  } else {
+    sampler = make_lazy_sampler(make_uniform_sampler(problem.robot), settings.retrieve_after,
+                                [&recall] { return recall.make(); });
+  }
+  if (recall.failure()) return tl::unexpected(*recall.failure());
+  PlanSettings rest = settings.plan;
+  rest.timeout_s = std::max(0.0, rest.timeout_s - spent_s - stopwatch.elapsed_s());
+  result.plan = plan(checker, {problem.start, problem.goals}, *sampler, rest);
+  if (recall.failure()) return tl::unexpected(*recall.failure());
+  result.gl = recall.take();
+  return {};
 }
 
 }  // namespace
@@ -84,6 +142,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   const internal::Stopwatch stopwatch;
   if (auto checked = check_settings(settings); !checked) return tl::unexpected(checked.error());
+  const SolveSettings complete = internal::complete_settings(settings, problem.robot);
   const auto planner = choose_planner(settings.planner);
   if (!planner) return tl::unexpected(planner.error());
   CheckerSettings checking;
@@ -96,19 +155,15 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   const PlanQuery query = {problem.start, problem.goals};
   if (auto refused = refuse_query(*checker, query)) {
     result.plan = *std::move(refused);
+  } else if (settings.sampler == "gl" && database != nullptr) {
+    auto planned = plan_with_memory(problem, *database, *checker, (*planner)->plan, complete,
+                                    stopwatch.elapsed_s(), result);
+    if (!planned) return tl::unexpected(planned.error());
   } else {
-    if (settings.sampler == "gl" && database != nullptr) {
-      SolveSettings rest = settings;
-      rest.plan.timeout_s -= stopwatch.elapsed_s();
-      auto gl = recall(problem, *database, *checker, rest);
-      if (!gl) return tl::unexpected(gl.error());
-      result.gl = std::move(*gl);
-    }
-    const std::shared_ptr<const Sampler> sampler = make_sampler(problem.robot, settings, result.gl);
     PlanSettings plan = settings.plan;
-    // What retrieval and learning took is planning time, so the planner has the rest.
     plan.timeout_s = std::max(0.0, plan.timeout_s - stopwatch.elapsed_s());
-    result.plan = (*planner)->plan(*checker, query, *sampler, plan);
+    result.plan =
+        (*planner)->plan(*checker, query, *make_sampler(problem.robot, complete, {}), plan);
   }
   result.planner = settings.planner;
   result.sampler = settings.sampler;

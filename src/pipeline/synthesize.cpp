@@ -12,7 +12,8 @@ namespace {
 
 class Synthesizer {
  public:
-  Synthesizer(const Robot& robot, std::size_t component_count) : space_(robot) {
+  Synthesizer(const Robot& robot, std::size_t component_count)
+      : space_(robot), symmetric_(find_symmetric_joints(robot)) {
     pooled_.joint_count = robot.joint_count();
     pooled_.means.reserve(component_count * static_cast<std::size_t>(robot.joint_count()));
     pooled_.origins.reserve(component_count);
@@ -49,7 +50,8 @@ class Synthesizer {
     float* moved = pooled_.means.data() + begin;
     const float sign = motion.is_mirrored ? -1.0f : 1.0f;
     for (std::size_t j = 0; j < mean.size(); ++j) moved[j] = sign * mean[j];
-    moved[0] += static_cast<float>(motion.rotation);
+    if (symmetric_.turn >= 0) turn(moved[symmetric_.turn], motion.rotation);
+    if (symmetric_.lift >= 0) moved[symmetric_.lift] += static_cast<float>(motion.lift);
     bool is_inside = true;
     for (std::size_t j = 0; j < mean.size(); ++j) {
       const float inside = space_.into_limits(static_cast<int>(j), moved[j]);
@@ -60,8 +62,16 @@ class Synthesizer {
     return is_inside;
   }
 
+  /// A turn and a half of a joint with limits may be half a turn, which lies within them.
+  static void turn(float& value, double rotation) {
+    value += static_cast<float>(rotation);
+    value -= kTurn * std::nearbyint(value / kTurn);
+  }
+
+  static constexpr float kTurn = 6.28318530718f;
   static constexpr float kLimitTolerance = 1e-5f;
   JointSpace space_;
+  SymmetricJoints symmetric_;
   GaussianMixture pooled_;
 };
 
@@ -74,12 +84,16 @@ GaussianMixture synthesize(const Robot& robot, std::span<const PrimitiveRetrieva
       component_count += static_cast<std::size_t>(match.experience->sampler.component_count());
     }
   }
-  Synthesizer synthesizer(robot, component_count);
+  std::vector<std::pair<const Match*, Origin>> matches;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     for (const Match& match : primitives[i].matches) {
-      synthesizer.add(match, static_cast<Origin>(i));
+      matches.emplace_back(&match, static_cast<Origin>(i));
     }
   }
+  std::ranges::stable_sort(matches, {},
+                           [](const auto& entry) { return entry.first->similarity_error; });
+  Synthesizer synthesizer(robot, component_count);
+  for (const auto& [match, origin] : matches) synthesizer.add(*match, origin);
   return synthesizer.take();
 }
 

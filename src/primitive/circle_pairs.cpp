@@ -123,8 +123,9 @@ double gap_distance(const Circle& a, const Circle& b) {
 
 }  // namespace
 
-Result<std::vector<LocalPrimitive>> decompose_into_pairs(const Robot& robot, const Scene& scene,
-                                                         const DecomposeSettings& settings) {
+Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(const Robot& robot,
+                                                                const Scene& scene,
+                                                                const DecomposeSettings& settings) {
   if (const auto reason = describe_asymmetry(robot)) {
     return fail(ErrorCode::unsupported,
                 fmt::format("the decomposer 'pairs' does not handle robot '{}': {}", robot.name(),

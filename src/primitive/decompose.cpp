@@ -12,7 +12,9 @@ namespace mneme {
 namespace {
 
 constexpr std::array kDecomposers = {
-    internal::Decomposer{"pairs", "pairs/1", 6, internal::decompose_into_pairs},
+    internal::Decomposer{"pairs", "pairs/1", 6, 1.0, internal::decompose_into_circle_pairs},
+    internal::Decomposer{"body_pairs", "body_pairs/1", 2 * kBodyKeySize, 0.25,
+                         internal::decompose_into_body_pairs},
 };
 
 }  // namespace
@@ -29,13 +31,20 @@ Result<const internal::Decomposer*> internal::find_decomposer(std::string_view n
 
 Result<std::vector<LocalPrimitive>> decompose(const Robot& robot, const Scene& scene,
                                               const DecomposeSettings& settings) {
-  const auto decomposer = internal::find_decomposer(settings.decomposer);
+  const auto decomposer = internal::find_decomposer(
+      settings.decomposer.empty() ? default_decomposer(robot) : settings.decomposer);
   if (!decomposer) return tl::unexpected(decomposer.error());
   if (!(settings.max_gap >= 0)) {
     return fail(ErrorCode::invalid,
                 fmt::format("max-gap is {}; expected metres, at least 0", settings.max_gap));
   }
-  return (*decomposer)->decompose(robot, scene, settings);
+  DecomposeSettings complete = settings;
+  if (complete.max_gap == 0) complete.max_gap = (*decomposer)->default_gap;
+  return (*decomposer)->decompose(robot, scene, complete);
+}
+
+std::string default_decomposer(const Robot& robot) {
+  return robot.is_planar() ? "pairs" : "body_pairs";
 }
 
 Result<std::string> decomposer_version(const std::string& decomposer) {

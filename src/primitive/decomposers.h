@@ -17,6 +17,7 @@ struct Decomposer {
   std::string_view name;
   std::string_view version;  ///< name and number, such as "pairs/1"
   int key_size = 0;
+  double default_gap = 0;  ///< metres
   Result<std::vector<LocalPrimitive>> (*decompose)(const Robot&, const Scene&,
                                                    const DecomposeSettings&);
 };
@@ -25,7 +26,10 @@ struct Decomposer {
 [[nodiscard]] Result<const Decomposer*> find_decomposer(std::string_view name);
 
 /// Pairs of circles, for planar arms: the paper's decomposition.
-[[nodiscard]] Result<std::vector<LocalPrimitive>> decompose_into_pairs(
+[[nodiscard]] Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(
+    const Robot& robot, const Scene& scene, const DecomposeSettings& settings);
+/// Pairs of obstacles of any shapes, for arms in space.
+[[nodiscard]] Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(
     const Robot& robot, const Scene& scene, const DecomposeSettings& settings);
 
 }  // namespace mneme::internal

@@ -10,6 +10,7 @@ namespace mneme {
 namespace {
 
 constexpr std::size_t kPairKeySize = 6;
+constexpr std::size_t kBodyPairKeySize = 2 * kBodyKeySize;
 
 double squared(double value) { return value * value; }
 
@@ -46,6 +47,11 @@ Scene make_scene(const PrimitiveKey& key) {
 }
 
 std::vector<KeyImage> images(const PrimitiveKey& canonical) {
+  if (canonical.size() == kBodyPairKeySize) {
+    PrimitiveKey swapped = canonical;
+    std::rotate(swapped.begin(), swapped.begin() + kBodyKeySize, swapped.end());
+    return {{canonical, false}, {std::move(swapped), false}};
+  }
   assert(canonical.size() == kPairKeySize);
   const PrimitiveKey& k = canonical;
   std::vector<KeyImage> result;
@@ -58,6 +64,14 @@ std::vector<KeyImage> images(const PrimitiveKey& canonical) {
 }
 
 double similarity_error(const PrimitiveKey& a, const PrimitiveKey& b) {
+  if (a.size() == kBodyPairKeySize && b.size() == kBodyPairKeySize) {
+    double plain = 0, swapped = 0;
+    for (std::size_t i = 0; i < kBodyPairKeySize; ++i) {
+      plain += squared(a[i] - b[i]);
+      swapped += squared(a[i] - b[(i + kBodyKeySize) % kBodyPairKeySize]);
+    }
+    return std::min(plain, swapped);
+  }
   assert(a.size() == kPairKeySize && b.size() == kPairKeySize);
   const double* first = a.data();
   const double* second = first + 3;

@@ -20,20 +20,27 @@ double wrapped(double angle) {
 
 Symmetry inverse(const Symmetry& motion) {
   // A mirror image followed by a rotation is a reflection, which undoes itself.
-  return motion.is_mirrored ? motion : Symmetry{wrapped(-motion.rotation), false};
+  const double rotation = motion.is_mirrored ? motion.rotation : wrapped(-motion.rotation);
+  return {rotation, motion.is_mirrored, -motion.lift};
 }
 
 Symmetry compose(const Symmetry& second, const Symmetry& first) {
   const double first_rotation = second.is_mirrored ? -first.rotation : first.rotation;
-  return {wrapped(second.rotation + first_rotation), second.is_mirrored != first.is_mirrored};
+  return {wrapped(second.rotation + first_rotation), second.is_mirrored != first.is_mirrored,
+          second.lift + first.lift};
 }
 
-Configuration moved_configuration(const Symmetry& motion, std::span<const double> q) {
+Configuration moved_configuration(const SymmetricJoints& joints, const Symmetry& motion,
+                                  std::span<const double> q) {
   Configuration result(q.begin(), q.end());
   if (motion.is_mirrored) {
     for (double& value : result) value = -value;
   }
-  if (!result.empty()) result[0] = wrapped(result[0] + motion.rotation);
+  if (joints.turn >= 0) {
+    double& turn = result[static_cast<std::size_t>(joints.turn)];
+    turn = wrapped(turn + motion.rotation);
+  }
+  if (joints.lift >= 0) result[static_cast<std::size_t>(joints.lift)] += motion.lift;
   return result;
 }
 

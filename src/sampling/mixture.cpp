@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "robot/joint_space.h"
@@ -11,21 +12,23 @@ namespace {
 
 class MixtureStream final : public SampleStream {
  public:
-  MixtureStream(const internal::JointSpace& space, const GaussianMixture& mixture, float sigma,
-                std::uint64_t seed)
+  MixtureStream(const internal::JointSpace& space, const GaussianMixture& mixture,
+                std::span<const float> sigmas, const Widening& widening, std::uint64_t seed)
       : space_(space),
         mixture_(mixture),
-        sigma_(sigma),
+        sigmas_(sigmas),
+        widening_(widening),
+        open_(widening.first),
         component_count_(static_cast<std::uint32_t>(mixture.component_count())),
         rng_(seed) {}
 
   Origin next(std::span<float> q) override {
-    const std::size_t component = rng_.index(component_count_);
+    const std::size_t component = rng_.index(open_component_count());
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
     const float* mean = mixture_.means.data() + component * joints;
     const int factor_row = mixture_.factor_rows.empty() ? -1 : mixture_.factor_rows[component];
     if (factor_row < 0) {
-      for (std::size_t i = 0; i < joints; ++i) q[i] = mean[i] + sigma_ * normal();
+      for (std::size_t i = 0; i < joints; ++i) q[i] = mean[i] + sigmas_[i] * normal();
     } else {
       add_correlated(factor_row, mean, q);
     }
@@ -34,6 +37,13 @@ class MixtureStream final : public SampleStream {
   }
 
  private:
+  std::uint32_t open_component_count() {
+    if (widening_.first <= 0 || open_ >= component_count_) return component_count_;
+    const auto open = static_cast<std::uint32_t>(std::max(1.0, open_));
+    open_ += widening_.growth;
+    return open;
+  }
+
   float normal() { return static_cast<float>(rng_.normal()); }
 
   /// q = mean + L z for standard normal z. Rows from the last, so that q can hold z meanwhile.
@@ -52,33 +62,42 @@ class MixtureStream final : public SampleStream {
 
   const internal::JointSpace& space_;
   const GaussianMixture& mixture_;
-  float sigma_;
+  std::span<const float> sigmas_;  ///< per joint
+  Widening widening_;
+  double open_;  ///< components that the next draw may take
   std::uint32_t component_count_;
   Rng rng_;
 };
 
 class MixtureSampler final : public Sampler {
  public:
-  MixtureSampler(const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma)
-      : space_(robot), mixture_(std::move(mixture)), sigma_(static_cast<float>(sigma)) {
+  MixtureSampler(const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
+                 const Widening& widening)
+      : space_(robot), mixture_(std::move(mixture)), widening_(widening) {
+    constexpr double kMetresPerRadian = 0.5;
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      const bool is_prismatic = robot.group_joint(i).type == JointType::prismatic;
+      sigmas_.push_back(static_cast<float>(is_prismatic ? kMetresPerRadian * sigma : sigma));
+    }
     assert(mixture_->component_count() > 0 && mixture_->joint_count == space_.joint_count());
   }
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<MixtureStream>(space_, *mixture_, sigma_, seed);
+    return std::make_unique<MixtureStream>(space_, *mixture_, sigmas_, widening_, seed);
   }
 
  private:
   internal::JointSpace space_;
   std::shared_ptr<const GaussianMixture> mixture_;
-  float sigma_;
+  std::vector<float> sigmas_;
+  Widening widening_;
 };
 
 }  // namespace
 
 std::unique_ptr<Sampler> make_mixture_sampler(const Robot& robot,
                                               std::shared_ptr<const GaussianMixture> mixture,
-                                              double sigma) {
-  return std::make_unique<MixtureSampler>(robot, std::move(mixture), sigma);
+                                              double sigma, const Widening& widening) {
+  return std::make_unique<MixtureSampler>(robot, std::move(mixture), sigma, widening);
 }
 
 }  // namespace mneme

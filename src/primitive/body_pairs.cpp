@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "mneme/primitive.h"
+#include "primitive/decomposers.h"
+
+namespace mneme {
+namespace {
+
+/// Volume, centroid and covariance of a solid.
+struct Moments {
+  double volume = 0;
+  Vec3 centroid = Vec3::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+Moments posed(double volume, const Transform& pose, const Vec3& variances) {
+  return {volume, pose.translation,
+          pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
+}
+
+Moments moments_of_cylinder(const Transform& pose, double radius, double length) {
+  const double across = radius * radius / 4;
+  return posed(std::numbers::pi * radius * radius * length, pose,
+               {across, across, length * length / 12});
+}
+
+Moments moments(const Shape& shape) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    const double r = sphere->radius;
+    return posed(4.0 / 3 * std::numbers::pi * r * r * r,
+                 {Eigen::Matrix3d::Identity(), sphere->center}, Vec3::Constant(r * r / 5));
+  }
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    return posed(8 * box->half_extents.prod(), box->pose, box->half_extents.cwiseAbs2() / 3);
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    return moments_of_cylinder(cylinder->pose, cylinder->radius, cylinder->length);
+  }
+  // A capsule as the cylinder of the same radius and volume.
+  const auto& capsule = std::get<Capsule>(shape);
+  const Vec3 along = capsule.b - capsule.a;
+  const double length = along.norm();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+      Vec3::UnitZ(), length > 0 ? Vec3(along / length) : Vec3(Vec3::UnitZ()));
+  return moments_of_cylinder({turn.toRotationMatrix(), 0.5 * (capsule.a + capsule.b)},
+                             capsule.radius, length + 4.0 / 3 * capsule.radius);
+}
+
+Moments moments(const Obstacle& obstacle) {
+  Moments sum;
+  for (const Shape& shape : obstacle.shapes) {
+    const Moments part = moments(shape);
+    sum.volume += part.volume;
+    sum.centroid += part.volume * part.centroid;
+    sum.covariance += part.volume * (part.covariance + part.centroid * part.centroid.transpose());
+  }
+  if (sum.volume <= 0) return sum;
+  sum.centroid /= sum.volume;
+  sum.covariance = sum.covariance / sum.volume - sum.centroid * sum.centroid.transpose();
+  return sum;
+}
+
+Eigen::Matrix3d square_root(const Eigen::Matrix3d& m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// Centroid and S of an obstacle.
+struct Body {
+  Vec3 centroid;
+  Eigen::Matrix3d spread;
+};
+
+Body make_body(const Obstacle& obstacle) {
+  const Moments of_all = moments(obstacle);
+  return {of_all.centroid, square_root(3 * of_all.covariance)};
+}
+
+void write(const Body& body, double* key) {
+  const Eigen::Matrix3d& s = body.spread;
+  constexpr double kTwice = std::numbers::sqrt2;
+  const std::array<double, kBodyKeySize> values = {
+      body.centroid.x(), body.centroid.y(), body.centroid.z(), s(0, 0),         s(1, 1),
+      s(2, 2),           kTwice * s(0, 1),  kTwice * s(0, 2),  kTwice * s(1, 2)};
+  std::copy(values.begin(), values.end(), key);
+}
+
+LocalPrimitive make_primitive_of(const SymmetricJoints& joints, const Body& a, const Body& b) {
+  const Vec3 axis(joints.axis_x, joints.axis_y, 0);
+  const Vec3 middle = 0.5 * (a.centroid + b.centroid) - axis;
+  LocalPrimitive primitive;
+  primitive.obstacles = {0, 1};
+  if (joints.turn >= 0) primitive.to_scene.rotation = std::atan2(middle.y(), middle.x());
+  if (joints.lift >= 0) primitive.to_scene.lift = middle.z();
+  const Eigen::Matrix3d turn = rotation_about(Vec3::UnitZ(), -primitive.to_scene.rotation);
+  const auto canonical = [&](const Body& body) {
+    const Vec3 shift(0, 0, primitive.to_scene.lift);
+    return Body{turn * (body.centroid - axis - shift), turn * body.spread * turn.transpose()};
+  };
+  primitive.key.resize(2 * kBodyKeySize);
+  write(canonical(a), primitive.key.data());
+  write(canonical(b), primitive.key.data() + kBodyKeySize);
+  return primitive;
+}
+
+double gap_between(const Obstacle& a, const Obstacle& b, double most) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Shape& first : a.shapes) {
+    const Sphere around_first = bounding_sphere(first);
+    for (const Shape& second : b.shapes) {
+      const Sphere around = bounding_sphere(second);
+      const double bound =
+          (around.center - around_first.center).norm() - around.radius - around_first.radius;
+      if (bound > most) continue;
+      least = std::min(least, distance(first, second));
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
+  std::array<double, kBodyKeySize> key{};
+  write(make_body(obstacle), key.data());
+  return key;
+}
+
+LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
+                                   const Obstacle& b) {
+  LocalPrimitive primitive = make_primitive_of(joints, make_body(a), make_body(b));
+  primitive.gap = gap_between(a, b, std::numeric_limits<double>::infinity());
+  return primitive;
+}
+
+Result<std::vector<LocalPrimitive>> internal::decompose_into_body_pairs(
+    const Robot& robot, const Scene& scene, const DecomposeSettings& settings) {
+  const SymmetricJoints joints = find_symmetric_joints(robot);
+  std::vector<Body> bodies;
+  for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
+  std::vector<LocalPrimitive> primitives;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+      const double gap = gap_between(scene.obstacles[i], scene.obstacles[j], settings.max_gap);
+      if (gap > settings.max_gap) continue;
+      primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
+      primitives.back().obstacles = {static_cast<int>(i), static_cast<int>(j)};
+      primitives.back().gap = gap;
+    }
+  }
+  return primitives;
+}
+
+}  // namespace mneme

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "mneme/primitive.h"
+
+namespace mneme {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+
+/// The joint of the group through which every link passes that any joint of the group moves, seen
+/// from `link`; -1 if there are several.
+class LeadingJoints {
+ public:
+  explicit LeadingJoints(const Robot& robot)
+      : robot_(robot),
+        poses_(
+            robot.link_poses(Configuration(static_cast<std::size_t>(robot.joint_count()), 0.0))) {}
+
+  SymmetricJoints find() {
+    SymmetricJoints found;
+    for (int index = next_after(0); index >= 0;) {
+      const Joint& joint = robot_.group_joint(index);
+      if (!take(index, joint, found)) break;
+      index = next_after(joint.child_link);
+    }
+    return found;
+  }
+
+ private:
+  /// The only joint of the group below `link` that no other one of them stands before, or -1.
+  int next_after(int link) const {
+    int next = -1;
+    for (int i = 0; i < robot_.joint_count(); ++i) {
+      if (!is_first_below(link, robot_.group_joint(i))) continue;
+      if (next >= 0) return -1;
+      next = i;
+    }
+    return next;
+  }
+
+  bool is_first_below(int link, const Joint& joint) const {
+    int ancestor = joint.parent_link;
+    while (ancestor != link) {
+      const int parent = robot_.links()[static_cast<std::size_t>(ancestor)].parent_joint;
+      if (parent < 0 || is_in_group(parent)) return false;
+      ancestor = robot_.joints()[static_cast<std::size_t>(parent)].parent_link;
+    }
+    return true;
+  }
+
+  bool is_in_group(int joint) const { return std::ranges::count(robot_.group(), joint) > 0; }
+
+  /// Notes the joint if it is a symmetry; both kinds may be found once.
+  bool take(int index, const Joint& joint, SymmetricJoints& found) const {
+    const Transform& pose = poses_[static_cast<std::size_t>(joint.child_link)];
+    const Vec3 axis = pose.rotation * joint.axis;
+    // Towards +z: a joint that turns or lifts the other way would need the opposite sign.
+    if (axis.z() < 1 - kTolerance) return false;
+    if (joint.type == JointType::prismatic) {
+      if (found.lift >= 0) return false;
+      found.lift = index;
+      return true;
+    }
+    if (found.turn >= 0) return false;
+    found.turn = index;
+    found.axis_x = pose.translation.x();
+    found.axis_y = pose.translation.y();
+    return true;
+  }
+
+  const Robot& robot_;
+  std::vector<Transform> poses_;
+};
+
+}  // namespace
+
+SymmetricJoints find_symmetric_joints(const Robot& robot) { return LeadingJoints(robot).find(); }
+
+}  // namespace mneme

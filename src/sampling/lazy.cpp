@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/sampling.h"
+
+namespace mneme {
+namespace {
+
+using MakeSampler = std::function<std::shared_ptr<const Sampler>()>;
+
+class LazyStream final : public SampleStream {
+ public:
+  LazyStream(std::unique_ptr<SampleStream> first, int count, const MakeSampler& make_rest,
+             std::uint64_t seed)
+      : stream_(std::move(first)), left_(count), make_rest_(make_rest), seed_(seed) {}
+
+  Origin next(std::span<float> q) override {
+    if (left_ > 0) {
+      --left_;
+    } else if (!rest_) {
+      rest_ = make_rest_();
+      stream_ = rest_->start(seed_);
+    }
+    return stream_->next(q);
+  }
+
+  void report(Origin origin, SampleOutcome outcome) override { stream_->report(origin, outcome); }
+
+ private:
+  std::shared_ptr<const Sampler> rest_;  ///< outlives its stream
+  std::unique_ptr<SampleStream> stream_;
+  int left_;
+  const MakeSampler& make_rest_;
+  std::uint64_t seed_;
+};
+
+class LazySampler final : public Sampler {
+ public:
+  LazySampler(std::shared_ptr<const Sampler> first, int count, MakeSampler make_rest)
+      : first_(std::move(first)), count_(count), make_rest_(std::move(make_rest)) {}
+
+  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
+    return std::make_unique<LazyStream>(first_->start(seed), count_, make_rest_,
+                                        derive_seed(seed, 1));
+  }
+
+ private:
+  std::shared_ptr<const Sampler> first_;
+  int count_;
+  MakeSampler make_rest_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sampler> make_lazy_sampler(std::shared_ptr<const Sampler> first, int count,
+                                           MakeSampler make_rest) {
+  return std::make_unique<LazySampler>(std::move(first), count, std::move(make_rest));
+}
+
+}  // namespace mneme
