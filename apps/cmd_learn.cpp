@@ -17,6 +17,7 @@
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
+#include "learn_from_problems.h"
 #include "learning_run.h"
 #include "options.h"
 
@@ -35,6 +36,7 @@ struct LearnOptions {
   std::optional<double> similarity_error;
   bool is_json = false;
   LearnJob job;
+  ProblemLesson lesson;
   DecomposeSettings decompose;
 };
 
@@ -95,7 +97,9 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
   if (!workspace) return tl::unexpected(workspace.error());
   const Result<void> fits = check_robot(where, *workspace, robot);
   if (!fits) return fits;
-  const auto primitives = decompose(robot, workspace->scene, settings);
+  const Result<Scene> scene = in_root_frame(workspace->framed, robot);
+  if (!scene) return tl::unexpected(scene.error());
+  const auto primitives = decompose(robot, *scene, settings);
   if (!primitives) return tl::unexpected(primitives.error());
   for (const LocalPrimitive& primitive : *primitives) {
     const bool is_new = std::find(keys.begin(), keys.end(), primitive.key) == keys.end();
@@ -199,7 +203,42 @@ ExitCode report(const LearnOptions& options, const LearnSummary& summary, const 
   return ExitCode::interrupted;
 }
 
+Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
+  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  ProblemLesson lesson = options.lesson;
+  lesson.seed = options.job.seed;
+  const Result<std::vector<Problem>> problems = load_lesson(lesson, *overrides);
+  if (!problems) return tl::unexpected(problems.error());
+  if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
+  Result<Database> database = open_database(options.db, problems->front().robot, OpenMode::create,
+                                            options.decompose.decomposer);
+  if (!database) return tl::unexpected(database.error());
+  const auto summary = learn_from_problems(*problems, lesson, options.decompose, *database);
+  if (!summary) return tl::unexpected(summary.error());
+  if (options.is_json) {
+    print_json({{"learned", summary->learned},
+                {"skipped", summary->skipped},
+                {"unsolved", summary->unsolved},
+                {"rows", summary->rows},
+                {"components", summary->components},
+                {"time_s", summary->time_s},
+                {"is_cancelled", summary->is_cancelled},
+                {"samplers", database->size()},
+                {"bytes", database->info().bytes}});
+  } else {
+    fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
+               summary->learned, summary->skipped, summary->unsolved, summary->time_s);
+    fmt::print("added {} samplers with {} components; {} now holds {}\n", summary->rows,
+               summary->components, options.db, database->size());
+  }
+  if (!summary->is_cancelled) return ExitCode::done;
+  print_note("interrupted; the same command goes on from here");
+  return ExitCode::interrupted;
+}
+
 Result<ExitCode> run_learn(const LearnOptions& options) {
+  if (!options.lesson.problems.empty()) return run_problem_lesson(options);
   Result<Lesson> lesson = prepare(options);
   if (!lesson) return tl::unexpected(lesson.error());
   const Robot& robot = lesson->robot;
@@ -223,11 +262,22 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
-  command.add_option("--robot", options.robot, "URDF file or name of a robot")->required();
+  command.add_option(
+      "--robot", options.robot,
+      "URDF file or name of a robot; with --problems that of the problems if left out");
   add_robot_flags(command, options.robot_options);
   command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
   command.add_option("--scenes", options.scenes,
                      "scenes or problems whose primitives to learn: files or patterns");
+  command.add_option("--problems", options.lesson.problems,
+                     "problems to solve and to learn from their paths: files, FILE.json#NAME or "
+                     "directories");
+  command.add_option("--part", options.lesson.part,
+                     "with --problems: I/N, every N-th problem beginning with the I-th");
+  add_number(command, "--paths", options.lesson.paths, 1, 1000,
+             "with --problems: paths per problem");
+  add_number(command, "--path-timeout", options.lesson.timeout_s, 0.0, 1e6,
+             "with --problems: seconds per path");
   command.add_option("--db", options.db, "SQLite file to add to; made if missing")->required();
   add_jobs(command, options.job.jobs);
   add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
@@ -248,15 +298,17 @@ void add_learn(CLI::App& program, Action& action) {
       program.add_subcommand("learn", "Learn local samplers into a database; resumable");
   command->footer(
       "Example:\n  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml "
-      "--db planar.db --jobs 2");
+      "--db planar.db --jobs 2\n  mneme learn --problems problems/ --part 1/2 --db arm.db");
   const auto options = std::make_shared<LearnOptions>();
   add_flags(*command, *options);
   add_isa(*command);
   add_json(*command, options->is_json);
   command->callback([options, &action] {
-    if (options->grid.empty() && options->scenes.empty()) {
-      throw CLI::RequiredError("--primitives or --scenes");
+    const bool has_primitives = !options->grid.empty() || !options->scenes.empty();
+    if (has_primitives == !options->lesson.problems.empty()) {
+      throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
+    if (has_primitives && options->robot.empty()) throw CLI::RequiredError("--robot");
     action = [options] { return run_learn(*options); };
   });
 }

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "learn_from_problems.h"
+
+#include <chrono>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "mneme/pipeline.h"
+
+#include "console.h"
+#include "inputs.h"
+#include "interrupt.h"
+#include "problem_part.h"
+
+namespace mneme::app {
+namespace {
+
+/// Says in the provenance what a row was learned from.
+std::string describe(const Problem& problem, const ProblemLesson& lesson) {
+  return fmt::format("{} paths of problem {}", lesson.paths, problem.name);
+}
+
+std::set<std::pair<std::string, std::uint64_t>> lessons_in(const Database& database) {
+  std::set<std::pair<std::string, std::uint64_t>> lessons;
+  for (std::int64_t i = 0; i < database.size(); ++i) {
+    const Provenance& provenance = database.get(i).provenance;
+    lessons.emplace(provenance.settings, provenance.seed);
+  }
+  return lessons;
+}
+
+Result<std::vector<Path>> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
+  std::vector<Path> paths;
+  for (int i = 0; i < lesson.paths && !interrupt_flag()->load(); ++i) {
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    settings.plan.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
+    settings.plan.timeout_s = lesson.timeout_s;
+    settings.plan.cancel = interrupt_flag();
+    Result<SolveResult> solved = solve(problem, nullptr, settings);
+    if (!solved) return tl::unexpected(solved.error());
+    if (solved->plan.is_solved()) paths.push_back(std::move(solved->plan.path));
+  }
+  return paths;
+}
+
+}  // namespace
+
+Result<std::vector<Problem>> load_lesson(const ProblemLesson& lesson,
+                                         const ProblemOptions& overrides) {
+  const auto found = find_bench_problems(lesson.problems).and_then([&](auto problems) {
+    return take_part(std::move(problems), lesson.part);
+  });
+  if (!found) return tl::unexpected(found.error());
+  std::vector<Problem> problems;
+  for (const BenchProblem& entry : *found) {
+    Result<Problem> problem = load_problem(entry.where, overrides);
+    if (!problem) return tl::unexpected(problem.error());
+    if (!problems.empty() && problems.front().robot.hash() != problem->robot.hash()) {
+      return fail(
+          ErrorCode::invalid,
+          fmt::format("'{}': its robot '{}' differs from that of '{}'; expected problems of "
+                      "one robot",
+                      entry.where, problem->robot.name(), found->front().where));
+    }
+    problem->name = fmt::format("{}#{}", entry.set, problem->name);
+    problems.push_back(std::move(*problem));
+  }
+  return problems;
+}
+
+Result<ProblemLessonSummary> learn_from_problems(std::span<const Problem> problems,
+                                                 const ProblemLesson& lesson,
+                                                 const DecomposeSettings& decompose,
+                                                 Database& database) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto known = lessons_in(database);
+  ProblemLessonSummary summary;
+  Progress progress("learning");
+  for (const Problem& problem : problems) {
+    progress.update(summary.learned + summary.skipped + summary.unsolved,
+                    static_cast<std::int64_t>(problems.size()),
+                    fmt::format("{} components", summary.components));
+    const std::string settings = describe(problem, lesson);
+    if (known.contains({settings, lesson.seed})) {
+      ++summary.skipped;
+      continue;
+    }
+    const Result<std::vector<Path>> paths = solve_repeatedly(problem, lesson);
+    if (!paths) return tl::unexpected(paths.error());
+    if ((summary.is_cancelled = interrupt_flag()->load())) break;
+    if (paths->empty()) {
+      ++summary.unsolved;
+      continue;
+    }
+    auto rows = learn_from_paths(problem.robot, problem.scene, *paths, decompose);
+    if (!rows) return tl::unexpected(rows.error());
+    ++summary.learned;
+    for (Experience& row : *rows) {
+      row.provenance = {fmt::format("mneme {}", version()), settings, lesson.seed, {}};
+      summary.components += row.sampler.component_count();
+    }
+    summary.rows += static_cast<std::int64_t>(rows->size());
+    if (rows->empty()) continue;
+    if (auto inserted = database.insert(std::move(*rows)); !inserted) {
+      return tl::unexpected(inserted.error());
+    }
+  }
+  summary.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return summary;
+}
+
+}  // namespace mneme::app
