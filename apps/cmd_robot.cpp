@@ -151,9 +151,14 @@ Result<Robot> load_robot_and_scene(const RobotCommandOptions& options, Scene& sc
   if (!overrides) return tl::unexpected(overrides.error());
   const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
   if (!workspace) return tl::unexpected(workspace.error());
-  scene = workspace->scene;
-  if (workspace->problem) return workspace->problem->robot;
-  return load_named_robot(options.robot, options.robot_options);
+  const Result<Robot> robot = workspace->problem
+                                  ? workspace->problem->robot
+                                  : load_named_robot(options.robot, options.robot_options);
+  if (!robot) return robot;
+  Result<Scene> placed = in_root_frame(workspace->framed, *robot);
+  if (!placed) return tl::unexpected(placed.error());
+  scene = std::move(*placed);
+  return robot;
 }
 
 Result<ExitCode> run_check(const RobotCommandOptions& options) {

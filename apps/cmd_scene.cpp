@@ -36,12 +36,15 @@ using Primitives = std::optional<std::vector<LocalPrimitive>>;
 Result<Primitives> find_primitives(const SceneInfoOptions& options, const Workspace& workspace) {
   const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
   if (workspace.problem) {
-    return decompose(workspace.problem->robot, workspace.scene, options.decompose).map(wrap);
+    return decompose(workspace.problem->robot, workspace.problem->scene, options.decompose)
+        .map(wrap);
   }
   if (options.robot.empty()) return Primitives();
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
-  return decompose(*robot, workspace.scene, options.decompose).map(wrap);
+  return in_root_frame(workspace.framed, *robot)
+      .and_then([&](const Scene& scene) { return decompose(*robot, scene, options.decompose); })
+      .map(wrap);
 }
 
 std::vector<std::string> obstacle_names(const Scene& scene, const LocalPrimitive& primitive) {
@@ -99,9 +102,9 @@ Result<ExitCode> run_info(const SceneInfoOptions& options) {
   const Result<Primitives> primitives = find_primitives(options, *workspace);
   if (!primitives) return tl::unexpected(primitives.error());
   if (options.is_json) {
-    print_json(to_json(workspace->scene, *primitives));
+    print_json(to_json(workspace->framed.scene, *primitives));
   } else {
-    print_scene(workspace->scene, *primitives);
+    print_scene(workspace->framed.scene, *primitives);
   }
   return ExitCode::done;
 }

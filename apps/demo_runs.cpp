@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "bench_row.h"
 #include "interrupt.h"
 
 namespace mneme::app {
@@ -12,41 +13,6 @@ namespace {
 
 constexpr double kConnectTimeout = 5;
 constexpr double kOtherTimeout = 2;
-constexpr double kSameConfiguration = 1e-4;
-
-/// Checks a path without trusting anything that helped to find it.
-bool is_path_valid(const CollisionChecker& checker, const Problem& problem, const Path& path) {
-  const Robot& robot = problem.robot;
-  const auto is_goal = [&](const Configuration& goal) {
-    return robot.distance(path.back(), goal) < kSameConfiguration;
-  };
-  const auto is_within_limits = [&](const Configuration& q) {
-    return !robot.describe_violation(q, "waypoint");
-  };
-  return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
-         std::any_of(problem.goals.begin(), problem.goals.end(), is_goal) &&
-         std::all_of(path.begin(), path.end(), is_within_limits) &&
-         is_path_free(checker, path, checker.resolution() / kVerificationRefinement);
-}
-
-BenchmarkRow make_row(const DemoCell& cell, const SolveResult& result,
-                      const CollisionChecker& checker) {
-  BenchmarkRow row;
-  row.problem = cell.problem->name;
-  row.planner = cell.planner;
-  row.sampler = cell.sampler;
-  row.seed = result.seed;
-  row.is_solved = result.plan.is_solved();
-  row.is_path_valid = row.is_solved && is_path_valid(checker, *cell.problem, result.plan.path);
-  row.planning_time_s = row.is_solved ? result.planning_time_s : cell.timeout_s;
-  row.total_time_s = result.total_time_s;
-  row.retrieval_time_s = result.gl.retrieval_time_s;
-  row.iterations = result.plan.iterations;
-  row.states_checked = result.plan.states_checked;
-  row.path_length = path_length(cell.problem->robot, result.plan.path);
-  row.components = result.gl.mixture ? result.gl.mixture->component_count() : 0;
-  return row;
-}
 
 bool is_hopeless(std::span<const BenchmarkRow> rows) {
   return rows.size() == kHopelessRuns &&
@@ -87,7 +53,7 @@ Result<DemoOutcome> run_cell(const DemoCell& cell, Database& database, int seed_
     if (!result) return tl::unexpected(result.error());
     outcome.is_interrupted = result->plan.status == PlanStatus::cancelled;
     if (outcome.is_interrupted) return outcome;
-    outcome.rows.push_back(make_row(cell, *result, *checker));
+    outcome.rows.push_back(make_row(*cell.problem, settings, *result, *checker));
     on_run();
     if (result->plan.is_solved() && !outcome.first_solved) {
       outcome.first_solved = std::move(*result);

@@ -48,12 +48,14 @@ Result<Problem> read_problem(const std::string& where, const ProblemOptions& opt
 
 Result<Workspace> load_workspace(const std::string& where, const ProblemOptions& options) {
   const auto from_problem = [](Problem problem) {
-    return Workspace{problem.scene, std::move(problem)};
+    return Workspace{{problem.scene, ""}, std::move(problem)};
   };
   const bool is_compact = where.find(".json#") != std::string::npos || where.ends_with(".json");
-  if (is_compact) return read_problem(where, options).map(from_problem);
+  const bool is_pair =
+      where.find(".yaml,") != std::string::npos || where.find(".yml,") != std::string::npos;
+  if (is_compact || is_pair) return read_problem(where, options).map(from_problem);
 
-  Result<Scene> scene = load_scene(where);
+  Result<FramedScene> scene = load_framed_scene(where);
   if (scene) return Workspace{std::move(*scene), std::nullopt};
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
   const Result<Problem> problem = read_problem(where, options);

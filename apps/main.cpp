@@ -38,6 +38,7 @@ void set_up(CLI::App& program, Action& action) {
   add_db(program, action);
   add_robot(program, action);
   add_scene(program, action);
+  add_bench(program, action);
   program.require_subcommand(1);
 }
 

@@ -34,20 +34,34 @@ struct PlanarPicture {
 /// One run of a benchmark.
 struct BenchmarkRow {
   std::string problem;
+  std::string set;  ///< of problems, such as the name of a file; may be empty
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;
-  bool is_solved = false;
+  PlanStatus status = PlanStatus::timeout;
+  bool is_solved = false;  ///< what the planner says
   bool is_path_valid =
       false;  ///< by an independent check at ten times the resolution, double precision
-  double planning_time_s = 0;  ///< censored at the time limit if not solved
-  double total_time_s = 0;
+  /// The planner from call to return without simplification and verification, with retrieval and
+  /// learning but without tables of the scene; the time limit if there is no path.
+  double planning_time_s = 0;
+  double total_time_s = 0;  ///< solve() from call to return
   double retrieval_time_s = 0;
+  double simplification_time_s = 0;
+  double verification_time_s = 0;
   std::uint64_t iterations = 0;
   std::uint64_t states_checked = 0;
+  std::uint64_t motions_checked = 0;
+  std::uint64_t nodes = 0;
   double path_length = 0;
   int components = 0;
+  double timeout_s = 0;  ///< the time limit
 };
+
+/// True if the problem's start or goal is at fault: such a run says nothing about planners.
+[[nodiscard]] bool is_invalid_problem(const BenchmarkRow& row);
+/// True if there is a path and the independent check confirms it.
+[[nodiscard]] bool is_success(const BenchmarkRow& row);
 
 /// Nearest-rank order statistics of planning times, failures counted as longer than any success.
 struct TimeSummary {
@@ -63,9 +77,40 @@ struct TimeSummary {
 [[nodiscard]] bool is_path_free(const CollisionChecker& checker, const Path& path,
                                 double resolution);
 
-/// One line per run below a header (RFC 4180, but lines end in a line feed); solved and path_valid
-/// are 0 or 1.
+/// One line per run below a header (RFC 4180, but lines end in a line feed); is_valid is 0 or 1 and
+/// says whether the path passed the independent check.
 [[nodiscard]] std::string to_csv(std::span<const BenchmarkRow> rows);
+/// The header and the line of one run, as in to_csv.
+[[nodiscard]] std::string csv_header();
+[[nodiscard]] std::string to_csv_line(const BenchmarkRow& row);
+
+/// What a CSV file of runs holds.
+struct CsvRuns {
+  std::vector<BenchmarkRow> rows;
+  /// Bytes of the text that are whole lines: a process that was killed may leave a broken last one.
+  std::size_t complete_bytes = 0;
+};
+/// Reads what to_csv wrote; `source` names it in messages.
+[[nodiscard]] Result<CsvRuns> parse_csv(std::string_view text, const std::string& source);
+
+/// All runs of one planner and sampler on the problems of one set. Times are of the runs on valid
+/// problems; runs without a valid path count as longer than any other.
+struct SetSummary {
+  std::string set;  ///< "all" for the sets together
+  std::string planner;
+  std::string sampler;
+  int total = 0;          ///< runs
+  int valid = 0;          ///< runs on problems whose start and goals are valid
+  int invalid_paths = 0;  ///< paths that did not survive the independent check; not solved
+  TimeSummary times;      ///< of planning, seconds; `runs` is `valid`
+  std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
+  double simplification_p50_s = 0;   ///< of solved runs
+};
+/// One per set, planner and sampler in order of appearance; if there are several sets, those of all
+/// sets together follow.
+[[nodiscard]] std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows);
+/// A text table of them; ">" marks times of failures.
+[[nodiscard]] std::string to_table(std::span<const SetSummary> summaries);
 /// A text table: one line per problem, planner and sampler, in order of appearance. Planning times
 /// in ms;
 /// ">" marks those of failures.

@@ -107,7 +107,7 @@ class MoveitReader {
       options_.group = request_.group;
     }
     const std::string path = find_path();
-    ProblemRobot robot{path, value_or_throw(load_robot(path, options_)), {}};
+    ProblemRobot robot = load_problem_robot(path, options_);
     std::vector<std::string> objects;
     for (const MoveitObject& object : scene_.objects) {
       objects.push_back(object.obstacle.name);
@@ -118,7 +118,7 @@ class MoveitReader {
     std::map<std::string, double> others = state_.positions;
     std::erase_if(others, [&](const auto& joint) { return is_planned(robot.robot, joint.first); });
     if (fix_joints(robot, options_, others, request_input_) || !allowed.pairs.empty()) {
-      robot.robot = value_or_throw(load_robot(path, options_));
+      robot.robot = load_problem_robot(path, options_).robot;
     }
     std::move(allowed.warnings.begin(), allowed.warnings.end(), std::back_inserter(robot.warnings));
     const auto own = robot.robot.warnings();

@@ -5,11 +5,11 @@
 
 #include "report/markup.h"
 #include "report/summary.h"
+#include "report/text_table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -17,10 +17,7 @@
 namespace mneme {
 namespace {
 
-using Cells = std::array<std::string, 9>;
-constexpr std::size_t kNameColumns = 3;
-
-Cells table_cells(const internal::RunGroup& group) {
+std::vector<std::string> table_cells(const internal::RunGroup& group) {
   const TimeSummary& times = group.times;
   return {internal::single_line(group.problem),
           internal::single_line(group.planner),
@@ -31,17 +28,6 @@ Cells table_cells(const internal::RunGroup& group) {
           internal::format_percentile(times, 95),
           internal::format_percentile(times, 99),
           internal::format_percentile(times, 100)};
-}
-
-std::string aligned(const Cells& cells, const std::array<int, 9>& widths) {
-  std::string line;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::string padding(
-        static_cast<std::size_t>(widths[i] - internal::character_count(cells[i])), ' ');
-    line += i < kNameColumns ? cells[i] + padding : padding + cells[i];
-    if (i + 1 < cells.size()) line += "  ";
-  }
-  return line + '\n';
 }
 
 }  // namespace
@@ -109,35 +95,14 @@ TimeSummary summarize(std::span<const BenchmarkRow> rows) {
   return summary;
 }
 
-std::string to_csv(std::span<const BenchmarkRow> rows) {
-  std::string text =
-      "problem,planner,sampler,seed,solved,path_valid,planning_time_s,total_time_s,"
-      "retrieval_time_s,iterations,states_checked,path_length,components\n";
-  for (const BenchmarkRow& row : rows) {
-    text += fmt::format(
-        "{},{},{},{},{:d},{:d},{},{},{},{},{},{},{}\n", internal::escape_csv(row.problem),
-        internal::escape_csv(row.planner), internal::escape_csv(row.sampler), row.seed,
-        row.is_solved, row.is_path_valid, row.planning_time_s, row.total_time_s,
-        row.retrieval_time_s, row.iterations, row.states_checked, row.path_length, row.components);
-  }
-  return text;
-}
-
 std::string to_table(std::span<const BenchmarkRow> rows) {
-  std::vector<Cells> lines = {
+  constexpr std::size_t kNameColumns = 3;
+  std::vector<std::vector<std::string>> lines = {
       {"problem", "planner", "sampler", "solved", "valid", "p50 ms", "p95 ms", "p99 ms", "max ms"}};
   for (const internal::RunGroup& group : internal::group_runs(rows)) {
     lines.push_back(table_cells(group));
   }
-  std::array<int, 9> widths{};
-  for (const Cells& cells : lines) {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      widths[i] = std::max(widths[i], internal::character_count(cells[i]));
-    }
-  }
-  std::string text;
-  for (const Cells& cells : lines) text += aligned(cells, widths);
-  return text;
+  return internal::text_table(lines, kNameColumns);
 }
 
 }  // namespace mneme

@@ -84,6 +84,7 @@ inline BenchmarkRow run(double planning_time_s, bool is_solved = true) {
   row.planner = "rrt_connect";
   row.sampler = "gl";
   row.is_solved = is_solved;
+  row.status = is_solved ? PlanStatus::solved : PlanStatus::timeout;
   row.is_path_valid = is_solved;
   row.planning_time_s = planning_time_s;
   return row;

@@ -86,24 +86,6 @@ TEST_SUITE("unit") {
     CHECK(internal::format_ms(10) == "10000");
   }
 
-  TEST_CASE("CSV has a header and one line per run, with fields quoted where they must be") {
-    BenchmarkRow row = run(0.25);
-    row.problem = "a,\"b\"";
-    row.seed = 3;
-    row.total_time_s = 0.5;
-    row.retrieval_time_s = 0.125;
-    row.iterations = 10;
-    row.states_checked = 20;
-    row.path_length = 1.5;
-    row.components = 4;
-    row.is_path_valid = false;
-    CHECK(to_csv(std::vector{row}) ==
-          "problem,planner,sampler,seed,solved,path_valid,planning_time_s,total_time_s,"
-          "retrieval_time_s,iterations,states_checked,path_length,components\n"
-          "\"a,\"\"b\"\"\",rrt_connect,gl,3,1,0,0.25,0.5,0.125,10,20,1.5,4\n");
-    CHECK(lines_of(to_csv({})).size() == 1);
-  }
-
   TEST_CASE("A table has aligned columns, whatever the names hold") {
     std::vector<BenchmarkRow> rows = {run(0.001), run(10, false), run(0.1234)};
     rows[1].problem = "a much\nlonger n\xC3\xA4me";

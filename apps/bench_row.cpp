@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench_row.h"
+
+#include <algorithm>
+
+namespace mneme::app {
+namespace {
+
+constexpr double kSameConfiguration = 1e-4;
+
+bool is_path_valid(const CollisionChecker& checker, const Problem& problem, const Path& path) {
+  const Robot& robot = problem.robot;
+  const auto is_goal = [&](const Configuration& goal) {
+    return robot.distance(path.back(), goal) < kSameConfiguration;
+  };
+  const auto is_within_limits = [&](const Configuration& q) {
+    return !robot.describe_violation(q, "waypoint");
+  };
+  return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
+         std::any_of(problem.goals.begin(), problem.goals.end(), is_goal) &&
+         std::all_of(path.begin(), path.end(), is_within_limits) &&
+         is_path_free(checker, path, checker.resolution() / kVerificationRefinement);
+}
+
+}  // namespace
+
+BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
+                      const SolveResult& result, const CollisionChecker& checker) {
+  const PlanResult& plan = result.plan;
+  BenchmarkRow row;
+  row.problem = problem.name;
+  row.planner = result.planner;
+  row.sampler = result.sampler;
+  row.seed = result.seed;
+  row.status = plan.status;
+  row.is_solved = plan.is_solved();
+  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, plan.path);
+  row.timeout_s = settings.plan.timeout_s;
+  row.planning_time_s =
+      row.is_solved ? plan.planning_time_s + result.gl.retrieval_time_s + result.gl.learning_time_s
+                    : row.timeout_s;
+  row.total_time_s = result.total_time_s;
+  row.retrieval_time_s = result.gl.retrieval_time_s;
+  row.simplification_time_s = plan.simplification_time_s;
+  row.verification_time_s = plan.verification_time_s;
+  row.iterations = plan.iterations;
+  row.states_checked = plan.states_checked;
+  row.motions_checked = plan.motions_checked;
+  row.nodes = plan.nodes;
+  row.path_length = path_length(problem.robot, plan.path);
+  row.components = result.gl.mixture ? result.gl.mixture->component_count() : 0;
+  return row;
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "report/report_support.h"
+
+namespace mneme {
+namespace {
+
+using test::run;
+
+BenchmarkRow strange_row() {
+  BenchmarkRow row = run(0.25);
+  row.problem = "a,\"b\"\nc";
+  row.set = "s";
+  row.seed = 3;
+  row.is_path_valid = false;
+  row.total_time_s = 0.5;
+  row.retrieval_time_s = 0.125;
+  row.simplification_time_s = 1e-5;
+  row.verification_time_s = 0.0625;
+  row.iterations = 10;
+  row.states_checked = 20;
+  row.motions_checked = 30;
+  row.nodes = 40;
+  row.path_length = 1.5;
+  row.components = 4;
+  row.timeout_s = 2;
+  return row;
+}
+
+std::string failure(const std::string& text) {
+  const auto runs = parse_csv(text, "f.csv");
+  return runs ? "" : runs.error().message;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("There is a header and one line per run, with fields quoted where they must be") {
+    CHECK(to_csv(std::vector{strange_row()}) ==
+          "problem,set,planner,sampler,seed,status,is_valid,planning_time_s,total_time_s,"
+          "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
+          "motions_checked,nodes,path_length,components,timeout_s\n"
+          "\"a,\"\"b\"\"\nc\",s,rrt_connect,gl,3,solved,0,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,"
+          "1.5,4,2\n");
+    CHECK(to_csv({}) == csv_header());
+  }
+
+  TEST_CASE("What was written reads back, and a broken last line is left aside") {
+    BenchmarkRow failed = run(10, false);
+    failed.status = PlanStatus::invalid_goal;
+    const std::string text = to_csv(std::vector{strange_row(), failed});
+    const CsvRuns whole = parse_csv(text, "f.csv").value();
+    CHECK(whole.complete_bytes == text.size());
+    REQUIRE(whole.rows.size() == 2);
+    CHECK(to_csv(whole.rows) == text);
+    CHECK(whole.rows[0].is_solved);
+    CHECK_FALSE(whole.rows[1].is_solved);
+    const std::size_t second = text.size() - to_csv_line(failed).size();
+    for (std::size_t size = second; size < text.size(); ++size) {
+      const CsvRuns cut = parse_csv(text.substr(0, size), "f.csv").value();
+      CHECK(cut.rows.size() == 1);
+      CHECK(cut.complete_bytes == second);
+    }
+    CHECK(parse_csv("problem,se", "f.csv").value().complete_bytes == 0);
+  }
+
+  TEST_CASE("Files of other columns and fields that are no numbers are refused") {
+    CHECK(failure("a,b\n").find("f.csv:1: expected the columns problem,set,planner,") == 0);
+    std::string text = to_csv(std::vector{run(1)});
+    CHECK(failure(text + "a,b\n") == "f.csv: line 3: expected 19 fields, got 2");
+    const std::size_t status = text.rfind("solved");
+    CHECK(failure(text.replace(status, 6, "dreamt")) ==
+          "f.csv: line 2: column status: expected a status, got \"dreamt\"");
+    text.replace(text.rfind(",0\n"), 3, ",x\n");
+    CHECK(failure(text.replace(status, 6, "solved")) ==
+          "f.csv: line 2: column timeout_s: expected a number, got \"x\"");
+  }
+}
+
+}  // namespace
+}  // namespace mneme
