@@ -33,6 +33,9 @@ bool is_finite(std::span<const float> q) {
 
 constexpr double kPlanarResolution = 0.02;
 constexpr double kSpatialResolution = 1.0 / 32;
+/// Relative. A planner's step of exactly n states must not cost another vector of them because its
+/// length is a rounding error larger.
+constexpr double kLengthTolerance = 1e-5;
 
 }  // namespace
 
@@ -118,7 +121,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   if (!std::isfinite(length)) return false;
   // A motion so long that its states cannot be counted is longer than any joint space with finite
   // limits.
-  const double states = std::min(std::ceil(length * detail.refinement / t.resolution), 1e9);
+  const double wanted = length * detail.refinement / t.resolution;
+  const double states = std::min(std::ceil(wanted * (1 - kLengthTolerance)), 1e9);
   return t.kernels->is_motion_free(t.robot_tables, t.scene_tables, from.data(), delta.data(),
                                    static_cast<int>(states), margin, counters.states);
 }

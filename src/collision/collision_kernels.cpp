@@ -41,14 +41,22 @@ struct Verdict {
   }
 };
 
-HWY_INLINE bool is_any_below(V distance2, float reach) {
-  return !hn::AllFalse(Tag(), hn::Lt(distance2, splat(reach * reach)));
+/// 1 if it holds in any lane, otherwise 0: to be counted, because a branch would not be predicted.
+HWY_INLINE int is_any_below(V distance2, float reach2) {
+  return !hn::AllFalse(Tag(), hn::Lt(distance2, splat(reach2)));
 }
 
-/// The shapes of a group, one pose per lane.
-struct PosedGroup {
-  V3 spheres[kMaxGroupSize];
-  Segment capsules[kMaxGroupSize];
+HWY_INLINE float squared(float x) { return x * x; }
+
+/// So many bodies go through the coarse tests before the finer ones: more would put off contacts of
+/// the tips, fewer would wait for each other.
+constexpr int kBatch = 4;
+/// What passed a coarse test is listed before the finer one.
+constexpr int kListSize = 64;
+
+/// The spheres of a group, one pose per lane.
+struct PosedSpheres {
+  V3 centers[kGroupSize];
 };
 
 template <bool kIsMotion>
@@ -65,23 +73,16 @@ class StateChecker {
   /// True as soon as the verdict is settled.
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
     pose_frames(robot_, q, poses_);
-    for (int i = 0; i < robot_.moving_count; ++i) {
-      const BodyRow& body = robot_.bodies[i];
-      centers_[i] = transform_point(poses_[body.frame], body.ball.center);
-      store_extent(centers_[i], lower_[i], upper_[i]);
-    }
-    for (int i = 0; i < robot_.moving_count; ++i) {
-      if (hits_scene(i, verdict)) return true;
-    }
-    for (const BodyPairRow& pair : robot_.body_pairs) {
-      const float reach =
-          robot_.bodies[pair.first].ball.radius + robot_.bodies[pair.second].ball.radius;
-      if (!is_any_below(squared_norm(centers_[pair.first] - centers_[pair.second]), reach)) {
-        continue;
+    for (int begin = 0; begin < robot_.moving_count; begin += kBatch) {
+      const int end = std::min(begin + kBatch, robot_.moving_count);
+      for (int i = begin; i < end; ++i) {
+        const BodyRow& body = robot_.bodies[i];
+        centers_[i] = transform_point(poses_[body.frame], body.ball.center);
+        store_extent(centers_[i], lower_[i], upper_[i]);
       }
-      if (hits_body(pair, verdict)) return true;
+      if (hits_scene(begin, end, verdict)) return true;
     }
-    return false;
+    return hits_self(verdict);
   }
 
  private:
@@ -104,144 +105,213 @@ class StateChecker {
     return bytes[0] & ((1u << kLanes) - 1);
   }
 
-  HWY_INLINE bool hits_scene(int index, Verdict<kIsMotion>& verdict) const {
-    const BodyRow& body = robot_.bodies[index];
-    const bool is_single = body.group_end - body.group_begin == 1;
+  HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
     for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
-      const ObstacleRow* near[kLanes];
+      int near[kBatch];
+      unsigned overlaps[kBatch];
       int count = 0;
-      for (unsigned bits = find_overlaps(index, begin); bits != 0; bits &= bits - 1) {
-        near[count++] = &scene_.obstacles[begin + static_cast<size_t>(__builtin_ctz(bits))];
+      for (int i = first; i < last; ++i) {
+        near[count] = i;
+        overlaps[count] = find_overlaps(i, begin);
+        count += overlaps[count] != 0;
       }
-      if (!is_single) count = keep_near(centers_[index], body.ball.radius, near, count, near);
-      if (count > 0 && hits_obstacles(index, near, count, verdict)) return true;
+      for (int i = 0; i < count; ++i) {
+        if (hits_obstacles(near[i], begin, overlaps[i], verdict)) return true;
+      }
     }
     return false;
   }
 
-  /// Copies the obstacles that a ball meets in any lane to `kept`; returns their number.
-  HWY_INLINE int keep_near(const V3& center, float radius, const ObstacleRow* const* near,
-                           int count, const ObstacleRow** kept) const {
-    int kept_count = 0;
-    for (int i = 0; i < count; ++i) {
-      const float reach = radius + margin_ + near[i]->rounding;
-      kept[kept_count] = near[i];
-      kept_count += with_distance(
-          *near[i], [&](const auto& distance2) { return is_any_below(distance2(center), reach); });
-    }
-    return kept_count;
-  }
-
-  HWY_NOINLINE bool hits_obstacles(int index, const ObstacleRow* const* near, int count,
+  HWY_NOINLINE bool hits_obstacles(int index, size_t begin, unsigned bits,
                                    Verdict<kIsMotion>& verdict) const {
     const BodyRow& body = robot_.bodies[index];
-    const Pose& pose = poses_[body.frame];
-    PosedGroup posed;
-    for (int g = body.group_begin; g < body.group_end; ++g) {
-      const GroupRow& group = robot_.groups[g];
-      const ObstacleRow* kept[kLanes];
-      const int kept_count =
-          keep_near(transform_point(pose, group.ball.center), group.ball.radius, near, count, kept);
-      if (kept_count == 0) continue;
-      pose_group(group, pose, posed);
-      for (int i = 0; i < kept_count; ++i) {
-        const float extra = kept[i]->rounding + margin_;
-        const bool is_settled = with_distance(*kept[i], [&](const auto& distance2) {
-          return hits_shapes(group, posed, extra, distance2, verdict);
-        });
-        if (is_settled) return true;
-      }
+    const float reach2 = squared(body.ball.radius + margin_);
+    const ObstacleRow* near[kLanes];
+    int count = 0;
+    for (; bits != 0; bits &= bits - 1) {
+      const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
+      near[count] = &scene_.obstacles[i];
+      count += is_any_below(distance2_to_bounds(centers_[index], i), reach2);
+    }
+    for (int g = body.group_begin; count > 0 && g < body.group_end; ++g) {
+      if (hits_obstacles(robot_.groups[g], poses_[body.frame], near, count, verdict)) return true;
     }
     return false;
   }
 
-  HWY_INLINE void pose_group(const GroupRow& group, const Pose& pose, PosedGroup& posed) const {
-    for (int i = group.sphere_begin; i < group.sphere_end; ++i) {
-      posed.spheres[i - group.sphere_begin] = transform_point(pose, robot_.spheres[i].center);
-    }
-    for (int i = group.capsule_begin; i < group.capsule_end; ++i) {
-      const CapsuleRow& capsule = robot_.capsules[i];
-      posed.capsules[i - group.capsule_begin] =
-          make_segment(transform_point(pose, capsule.a), transform_point(pose, capsule.b));
-    }
+  /// From the box around an obstacle.
+  HWY_INLINE V distance2_to_bounds(const V3& p, size_t obstacle) const {
+    const auto beyond = [&](V x, int axis) {
+      const V below = hn::Sub(splat(scene_.lower[axis][obstacle]), x);
+      const V above = hn::Sub(x, splat(scene_.upper[axis][obstacle]));
+      return hn::Max(hn::Max(below, above), hn::Zero(Tag()));
+    };
+    return squared_norm(V3{beyond(p.x, 0), beyond(p.y, 1), beyond(p.z, 2)});
   }
 
-  /// The shapes of a group against something with a core and a radius around it, given squared
-  /// distances to the core.
+  HWY_INLINE bool hits_obstacles(const GroupRow& group, const Pose& pose,
+                                 const ObstacleRow* const* near, int count,
+                                 Verdict<kIsMotion>& verdict) const {
+    if (group.is_capsule) {
+      const CapsuleRow& capsule = robot_.capsules[group.begin];
+      return hits_obstacles(capsule, posed(capsule, pose), near, count, verdict);
+    }
+    const V3 center = transform_point(pose, group.ball.center);
+    PosedSpheres spheres;
+    bool is_posed = false;
+    for (int i = 0; i < count; ++i) {
+      const float extra = near[i]->rounding + margin_;
+      const float reach2 = squared(group.ball.radius + extra);
+      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+        if (!is_any_below(distance2(center), reach2)) return hn::MaskFromVec(hn::Zero(Tag()));
+        if (!is_posed) spheres = posed(group, pose);
+        is_posed = true;
+        return find_hits(group, spheres, extra, distance2);
+      });
+      if (verdict.add(hit)) return true;
+    }
+    return false;
+  }
+
+  HWY_NOINLINE bool hits_obstacles(const CapsuleRow& capsule, const Segment& axis,
+                                   const ObstacleRow* const* near, int count,
+                                   Verdict<kIsMotion>& verdict) const {
+    for (int i = 0; i < count; ++i) {
+      const float reach = capsule.radius + near[i]->rounding + margin_;
+      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+        return hn::Lt(distance2(axis), splat(squared(reach)));
+      });
+      if (verdict.add(hit)) return true;
+    }
+    return false;
+  }
+
+  HWY_INLINE PosedSpheres posed(const GroupRow& group, const Pose& pose) const {
+    PosedSpheres result;
+    for (int i = 0; i < kGroupSize; ++i) {
+      result.centers[i] = transform_point(pose, robot_.spheres[group.begin + i].center);
+    }
+    return result;
+  }
+
+  HWY_INLINE Segment posed(const CapsuleRow& capsule, const Pose& pose) const {
+    const V zero = hn::Zero(Tag());
+    return {add_sparse(pose, capsule.a, pose.origin),
+            add_sparse(pose, capsule.along, {zero, zero, zero}), splat(capsule.inverse_length2)};
+  }
+
+  /// Where a sphere of the group comes closer than `extra` to something, given squared distances.
   template <class Distance2>
-  HWY_INLINE bool hits_shapes(const GroupRow& group, const PosedGroup& posed, float radius,
-                              const Distance2& distance2, Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE M find_hits(const GroupRow& group, const PosedSpheres& spheres, float extra,
+                         const Distance2& distance2) const {
     M hit = hn::MaskFromVec(hn::Zero(Tag()));
-    for (int i = group.sphere_begin; i < group.sphere_end; ++i) {
-      const float reach = robot_.spheres[i].radius + radius;
-      const V d2 = distance2(posed.spheres[i - group.sphere_begin]);
-      hit = hn::Or(hit, hn::Lt(d2, splat(reach * reach)));
+    for (int i = 0; i < kGroupSize; ++i) {
+      const V reach = splat(robot_.spheres[group.begin + i].radius + extra);
+      hit = hn::Or(hit, hn::Lt(distance2(spheres.centers[i]), hn::Mul(reach, reach)));
     }
-    for (int i = group.capsule_begin; i < group.capsule_end; ++i) {
-      const float reach = robot_.capsules[i].radius + radius;
-      const V d2 = distance2(posed.capsules[i - group.capsule_begin]);
-      hit = hn::Or(hit, hn::Lt(d2, splat(reach * reach)));
+    return hit;
+  }
+
+  HWY_INLINE bool hits_self(Verdict<kIsMotion>& verdict) const {
+    const int pair_count = static_cast<int>(robot_.body_pairs.size());
+    for (int begin = 0; begin < pair_count; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair_count);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const BodyPairRow& pair = robot_.body_pairs[i];
+        near[count] = i;
+        count +=
+            is_any_below(squared_norm(centers_[pair.first] - centers_[pair.second]), pair.reach2);
+      }
+      for (int i = 0; i < count; ++i) {
+        if (hits_body(robot_.body_pairs[near[i]], verdict)) return true;
+      }
     }
-    return verdict.add(hit);
+    return false;
   }
 
   HWY_NOINLINE bool hits_body(const BodyPairRow& pair, Verdict<kIsMotion>& verdict) const {
     const Pose& pose = poses_[robot_.bodies[pair.first].frame];
-    const Ball& other = robot_.bodies[pair.second].ball;
+    const Pose& other_pose = poses_[robot_.bodies[pair.second].frame];
+    if (pair.is_single) {
+      const GroupPairRow& groups = robot_.group_pairs[pair.begin];
+      return verdict.add(find_hits(robot_.groups[groups.first], pose,
+                                   robot_.groups[groups.second_begin], other_pose));
+    }
+    const float other_radius = robot_.bodies[pair.second].ball.radius;
     const V3& other_center = centers_[pair.second];
-    for (int i = pair.begin; i < pair.end; ++i) {
-      const GroupPairRow& groups = robot_.group_pairs[i];
-      const Ball& ball = robot_.groups[groups.first].ball;
-      const V3 center = transform_point(pose, ball.center);
-      if (!is_any_below(squared_norm(center - other_center), ball.radius + other.radius)) continue;
-      if (hits_groups(groups, center, pose, poses_[robot_.bodies[pair.second].frame], verdict)) {
-        return true;
+    for (int begin = pair.begin; begin < pair.end; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair.end);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const Ball& ball = robot_.groups[robot_.group_pairs[i].first].ball;
+        near[count] = i;
+        count += is_any_below(squared_norm(transform_point(pose, ball.center) - other_center),
+                              squared(ball.radius + other_radius));
+      }
+      for (int i = 0; i < count; ++i) {
+        if (hits_groups(robot_.group_pairs[near[i]], pose, other_pose, verdict)) return true;
       }
     }
     return false;
   }
 
-  HWY_INLINE bool hits_groups(const GroupPairRow& pair, const V3& center, const Pose& pose,
-                              const Pose& other_pose, Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE bool hits_groups(const GroupPairRow& pair, const Pose& pose, const Pose& other_pose,
+                              Verdict<kIsMotion>& verdict) const {
     const GroupRow& first = robot_.groups[pair.first];
-    PosedGroup posed, other_posed;
-    bool is_posed = false;
-    for (int i = pair.second_begin; i < pair.second_end; ++i) {
-      const GroupRow& second = robot_.groups[i];
-      const V3 other_center = transform_point(other_pose, second.ball.center);
-      const float reach = first.ball.radius + second.ball.radius;
-      if (!is_any_below(squared_norm(center - other_center), reach)) continue;
-      if (!is_posed) pose_group(first, pose, posed);
-      is_posed = true;
-      pose_group(second, other_pose, other_posed);
-      if (hits_group(first, posed, second, other_posed, verdict)) return true;
+    const V3 center = transform_point(pose, first.ball.center);
+    for (int begin = pair.second_begin; begin < pair.second_end; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair.second_end);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const Ball& ball = robot_.groups[i].ball;
+        near[count] = i;
+        count += is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
+                              squared(ball.radius + first.ball.radius));
+      }
+      for (int i = 0; i < count; ++i) {
+        const GroupRow& second = robot_.groups[near[i]];
+        if (verdict.add(find_hits(first, pose, second, other_pose))) return true;
+      }
     }
     return false;
   }
 
-  HWY_INLINE bool hits_group(const GroupRow& first, const PosedGroup& posed, const GroupRow& second,
-                             const PosedGroup& other, Verdict<kIsMotion>& verdict) const {
-    for (int i = first.sphere_begin; i < first.sphere_end; ++i) {
-      const V3& center = posed.spheres[i - first.sphere_begin];
-      const auto distance2 = Overloaded{[&](const V3& p) { return squared_norm(p - center); },
-                                        [&](const Segment& s) { return point_segment(center, s); }};
-      if (hits_shapes(second, other, robot_.spheres[i].radius, distance2, verdict)) return true;
-    }
-    for (int i = first.capsule_begin; i < first.capsule_end; ++i) {
-      const Segment& axis = posed.capsules[i - first.capsule_begin];
-      const auto distance2 = Overloaded{[&](const V3& p) { return point_segment(p, axis); },
-                                        [&](const Segment& s) { return segment_segment(s, axis); }};
-      if (hits_shapes(second, other, robot_.capsules[i].radius, distance2, verdict)) return true;
-    }
-    return false;
+  HWY_INLINE M find_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                         const Pose& other_pose) const {
+    if (first.is_capsule) return find_capsule_hits(first, pose, second, other_pose);
+    if (second.is_capsule) return find_capsule_hits(second, other_pose, first, pose);
+    return find_sphere_hits(first, pose, second, other_pose);
   }
 
-  template <class... Functions>
-  struct Overloaded : Functions... {
-    using Functions::operator()...;
-  };
-  template <class... Functions>
-  Overloaded(Functions...) -> Overloaded<Functions...>;
+  HWY_INLINE M find_sphere_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                const Pose& other_pose) const {
+    const PosedSpheres spheres = posed(first, pose), others = posed(second, other_pose);
+    M hit = hn::MaskFromVec(hn::Zero(Tag()));
+    for (int i = 0; i < kGroupSize; ++i) {
+      const auto distance2 = [&](const V3& p) { return squared_norm(p - spheres.centers[i]); };
+      const float radius = robot_.spheres[first.begin + i].radius;
+      hit = hn::Or(hit, find_hits(second, others, radius, distance2));
+    }
+    return hit;
+  }
+
+  /// The first group is a capsule.
+  HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                   const Pose& other_pose) const {
+    const CapsuleRow& capsule = robot_.capsules[first.begin];
+    const Segment axis = posed(capsule, pose);
+    if (!second.is_capsule) {
+      return find_hits(second, posed(second, other_pose), capsule.radius,
+                       [&](const V3& p) { return point_segment(p, axis); });
+    }
+    const CapsuleRow& other = robot_.capsules[second.begin];
+    const V distance2 = segment_segment(axis, posed(other, other_pose));
+    return hn::Lt(distance2, splat(squared(capsule.radius + other.radius)));
+  }
 
   const RobotTables& robot_;
   const SceneTables& scene_;

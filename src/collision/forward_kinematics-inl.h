@@ -23,12 +23,18 @@ struct Pose {
 };
 
 HWY_INLINE V3 transform_point(const Pose& pose, const float* point) {
-  V3 result = pose.origin;
-  // Most of a robot's offsets lie along one axis; the branches are the same for all states.
+  return mul_add(
+      splat(point[0]), pose.axes[0],
+      mul_add(splat(point[1]), pose.axes[1], mul_add(splat(point[2]), pose.axes[2], pose.origin)));
+}
+
+/// `to` and a vector, most of whose coordinates are 0, as those of frames and capsules are: the
+/// branches are the same for all states.
+HWY_INLINE V3 add_sparse(const Pose& pose, const float* offset, V3 to) {
   for (int i = 0; i < 3; ++i) {
-    if (point[i] != 0) result = mul_add(splat(point[i]), pose.axes[i], result);
+    if (offset[i] != 0) to = mul_add(splat(offset[i]), pose.axes[i], to);
   }
-  return result;
+  return to;
 }
 
 /// A pose without an offset, turned by a row-major rotation.
@@ -70,28 +76,19 @@ HWY_INLINE void turn_about_z(Pose& pose, V sine, V cosine) {
 /// Poses 1, 2, ... of the frames for the joint values `q`; pose 0, of the root, is given.
 HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q,
                             Pose* HWY_RESTRICT poses) {
-  const size_t count = robot.frames.size();
-  V sines[kMaxFrames], cosines[kMaxFrames];
-  // Apart from the chain of poses, whose links wait for each other.
-  for (size_t i = 0; i < count; ++i) {
-    const FrameRow& frame = robot.frames[i];
-    const V value = hn::MulAdd(splat(frame.multiplier), q[frame.joint], splat(frame.offset));
-    if (frame.is_prismatic) {
-      sines[i] = value;
-    } else {
-      sin_cos(value, sines[i], cosines[i]);
-    }
-  }
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < robot.frames.size(); ++i) {
     const FrameRow& frame = robot.frames[i];
     const Pose& parent = poses[frame.parent];
+    const V value = hn::MulAdd(splat(frame.multiplier), q[frame.joint], splat(frame.offset));
     Pose pose;
     turn_axes(parent, frame, pose);
-    pose.origin = transform_point(parent, frame.translation);
+    pose.origin = add_sparse(parent, frame.translation, parent.origin);
     if (frame.is_prismatic) {
-      pose.origin = mul_add(sines[i], pose.axes[2], pose.origin);
+      pose.origin = mul_add(value, pose.axes[2], pose.origin);
     } else {
-      turn_about_z(pose, sines[i], cosines[i]);
+      V sine, cosine;
+      sin_cos(value, sine, cosine);
+      turn_about_z(pose, sine, cosine);
     }
     poses[i + 1] = pose;
   }

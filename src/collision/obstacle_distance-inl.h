@@ -69,7 +69,7 @@ struct ToCylinder {
 struct ToCapsule {
   Segment axis;
   HWY_INLINE explicit ToCapsule(const ObstacleRow& row)
-      : axis(make_segment(splat(row.center), splat(row.end))) {}
+      : axis{splat(row.center), splat(row.along), splat(row.inverse_length2)} {}
   HWY_INLINE V operator()(const V3& p) const { return point_segment(p, axis); }
   HWY_INLINE V operator()(const Segment& s) const { return segment_segment(s, axis); }
 };

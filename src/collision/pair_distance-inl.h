@@ -26,11 +26,6 @@ HWY_INLINE V safe_inverse(V x) {
   return hn::IfThenZeroElse(hn::Lt(x, splat(1e-30f)), hn::Div(splat(1.0f), x));
 }
 
-HWY_INLINE Segment make_segment(const V3& a, const V3& b) {
-  const V3 u = b - a;
-  return {a, u, safe_inverse(squared_norm(u))};
-}
-
 HWY_INLINE V point_segment(const V3& p, const Segment& s) {
   const V3 w = p - s.a;
   const V t = clamp01(hn::Mul(dot(w, s.u), s.inverse_length2));

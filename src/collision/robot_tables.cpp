@@ -14,11 +14,11 @@
 namespace mneme::internal {
 namespace {
 
-/// Shapes of a group: fewer cost more balls, more are posed in vain more often.
-constexpr std::size_t kGroupSize = 4;
-/// Two bodies are one if the ball around both is at most so many times larger, in volume, than
-/// their own together.
-constexpr double kMergeRatio = 1.5;
+/// Metres that a body's ball sweeps through, roughly, from one side to the other of the states that
+/// are checked together: what it meets on its way depends on the ball's radius and on this.
+constexpr double kSweep = 0.15;
+/// Two bodies are one if that meets at most so many times what their own balls do.
+constexpr double kMergeRatio = 1.0;
 
 std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
@@ -115,13 +115,6 @@ class RobotTablesBuilder {
     return Drive{followed->second, joint.mimic->multiplier, joint.mimic->offset};
   }
 
-  /// Of a joint that no joint of the group drives.
-  [[nodiscard]] double value_of(const Joint& joint) const {
-    if (!joint.mimic) return joint.fixed_value;
-    const Joint& followed = robot_.joints()[as_index(joint.mimic->joint)];
-    return joint.mimic->multiplier * followed.fixed_value + joint.mimic->offset;
-  }
-
   void place(int link_index) {
     const int joint_index = robot_.links()[as_index(link_index)].parent_joint;
     const Joint& joint = robot_.joints()[as_index(joint_index)];
@@ -130,7 +123,7 @@ class RobotTablesBuilder {
     Placement& placement = placements_[as_index(link_index)];
     const auto drive = drive_of(joint_index);
     if (!drive) {
-      placement = {parent.frame, X_frame_joint * fixed_motion(joint, value_of(joint))};
+      placement = {parent.frame, X_frame_joint * fixed_motion(joint)};
       return;
     }
     bool is_reversed = false;
@@ -149,12 +142,12 @@ class RobotTablesBuilder {
     placement.X_frame_link = {to_axis.transpose(), Vec3::Zero()};
   }
 
-  static Transform fixed_motion(const Joint& joint, double value) {
+  static Transform fixed_motion(const Joint& joint) {
     if (joint.type == JointType::fixed) return {};
     if (joint.type == JointType::prismatic) {
-      return {Eigen::Matrix3d::Identity(), joint.axis * value};
+      return {Eigen::Matrix3d::Identity(), joint.axis * joint.fixed_value};
     }
-    return {rotation_about(joint.axis, value), Vec3::Zero()};
+    return {rotation_about(joint.axis, joint.fixed_value), Vec3::Zero()};
   }
 
   /// The shapes of a link in the coordinates of its frame.
@@ -185,7 +178,7 @@ class RobotTablesBuilder {
 
   /// Merges the two bodies that lose least by it, if that is little enough or `must_merge`.
   static bool merge_closest(std::vector<Body>& bodies, bool must_merge) {
-    const auto volume = [](const Sphere& ball) { return std::pow(ball.radius, 3); };
+    const auto volume = [](const Sphere& ball) { return std::pow(ball.radius + kSweep, 3); };
     std::size_t first = 0, second = 0;
     double least = must_merge ? INFINITY : kMergeRatio;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -214,13 +207,16 @@ class RobotTablesBuilder {
     std::vector<Capsule> all;
     for (const int link : body.links) {
       std::vector<Capsule> shapes = shapes_of(link);
+      const auto capsules = std::partition(shapes.begin(), shapes.end(), is_sphere);
       Range& groups = groups_of_link_[as_index(link)];
       groups.begin = static_cast<int>(tables_.groups.size());
+      const std::span<Capsule> spheres(shapes.begin(), capsules);
       std::size_t begin = 0;
-      for (const std::size_t end : sort_into_groups(shapes, kGroupSize)) {
-        add_group(std::span(shapes).subspan(begin, end - begin));
+      for (const std::size_t end : sort_into_groups(spheres, as_index(kGroupSize))) {
+        add_spheres(spheres.subspan(begin, end - begin));
         begin = end;
       }
+      for (const Capsule& capsule : std::span(capsules, shapes.end())) add_capsule(capsule);
       groups.end = static_cast<int>(tables_.groups.size());
       body_of_link_[link] = static_cast<int>(tables_.bodies.size());
       all.insert(all.end(), shapes.begin(), shapes.end());
@@ -231,26 +227,28 @@ class RobotTablesBuilder {
     if (body.frame > 0) ++tables_.moving_count;
   }
 
-  void add_group(std::span<const Capsule> shapes) {
-    GroupRow row;
-    row.ball = to_ball(enclosing_ball(shapes));
-    row.sphere_begin = static_cast<int>(tables_.spheres.size());
-    row.capsule_begin = static_cast<int>(tables_.capsules.size());
-    for (const Capsule& shape : shapes) {
-      if (shape.a == shape.b) {
-        Ball& sphere = tables_.spheres.emplace_back();
-        store(shape.a, sphere.center);
-        sphere.radius = static_cast<float>(shape.radius);
-      } else {
-        CapsuleRow& capsule = tables_.capsules.emplace_back();
-        store(shape.a, capsule.a);
-        store(shape.b, capsule.b);
-        capsule.radius = static_cast<float>(shape.radius);
-      }
+  /// Also a capsule so short that floats cannot tell its direction.
+  static bool is_sphere(const Capsule& shape) { return (shape.b - shape.a).norm() < 1e-9; }
+
+  void add_spheres(std::span<const Capsule> spheres) {
+    tables_.groups.push_back(
+        {to_ball(enclosing_ball(spheres)), false, static_cast<int>(tables_.spheres.size())});
+    for (std::size_t i = 0; i < as_index(kGroupSize); ++i) {
+      const Capsule& sphere = spheres[std::min(i, spheres.size() - 1)];
+      Ball& row = tables_.spheres.emplace_back();
+      store(sphere.a, row.center);
+      row.radius = static_cast<float>(sphere.radius);
     }
-    row.sphere_end = static_cast<int>(tables_.spheres.size());
-    row.capsule_end = static_cast<int>(tables_.capsules.size());
-    tables_.groups.push_back(row);
+  }
+
+  void add_capsule(const Capsule& capsule) {
+    tables_.groups.push_back({to_ball(enclosing_ball(std::span(&capsule, 1))), true,
+                              static_cast<int>(tables_.capsules.size())});
+    CapsuleRow& row = tables_.capsules.emplace_back();
+    store(capsule.a, row.a);
+    store(capsule.b - capsule.a, row.along);
+    row.inverse_length2 = static_cast<float>(1 / (capsule.b - capsule.a).squaredNorm());
+    row.radius = static_cast<float>(capsule.radius);
   }
 
   void add_pairs() {
@@ -262,10 +260,15 @@ class RobotTablesBuilder {
       auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
       for (int i = first.begin; i < first.end; ++i) rows.push_back({i, second.begin, second.end});
     }
+    tables_.body_pairs.reserve(pairs.size());
     for (const auto& [bodies, rows] : pairs) {
-      BodyPairRow row{bodies.first, bodies.second, static_cast<int>(tables_.group_pairs.size()), 0};
+      const float reach = tables_.bodies[as_index(bodies.first)].ball.radius +
+                          tables_.bodies[as_index(bodies.second)].ball.radius;
+      BodyPairRow row{bodies.first, bodies.second, reach * reach,
+                      static_cast<int>(tables_.group_pairs.size())};
       tables_.group_pairs.insert(tables_.group_pairs.end(), rows.begin(), rows.end());
       row.end = static_cast<int>(tables_.group_pairs.size());
+      row.is_single = rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
       tables_.body_pairs.push_back(row);
     }
   }

@@ -117,7 +117,9 @@ struct Place {
     result.row.kind = ObstacleKind::capsule;
     result.row.rounding = static_cast<float>(s.radius);
     store(s.a, result.row.center);
-    store(s.b, result.row.end);
+    store(Vec3(s.b - s.a), result.row.along);
+    const double length2 = (s.b - s.a).squaredNorm();
+    result.row.inverse_length2 = length2 < 1e-18 ? 0.0f : static_cast<float>(1 / length2);
     return result;
   }
 

@@ -13,8 +13,9 @@ namespace mneme::internal {
 inline constexpr int kMaxFrames = 64;
 /// Bodies of the robot; links that move together share one if there are more.
 inline constexpr int kMaxBodies = 128;
-/// Shapes of a group.
-inline constexpr int kMaxGroupSize = 8;
+/// Spheres of a group: so few that posing them in vain costs little, and always the same number,
+/// which lets loops unroll.
+inline constexpr int kGroupSize = 4;
 /// The number of obstacles in SceneTables is a multiple of this: the lanes of the widest vector.
 inline constexpr int kObstacleBlock = 16;
 
@@ -43,15 +44,11 @@ struct Ball {
   float radius = 0;
 };
 
-/// Neighbouring shapes of one link.
+/// Neighbouring spheres of one link, or one of its capsules.
 struct GroupRow {
   Ball ball;  ///< around them
-  int sphere_begin = 0, sphere_end = 0;
-  int capsule_begin = 0, capsule_end = 0;
-
-  [[nodiscard]] bool is_sphere() const {
-    return sphere_end - sphere_begin == 1 && capsule_begin == capsule_end;
-  }
+  bool is_capsule = false;
+  int begin = 0;  ///< of kGroupSize spheres, the last of which may repeat; or the capsule's index
 };
 
 /// Links that move together and lie close to each other.
@@ -62,9 +59,10 @@ struct BodyRow {
 };
 
 struct CapsuleRow {
-  float a[3];
-  float b[3];
-  float radius;
+  float a[3] = {};
+  float along[3] = {};  ///< to the other end
+  float inverse_length2 = 0;
+  float radius = 0;
 };
 
 /// The group `first` of one body is checked against some groups of another.
@@ -75,7 +73,9 @@ struct GroupPairRow {
 
 struct BodyPairRow {
   int first = 0, second = 0;
+  float reach2 = 0;        ///< squared sum of the balls' radii
   int begin = 0, end = 0;  ///< into group_pairs
+  bool is_single = false;  ///< of one group each
 };
 
 struct RobotTables {
@@ -95,8 +95,9 @@ enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, 
 /// An obstacle's shape in the scene's frame.
 struct ObstacleRow {
   ObstacleKind kind = ObstacleKind::sphere;
-  float center[3] = {};  ///< of a capsule: its first end
-  float end[3] = {};     ///< of a capsule
+  float center[3] = {};       ///< of a capsule: its first end
+  float along[3] = {};        ///< of a capsule: to its other end
+  float inverse_length2 = 0;  ///< of a capsule: 0 if it is as short as a point
   /// Row-major, from the scene's frame to that of a box or cylinder that is not aligned.
   float rotation[9] = {};
   float half_extents[3] = {};  ///< of a box; of a cylinder: radius, radius, half the length

@@ -22,7 +22,7 @@ int lanes_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
 Robot pointer(JointType type = JointType::continuous) {
   Robot::Parts parts;
   parts.name = "pointer";
-  parts.links = {{"base", -1, {}, {}}, {"tip", -1, {{{1, 0, 0}, 1e-3}}, {}}};
+  parts.links = {{"base", -1, {}, {}, {}}, {"tip", -1, {{{1, 0, 0}, 1e-3}}, {}, {}}};
   Joint joint;
   joint.name = "turn";
   joint.type = type;
@@ -155,10 +155,10 @@ TEST_SUITE("unit") {
   TEST_CASE("a link that never moves blocks every state and motion if it touches an obstacle") {
     Robot::Parts parts;
     parts.name = "stand";
-    parts.links = {{"floor", -1, {}, {}},
-                   {"post", -1, {}, {{{0, 0, 0}, {0, 0, 1}, 0.1}}},
-                   {"flap", -1, {{{1, 0, 0}, 0.1}}, {}},
-                   {"arm", -1, {{{5, 0, 0}, 0.1}}, {}}};
+    parts.links = {{"floor", -1, {}, {}, {}},
+                   {"post", -1, {}, {{{0, 0, 0}, {0, 0, 1}, 0.1}}, {}},
+                   {"flap", -1, {{{1, 0, 0}, 0.1}}, {}, {}},
+                   {"arm", -1, {{{5, 0, 0}, 0.1}}, {}, {}}};
     for (int i = 0; i < 3; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -200,9 +200,9 @@ TEST_SUITE("unit") {
   TEST_CASE("the margin inflates the robot against obstacles but not against itself") {
     Robot::Parts parts;
     parts.name = "scissors";
-    parts.links = {{"base", -1, {}, {}},
-                   {"left", -1, {}, {{{0.8, 0, 0}, {1, 0, 0}, 0.1}}},
-                   {"right", -1, {{{1, 0, 0.201}, 0.1}}, {}}};
+    parts.links = {{"base", -1, {}, {}, {}},
+                   {"left", -1, {}, {{{0.8, 0, 0}, {1, 0, 0}, 0.1}}, {}},
+                   {"right", -1, {{{1, 0, 0.201}, 0.1}}, {}, {}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);

@@ -20,9 +20,9 @@ int lanes_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
 Robot folding_arm(int links) {
   Robot::Parts parts;
   parts.name = "folding";
-  parts.links.push_back({"base", -1, {}, {}});
+  parts.links.push_back({"base", -1, {}, {}, {}});
   for (int i = 1; i <= links; ++i) {
-    parts.links.push_back({"link" + std::to_string(i), -1, {}, {{{0, 0, 0}, {1, 0, 0}, 0.02}}});
+    parts.links.push_back({"link" + std::to_string(i), -1, {}, {{{0, 0, 0}, {1, 0, 0}, 0.02}}, {}});
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = JointType::revolute;
@@ -133,6 +133,31 @@ TEST_SUITE("law") {
     CHECK(differences < 100);
   }
 
+  TEST_CASE("wide and scalar kernels agree on a million states in space") {
+    Rng rng(110);
+    int free_count = 0, differences = 0;
+    constexpr int kWorlds = 100, kStates = 10000;
+    for (int i = 0; i < kWorlds; ++i) {
+      const Robot robot = random_robot(rng);
+      const Scene scene = random_scene(robot, 1 + i % 40, rng, small_shape);
+      const auto rows = random_states(robot, kStates, rng);
+      const auto expected = check_all(require_checker(robot, scene, {.isa = Isa::scalar}), rows);
+      for (const std::uint8_t is_valid : expected) free_count += is_valid;
+      for (const Isa isa : available_isas()) {
+        const auto is_valid = check_all(require_checker(robot, scene, {.isa = isa}), rows);
+        for (std::size_t k = 0; k < expected.size(); ++k) {
+          if (is_valid[k] == expected[k]) continue;
+          ++differences;
+          INFO("seed 110, world " << i << ", state " << k << ", " << to_string(isa));
+          REQUIRE(std::abs(clearance(robot, scene, row(rows, k, robot))) < kKernelTolerance);
+        }
+      }
+    }
+    CHECK(free_count > kWorlds * kStates / 20);
+    CHECK(free_count < kWorlds * kStates * 19 / 20);
+    CHECK(differences < 500);
+  }
+
   TEST_CASE("the batch of any size gives the answers of single states, and no more of them") {
     const Robot robot = planar8();
     Rng rng(102);
@@ -172,6 +197,42 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("oracle") {
+  TEST_CASE("a cylinder is exact: neither its rim nor its flat end is rounded") {
+    Rng rng(109);
+    for (int i = 0; i < 40; ++i) {
+      const bool has_capsules = i % 2 == 0;
+      Robot::Parts parts;
+      parts.name = "probe";
+      Link tip;
+      tip.name = "tip";
+      if (has_capsules) {
+        tip.capsules.push_back({{0, 0, 0}, random_vector(rng, 1.0), 0.05});
+      } else {
+        tip.spheres.push_back({{0, 0, 0}, 0.05});
+      }
+      parts.links = {{"base", -1, {}, {}, {}}, {"x", -1, {}, {}, {}}, tip};
+      for (int k = 0; k < 2; ++k) {
+        Joint joint;
+        joint.name = "slide" + std::to_string(k);
+        joint.type = JointType::prismatic;
+        joint.parent_link = k;
+        joint.child_link = k + 1;
+        joint.axis = k == 0 ? Vec3::UnitX() : Vec3::UnitZ();
+        joint.lower = -2;
+        joint.upper = 2;
+        parts.joints.push_back(joint);
+      }
+      const auto robot = make_robot(parts);
+      REQUIRE(robot.has_value());
+      const bool is_upright = i % 4 < 2;
+      const Cylinder can{is_upright ? Transform{} : random_pose(rng, 0.2), rng.uniform(0.002, 0.8),
+                         rng.uniform(0.002, 2.0)};
+      INFO("seed 109, cylinder " << i);
+      check_against_exact(*robot, {"s", {{"can", {can}}}}, random_states(*robot, 3000, rng),
+                          kKernelTolerance);
+    }
+  }
+
   TEST_CASE("a folded planar arm is judged right by all instruction sets") {
     const Robot robot = planar8();
     Rng rng(104);
@@ -202,7 +263,9 @@ TEST_SUITE("oracle") {
           "rods",
           {{"rod", {Capsule{{a, gap, 0}, {a + 2, gap + tilt, tilt}, 0.01}}},
            {"slab",
-            {Box{{rotation_about(Vec3::UnitX(), tilt), {2, 0, 0.07 + gap}}, {3, 0.5, 0.05}}}}}};
+            {Box{{rotation_about(Vec3::UnitX(), tilt), {2, 0, 0.07 + gap}}, {3, 0.5, 0.05}}}},
+           {"pipe",
+            {Cylinder{{rotation_about(Vec3::UnitY(), kPi / 2 + tilt), {a, -gap, 0}}, 0.01, 2}}}}};
       const auto rows = folded_states(robot, 100, 1e-2, rng);
       free_count += check_against_exact(robot, scene, rows, kKernelTolerance);
     }

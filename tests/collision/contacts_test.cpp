@@ -111,7 +111,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a link that is welded to a moving one does not stand still") {
     Robot::Parts parts;
     parts.name = "welded";
-    parts.links = {{"base", -1, {}, {}}, {"arm", -1, {}, {}}, {"tool", -1, {{{1, 0, 0}, 0.1}}, {}}};
+    parts.links = {{"base", -1, {}, {}, {}},
+                   {"arm", -1, {}, {}, {}},
+                   {"tool", -1, {{{1, 0, 0}, 0.1}}, {}, {}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -142,7 +144,7 @@ TEST_SUITE("law") {
       const Robot robot = random_robot(rng);
       const Scene scene = random_scene(robot, 5, rng, small_shape);
       const Transform X = random_pose(rng, 1.0);
-      Robot::Parts parts{"moved", {{"ground", -1, {}, {}}}, {}};
+      Robot::Parts parts{"moved", {{"ground", -1, {}, {}, {}}}, {}};
       for (Link link : robot.links()) parts.links.push_back(link);
       Joint mount;
       mount.name = "mount";
@@ -153,13 +155,15 @@ TEST_SUITE("law") {
       for (Joint joint : robot.joints()) {
         ++joint.parent_link;
         ++joint.child_link;
+        if (joint.mimic) ++joint.mimic->joint;
         parts.joints.push_back(joint);
       }
       RobotOptions options;
       for (int k = 0; k < robot.joint_count(); ++k)
         options.joints.push_back(robot.group_joint(k).name);
       for (const Joint& joint : robot.joints()) {
-        if (joint.type != JointType::fixed) options.fixed_values[joint.name] = joint.fixed_value;
+        if (joint.type == JointType::fixed || joint.mimic) continue;
+        options.fixed_values[joint.name] = joint.fixed_value;
       }
       for (const std::string& name : options.joints) options.fixed_values.erase(name);
       const auto moved = make_robot(parts, options);

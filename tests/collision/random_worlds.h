@@ -4,6 +4,7 @@
 /// Random robots, scenes and states, and what checkers say of them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <numbers>
@@ -122,8 +123,19 @@ inline Joint random_joint(int child, Rng& rng) {
   return joint;
 }
 
+/// Now and then makes the last joint follow one that is in the group.
+inline bool follows_another(Robot::Parts& parts, const std::vector<std::string>& group, Rng& rng) {
+  if (group.empty() || rng.index(6) != 0) return false;
+  const std::string& leader = group[rng.index(static_cast<std::uint32_t>(group.size()))];
+  const auto found = std::ranges::find(parts.joints, leader, &Joint::name);
+  if (found->type == JointType::continuous) return false;
+  parts.joints.back().mimic = Mimic{static_cast<int>(found - parts.joints.begin()),
+                                    rng.uniform(-1.5, 1.5), rng.uniform(-0.5, 0.5)};
+  return true;
+}
+
 /// A tree of 5 to 10 links about random axes. Some movable joints stand still outside the group,
-/// whose order is not that of the tree.
+/// whose order is not that of the tree; some follow others.
 inline Robot random_robot(Rng& rng) {
   while (true) {
     Robot::Parts parts;
@@ -138,7 +150,7 @@ inline Robot random_robot(Rng& rng) {
       if (joint.type == JointType::fixed) continue;
       if (rng.index(6) == 0) {
         options.fixed_values[joint.name] = rng.uniform(joint.lower, joint.upper);
-      } else {
+      } else if (!follows_another(parts, options.joints, rng)) {
         options.joints.insert(options.joints.begin() +
                                   rng.index(static_cast<std::uint32_t>(options.joints.size()) + 1),
                               joint.name);

@@ -24,9 +24,9 @@ RobotTables require_tables(const Robot& robot) {
 Result<Robot> long_chain(int count, int fixed) {
   Robot::Parts parts;
   parts.name = "snake";
-  parts.links.push_back({"link0", -1, {{{0, 0, 0}, 0.01}}, {}});
+  parts.links.push_back({"link0", -1, {{{0, 0, 0}, 0.01}}, {}, {}});
   for (int i = 1; i <= count + fixed; ++i) {
-    parts.links.push_back({"link" + std::to_string(i), -1, {{{0, 0, 0}, 0.01}}, {}});
+    parts.links.push_back({"link" + std::to_string(i), -1, {{{0, 0, 0}, 0.01}}, {}, {}});
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i <= fixed ? JointType::fixed : JointType::continuous;
@@ -65,19 +65,26 @@ std::vector<Transform> frame_poses(const RobotTables& tables, const Configuratio
   return poses;
 }
 
-/// Spheres and capsules of some groups in the root's frame; a sphere is a capsule of length 0.
+/// Spheres and capsules of some groups in the root's frame, without those that fill up a group; a
+/// sphere is a capsule of length 0.
 std::vector<Capsule> shapes_of(const RobotTables& tables, const Transform& X, int group_begin,
                                int group_end) {
   std::vector<Capsule> shapes;
   for (int g = group_begin; g < group_end; ++g) {
     const internal::GroupRow& group = tables.groups.at(static_cast<std::size_t>(g));
-    for (int i = group.sphere_begin; i < group.sphere_end; ++i) {
-      const internal::Ball& s = tables.spheres.at(static_cast<std::size_t>(i));
-      shapes.push_back({X * vector_of(s.center), X * vector_of(s.center), s.radius});
+    if (group.is_capsule) {
+      const internal::CapsuleRow& c = tables.capsules.at(static_cast<std::size_t>(group.begin));
+      const Vec3 a = vector_of(c.a), b = a + vector_of(c.along);
+      CHECK(c.inverse_length2 * (b - a).squaredNorm() == doctest::Approx(1));
+      shapes.push_back({X * a, X * b, c.radius});
+      continue;
     }
-    for (int i = group.capsule_begin; i < group.capsule_end; ++i) {
-      const internal::CapsuleRow& c = tables.capsules.at(static_cast<std::size_t>(i));
-      shapes.push_back({X * vector_of(c.a), X * vector_of(c.b), c.radius});
+    for (int i = 0; i < internal::kGroupSize; ++i) {
+      const internal::Ball& s = tables.spheres.at(static_cast<std::size_t>(group.begin + i));
+      const Capsule sphere{X * vector_of(s.center), X * vector_of(s.center), s.radius};
+      const bool is_repeated =
+          i > 0 && sphere.a == shapes.back().a && sphere.radius == shapes.back().radius;
+      if (!is_repeated) shapes.push_back(sphere);
     }
   }
   return shapes;
@@ -195,7 +202,8 @@ TEST_SUITE("unit") {
   TEST_CASE("links without shapes have no row") {
     Robot::Parts parts;
     parts.name = "bare";
-    parts.links = {{"a", -1, {}, {}}, {"b", -1, {}, {}}, {"c", -1, {{{0, 0, 0}, 1}}, {}}};
+    parts.links = {
+        {"a", -1, {}, {}, {}}, {"b", -1, {}, {}, {}}, {"c", -1, {{{0, 0, 0}, 1}}, {}, {}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);

@@ -55,7 +55,7 @@ TEST_SUITE("unit") {
     CHECK(tables.obstacles[1].kind == ObstacleKind::aligned_box);
     CHECK(vector_of(tables.obstacles[1].half_extents).isApprox(Vec3(4, 2, 1), 1e-6));
     CHECK(tables.obstacles[2].kind == ObstacleKind::capsule);
-    CHECK(vector_of(tables.obstacles[2].end) == Vec3(1, 1, 1));
+    CHECK(vector_of(tables.obstacles[2].along) == Vec3(1, 1, 1));
     CHECK(tables.obstacles[2].rounding == 0.25f);
     CHECK(tables.obstacles[3].kind == ObstacleKind::cylinder);
     CHECK(vector_of(tables.obstacles[3].half_extents) == Vec3(0.5, 0.5, 1.5));
