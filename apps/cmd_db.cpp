@@ -147,12 +147,15 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
 Result<ExitCode> run_query(const DbOptions& options) {
   const Result<Database> database = inspect_database(options.url);
   if (!database) return tl::unexpected(database.error());
+  const double similarity = options.settings.similarity > 0
+                                ? options.settings.similarity
+                                : default_similarity(database->space().decomposer);
   const auto primitives = queried_primitives(options, *database);
   if (!primitives) return tl::unexpected(primitives.error());
   Json found = Json::array();
   for (const LocalPrimitive& primitive : *primitives) {
     const std::vector<Match> matches =
-        database->find(primitive, options.settings.similarity, options.settings.max_matches);
+        database->find(primitive, similarity, options.settings.max_matches);
     if (!options.is_json) print_matches(primitive, matches);
     Json rows = Json::array();
     for (const Match& match : matches) rows.push_back(to_json(match));

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mneme/base.h"
@@ -74,6 +75,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
         "default");
 }
+
+/// The default `similarity` for the keys of a decomposer, by its name or version; m^2.
+[[nodiscard]] double default_similarity(std::string_view decomposer);
 
 /// A primitive of the scene and what the memory knew of it.
 struct PrimitiveRetrieval {
