@@ -18,7 +18,9 @@ std::vector<LocalPrimitive> pairs(const std::vector<std::array<double, 3>>& circ
 }
 
 Error refusal(const Robot& robot, const Scene& scene) {
-  const auto result = decompose(robot, scene);
+  DecomposeSettings settings;
+  settings.decomposer = "pairs";
+  const auto result = decompose(robot, scene, settings);
   REQUIRE(!result.has_value());
   return result.error();
 }

@@ -8,6 +8,8 @@ namespace mneme::test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+/// Those of a planar arm.
+constexpr SymmetricJoints kFirst{0, -1, 0, 0};
 
 /// The same configuration up to full turns of joint 1.
 double angular_difference(const Configuration& a, const Configuration& b) {
@@ -29,18 +31,18 @@ TEST_SUITE("unit") {
         moved_key(Symmetry{kPi / 2, true}, PrimitiveKey{1, 2, 0.5, 3, 0, 0.25});
     CHECK(largest_difference(key, PrimitiveKey{2, 1, 0.5, 0, 3, 0.25}) < 1e-15);
     const Configuration q =
-        moved_configuration(Symmetry{0.5, true}, Configuration{0.25, 1.0, -2.0});
+        moved_configuration(kFirst, Symmetry{0.5, true}, Configuration{0.25, 1.0, -2.0});
     CHECK(largest_difference(q, Configuration{0.25, -1.0, 2.0}) < 1e-15);
   }
 
   TEST_CASE("joint 1 is wrapped into the half-open interval from -pi to pi") {
-    CHECK(moved_configuration(Symmetry{kPi, false}, Configuration{0.0, 1.0})[0] == -kPi);
-    CHECK(moved_configuration(Symmetry{2.0, false}, Configuration{2.0})[0] ==
+    CHECK(moved_configuration(kFirst, Symmetry{kPi, false}, Configuration{0.0, 1.0})[0] == -kPi);
+    CHECK(moved_configuration(kFirst, Symmetry{2.0, false}, Configuration{2.0})[0] ==
           doctest::Approx(4 - 2 * kPi));
-    CHECK(moved_configuration(Symmetry{-3.0, false}, Configuration{-3.0})[0] ==
+    CHECK(moved_configuration(kFirst, Symmetry{-3.0, false}, Configuration{-3.0})[0] ==
           doctest::Approx(2 * kPi - 6));
     const double just_below = std::nextafter(-kPi, -4.0);
-    CHECK(moved_configuration(Symmetry{0, false}, Configuration{just_below})[0] < kPi);
+    CHECK(moved_configuration(kFirst, Symmetry{0, false}, Configuration{just_below})[0] < kPi);
   }
 }
 
@@ -55,8 +57,9 @@ TEST_SUITE("law") {
       REQUIRE(largest_difference(moved_key(both, key), moved_key(second, moved_key(first, key))) <
               1e-13);
       const Configuration q = {rng.uniform(-kPi, kPi), rng.uniform(-kPi, kPi), 0.3};
-      REQUIRE(angular_difference(moved_configuration(both, q),
-                                 moved_configuration(second, moved_configuration(first, q))) <
+      REQUIRE(angular_difference(
+                  moved_configuration(kFirst, both, q),
+                  moved_configuration(kFirst, second, moved_configuration(kFirst, first, q))) <
               1e-13);
     }
   }
@@ -71,8 +74,9 @@ TEST_SUITE("law") {
       REQUIRE(!neither.is_mirrored);
       REQUIRE(std::abs(neither.rotation) < 1e-13);
       const Configuration q = {rng.uniform(-kPi, kPi), rng.uniform(-kPi, kPi)};
-      REQUIRE(angular_difference(
-                  moved_configuration(inverse(motion), moved_configuration(motion, q)), q) < 1e-13);
+      REQUIRE(angular_difference(moved_configuration(kFirst, inverse(motion),
+                                                     moved_configuration(kFirst, motion, q)),
+                                 q) < 1e-13);
     }
   }
 
@@ -83,7 +87,7 @@ TEST_SUITE("law") {
       const Symmetry motion = random_symmetry(rng);
       const Configuration q = random_configuration(arm, rng);
       const auto before = arm.link_poses(q);
-      const auto after = arm.link_poses(moved_configuration(motion, q));
+      const auto after = arm.link_poses(moved_configuration(kFirst, motion, q));
       for (std::size_t link = 0; link < before.size(); ++link) {
         for (const Capsule& capsule : arm.links()[link].capsules) {
           for (const Vec3& end : {capsule.a, capsule.b}) {
