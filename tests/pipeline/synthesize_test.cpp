@@ -45,27 +45,33 @@ PrimitiveRetrieval retrieve(const std::vector<Match>& matches) {
 }  // namespace
 
 TEST_SUITE("law") {
-  TEST_CASE("all components of all matches are pooled, moved by the symmetry of their match") {
+  TEST_CASE(
+      "all components of all matches are pooled, the most similar match first, moved by its "
+      "symmetry") {
     const Robot robot = planar8();
     Rng rng(1);
     const Experience a = random_experience(robot, 6, rng), b = random_experience(robot, 3, rng);
     const Symmetry turned{2.5, false}, mirrored{-1, true};
     const std::vector<PrimitiveRetrieval> primitives = {
         retrieve({{&a, 0.1, turned}}), retrieve({}),
-        retrieve({{&b, 0, mirrored}, {&a, 0.2, mirrored}})};
+        retrieve({{&b, 0, mirrored}, {&a, 0.2, mirrored}, {&b, 0.1, turned}})};
+    // Whatever they were retrieved for: equally similar ones in the scene's order.
+    const std::vector<std::pair<Origin, Match>> expected_order = {{2, primitives[2].matches[0]},
+                                                                  {0, primitives[0].matches[0]},
+                                                                  {2, primitives[2].matches[2]},
+                                                                  {2, primitives[2].matches[1]}};
     const GaussianMixture pooled = internal::synthesize(robot, primitives);
-    REQUIRE(pooled.component_count() == 6 + 3 + 6);
-    REQUIRE(pooled.origins.size() == 15);
+    REQUIRE(pooled.component_count() == 3 + 6 + 3 + 6);
+    REQUIRE(pooled.origins.size() == 18);
     int next = 0;
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
-      for (const Match& match : primitives[i].matches) {
-        const LocalSampler& local = match.experience->sampler;
-        for (int j = 0; j < local.component_count(); ++j, ++next) {
-          const Configuration expected = moved_configuration(match.to_scene, mean_of(local, j));
-          CHECK(robot.distance(mean_of(pooled, next), expected) < 1e-5);
-          CHECK(pooled.origins[static_cast<std::size_t>(next)] == static_cast<Origin>(i));
-          CHECK(factor_of(pooled, next) == factor_of(local, j));
-        }
+    for (const auto& [origin, match] : expected_order) {
+      const LocalSampler& local = match.experience->sampler;
+      for (int j = 0; j < local.component_count(); ++j, ++next) {
+        const Configuration expected =
+            moved_configuration(find_symmetric_joints(robot), match.to_scene, mean_of(local, j));
+        CHECK(robot.distance(mean_of(pooled, next), expected) < 1e-5);
+        CHECK(pooled.origins[static_cast<std::size_t>(next)] == origin);
+        CHECK(factor_of(pooled, next) == factor_of(local, j));
       }
     }
   }
