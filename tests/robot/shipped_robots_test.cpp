@@ -88,8 +88,8 @@ void check_poses(const Robot& robot, const Facts& facts) {
   for (const TipPose& pose : facts.poses) {
     CHECK_FALSE(robot.describe_violation(pose.q, "configuration").has_value());
     const std::vector<Transform> poses = robot.link_poses(pose.q);
-    const Transform X_base_tip = poses[index_of(robot, facts.base)].inverse() *
-                                 poses[index_of(robot, facts.tip)];
+    const Transform X_base_tip =
+        poses[index_of(robot, facts.base)].inverse() * poses[index_of(robot, facts.tip)];
     CHECK((X_base_tip.translation - pose.position).norm() < 2e-6);
     CHECK(Eigen::Quaterniond(X_base_tip.rotation).angularDistance(pose.rotation) < 5e-6);
   }
@@ -104,6 +104,28 @@ TEST_SUITE("unit") {
       Robot::Parts parts = require_parts("robots/source/" + facts.file + ".urdf");
       for (Link& link : parts.links) link.solids.clear();
       check_poses(test::require_robot(parts), facts);
+    }
+  }
+
+  TEST_CASE("the robots have the kinematics of the facts and one group to plan for") {
+    for (const Facts& facts : all_facts()) {
+      CAPTURE(facts.file);
+      const Robot robot = test::require_robot(require_parts("robots/" + facts.file + ".urdf"));
+      check_poses(robot, facts);
+      CHECK_FALSE(robot.self_pairs().empty());
+    }
+  }
+
+  TEST_CASE("the robots differ from their sources in shapes alone") {
+    for (const Facts& facts : all_facts()) {
+      CAPTURE(facts.file);
+      Robot::Parts source = require_parts("robots/source/" + facts.file + ".urdf");
+      Robot::Parts made = require_parts("robots/" + facts.file + ".urdf");
+      source.allowed_pairs = made.allowed_pairs;
+      for (Robot::Parts* parts : {&source, &made}) {
+        for (Link& link : parts->links) link = Link{link.name, -1, {}, {}, {}};
+      }
+      CHECK(test::require_robot(source).hash() == test::require_robot(made).hash());
     }
   }
 }
