@@ -95,7 +95,8 @@ struct CoveredRobot {
 };
 
 /// load_robot for robots with any collision geometry: solids are covered, and without an SRDF the
-/// pairs that are adjacent or always in contact are allowed. Covers are kept in
+/// pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks although no
+/// configuration parts them are allowed too, with a note. Covers are kept in
 /// $XDG_CACHE_HOME/mneme, or ~/.cache/mneme, named by a hash of geometry, settings and the version
 /// of the algorithm. A damaged entry is replaced; a cache that cannot be used costs time only.
 [[nodiscard]] Result<CoveredRobot> load_covered_robot(const std::string& path,

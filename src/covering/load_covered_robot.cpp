@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "covering/cover_robot.h"
+#include "covering/inseparable_pairs.h"
 
 namespace mneme {
 namespace {
@@ -40,6 +41,23 @@ Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robo
   });
 }
 
+/// make_robot, with pairs that no configuration parts allowed, because nothing would be valid.
+Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options,
+                          std::vector<std::string>& notes) {
+  auto robot = make_robot(parts, options);
+  if (!robot) return robot;
+  const auto inseparable = internal::find_inseparable_pairs(*robot);
+  if (inseparable.empty()) return robot;
+  RobotOptions allowing = options;
+  for (const auto& pair : inseparable) {
+    allowing.allowed_pairs.push_back(pair);
+    notes.push_back(fmt::format(
+        "links '{}' and '{}' touch in every configuration; they are not checked against each other",
+        pair.first, pair.second));
+  }
+  return make_robot(std::move(parts), allowing);
+}
+
 }  // namespace
 
 Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOptions& options,
@@ -63,7 +81,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
       parts->allowed_pairs = std::move(*pairs);
     }
   }
-  auto robot = make_robot(std::move(*parts), options);
+  auto robot = make_usable(std::move(*parts), options, notes);
   if (!robot) return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
   return CoveredRobot{std::move(*robot), std::move(notes)};
 }
