@@ -11,9 +11,10 @@ namespace {
 
 constexpr int kCount = 200000;
 
-std::unique_ptr<Sampler> make_sampler(const Robot& robot, GaussianMixture mixture, double sigma) {
+std::unique_ptr<Sampler> make_sampler(const Robot& robot, GaussianMixture mixture, double sigma,
+                                      const Widening& widening = {}) {
   return make_mixture_sampler(robot, std::make_shared<const GaussianMixture>(std::move(mixture)),
-                              sigma);
+                              sigma, widening);
 }
 
 Robot revolute3() {
@@ -74,6 +75,36 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a factor is as wide for a prismatic joint as it says") {
+    GaussianMixture mixture;
+    mixture.joint_count = 3;
+    mixture.means = {0, -0.5f, 1.2f};
+    mixture.factor_rows = {0};
+    mixture.factors = {0.1f, 0, 0.1f, 0, 0, 0.1f};
+    const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0.3), 3, 25, 20000);
+    for (const auto& column : samples.columns) {
+      CHECK(covariance(column, column) == doctest::Approx(0.01).epsilon(0.05));
+    }
+  }
+
+  TEST_CASE("with widening, only the first components are drawn from, and all of them in the end") {
+    const auto farthest = [](const Widening& widening, int count) {
+      Origin most = 0;
+      for (const Origin origin :
+           draw(*make_sampler(all_kinds(), line_of(50), 0, widening), 3, 31, count).origins) {
+        most = std::max(most, (origin - 3) / 7);
+      }
+      return most;
+    };
+    CHECK(farthest({4, 0}, 2000) == 3);
+    CHECK(farthest({1, 0}, 2000) == 0);
+    CHECK(farthest({0.25, 0}, 2000) == 0);
+    CHECK(farthest({4, 0.01}, 2000) == 22);
+    CHECK(farthest({4, 1}, 5000) == 49);
+    CHECK(farthest({1e9, 1e9}, 5000) == 49);
+    CHECK(farthest({0, 0.01}, 5000) == 49);
+  }
+
   TEST_CASE("means outside the limits are brought inside, as the kind of joint wants") {
     GaussianMixture mixture;
     mixture.joint_count = 3;
@@ -102,12 +133,36 @@ TEST_SUITE("law") {
       CHECK(std::abs(count - kCount / 5.0) < 5 * std::sqrt(kCount * 0.2 * 0.8));
       for (std::size_t j = 0; j < 3; ++j) {
         const double expected = mixture.means.at(3 * static_cast<std::size_t>(component) + j);
-        CHECK(std::abs(mean(samples.columns[j]) - expected) < 5 * kSigma / std::sqrt(count));
+        // The last joint is prismatic: half as many metres as radians.
+        const double deviation = j == 2 ? 0.5 * kSigma : kSigma;
+        CHECK(std::abs(mean(samples.columns[j]) - expected) < 5 * deviation / std::sqrt(count));
         CHECK(covariance(samples.columns[j], samples.columns[j]) ==
-              doctest::Approx(kSigma * kSigma).epsilon(0.04));
+              doctest::Approx(deviation * deviation).epsilon(0.04));
       }
       CHECK(std::abs(correlation(samples.columns[0], samples.columns[1])) < 0.03);
       CHECK(std::abs(correlation(samples.columns[1], samples.columns[2])) < 0.03);
+    }
+  }
+
+  TEST_CASE("the n-th draw is one of the first components, equally likely, that widening opens") {
+    const Widening widening{3, 0.5};
+    constexpr int kStreams = 20000, kDraws = 12, kComponents = 7;
+    const auto sampler = make_sampler(all_kinds(), line_of(kComponents), 0, widening);
+    std::vector<std::vector<int>> counts(kDraws, std::vector<int>(kComponents, 0));
+    std::vector<float> q(3);
+    for (int seed = 0; seed < kStreams; ++seed) {
+      const auto stream = sampler->start(static_cast<std::uint64_t>(seed));
+      for (auto& row : counts) ++row.at(static_cast<std::size_t>((stream->next(q) - 3) / 7));
+    }
+    for (int n = 0; n < kDraws; ++n) {
+      const int open = std::min(kComponents, static_cast<int>(3 + 0.5 * n));
+      for (int component = 0; component < kComponents; ++component) {
+        const double p = component < open ? 1.0 / open : 0;
+        const int count = counts[static_cast<std::size_t>(n)][static_cast<std::size_t>(component)];
+        CAPTURE(n);
+        CAPTURE(component);
+        CHECK(std::abs(count - p * kStreams) <= 5 * std::sqrt(kStreams * p * (1 - p)));
+      }
     }
   }
 
@@ -175,7 +230,7 @@ TEST_SUITE("law") {
     };
     CHECK(std::abs(beyond - expected((kPi - 3.1) / 0.1)) < 550);
     CHECK(std::abs(at_upper - expected(0.5)) < 550);
-    CHECK(std::abs(at_lower - expected(0.5)) < 550);
+    CHECK(std::abs(at_lower - expected(1.0)) < 550);
     CHECK(std::sqrt(covariance(unwrapped, unwrapped)) == doctest::Approx(0.1).epsilon(0.02));
   }
 }
