@@ -57,7 +57,8 @@ requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 0.0, 1e3,
         "longest single extension of a tree, radians of L2 joint distance, at least 0.001; 0 picks "
-        "the robot's default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short ones "
+        "the robot's default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more "
+        "often, short ones "
         "explore slowly");
   visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
   visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
