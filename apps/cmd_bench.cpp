@@ -24,6 +24,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "problem_part.h"
 
 namespace mneme::app {
 namespace {
@@ -32,6 +33,7 @@ using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
   std::vector<std::string> arguments;
+  std::string part;
   std::string robot;
   RobotOptions robot_options;
   std::vector<std::string> planners = {"rrt_connect"};
@@ -109,7 +111,9 @@ Result<void> check_same_limit(const std::vector<BenchmarkRow>& rows, double time
 }
 
 Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
-  const Result<std::vector<BenchProblem>> found = find_bench_problems(options.arguments);
+  const auto found = find_bench_problems(options.arguments).and_then([&](auto all) {
+    return take_part(std::move(all), options.part);
+  });
   if (!found) return tl::unexpected(found.error());
   const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
@@ -264,6 +268,8 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
       .add_option("PROBLEMS", options.arguments,
                   "compact files, problems (FILE.json#NAME, YAML) or directories of them")
       ->required();
+  command.add_option("--part", options.part,
+                     "I/N: every N-th problem beginning with the I-th, such as 2/2");
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problems': a URDF file or a name");
   add_robot_flags(command, options.robot_options);
