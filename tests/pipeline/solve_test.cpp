@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
 #include <algorithm>
@@ -55,6 +56,29 @@ Problem easy_problem() {
   problem.goals = {Configuration(8, 0.1)};
   problem.goals[0][0] = -2.5;
   return problem;
+}
+
+/// lifting_arm() from above the shelf's board to below it.
+Problem spatial_problem() {
+  return {"spatial", lifting_arm(), "", shelf_scene(), {0, 0, 0, 0}, {{0, 0, 0.6, -0.4}}, {}};
+}
+
+/// Learns the primitives of a problem's scene from paths of other queries in it.
+void learn_paths_into(Database& database, const Problem& problem) {
+  SolveSettings settings;
+  settings.plan.timeout_s = 60;
+  settings.sampler = "uniform";
+  std::vector<Path> paths;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    settings.plan.seed = seed;
+    const SolveResult result = solve_or_fail(problem, nullptr, settings);
+    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    paths.push_back(result.plan.path);
+  }
+  auto rows = learn_from_paths(problem.robot, problem.scene, paths, {}, 0.3);
+  REQUIRE(rows.has_value());
+  REQUIRE(!rows->empty());
+  REQUIRE(database.insert(std::move(*rows)).has_value());
 }
 
 double mean_iterations(const Problem& problem, Database* database, SolveSettings settings,
@@ -161,6 +185,33 @@ TEST_SUITE("law") {
     CHECK(first.plan.iterations == second.plan.iterations);
     settings.plan.seed = 2;
     CHECK(solve_or_fail(problem, &database, settings).plan.path != first.plan.path);
+  }
+
+  TEST_CASE("an arm in space solves with memory, and the same seed gives the same path") {
+    const Problem problem = spatial_problem();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    learn_paths_into(database, problem);
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    for (const int after : {0, 1, -1}) {
+      settings.retrieve_after = after;
+      for (const PlannerEntry& planner : planners()) {
+        settings.planner = planner.name;
+        settings.plan.seed = 1;
+        INFO(planner.name, " after ", after);
+        const SolveResult first = solve_or_fail(problem, &database, settings);
+        REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
+        CHECK(first.plan.path.front() == problem.robot.normalized(problem.start));
+        CHECK(first.plan.path.back() == problem.robot.normalized(problem.goals[0]));
+        CheckCounters counters;
+        const CollisionChecker checker = make_checker(problem.robot, problem.scene);
+        CHECK(find_invalid_motion(checker, first.plan.path, counters) == -1);
+        const SolveResult second = solve_or_fail(problem, &database, settings);
+        CHECK(first.plan.path == second.plan.path);
+        CHECK(first.plan.iterations == second.plan.iterations);
+      }
+    }
   }
 }
 
@@ -299,6 +350,58 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.sampler = "uniform";
     CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+  }
+
+  TEST_CASE("memory is asked only after so many iterations, and reported only then") {
+    const Problem problem = spatial_problem();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    learn_paths_into(database, problem);
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.retrieve_after = 1000000000;
+    const SolveResult late = solve_or_fail(problem, &database, settings);
+    REQUIRE_MESSAGE(late.plan.is_solved(), late.plan.message);
+    CHECK(late.gl.primitives.empty());
+    CHECK(late.gl.mixture == nullptr);
+    CHECK(late.gl.retrieval_time_s == 0);
+    // Until then it is the uniform planner.
+    const SolveResult uniform = solve_or_fail(problem, nullptr, settings);
+    CHECK(late.plan.path == uniform.plan.path);
+    REQUIRE(uniform.plan.iterations > 1);
+    for (const int after : {0, 1}) {
+      settings.retrieve_after = after;
+      const SolveResult result = solve_or_fail(problem, &database, settings);
+      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      CHECK(result.gl.primitives.size() == 3);
+      REQUIRE(result.gl.mixture != nullptr);
+      CHECK(result.gl.mixture->component_count() > 0);
+      CHECK(result.gl.retrieval_time_s > 0);
+      CHECK(result.gl.retrieval_time_s <= result.planning_time_s);
+    }
+  }
+
+  TEST_CASE("a database of another robot is an error even if memory is never asked") {
+    const Problem problem = spatial_problem();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", planar8());
+    SolveSettings settings;
+    settings.retrieve_after = 1000000000;
+    const auto refused = solve(problem, &database, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::wrong_robot);
+  }
+
+  TEST_CASE("what goes wrong when memory is asked late is an error too") {
+    Problem problem = planar_problem("threaded_b2");
+    problem.scene.obstacles.push_back({"crate", {box_at({0, 20, 0}, {1, 1, 1})}});
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    SolveSettings settings;
+    settings.retrieve_after = 1;
+    const auto refused = solve(problem, &database, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("'crate'") != std::string::npos);
   }
 
   TEST_CASE("a scene that cannot be checked is an error") {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/synthesize.h"
 
+#include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -171,6 +172,30 @@ TEST_SUITE("unit") {
     CHECK(synthesized({3.2, false}).component_count() == 0);
     // What lies on a limit stays.
     CHECK(synthesized({0.5, false}).means == std::vector<float>{0, 1, 0.5f, -2, 2, 3});
+  }
+
+  TEST_CASE("an arm that lifts and turns is moved by both, as far as its limits allow") {
+    const Robot robot = lifting_arm();
+    Experience experience;
+    experience.sampler.joint_count = 4;
+    experience.sampler.means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
+    const auto synthesized = [&](const Symmetry& motion) {
+      return internal::synthesize(robot, std::vector{retrieve({{&experience, 0, motion}})}).means;
+    };
+    const auto check = [](const std::vector<float>& found, const std::vector<float>& expected) {
+      REQUIRE(found.size() == expected.size());
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        CHECK(found[i] == doctest::Approx(expected[i]).epsilon(1e-6));
+      }
+    };
+    check(synthesized({-0.5, false, 0.1}), {0.2f, -0.5f, 1, -1, 0.4f, 1.5f, 0.5f, 0.25f});
+    // Lifted off one of its ends, or turned too far.
+    check(synthesized({0, false, 0.3}), {0.4f, 0, 1, -1});
+    check(synthesized({0, false, -0.2}), {0.1f, 2, 0.5f, 0.25f});
+    check(synthesized({1, false, 0}), {0.1f, 1, 1, -1});
+    // A mean outside the limits may be moved into them, and a turn counts modulo a full one.
+    check(synthesized({-1.5, false, 0.3}), {0.4f, -1.5f, 1, -1, 0.1f, 1.5f, 0, 0});
+    check(synthesized({3.0, false, 0}), {0.3f, 5 - 2 * static_cast<float>(kPi), 0.5f, 0.25f});
   }
 
   TEST_CASE("continuous joints wrap") {

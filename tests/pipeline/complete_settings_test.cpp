@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/complete_settings.h"
+
+#include "support/lifting_arm.h"
+
+namespace mneme::test {
+
+TEST_SUITE("unit") {
+  TEST_CASE("what is left to the robot gets the defaults of planar arms or of arms in space") {
+    const SolveSettings planar = internal::complete_settings({}, planar8());
+    CHECK(planar.sigma == 0.05);
+    CHECK(planar.similarity == 0.5);
+    CHECK(planar.retrieve_after == 0);
+    CHECK(planar.first_components == 0);
+    const SolveSettings spatial = internal::complete_settings({}, lifting_arm());
+    CHECK(spatial.sigma == 0.3);
+    CHECK(spatial.similarity == 0.05);
+    CHECK(spatial.retrieve_after == 1500);
+    CHECK(spatial.first_components == 20);
+  }
+
+  TEST_CASE("what is set stays, and so does all that has one default") {
+    SolveSettings settings;
+    settings.sigma = 0.01;
+    settings.similarity = 1e-300;
+    settings.retrieve_after = 0;
+    settings.first_components = 0;
+    settings.lambda = 0.25;
+    settings.plan.seed = 7;
+    for (const Robot& robot : {planar8(), lifting_arm()}) {
+      const SolveSettings complete = internal::complete_settings(settings, robot);
+      CHECK(complete.sigma == 0.01);
+      CHECK(complete.similarity == 1e-300);
+      CHECK(complete.retrieve_after == 0);
+      CHECK(complete.first_components == 0);
+      CHECK(complete.lambda == 0.25);
+      CHECK(complete.max_matches == settings.max_matches);
+      CHECK(complete.component_growth == settings.component_growth);
+      CHECK(complete.plan.seed == 7);
+    }
+  }
+
+  TEST_CASE("the declared sentences name the defaults that are taken") {
+    SolveSettings settings;
+    const auto contains = [](const std::string& text, double value) {
+      std::stringstream number;
+      number << value;
+      return text.find(number.str()) != std::string::npos;
+    };
+    const SolveSettings planar = internal::complete_settings({}, planar8());
+    const SolveSettings spatial = internal::complete_settings({}, lifting_arm());
+    int checked = 0;
+    visit_settings(settings, [&](const std::string& name, auto&, auto, auto, const char* sentence) {
+      const auto check = [&](double of_planar, double of_spatial) {
+        CHECK_MESSAGE(contains(sentence, of_planar), sentence);
+        CHECK_MESSAGE(contains(sentence, of_spatial), sentence);
+        ++checked;
+      };
+      if (name == "sigma") check(planar.sigma, spatial.sigma);
+      if (name == "similarity") check(planar.similarity, spatial.similarity);
+      if (name == "retrieve-after") check(planar.retrieve_after, spatial.retrieve_after);
+      if (name == "first-components") check(planar.first_components, spatial.first_components);
+    });
+    CHECK(checked == 4);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("complete settings are complete") {
+    for (const Robot& robot : {planar8(), lifting_arm()}) {
+      const SolveSettings once = internal::complete_settings({}, robot);
+      const SolveSettings twice = internal::complete_settings(once, robot);
+      CHECK(once.sigma == twice.sigma);
+      CHECK(once.similarity == twice.similarity);
+      CHECK(once.retrieve_after == twice.retrieve_after);
+      CHECK(once.first_components == twice.first_components);
+    }
+  }
+}
+
+}  // namespace mneme::test
