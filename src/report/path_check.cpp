@@ -3,6 +3,8 @@
 
 #include "mneme/report.h"
 
+#include "report/exact_checker.h"
+
 #include <cmath>
 #include <cstdint>
 
@@ -10,18 +12,18 @@ namespace mneme {
 namespace {
 
 /// Walks the states after `from`, up to and including `to`.
-bool is_motion_free(const CollisionChecker& checker, const Configuration& from,
-                    const Configuration& to, double resolution) {
-  const Configuration delta = checker.robot().difference(from, to);
-  const double length = checker.robot().distance(from, to);
+bool is_motion_free(const Robot& robot, const internal::ExactChecker& exact,
+                    const Configuration& from, const Configuration& to, double resolution) {
+  const Configuration delta = robot.difference(from, to);
+  const double length = robot.distance(from, to);
   const auto steps = static_cast<std::int64_t>(std::ceil(length / resolution));
   Configuration q = from;
   for (std::int64_t step = 1; step < steps; ++step) {
     const double fraction = static_cast<double>(step) / static_cast<double>(steps);
     for (std::size_t i = 0; i < q.size(); ++i) q[i] = from[i] + fraction * delta[i];
-    if (!checker.contacts(q).empty()) return false;
+    if (!exact.is_free(q)) return false;
   }
-  return checker.contacts(to).empty();
+  return exact.is_free(to);
 }
 
 }  // namespace
@@ -31,9 +33,10 @@ bool is_path_free(const CollisionChecker& checker, const Path& path, double reso
   for (const Configuration& q : path) {
     if (checker.robot().describe_violation(q, "waypoint")) return false;
   }
-  if (!checker.contacts(path.front()).empty()) return false;
+  const internal::ExactChecker exact(checker.robot(), checker.scene());
+  if (!exact.is_free(path.front())) return false;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    if (!is_motion_free(checker, path[i - 1], path[i], resolution)) return false;
+    if (!is_motion_free(checker.robot(), exact, path[i - 1], path[i], resolution)) return false;
   }
   return true;
 }
