@@ -97,6 +97,7 @@ struct GlSampler {
 
 /// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are
 /// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
+/// Only planar arms learn on a miss.
 /// Learning ends `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
 /// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <limits>
 
 #include "mneme/learning.h"
 
@@ -46,8 +45,8 @@ class Nearness {
   }
 
  private:
-  /// The first joint of a symmetry carries all that moves; without one, any joint of the group
-  /// does.
+  /// What only the lift carries, such as a torso or a head, no symmetry turns; without symmetric
+  /// joints any joint of the group makes links move.
   [[nodiscard]] bool starts_moving(int joint, const SymmetricJoints& joints) const {
     const auto position = std::ranges::find(robot_.group(), joint) - robot_.group().begin();
     if (position == robot_.joint_count()) return false;

@@ -57,13 +57,15 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   const auto retrieve = [&](const LocalPrimitive& primitive) {
     return database.find(primitive, threshold, settings.max_matches);
   };
+  // Local queries are made for arms threaded through pairs of circles only.
+  const bool can_learn = robot.is_planar();
   for (LocalPrimitive& primitive : *primitives) {
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = std::move(primitive);
     retrieval.matches = retrieve(retrieval.primitive);
     const double rest_s = settings.plan.timeout_s - stopwatch.elapsed_s() - kInsertionTime;
     const double budget_s = std::min(settings.learn_budget_s - gl.learning_time_s, rest_s);
-    if (!retrieval.matches.empty() || budget_s <= 0) continue;
+    if (!retrieval.matches.empty() || budget_s <= 0 || !can_learn) continue;
     const internal::Stopwatch learning;
     auto learned = learn_on_miss(robot, settings, budget_s, database, retrieval);
     if (!learned) return tl::unexpected(learned.error());

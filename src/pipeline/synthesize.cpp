@@ -63,9 +63,10 @@ class Synthesizer {
   }
 
   /// A turn and a half of a joint with limits may be half a turn, which lies within them.
-  static void turn(float& value, double rotation) {
+  void turn(float& value, double rotation) const {
+    const float middle = 0.5f * (space_.lower(symmetric_.turn) + space_.upper(symmetric_.turn));
     value += static_cast<float>(rotation);
-    value -= kTurn * std::nearbyint(value / kTurn);
+    value -= kTurn * std::nearbyint((value - middle) / kTurn);
   }
 
   static constexpr float kTurn = 6.28318530718f;

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 
 #include "mneme/primitive.h"
 
@@ -11,8 +9,7 @@ namespace {
 
 constexpr double kTolerance = 1e-6;
 
-/// The joint of the group through which every link passes that any joint of the group moves, seen
-/// from `link`; -1 if there are several.
+/// Walks down from the root as long as one joint carries all further joints of the group.
 class LeadingJoints {
  public:
   explicit LeadingJoints(const Robot& robot)
@@ -54,8 +51,16 @@ class LeadingJoints {
 
   bool is_in_group(int joint) const { return std::ranges::count(robot_.group(), joint) > 0; }
 
+  /// True if another joint moves with this one: then what it carries does not stay rigid.
+  bool is_followed(int joint) const {
+    return std::ranges::any_of(robot_.joints(), [&](const Joint& other) {
+      return other.mimic && other.mimic->joint == joint;
+    });
+  }
+
   /// Notes the joint if it is a symmetry; both kinds may be found once.
   bool take(int index, const Joint& joint, SymmetricJoints& found) const {
+    if (is_followed(robot_.group()[static_cast<std::size_t>(index)])) return false;
     const Transform& pose = poses_[static_cast<std::size_t>(joint.child_link)];
     const Vec3 axis = pose.rotation * joint.axis;
     // Towards +z: a joint that turns or lifts the other way would need the opposite sign.

@@ -81,6 +81,29 @@ TEST_SUITE("unit") {
     check_joints(chain_of({shoulder, turning({1, 0, 0}, z)}), -1, -1);
   }
 
+  TEST_CASE("a joint that another one follows is no symmetry") {
+    Robot::Parts parts;
+    parts.name = "follower";
+    parts.links.resize(3);
+    for (int i = 0; i < 2; ++i) {
+      parts.links[static_cast<std::size_t>(i)].name = i == 0 ? "base" : "arm";
+      Joint joint = turning({0.1, 0, 0}, i == 0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY()));
+      joint.name = i == 0 ? "turn" : "finger";
+      joint.parent_link = i;
+      joint.child_link = i + 1;
+      parts.joints.push_back(joint);
+    }
+    parts.links[1].parent_joint = 0;
+    parts.links[2] = {"hand", 1, {{Vec3::Zero(), 0.1}}, {}, {}};
+    const auto free = make_robot(parts);
+    REQUIRE(free.has_value());
+    CHECK(find_symmetric_joints(*free).turn == 0);
+    parts.joints[1].mimic = Mimic{0, 1, 0};
+    const auto followed = make_robot(parts);
+    REQUIRE(followed.has_value());
+    CHECK(find_symmetric_joints(*followed).turn == -1);
+  }
+
   TEST_CASE("of two turns or two lifts in a row the first counts") {
     const Vec3 z = Vec3::UnitZ();
     check_joints(chain_of({turning({1, 0, 0}, z), turning({1, 0, 0}, z), lifting({0, 0, 0}, z)}), 0,
