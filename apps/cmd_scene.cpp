@@ -15,6 +15,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "scene_convert.h"
 #include "scene_threaded.h"
 
 namespace mneme::app {
@@ -131,6 +132,7 @@ void add_scene(CLI::App& program, Action& action) {
   group->require_subcommand(1);
   group->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
   add_info(*group, action);
+  add_scene_convert(*group, action);
   add_scene_threaded(*group, action);
 }
 

@@ -49,6 +49,10 @@ struct ProblemOptions {
 /// one that moves.
 [[nodiscard]] Result<Scene> in_root_frame(const FramedScene& scene, const Robot& robot);
 
+/// Text of a compact file with this scene and without start and goal: extract_scene reads it back
+/// to the same.
+[[nodiscard]] std::string to_compact_json(const FramedScene& scene);
+
 /// Names of the problems in a compact file, in order; those without a name have their index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);
 

@@ -41,6 +41,10 @@ struct FramedScene {
 /// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
+/// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a
+/// capsule, which MoveIt lacks; a scene without the name of its frame.
+[[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
+
 /// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.
 [[nodiscard]] Scene make_circle_scene(std::string name,
                                       const std::vector<std::array<double, 3>>& circles);

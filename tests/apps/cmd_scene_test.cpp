@@ -46,6 +46,27 @@ TEST_SUITE("flow") {
   }
 }
 
+TEST_SUITE("flow") {
+  TEST_CASE("a scene goes round through every format") {
+    const PlanarFiles files;
+    const auto convert = [&](const std::string& from, const std::string& to,
+                             const std::vector<std::string>& flags) {
+      std::vector<std::string> arguments = {"scene", "convert", from, "-o", to};
+      arguments.insert(arguments.end(), flags.begin(), flags.end());
+      const ProgramRun run = run_program(arguments);
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    };
+    convert(files.problem(), files / "a.yaml", {"--format", "moveit", "--frame", "base"});
+    convert(files / "a.yaml", files / "b.json", {});
+    convert(files / "b.json#two", files / "c.yaml", {});
+    const Scene first = extract_scene(files.problem()).value().scene;
+    const Scene last = load_scene(files / "c.yaml").value();
+    CHECK(to_yaml(last) == to_yaml(first));
+    CHECK(has_text(read_file(files / "c.yaml"), "# in the frame of base\n"));
+    CHECK(has_text(run_program({"scene", "convert", files / "a.yaml"}).out, "obstacles:"));
+  }
+}
+
 TEST_SUITE("unit") {
   TEST_CASE("wrong scenes end with a message and an exit code") {
     const PlanarFiles files;
@@ -58,6 +79,10 @@ TEST_SUITE("unit") {
         {{"scene", "info", files / "negative.yaml"}, 1, {"negative.yaml", "-3"}},
         {{"scene", "info", files.problem(), "--robot", "nobody"}, 1, {"nobody"}},
         {{"scene", "info", files.problem(), "--max-gap", "-1"}, 2, {"--max-gap"}},
+        {{"scene", "convert", files / "none.yaml"}, 1, {"none.yaml"}},
+        {{"scene", "convert", files.problem(), "--format", "dae"}, 2, {"--format", "dae"}},
+        {{"scene", "convert", files.problem(), "--format", "moveit"}, 1, {"frame"}},
+        {{"scene", "convert", files.problem(), "-o", files / "no/s.yaml"}, 1, {"no/s.yaml"}},
     });
   }
 }
