@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "mneme/ompl.h"
+#include "ompl/joint_values.h"
+#include "ompl/work.h"
+#include "robot/joint_space.h"
+
+namespace mneme::ompl {
+namespace {
+
+namespace ob = ::ompl::base;
+
+class MotionValidity final : public ob::MotionValidator {
+ public:
+  MotionValidity(const ob::SpaceInformationPtr& information, const CollisionChecker& checker,
+                 std::shared_ptr<WorkCounters> counters)
+      : MotionValidator(information),
+        checker_(checker),
+        space_(checker.robot()),
+        values_(information->getStateSpace().get()),
+        counters_(std::move(counters)) {}
+
+  bool checkMotion(const ob::State* from, const ob::State* to) const override {
+    const bool is_valid = is_motion_valid(from, to);
+    ++(is_valid ? valid_ : invalid_);
+    return is_valid;
+  }
+
+  bool checkMotion(const ob::State* from, const ob::State* to,
+                   std::pair<ob::State*, double>& last_valid) const override {
+    if (checkMotion(from, to)) return true;
+    last_valid.second = valid_fraction();
+    if (last_valid.first != nullptr) {
+      si_->getStateSpace()->interpolate(from, to, last_valid.second, last_valid.first);
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kBatch = 16;
+
+  /// Leaves both ends in the scratch slots 0 and 1.
+  bool is_motion_valid(const ob::State* from, const ob::State* to) const {
+    const std::span<float> a = scratch<0>(checker_.robot());
+    const std::span<float> b = scratch<1>(checker_.robot());
+    values_.read(from, a);
+    values_.read(to, b);
+    CheckCounters work;
+    const bool is_valid = si_->satisfiesBounds(to) && checker_.is_motion_valid(a, b, work);
+    count_motion(counters_, work.states);
+    return is_valid;
+  }
+
+  /// How much of the invalid motion between the scratch slots is free: looks at states in order,
+  /// because the raked motion check only tells that one of them is not.
+  double valid_fraction() const {
+    const std::span<const float> from = scratch<0>(checker_.robot());
+    const std::span<const float> to = scratch<1>(checker_.robot());
+    const std::size_t joints = from.size();
+    std::vector<float> delta(joints), states(kBatch * joints);
+    const float length = space_.difference(from.data(), to.data(), delta.data());
+    const int count = std::max(1, static_cast<int>(std::ceil(length / checker_.resolution())));
+    std::array<std::uint8_t, kBatch> is_valid;
+    for (int first = 1; first <= count; first += kBatch) {
+      const int size = std::min(kBatch, count - first + 1);
+      for (int i = 0; i < size; ++i) {
+        const float t = static_cast<float>(first + i) / static_cast<float>(count);
+        for (std::size_t j = 0; j < joints; ++j) {
+          states[static_cast<std::size_t>(i) * joints + j] = from[j] + t * delta[j];
+        }
+      }
+      const auto used = static_cast<std::size_t>(size);
+      checker_.check_states(std::span(states).first(used * joints),
+                            std::span(is_valid).first(used));
+      count_states(counters_, used);
+      for (int i = 0; i < size; ++i) {
+        if (is_valid[static_cast<std::size_t>(i)] == 0) return (first + i - 1.0) / count;
+      }
+    }
+    // Only states between these are in contact: short of the end, where the next state begins.
+    return (count - 1.0) / count;
+  }
+
+  CollisionChecker checker_;
+  internal::JointSpace space_;
+  JointValues values_;
+  std::shared_ptr<WorkCounters> counters_;
+};
+
+}  // namespace
+
+ob::MotionValidatorPtr make_motion_validity(const ob::SpaceInformationPtr& information,
+                                            const CollisionChecker& checker,
+                                            std::shared_ptr<WorkCounters> counters) {
+  return std::make_shared<MotionValidity>(information, checker, std::move(counters));
+}
+
+std::shared_ptr<ob::SpaceInformation> make_space_information(
+    const CollisionChecker& checker, std::shared_ptr<WorkCounters> counters) {
+  const auto space = std::make_shared<JointStateSpace>(checker.robot());
+  const double extent = space->getMaximumExtent();
+  space->setLongestValidSegmentFraction(std::min(1.0, checker.resolution() / extent));
+  auto information = std::make_shared<ob::SpaceInformation>(space);
+  information->setStateValidityChecker(make_state_validity(information, checker, counters));
+  information->setMotionValidator(make_motion_validity(information, checker, counters));
+  information->setup();
+  return information;
+}
+
+}  // namespace mneme::ompl

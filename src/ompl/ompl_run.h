@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ompl/base/PlannerTerminationCondition.h>
+#include <ompl/base/ProblemDefinition.h>
+
+#include "base/stopwatch.h"
+#include "mneme/ompl.h"
+#include "ompl/planner_table.h"
+
+namespace mneme::ompl {
+
+/// One call of a planner of OMPL: what PlannerRun is for mneme's own. Not thread-safe. OMPL may
+/// throw from each of its functions.
+class OmplRun {
+ public:
+  /// Refers to its arguments except the allocator; the query is sound.
+  OmplRun(const Problem& problem, const CollisionChecker& checker, const SolveSettings& settings,
+          const OmplSettings& ompl, const OmplPlanner& planner,
+          const ::ompl::base::StateSamplerAllocator& allocator);
+
+  /// Plans until the limits are reached, of which `spent_s` seconds are gone.
+  [[nodiscard]] PlanResult plan(double spent_s);
+
+ private:
+  void set_up_information(const ::ompl::base::StateSamplerAllocator& allocator);
+  void define_problem();
+  [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits(double timeout_s) const;
+  [[nodiscard]] Path solution() const;
+  [[nodiscard]] bool is_free(const Path& path);
+  void simplify();
+  void explain_failure();
+
+  const Problem& problem_;
+  const CollisionChecker& checker_;
+  const SolveSettings& settings_;
+  const OmplSettings& ompl_;
+  const OmplPlanner& planner_;
+  std::shared_ptr<WorkCounters> counters_ = std::make_shared<WorkCounters>();
+  std::shared_ptr<::ompl::base::SpaceInformation> information_;
+  ::ompl::base::ProblemDefinitionPtr definition_;
+  internal::Stopwatch stopwatch_;
+  CheckCounters checks_;  ///< of simplification and verification
+  PlanResult result_;
+};
+
+}  // namespace mneme::ompl

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mneme/ompl.h"
+
+namespace mneme::ompl {
+namespace {
+
+namespace ob = ::ompl::base;
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+double* values(ob::State* state) {
+  return state->as<ob::RealVectorStateSpace::StateType>()->values;
+}
+const double* values(const ob::State* state) {
+  return state->as<ob::RealVectorStateSpace::StateType>()->values;
+}
+
+double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
+
+/// OMPL's own sampler, except that intervals and bells around a state go on beyond the seam of a
+/// continuous joint.
+class JointStateSampler final : public ob::RealVectorStateSampler {
+ public:
+  JointStateSampler(const JointStateSpace* space, const std::vector<char>& is_continuous)
+      : RealVectorStateSampler(space), is_continuous_(is_continuous) {}
+
+  void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
+    RealVectorStateSampler::sampleUniformNear(state, near, distance);
+    for (std::size_t i = 0; i < is_continuous_.size(); ++i) {
+      if (is_continuous_[i] == 0) continue;
+      const double reach = std::min(distance, std::numbers::pi);
+      values(state)[i] = wrapped(values(near)[i] + rng_.uniformReal(-reach, reach));
+    }
+  }
+
+  void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
+    for (std::size_t i = 0; i < is_continuous_.size(); ++i) {
+      values(state)[i] = rng_.gaussian(values(mean)[i], deviation);
+    }
+    space_->enforceBounds(state);
+  }
+
+ private:
+  const std::vector<char>& is_continuous_;
+};
+
+}  // namespace
+
+JointStateSpace::JointStateSpace(const Robot& robot)
+    : RealVectorStateSpace(static_cast<unsigned>(robot.joint_count())), robot_(robot) {
+  setName("mneme " + robot.name());
+  ob::RealVectorBounds bounds(dimension_);
+  for (unsigned i = 0; i < dimension_; ++i) {
+    const Joint& joint = robot.group_joint(static_cast<int>(i));
+    bounds.setLow(i, joint.lower);
+    bounds.setHigh(i, joint.upper);
+    setDimensionName(i, joint.name);
+    is_continuous_.push_back(joint.type == JointType::continuous ? 1 : 0);
+  }
+  setBounds(bounds);
+}
+
+double JointStateSpace::getMaximumExtent() const {
+  double sum = 0;
+  for (unsigned i = 0; i < dimension_; ++i) {
+    const double extent =
+        is_continuous_[i] != 0 ? std::numbers::pi : bounds_.high[i] - bounds_.low[i];
+    sum += extent * extent;
+  }
+  return std::sqrt(sum);
+}
+
+double JointStateSpace::distance(const ob::State* a, const ob::State* b) const {
+  double sum = 0;
+  for (unsigned i = 0; i < dimension_; ++i) {
+    double difference = values(b)[i] - values(a)[i];
+    if (is_continuous_[i] != 0) difference = wrapped(difference);
+    sum += difference * difference;
+  }
+  return std::sqrt(sum);
+}
+
+void JointStateSpace::interpolate(const ob::State* from, const ob::State* to, double t,
+                                  ob::State* state) const {
+  for (unsigned i = 0; i < dimension_; ++i) {
+    const double begin = values(from)[i];
+    const double difference = values(to)[i] - begin;
+    values(state)[i] =
+        is_continuous_[i] != 0 ? wrapped(begin + t * wrapped(difference)) : begin + t * difference;
+  }
+}
+
+void JointStateSpace::enforceBounds(ob::State* state) const {
+  for (unsigned i = 0; i < dimension_; ++i) {
+    double& value = values(state)[i];
+    value = is_continuous_[i] != 0 ? wrapped(value)
+                                   : std::clamp(value, bounds_.low[i], bounds_.high[i]);
+  }
+}
+
+bool JointStateSpace::equalStates(const ob::State* a, const ob::State* b) const {
+  return distance(a, b) < 1e-12;
+}
+
+ob::StateSamplerPtr JointStateSpace::allocDefaultStateSampler() const {
+  return std::make_shared<JointStateSampler>(this, is_continuous_);
+}
+
+}  // namespace mneme::ompl

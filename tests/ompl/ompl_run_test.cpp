@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/ompl_run.h"
+
+#include "ompl/silence.h"
+#include "ompl/small_problems.h"
+
+namespace mneme::test {
+namespace {
+
+PlanResult run(const Problem& problem, const std::string& planner, const SolveSettings& settings,
+               const OmplSettings& ompl = {}) {
+  const mneme::ompl::Silence silence;
+  const CollisionChecker checker = checker_of(problem);
+  const auto* entry = mneme::ompl::find_ompl_planner(planner);
+  REQUIRE(entry != nullptr);
+  return mneme::ompl::OmplRun(problem, checker, settings, ompl, *entry, {}).plan(0);
+}
+
+/// The arm's first link is locked between posts: nothing leads to the goal.
+Problem locked_problem() {
+  Problem problem{"locked", planar_arm({1, 0.5}), "", {}, {-kPi, 0.5}, {{0, 0.5}}, {}};
+  std::vector<std::array<double, 3>> ring;
+  for (int i = 0; i < 18; ++i) {
+    const double angle = i * kPi / 9;
+    if (i != 0 && i != 9) ring.push_back({0.8 * std::cos(angle), 0.8 * std::sin(angle), 0.2});
+  }
+  problem.scene = make_circle_scene("ring", ring);
+  return problem;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a run ends at its limits, and says which") {
+    const Problem problem = locked_problem();
+    SolveSettings settings;
+    settings.plan.timeout_s = 0.05;
+    for (const char* planner : {"RRTConnect", "PRM", "BITstar", "BKPIECE1"}) {
+      const PlanResult late = run(problem, planner, settings);
+      CHECK_MESSAGE(late.status == PlanStatus::timeout, planner);
+      CHECK(!late.message.empty());
+      CHECK(late.path.empty());
+      CHECK(late.planning_time_s >= 0.05);
+      CHECK(late.iterations > 0);
+    }
+    settings.plan.timeout_s = 60;
+    settings.plan.max_iterations = 500;
+    const PlanResult drawn = run(problem, "RRTConnect", settings);
+    CHECK(drawn.status == PlanStatus::iteration_limit);
+    CHECK(drawn.iterations >= 500);
+    CHECK(drawn.iterations <= 502);
+    const std::atomic<bool> cancel{true};
+    settings.plan.cancel = &cancel;
+    CHECK(run(problem, "RRTConnect", settings).status == PlanStatus::cancelled);
+  }
+
+  TEST_CASE("no time at all is a time-out") {
+    SolveSettings settings;
+    settings.plan.timeout_s = 0;
+    CHECK(run(gap_problem(), "RRTConnect", settings).status == PlanStatus::timeout);
+  }
+
+  TEST_CASE("simplification shortens the path, between the same ends") {
+    const Problem problem = gap_problem();
+    SolveSettings settings;
+    settings.plan.simplify = false;
+    const PlanResult planned = run(problem, "PRM", settings);
+    settings.plan.simplify = true;
+    const PlanResult shortened = run(problem, "PRM", settings);
+    REQUIRE(planned.is_solved());
+    REQUIRE(shortened.is_solved());
+    CHECK(planned.simplification_time_s == 0);
+    CHECK(shortened.simplification_time_s > 0);
+    CHECK(path_length(problem.robot, shortened.path) < path_length(problem.robot, planned.path));
+    for (const Path& path : {planned.path, shortened.path}) {
+      CHECK(path.front() == problem.robot.normalized(problem.start));
+      CHECK(path.back() == problem.robot.normalized(problem.goals[0]));
+    }
+  }
+
+  TEST_CASE("the path ends at the goal that it reached") {
+    Problem problem = gap_problem();
+    problem.goals.insert(problem.goals.begin(), {0.2, 0.1, 0.1});
+    const PlanResult result = run(problem, "RRTConnect", {});
+    REQUIRE(result.is_solved());
+    CHECK((result.path.back() == problem.robot.normalized(problem.goals[0]) ||
+           result.path.back() == problem.robot.normalized(problem.goals[1])));
+  }
+}
+
+}  // namespace mneme::test

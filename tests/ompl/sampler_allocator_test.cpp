@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/small_problems.h"
+
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/base/spaces/SO2StateSpace.h>
+#include <ompl/geometric/planners/prm/LazyPRM.h>
+#include <ompl/geometric/planners/prm/PRM.h>
+#include <ompl/geometric/planners/rrt/RRT.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/geometric/planners/rrt/RRTstar.h>
+
+#include "ompl/silence.h"
+
+namespace mneme::test {
+namespace {
+
+/// Draws of a planner that has half a second, at most, for a problem.
+template <class Planner>
+int count_draws(const Problem& problem, const std::shared_ptr<ConstantSampler>& sampler) {
+  const auto information = mneme::ompl::make_space_information(checker_of(problem));
+  information->getStateSpace()->setStateSamplerAllocator(mneme::ompl::sampler_allocator(sampler));
+  const auto definition = std::make_shared<ob::ProblemDefinition>(information);
+  definition->setStartAndGoalStates(state_of(information, problem.start),
+                                    state_of(information, problem.goals[0]));
+  Planner planner(information);
+  planner.setProblemDefinition(definition);
+  planner.setup();
+  planner.solve(ob::PlannerTerminationCondition([&] { return sampler->drawn() >= 20; }));
+  return sampler->drawn();
+}
+
+struct Remembered {
+  Problem problem = planar_problem("threaded_b4");
+  TemporaryDirectory directory;
+  Database database = make_database(directory / "m.db", problem.robot);
+  Remembered() {
+    const auto primitives = decompose(problem.robot, problem.scene, {});
+    REQUIRE(primitives.has_value());
+    std::vector<PrimitiveKey> keys;
+    for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
+    learn_into(database, problem.robot, keys);
+  }
+};
+
+/// How many of `count` draws lie within `radius` (L2) of a mean of the mixture.
+int count_near(const Robot& robot, const GaussianMixture& mixture, ob::StateSampler& sampler,
+               const ob::SpaceInformationPtr& information, int count, double radius) {
+  ob::ScopedState<> state(information);
+  int near = 0;
+  for (int i = 0; i < count; ++i) {
+    sampler.sampleUniform(state.get());
+    const Configuration q = values_of(state.get(), robot.joint_count());
+    for (int c = 0; c < mixture.component_count(); ++c) {
+      if (robot.distance(q, mean_of(mixture, c)) < radius) {
+        ++near;
+        break;
+      }
+    }
+  }
+  return near;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a sampler's configurations become states of a vector space and of a compound space") {
+    const auto sampler = std::make_shared<ConstantSampler>(std::vector<float>{0.5f, 1.0f, -1.0f});
+    const auto rest = std::make_shared<ob::RealVectorStateSpace>(2);
+    rest->setBounds(-kPi, kPi);
+    for (const ob::StateSpacePtr& space :
+         {std::static_pointer_cast<ob::StateSpace>(
+              std::make_shared<mneme::ompl::JointStateSpace>(gap_problem().robot)),
+          std::make_shared<ob::SO2StateSpace>() + rest}) {
+      space->setup();
+      space->setStateSamplerAllocator(mneme::ompl::sampler_allocator(sampler));
+      ob::ScopedState<> state(space);
+      space->allocStateSampler()->sampleUniform(state.get());
+      CHECK(state.reals() == std::vector<double>{0.5, 1, -1});
+    }
+  }
+
+  TEST_CASE("each state sampler has a stream of its own, the same for the same seed") {
+    const Robot robot = planar8();
+    const auto space = std::make_shared<mneme::ompl::JointStateSpace>(robot);
+    space->setup();
+    const std::shared_ptr<const Sampler> uniform = make_uniform_sampler(robot);
+    const auto draw = [&](const ob::StateSamplerPtr& sampler) {
+      ob::ScopedState<> state(space);
+      sampler->sampleUniform(state.get());
+      return state.reals();
+    };
+    const auto allocator = mneme::ompl::sampler_allocator(uniform, 5);
+    const auto first = draw(allocator(space.get())), second = draw(allocator(space.get()));
+    CHECK(first != second);
+    CHECK(draw(mneme::ompl::sampler_allocator(uniform, 5)(space.get())) == first);
+    CHECK(draw(mneme::ompl::sampler_allocator(uniform, 6)(space.get())) != first);
+  }
+
+  TEST_CASE("samples near a state are the space's") {
+    const Robot robot = planar8();
+    const auto space = std::make_shared<mneme::ompl::JointStateSpace>(robot);
+    space->setup();
+    const auto sampler = std::make_shared<ConstantSampler>(std::vector<float>(8, 3.0f));
+    const auto states = mneme::ompl::sampler_allocator(sampler)(space.get());
+    ob::ScopedState<> near(space), state(space);
+    near = Configuration(8, 0.5);
+    states->sampleUniformNear(state.get(), near.get(), 0.1);
+    CHECK(space->distance(near.get(), state.get()) <= 0.1 * std::sqrt(8.0));
+    states->sampleGaussian(state.get(), near.get(), 1e-6);
+    CHECK(space->distance(near.get(), state.get()) < 1e-4);
+    CHECK(sampler->drawn() == 0);
+  }
+
+  TEST_CASE("memory answers a fraction lambda of the draws") {
+    Remembered world;
+    SolveSettings settings;
+    settings.drop_invalid_means = false;
+    const auto gl =
+        create_gl_sampler(world.problem.robot, world.problem.scene, world.database, settings);
+    REQUIRE(gl.has_value());
+    const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
+    for (const double lambda : {0.0, 0.5, 1.0}) {
+      settings.lambda = lambda;
+      const auto allocator = mneme::ompl::gl_sampler_allocator(
+          world.problem.robot, world.problem.scene, world.database, settings);
+      REQUIRE(allocator.has_value());
+      const auto sampler = (*allocator)(information->getStateSpace().get());
+      // Sigma is 0.05 for each of eight joints; uniform samples are several radians away.
+      const int near =
+          count_near(world.problem.robot, *gl->mixture, *sampler, information, 400, 0.4);
+      CHECK(std::abs(near - 400 * lambda) <= 50);
+    }
+  }
+
+  TEST_CASE("states before memory is asked are uniform") {
+    Remembered world;
+    SolveSettings settings;
+    settings.lambda = 1;
+    settings.retrieve_after = 100;
+    settings.drop_invalid_means = false;
+    const auto gl =
+        create_gl_sampler(world.problem.robot, world.problem.scene, world.database, settings);
+    const auto allocator = mneme::ompl::gl_sampler_allocator(
+        world.problem.robot, world.problem.scene, world.database, settings);
+    REQUIRE(allocator.has_value());
+    const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
+    const auto sampler = (*allocator)(information->getStateSpace().get());
+    const auto near = [&] {
+      return count_near(world.problem.robot, *gl->mixture, *sampler, information, 100, 0.4);
+    };
+    CHECK(near() <= 5);
+    CHECK(near() >= 95);
+  }
+
+  TEST_CASE("a database of another robot is refused") {
+    Remembered world;
+    const Robot other = planar_arm({1, 1});
+    const auto allocator = mneme::ompl::gl_sampler_allocator(
+        other, make_circle_scene("", {{1.5, 0.75, 0.35}}), world.database);
+    REQUIRE(!allocator.has_value());
+    CHECK(allocator.error().code == ErrorCode::wrong_robot);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("RRT, RRTConnect, PRM, LazyPRM and RRT* draw from the sampler") {
+    const mneme::ompl::Silence silence;
+    const Problem problem = gap_problem();
+    // A configuration that is of no use, so that no planner ends before it has drawn often.
+    const auto make_sampler = [] {
+      return std::make_shared<ConstantSampler>(std::vector<float>{0.1f, 0.2f, 0.3f});
+    };
+    CHECK(count_draws<og::RRT>(problem, make_sampler()) >= 20);
+    CHECK(count_draws<og::RRTConnect>(problem, make_sampler()) >= 20);
+    CHECK(count_draws<og::PRM>(problem, make_sampler()) >= 20);
+    CHECK(count_draws<og::LazyPRM>(problem, make_sampler()) >= 20);
+    CHECK(count_draws<og::RRTstar>(problem, make_sampler()) >= 20);
+  }
+}
+
+}  // namespace mneme::test

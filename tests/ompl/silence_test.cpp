@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/silence.h"
+
+#include <ompl/util/Console.h>
+
+#include "support/support.h"
+
+namespace mneme::test {
+namespace {
+
+struct Listener final : ::ompl::msg::OutputHandler {
+  void log(const std::string&, ::ompl::msg::LogLevel, const char*, int) override { ++lines; }
+  int lines = 0;
+};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("OMPL's log is silent as long as any silence lasts, and goes where it went before") {
+    Listener listener;
+    ::ompl::msg::OutputHandler* const before = ::ompl::msg::getOutputHandler();
+    ::ompl::msg::useOutputHandler(&listener);
+    {
+      const mneme::ompl::Silence outer;
+      { const mneme::ompl::Silence inner; }
+      OMPL_ERROR("unheard");
+    }
+    CHECK(listener.lines == 0);
+    OMPL_ERROR("heard");
+    CHECK(listener.lines == 1);
+    ::ompl::msg::useOutputHandler(before);
+  }
+}
+
+}  // namespace mneme::test

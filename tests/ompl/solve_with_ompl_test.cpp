@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/small_problems.h"
+
+namespace mneme::test {
+namespace {
+
+/// Radians: a tenth of a planar arm's default.
+constexpr double kExactResolution = 0.002;
+
+SolveResult solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings,
+                          const OmplSettings& ompl = {}) {
+  auto result = solve_with_ompl(problem, database, settings, ompl);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  return std::move(*result);
+}
+
+SolveSettings settings_for(const std::string& planner, const std::string& sampler = "uniform") {
+  SolveSettings settings;
+  settings.planner = planner;
+  settings.sampler = sampler;
+  return settings;
+}
+
+void check_refused(const SolveSettings& settings, const std::string& word) {
+  const auto result = solve_with_ompl(gap_problem(), nullptr, settings);
+  REQUIRE(!result.has_value());
+  CHECK(result.error().code == ErrorCode::invalid);
+  CHECK_MESSAGE(result.error().message.find(word) != std::string::npos, result.error().message);
+}
+
+/// A path from start to goal without contact, by exact distances at ten times the resolution.
+void check_path(const Problem& problem, const SolveResult& result) {
+  REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+  const Path& path = result.plan.path;
+  REQUIRE(path.size() >= 2);
+  CHECK(path.front() == problem.robot.normalized(problem.start));
+  CHECK(path.back() == problem.robot.normalized(problem.goals[0]));
+  CHECK(is_path_free(checker_of(problem), path, kExactResolution));
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong settings are errors that say what was expected") {
+    check_refused(settings_for("rrt_connect"), "RRTConnect");
+    check_refused(settings_for("RRTConnect", "halt"), "gl, uniform");
+    check_refused(settings_for("RRTConnect", "gaussian"), "PRM");
+    SolveSettings settings = settings_for("RRTConnect");
+    settings.lambda = 2;
+    check_refused(settings, "'lambda'");
+  }
+
+  TEST_CASE("a start in contact is a status") {
+    Problem problem = gap_problem();
+    problem.start = {2.8, 0, 0};
+    const SolveResult result = solve_or_fail(problem, nullptr, settings_for("RRTConnect"));
+    CHECK(result.plan.status == PlanStatus::invalid_start);
+    CHECK(result.plan.message.find("touches") != std::string::npos);
+  }
+
+  TEST_CASE("a database of another robot is refused") {
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "m.db", planar8());
+    const auto result = solve_with_ompl(gap_problem(), &database, settings_for("RRTConnect", "gl"));
+    REQUIRE(!result.has_value());
+    CHECK(result.error().code == ErrorCode::wrong_robot);
+  }
+
+  TEST_CASE("the same seed gives the same path, another one another") {
+    const Problem problem = gap_problem();
+    SolveSettings settings = settings_for("RRTConnect");
+    const Path path = solve_or_fail(problem, nullptr, settings).plan.path;
+    CHECK(solve_or_fail(problem, nullptr, settings).plan.path == path);
+    settings.plan.seed = 2;
+    CHECK(solve_or_fail(problem, nullptr, settings).plan.path != path);
+  }
+
+  TEST_CASE("OMPL's defaults let a planner jump over an obstacle; tuned ones do not") {
+    // Two steps of a hundredth of the extent are farther apart than this circle is wide.
+    Problem problem{"post", planar_arm({1}), "", {}, {-0.5}, {{0.5}}, {}};
+    problem.scene = make_circle_scene("", {{0.95, 0, 0.001}});
+    SolveSettings settings = settings_for("RRTConnect");
+    OmplSettings paper;
+    paper.as_in_paper = true;
+    int tunnels = 0;
+    for (settings.plan.seed = 1; settings.plan.seed <= 10; ++settings.plan.seed) {
+      const SolveResult careless = solve_or_fail(problem, nullptr, settings, paper);
+      if (careless.plan.is_solved() &&
+          !is_path_free(checker_of(problem), careless.plan.path, kExactResolution)) {
+        ++tunnels;
+      }
+      check_path(problem, solve_or_fail(problem, nullptr, settings));
+    }
+    CHECK(tunnels > 0);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("every planner solves an easy problem with uniform samples") {
+    const Problem problem = gap_problem();
+    for (const std::string_view name : ompl_planner_names()) {
+      CAPTURE(name);
+      const SolveResult result =
+          solve_or_fail(problem, nullptr, settings_for("ompl:" + std::string(name)));
+      check_path(problem, result);
+      CHECK(result.planner == "ompl:" + std::string(name));
+      CHECK(result.total_time_s >= result.planning_time_s);
+      CHECK(result.plan.states_checked > 0);
+      CHECK(result.plan.motions_checked > 0);
+    }
+  }
+
+  TEST_CASE("PRM solves it with every sampler of valid states, and with Halton points") {
+    const Problem problem = gap_problem();
+    for (const std::string_view name : ompl_sampler_names()) {
+      CAPTURE(name);
+      check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", std::string(name))));
+    }
+    check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", "halton")));
+  }
+
+  TEST_CASE("with memory RRTConnect threads the arm out of a gap after fewer samples") {
+    const Problem problem = planar_problem("threaded_b4");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "m.db", problem.robot);
+    const auto primitives = decompose(problem.robot, problem.scene, {});
+    REQUIRE(primitives.has_value());
+    LearnSettings learning = cheap_settings();
+    learning.starts_per_link = 2;
+    learn_into(database, problem.robot, {primitives->at(0).key}, learning);
+    std::uint64_t with_memory = 0, uniform = 0;
+    SolveSettings settings = settings_for("RRTConnect", "gl");
+    settings.plan.max_iterations = 3000;
+    for (settings.plan.seed = 1; settings.plan.seed <= 3; ++settings.plan.seed) {
+      settings.sampler = "gl";
+      const SolveResult remembered = solve_or_fail(problem, &database, settings);
+      check_path(problem, remembered);
+      CHECK(remembered.gl.mixture->component_count() > 0);
+      with_memory += remembered.plan.iterations;
+      settings.sampler = "uniform";
+      uniform += solve_or_fail(problem, nullptr, settings).plan.iterations;
+    }
+    CHECK(with_memory < uniform);
+  }
+}
+
+}  // namespace mneme::test
