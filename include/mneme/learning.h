@@ -81,6 +81,12 @@ struct LearnResult {
                                                                const DecomposeSettings& settings,
                                                                double reach = 0.12);
 
+/// Remembers solved paths as a whole (decomposer "paths"): per path one row whose key is that of
+/// its ends and whose means are its waypoints, ends included, in their order. create_gl_sampler()
+/// bends them to the ends of other queries.
+[[nodiscard]] std::vector<Experience> learn_whole_paths(const Robot& robot,
+                                                        std::span<const Path> paths);
+
 /// Section V-A: greedily groups means that see each other along straight free motions, and replaces
 /// each group by one component with the group's mean, and its covariance if it has more than
 /// joint_count members. Components that have a factor already stay as they are, and groups whose

@@ -110,6 +110,14 @@ inline constexpr int kBodyKeySize = 9;
 /// The two circles of a key as a scene of their own.
 [[nodiscard]] Scene make_scene(const PrimitiveKey& key);
 
+/// A whole query as a primitive, for memory of whole paths (decomposer "paths"): its key is the
+/// length of the straight motion from start to goal, then both configurations, a continuous joint
+/// as its cosine and sine. The two images are the query and its reverse; no obstacles count.
+[[nodiscard]] LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> start,
+                                                  std::span<const double> goal);
+/// Numbers in such a key: odd, unlike those of the other decomposers.
+[[nodiscard]] int query_key_size(const Robot& robot);
+
 /// One of the ways to write down the same canonical primitive: either order, and for circles either
 /// mirror image.
 struct KeyImage {

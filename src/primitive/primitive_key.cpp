@@ -24,6 +24,21 @@ double nearer_image(const double* p, const double* q, const double* b) {
   return common + std::min(plain, mirrored);
 }
 
+double squared_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += squared(a[i] - b[i]);
+  return sum;
+}
+
+bool is_of_query(const PrimitiveKey& key) { return key.size() % 2 == 1; }
+
+/// The key of the query from the goal to the start, which is as long.
+PrimitiveKey reversed_query(PrimitiveKey key) {
+  const auto ends = key.begin() + 1;
+  std::rotate(ends, ends + (key.end() - ends) / 2, key.end());
+  return key;
+}
+
 }  // namespace
 
 LocalPrimitive make_primitive(const PrimitiveKey& circles) {
@@ -47,6 +62,7 @@ Scene make_scene(const PrimitiveKey& key) {
 }
 
 std::vector<KeyImage> images(const PrimitiveKey& canonical) {
+  if (is_of_query(canonical)) return {{canonical, false}, {reversed_query(canonical), false}};
   if (canonical.size() == kBodyPairKeySize) {
     PrimitiveKey swapped = canonical;
     std::rotate(swapped.begin(), swapped.begin() + kBodyKeySize, swapped.end());
@@ -64,6 +80,9 @@ std::vector<KeyImage> images(const PrimitiveKey& canonical) {
 }
 
 double similarity_error(const PrimitiveKey& a, const PrimitiveKey& b) {
+  if (is_of_query(a) && a.size() == b.size()) {
+    return std::min(squared_distance(a, b), squared_distance(a, reversed_query(b)));
+  }
   if (a.size() == kBodyPairKeySize && b.size() == kBodyPairKeySize) {
     double plain = 0, swapped = 0;
     for (std::size_t i = 0; i < kBodyPairKeySize; ++i) {
