@@ -289,7 +289,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
                    "keep the rows of --csv and run only what is missing");
   add_settings(command, options.settings);
   add_settings(command, options.settings.plan);
-  add_settings(command, options.settings.decompose);
+  add_decompose_settings(command, options.settings.decompose);
   add_settings(command, options.settings.learn);
   add_isa(command);
   add_json(command, options.is_json);

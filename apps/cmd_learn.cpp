@@ -211,10 +211,14 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   const Result<std::vector<Problem>> problems = load_lesson(lesson, *overrides);
   if (!problems) return tl::unexpected(problems.error());
   if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
-  Result<Database> database = open_database(options.db, problems->front().robot, OpenMode::create,
-                                            options.decompose.decomposer);
+  const Robot& robot = problems->front().robot;
+  DecomposeSettings decompose = options.decompose;
+  // Solved problems teach arms in space most as whole paths.
+  if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
+  Result<Database> database =
+      open_database(options.db, robot, OpenMode::create, decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
-  const auto summary = learn_from_problems(*problems, lesson, options.decompose, *database);
+  const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
   if (!summary) return tl::unexpected(summary.error());
   if (options.is_json) {
     print_json({{"learned", summary->learned},
@@ -288,7 +292,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
              "every primitive of the range gets a match closer than this, m^2, instead of the "
              "grid's value");
   add_settings(command, options.job.settings);
-  add_settings(command, options.decompose);
+  add_decompose_settings(command, options.decompose);
 }
 
 }  // namespace

@@ -186,7 +186,7 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
              "source of configurations (default gl with --db, uniform without)");
   add_settings(command, settings);
   add_settings(command, settings.plan);
-  add_settings(command, settings.decompose);
+  add_decompose_settings(command, settings.decompose);
   add_settings(command, settings.learn);
 }
 

@@ -80,7 +80,14 @@ Result<Database> open_database(const std::string& url, const Robot& robot, OpenM
   if (!path) return tl::unexpected(path.error());
   const Result<ExperienceSpace> space = make_space(robot, decomposer);
   if (!space) return tl::unexpected(space.error());
-  return Database::open(*path, *space, mode);
+  Result<Database> database = Database::open(*path, *space, mode);
+  const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
+  if (!is_other || !decomposer.empty()) return database;
+  // Of the same robot and another decomposer, which nobody asked not to use.
+  const Result<Database> found = Database::inspect(*path);
+  if (!found || found->space().robot_hash != robot.hash()) return database;
+  const auto own = decomposer_of_version(found->space().decomposer);
+  return own ? open_database(url, robot, mode, *own) : std::move(database);
 }
 
 Result<Database> inspect_database(const std::string& url) {

@@ -37,8 +37,7 @@ struct Workspace {
 
 /// Opens the database at `url` for the experience of `robot`.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
-                                             OpenMode mode,
-                                             const std::string& decomposer = "");
+                                             OpenMode mode, const std::string& decomposer = "");
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url);
 /// The path of the SQLite file that `url` names.

@@ -104,6 +104,12 @@ void SettingsFlags::add_switch(std::string_view name, bool& value, std::string_v
                 fmt::format("{} (default {})", sentence, value ? "on" : "off"));
 }
 
+void add_decompose_settings(CLI::App& app, DecomposeSettings& settings) {
+  add_choice(app, "--decomposer", "decomposer", settings.decomposer, decomposer_names(),
+             "what makes primitives of a scene (default: that of the database, or the robot's)");
+  add_settings(app, settings);
+}
+
 void add_isa(CLI::App& app) {
   const auto read = [](const std::string& name) {
     const Result<Isa> isa = parse_isa(name);

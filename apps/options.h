@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "mneme/primitive.h"
 #include "mneme/robot.h"
 
 namespace mneme::app {
@@ -120,6 +121,8 @@ void add_settings(CLI::App& app, Settings& settings,
   visit_settings(settings, SettingsFlags(app, only));
 }
 
+/// The flag --decomposer and those of the settings.
+void add_decompose_settings(CLI::App& app, DecomposeSettings& settings);
 /// The flag --isa, which forces the instruction set of all kernels.
 void add_isa(CLI::App& app);
 /// The flags --srdf, --group and --package-path.

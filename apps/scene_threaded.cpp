@@ -132,7 +132,10 @@ void add_scene_threaded(CLI::App& group, Action& action) {
       "Example:\n  mneme scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 "
       "-o threaded.json");
   command->add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
-  command->add_option("-o,--output", options->output, "compact problem file to write, - for standard output")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "compact problem file to write, - for standard output")
+      ->required();
   add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
              "seed of all random numbers");
   add_number(*command, "-n,--count", options->count, 1, kMaxCount, "problems to write");

@@ -21,10 +21,10 @@ namespace mneme {
 struct SolveSettings {
   std::string planner = "rrt_connect";
   std::string sampler = "gl";
-  double lambda = 0.5;
+  double lambda = -1;
   double sigma = 0;
   double similarity = 0;
-  int max_matches = 8;
+  int max_matches = -1;
   bool drop_invalid_means = true;
   int retrieve_after = -1;
   double first_components = -1;
@@ -42,30 +42,32 @@ struct SolveSettings {
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
-  visit("lambda", s.lambda, 0.0, 1.0,
+  visit("lambda", s.lambda, -1.0, 1.0,
         "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
-        "may never get anywhere");
+        "may never get anywhere; negative picks the default of the memory (0.7 for whole paths, "
+        "0.5 otherwise)");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
-        "joints); smaller repeats the past, larger explores around it; 0 picks the robot's default "
-        "(0.05 for a planar arm, 0.3 otherwise)");
+        "joints); smaller repeats the past, larger explores around it; 0 picks the default of the "
+        "memory (0.05 for pairs, 0.3 for body_pairs, 0.4 for paths)");
   visit("similarity", s.similarity, 0.0, 1e9,
-        "retrieve samplers whose squared key distance is less than this (m^2), and those of the "
-        "same key whatever it is; 0 picks the robot's default (0.5 for a planar arm, 0.05 "
-        "otherwise); the paper used 3");
-  visit(
-      "max-matches", s.max_matches, 0, 1000000,
-      "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's rule)");
+        "retrieve samplers whose squared key distance is less than this (m^2, for whole paths "
+        "rad^2), and those of the same key whatever it is; 0 picks the default of the memory (0.5 "
+        "for pairs, 0.05 for body_pairs, any for paths); the paper used 3");
+  visit("max-matches", s.max_matches, -1, 1000000,
+        "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's "
+        "rule), -1 for the default of the memory (50 for whole paths, 8 otherwise)");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
         "drop retrieved means that are in contact in the whole scene, all in one batch of state "
-        "checks");
+        "checks; never done for body_pairs and paths, where samples around them help");
   visit("retrieve-after", s.retrieve_after, -1, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; -1 picks the robot's default (0 for a planar arm, 1500 otherwise)");
+        "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs, 100 for "
+        "paths)");
   visit("first-components", s.first_components, -1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; 0 "
-        "for all from the start (the paper's rule), -1 picks the robot's default (0 for a planar "
-        "arm, 20 otherwise)");
+        "for all from the start (the paper's rule), -1 picks the default of the memory (0 for "
+        "pairs, 20 otherwise)");
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "progressive widening: components that are added per iteration");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
@@ -76,7 +78,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "default");
 }
 
-/// The default `similarity` for the keys of a decomposer, by its name or version; m^2.
+/// The default `similarity` for the keys of a decomposer, by its name or version.
 [[nodiscard]] double default_similarity(std::string_view decomposer);
 
 /// A primitive of the scene and what the memory knew of it.
@@ -99,9 +101,15 @@ struct GlSampler {
 /// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
 /// Only planar arms learn on a miss.
 /// Learning ends `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
-/// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer.
+/// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer;
+/// invalid if it remembers whole paths, which need a problem.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,
                                                   Database& database,
+                                                  const SolveSettings& settings);
+
+/// The same for a problem. A database of whole paths is asked for paths of similar starts and
+/// goals, once per goal, and bends them to the problem's.
+[[nodiscard]] Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
                                                   const SolveSettings& settings);
 
 struct SolveResult {

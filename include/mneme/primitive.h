@@ -6,6 +6,7 @@
 
 #include <array>
 #include <concepts>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -82,13 +83,17 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// empty `decomposer` is the robot's own: "pairs" for planar arms, which needs spheres in the plane
 /// and leaves out pairs that overlap or that the arm cannot reach; "body_pairs" for all others,
 /// which takes obstacles of any shapes, touching ones too. Errors: an unknown decomposer; a robot
-/// or obstacles that it does not handle.
+/// or obstacles that it does not handle; "paths", whose primitives are whole queries.
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose(const Robot& robot, const Scene& scene,
                                                             const DecomposeSettings& settings = {});
 
 /// Name and version of a decomposer: experience is keyed to it, because a key means nothing without
 /// it.
 [[nodiscard]] Result<std::string> decomposer_version(const std::string& decomposer);
+/// All decomposers.
+[[nodiscard]] std::vector<std::string> decomposer_names();
+/// The decomposer that makes keys of this version, or nothing if there is none.
+[[nodiscard]] std::optional<std::string> decomposer_of_version(std::string_view version);
 /// The decomposer of a robot: "pairs" or "body_pairs".
 [[nodiscard]] std::string default_decomposer(const Robot& robot);
 

@@ -30,8 +30,10 @@ tl::unexpected<Error> refuse_space(const std::string& url, const ExperienceSpace
 Result<ExperienceSpace> make_space(const Robot& robot, const std::string& decomposer) {
   const std::string& name = decomposer.empty() ? default_decomposer(robot) : decomposer;
   return internal::find_decomposer(name).map([&](const internal::Decomposer* found) {
+    const bool is_of_robot = found->key_size == internal::kSizeOfRobot;
     return ExperienceSpace{robot.name(), robot.hash(), std::string(found->version),
-                           robot.joint_count(), found->key_size};
+                           robot.joint_count(),
+                           is_of_robot ? query_key_size(robot) : found->key_size};
   });
 }
 

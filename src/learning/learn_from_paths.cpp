@@ -76,6 +76,7 @@ class Nearness {
 Result<std::vector<Experience>> learn_from_paths(const Robot& robot, const Scene& scene,
                                                  std::span<const Path> paths,
                                                  const DecomposeSettings& settings, double reach) {
+  if (settings.decomposer == "paths") return learn_whole_paths(robot, paths);
   const auto primitives = decompose(robot, scene, settings);
   if (!primitives) return tl::unexpected(primitives.error());
   const SymmetricJoints joints = find_symmetric_joints(robot);

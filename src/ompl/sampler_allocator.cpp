@@ -91,7 +91,7 @@ ob::StateSamplerAllocator sampler_allocator(std::shared_ptr<const Sampler> sampl
 Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Robot& robot, const Scene& scene,
                                                        Database& database,
                                                        const SolveSettings& asked) {
-  const SolveSettings settings = internal::complete_settings(asked, robot);
+  const SolveSettings settings = internal::complete_settings(asked, robot, &database);
   auto gl = create_gl_sampler(robot, scene, database, settings);
   if (!gl) return tl::unexpected(gl.error());
   if (settings.drop_invalid_means) {

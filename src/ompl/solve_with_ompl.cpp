@@ -73,7 +73,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
   if (auto checked = check_settings(asked, **planner); !checked) {
     return tl::unexpected(checked.error());
   }
-  const SolveSettings settings = internal::complete_settings(asked, problem.robot);
+  const SolveSettings settings = internal::complete_settings(asked, problem.robot, database);
   CheckerSettings checking;
   checking.resolution = settings.resolution;
   checking.isa = settings.isa;
@@ -89,7 +89,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
     if (asks_memory) {
       auto checked = internal::check_database(problem.robot, settings, *database);
       if (!checked) return tl::unexpected(checked.error());
-      recall.emplace(problem.robot, problem.scene, *database, *checker, settings);
+      recall.emplace(problem, *database, *checker, settings);
     }
     seed_ompl(settings.plan.seed);
     const auto allocator = make_allocator(problem, settings, recall);

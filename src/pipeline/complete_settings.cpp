@@ -2,20 +2,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/complete_settings.h"
 
+#include <array>
+
 namespace mneme {
+namespace {
+
+/// What measures best for the samplers of one decomposer.
+struct Defaults {
+  std::string_view decomposer;
+  double lambda, sigma, similarity;
+  int max_matches;
+  bool can_drop_invalid_means;
+  int retrieve_after;
+  double first_components;
+};
+
+constexpr std::array kDefaults = {
+    Defaults{"pairs", 0.5, 0.05, 0.5, 8, true, 0, 0},
+    Defaults{"body_pairs", 0.5, 0.3, 0.05, 8, false, 1500, 20},
+    Defaults{"paths", 0.7, 0.4, 1e9, 50, false, 100, 20},
+};
+
+const Defaults& defaults_of(std::string_view decomposer) {
+  for (const Defaults& defaults : kDefaults) {
+    const std::size_t size = defaults.decomposer.size();
+    const bool has_version = decomposer.size() > size && decomposer[size] == '/';
+    if (decomposer.starts_with(defaults.decomposer) && (has_version || decomposer.size() == size)) {
+      return defaults;
+    }
+  }
+  return kDefaults.front();
+}
+
+}  // namespace
 
 double default_similarity(std::string_view decomposer) {
-  return decomposer.starts_with("body_pairs") ? 0.05 : 0.5;
+  return defaults_of(decomposer).similarity;
 }
 
 namespace internal {
 
-SolveSettings complete_settings(SolveSettings settings, const Robot& robot) {
-  const bool is_planar = robot.is_planar();
-  if (settings.sigma == 0) settings.sigma = is_planar ? 0.05 : 0.3;
-  if (settings.similarity == 0) settings.similarity = default_similarity(default_decomposer(robot));
-  if (settings.retrieve_after < 0) settings.retrieve_after = is_planar ? 0 : 1500;
-  if (settings.first_components < 0) settings.first_components = is_planar ? 0 : 20;
+SolveSettings complete_settings(SolveSettings settings, const Robot& robot,
+                                const Database* database) {
+  std::string& decomposer = settings.decompose.decomposer;
+  if (decomposer.empty() && database != nullptr) {
+    decomposer = decomposer_of_version(database->space().decomposer).value_or("");
+  }
+  if (decomposer.empty()) decomposer = default_decomposer(robot);
+  const Defaults& defaults = defaults_of(decomposer);
+  if (settings.lambda < 0) settings.lambda = defaults.lambda;
+  if (settings.sigma == 0) settings.sigma = defaults.sigma;
+  if (settings.similarity == 0) settings.similarity = defaults.similarity;
+  if (settings.max_matches < 0) settings.max_matches = defaults.max_matches;
+  settings.drop_invalid_means &= defaults.can_drop_invalid_means;
+  if (settings.retrieve_after < 0) settings.retrieve_after = defaults.retrieve_after;
+  if (settings.first_components < 0) settings.first_components = defaults.first_components;
   return settings;
 }
 

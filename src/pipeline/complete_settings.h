@@ -6,7 +6,9 @@
 
 namespace mneme::internal {
 
-/// The settings with the robot's defaults for those that were left to it.
-[[nodiscard]] SolveSettings complete_settings(SolveSettings settings, const Robot& robot);
+/// The settings with the defaults of the robot, and of the decomposer that made the database, for
+/// those that were left to them. `database` may be null.
+[[nodiscard]] SolveSettings complete_settings(SolveSettings settings, const Robot& robot,
+                                              const Database* database = nullptr);
 
 }  // namespace mneme::internal

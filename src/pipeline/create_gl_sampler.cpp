@@ -9,6 +9,7 @@
 #include "mneme/pipeline.h"
 #include "pipeline/complete_settings.h"
 #include "pipeline/database_check.h"
+#include "pipeline/recall_paths.h"
 #include "pipeline/synthesize.h"
 
 namespace mneme {
@@ -45,7 +46,7 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
 Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
                                     const SolveSettings& asked) {
   const internal::Stopwatch stopwatch;
-  const SolveSettings settings = internal::complete_settings(asked, robot);
+  const SolveSettings settings = internal::complete_settings(asked, robot, &database);
   GlSampler gl;
   if (auto checked = internal::check_database(robot, settings, database); !checked) {
     return tl::unexpected(checked.error());
@@ -75,6 +76,18 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   gl.mixture = std::make_shared<const GaussianMixture>(internal::synthesize(robot, gl.primitives));
   gl.retrieval_time_s = stopwatch.elapsed_s() - gl.learning_time_s;
   return gl;
+}
+
+Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
+                                    const SolveSettings& asked) {
+  const SolveSettings settings = internal::complete_settings(asked, problem.robot, &database);
+  if (settings.decompose.decomposer != "paths") {
+    return create_gl_sampler(problem.robot, problem.scene, database, settings);
+  }
+  if (auto checked = internal::check_database(problem.robot, settings, database); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return internal::recall_paths(problem, database, settings);
 }
 
 }  // namespace mneme

@@ -22,7 +22,7 @@ std::shared_ptr<const Sampler> make_sampler(const Robot& robot, const SolveSetti
 
 std::shared_ptr<const Sampler> Recall::make_sampler() {
   if (settings_.retrieve_after == 0) return recalled();
-  return make_lazy_sampler(make_uniform_sampler(robot_), settings_.retrieve_after,
+  return make_lazy_sampler(make_uniform_sampler(problem_.robot), settings_.retrieve_after,
                            [this] { return recalled(); });
 }
 
@@ -35,17 +35,17 @@ std::shared_ptr<const Sampler> Recall::recalled() {
 std::shared_ptr<const Sampler> Recall::ask() {
   SolveSettings rest = settings_;
   rest.plan.timeout_s -= stopwatch_.elapsed_s();
-  auto gl = create_gl_sampler(robot_, scene_, database_, rest);
+  auto gl = create_gl_sampler(problem_, database_, rest);
   if (!gl) {
     failure_ = gl.error();
-    return make_uniform_sampler(robot_);
+    return make_uniform_sampler(problem_.robot);
   }
   gl_ = std::move(*gl);
   if (settings_.drop_invalid_means) {
     gl_.mixture =
         std::make_shared<const GaussianMixture>(keep_valid_components(checker_, *gl_.mixture));
   }
-  return internal::make_sampler(robot_, settings_, gl_);
+  return internal::make_sampler(problem_.robot, settings_, gl_);
 }
 
 }  // namespace mneme::internal

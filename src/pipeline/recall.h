@@ -22,9 +22,9 @@ namespace mneme::internal {
 class Recall {
  public:
   /// Refers to all of them; the settings are complete.
-  Recall(const Robot& robot, const Scene& scene, Database& database,
-         const CollisionChecker& checker, const SolveSettings& settings)
-      : robot_(robot), scene_(scene), database_(database), checker_(checker), settings_(settings) {}
+  Recall(const Problem& problem, Database& database, const CollisionChecker& checker,
+         const SolveSettings& settings)
+      : problem_(problem), database_(database), checker_(checker), settings_(settings) {}
 
   /// The sampler for a planner; refers to this.
   [[nodiscard]] std::shared_ptr<const Sampler> make_sampler();
@@ -38,8 +38,7 @@ class Recall {
   [[nodiscard]] std::shared_ptr<const Sampler> ask();
 
   Stopwatch stopwatch_;
-  const Robot& robot_;
-  const Scene& scene_;
+  const Problem& problem_;
   Database& database_;
   const CollisionChecker& checker_;
   const SolveSettings& settings_;

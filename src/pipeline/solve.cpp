@@ -34,7 +34,7 @@ Result<void> plan_with_memory(const Problem& problem, Database& database,
     return checked;
   }
   const internal::Stopwatch stopwatch;
-  internal::Recall recall(problem.robot, problem.scene, database, checker, settings);
+  internal::Recall recall(problem, database, checker, settings);
   const std::shared_ptr<const Sampler> sampler = recall.make_sampler();
   if (recall.failure()) return tl::unexpected(*recall.failure());
   PlanSettings rest = settings.plan;
@@ -56,7 +56,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
        {internal::check_sampler(settings, kSamplerNames), internal::check_ranges(settings)}) {
     if (!checked) return tl::unexpected(checked.error());
   }
-  const SolveSettings complete = internal::complete_settings(settings, problem.robot);
+  const SolveSettings complete = internal::complete_settings(settings, problem.robot, database);
   const auto planner = choose_planner(settings.planner);
   if (!planner) return tl::unexpected(planner.error());
   CheckerSettings checking;

@@ -64,17 +64,24 @@ class PathWarper {
 
 }  // namespace
 
-GaussianMixture warp_paths(const Robot& robot, std::span<const double> start,
-                           std::span<const double> goal, std::span<const Match> matches) {
+GaussianMixture warp_paths(const Robot& robot, const Configuration& start,
+                           std::span<const Configuration> goals,
+                           std::span<const PrimitiveRetrieval> retrievals) {
   GaussianMixture mixture;
   mixture.joint_count = robot.joint_count();
   std::size_t size = 0;
-  for (const Match& match : matches) size += 2 * match.experience->sampler.means.size();
+  for (const PrimitiveRetrieval& retrieval : retrievals) {
+    for (const Match& match : retrieval.matches) {
+      size += 2 * match.experience->sampler.means.size();
+    }
+  }
   mixture.means.reserve(size);
   mixture.origins.reserve(size / static_cast<std::size_t>(robot.joint_count()));
-  PathWarper warper(robot, start, goal);
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    warper.add(matches[i].experience->sampler.means, mixture.means);
+  for (std::size_t i = 0; i < retrievals.size(); ++i) {
+    PathWarper warper(robot, start, goals[i]);
+    for (const Match& match : retrievals[i].matches) {
+      warper.add(match.experience->sampler.means, mixture.means);
+    }
     mixture.origins.resize(static_cast<std::size_t>(mixture.component_count()),
                            static_cast<Origin>(i));
   }

@@ -11,10 +11,18 @@
 namespace mneme {
 namespace {
 
+Result<std::vector<LocalPrimitive>> refuse_scene(const Robot&, const Scene& scene,
+                                                 const DecomposeSettings&) {
+  return fail(ErrorCode::invalid,
+              fmt::format("scene '{}': memory of whole paths needs a problem with start and goal",
+                          scene.name));
+}
+
 constexpr std::array kDecomposers = {
     internal::Decomposer{"pairs", "pairs/1", 6, 1.0, internal::decompose_into_circle_pairs},
     internal::Decomposer{"body_pairs", "body_pairs/1", 2 * kBodyKeySize, 0.25,
                          internal::decompose_into_body_pairs},
+    internal::Decomposer{"paths", "paths/1", internal::kSizeOfRobot, 1.0, refuse_scene},
 };
 
 }  // namespace
@@ -41,6 +49,19 @@ Result<std::vector<LocalPrimitive>> decompose(const Robot& robot, const Scene& s
   DecomposeSettings complete = settings;
   if (complete.max_gap == 0) complete.max_gap = (*decomposer)->default_gap;
   return (*decomposer)->decompose(robot, scene, complete);
+}
+
+std::vector<std::string> decomposer_names() {
+  std::vector<std::string> names;
+  for (const internal::Decomposer& decomposer : kDecomposers) names.emplace_back(decomposer.name);
+  return names;
+}
+
+std::optional<std::string> decomposer_of_version(std::string_view version) {
+  for (const internal::Decomposer& decomposer : kDecomposers) {
+    if (decomposer.version == version) return std::string(decomposer.name);
+  }
+  return std::nullopt;
 }
 
 std::string default_decomposer(const Robot& robot) {

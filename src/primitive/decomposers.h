@@ -13,10 +13,13 @@
 
 namespace mneme::internal {
 
+/// The key size of a decomposer whose keys hold configurations: query_key_size().
+inline constexpr int kSizeOfRobot = 0;
+
 struct Decomposer {
   std::string_view name;
   std::string_view version;  ///< name and number, such as "pairs/1"
-  int key_size = 0;
+  int key_size = kSizeOfRobot;
   double default_gap = 0;  ///< metres
   Result<std::vector<LocalPrimitive>> (*decompose)(const Robot&, const Scene&,
                                                    const DecomposeSettings&);

@@ -15,8 +15,7 @@ TEST_SUITE("unit") {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       CHECK(rows[i].sampler.joint_count == 2);
       CHECK(rows[i].sampler.factor_rows.empty());
-      CHECK(rows[i].key ==
-            make_query_primitive(robot, paths[i].front(), paths[i].back()).key);
+      CHECK(rows[i].key == make_query_primitive(robot, paths[i].front(), paths[i].back()).key);
     }
   }
 

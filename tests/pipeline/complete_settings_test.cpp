@@ -13,11 +13,32 @@ TEST_SUITE("unit") {
     CHECK(planar.similarity == 0.5);
     CHECK(planar.retrieve_after == 0);
     CHECK(planar.first_components == 0);
+    CHECK(planar.lambda == 0.5);
+    CHECK(planar.max_matches == 8);
+    CHECK(planar.drop_invalid_means);
     const SolveSettings spatial = internal::complete_settings({}, lifting_arm());
     CHECK(spatial.sigma == 0.3);
     CHECK(spatial.similarity == 0.05);
     CHECK(spatial.retrieve_after == 1500);
     CHECK(spatial.first_components == 20);
+    CHECK_FALSE(spatial.drop_invalid_means);
+  }
+
+  TEST_CASE("the decomposer that was asked for decides, otherwise that of the database") {
+    const Robot robot = lifting_arm();
+    SolveSettings settings;
+    settings.decompose.decomposer = "paths";
+    CHECK(internal::complete_settings(settings, robot).max_matches == 50);
+    CHECK(internal::complete_settings(settings, robot).lambda == 0.7);
+    TemporaryDirectory directory;
+    const auto database =
+        Database::open(directory / "m.db", make_space(robot, "paths").value(), OpenMode::create);
+    REQUIRE(database.has_value());
+    const SolveSettings found = internal::complete_settings({}, robot, &*database);
+    CHECK(found.decompose.decomposer == "paths");
+    CHECK(found.sigma == 0.4);
+    settings.decompose.decomposer = "body_pairs";
+    CHECK(internal::complete_settings(settings, robot, &*database).sigma == 0.3);
   }
 
   TEST_CASE("what is set stays, and so does all that has one default") {
@@ -27,6 +48,7 @@ TEST_SUITE("unit") {
     settings.retrieve_after = 0;
     settings.first_components = 0;
     settings.lambda = 0.25;
+    settings.max_matches = 3;
     settings.plan.seed = 7;
     for (const Robot& robot : {planar8(), lifting_arm()}) {
       const SolveSettings complete = internal::complete_settings(settings, robot);
@@ -35,7 +57,7 @@ TEST_SUITE("unit") {
       CHECK(complete.retrieve_after == 0);
       CHECK(complete.first_components == 0);
       CHECK(complete.lambda == 0.25);
-      CHECK(complete.max_matches == settings.max_matches);
+      CHECK(complete.max_matches == 3);
       CHECK(complete.component_growth == settings.component_growth);
       CHECK(complete.plan.seed == 7);
     }

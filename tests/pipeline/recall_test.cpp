@@ -23,7 +23,7 @@ struct RecallFixture {
     learn_into(database, problem.robot, keys);
   }
   internal::Recall make() {
-    return internal::Recall(problem.robot, problem.scene, database, checker, settings);
+    return internal::Recall(problem, database, checker, settings);
   }
 };
 

@@ -13,9 +13,9 @@ Experience remember(const Robot& robot, const Path& path) {
 
 GaussianMixture warp(const Robot& robot, const Configuration& start, const Configuration& goal,
                      const std::vector<const Experience*>& rows) {
-  std::vector<Match> matches;
-  for (const Experience* row : rows) matches.push_back({row, 0, {}});
-  return internal::warp_paths(robot, start, goal, matches);
+  std::vector<PrimitiveRetrieval> retrievals(1);
+  for (const Experience* row : rows) retrievals[0].matches.push_back({row, 0, {}});
+  return internal::warp_paths(robot, start, std::vector<Configuration>{goal}, retrievals);
 }
 
 void check_row(const GaussianMixture& mixture, int row, const Configuration& expected) {
@@ -47,13 +47,19 @@ TEST_SUITE("unit") {
     check_row(mixture, 0, {0.1, 1.3});
   }
 
-  TEST_CASE("components count for the match that they come from, the first match first") {
+  TEST_CASE("components stand in the order of the matches and count for their goal") {
     const Robot robot = planar_arm({1, 1});
     const Experience a = remember(robot, {{0, 0}, {0, 1}, {0, 2}});
     const Experience b = remember(robot, {{0, 0}, {1, 1}, {0, 2}});
-    const GaussianMixture mixture = warp(robot, {0, 0}, {0, 2}, {&b, &a});
-    CHECK(mixture.origins == std::vector<Origin>{0, 0, 1, 1});
+    std::vector<PrimitiveRetrieval> retrievals(2);
+    retrievals[0].matches = {{&b, 0, {}}, {&a, 1, {}}};
+    retrievals[1].matches = {{&a, 0, {}}};
+    const std::vector<Configuration> goals = {{0, 2}, {0, 4}};
+    const GaussianMixture mixture = internal::warp_paths(robot, {0, 0}, goals, retrievals);
+    CHECK(mixture.origins == std::vector<Origin>{0, 0, 0, 0, 1, 1});
     check_row(mixture, 0, {1, 1});
+    check_row(mixture, 2, {0, 1});
+    check_row(mixture, 4, {0, 2});
   }
 
   TEST_CASE("straight and motionless paths have nothing to add") {
