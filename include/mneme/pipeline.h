@@ -62,7 +62,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "checks; never done for body_pairs and paths, where samples around them help");
   visit("retrieve-after", s.retrieve_after, -1, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs, 100 for "
+        "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs, 800 for "
         "paths)");
   visit("first-components", s.first_components, -1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; 0 "
