@@ -5,6 +5,7 @@
 #include <nanoflann.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <tuple>
 
@@ -30,6 +31,20 @@ struct Keys {
 
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Keys>, Keys,
                                                    -1, std::uint32_t>;
+
+/// Four sums at a time, where one would wait for itself; rounded otherwise than the exact one.
+double rough_squared_distance(const double* a, const double* b, std::size_t size) {
+  std::array<double, 4> sums = {};
+  std::size_t i = 0;
+  for (; i + 4 <= size; i += 4) {
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const double difference = a[i + lane] - b[i + lane];
+      sums[lane] += difference * difference;
+    }
+  }
+  for (; i < size; ++i) sums[i % 4] += (a[i] - b[i]) * (a[i] - b[i]);
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
 
 bool is_nearer(const IndexMatch& a, const IndexMatch& b) {
   return std::tie(a.error, a.position) < std::tie(b.error, b.position);
@@ -97,10 +112,11 @@ void ExperienceIndex::append(std::span<const double> key) {
 }
 
 void ExperienceIndex::refresh() {
-  constexpr std::size_t kShortTail = 256;
   Keys& keys = tree_->keys;
+  // A tree tells little about long keys, and jumps through memory where a scan streams.
+  const std::size_t short_tail = keys.key_size > 8 ? 4096 : 256;
   const std::size_t tail = keys.size() - keys.indexed_count;
-  if (tail <= std::max(kShortTail, keys.indexed_count / 32)) return;
+  if (tail <= std::max(short_tail, keys.indexed_count / 32)) return;
   keys.indexed_count = keys.size();
   tree_->kd_tree.buildIndex();
 }
@@ -115,9 +131,11 @@ std::vector<IndexMatch> ExperienceIndex::find(std::span<const KeyImage> images, 
     NearestUnderThreshold nearest(threshold, bound);
     tree_->kd_tree.findNeighbors(nearest, query, nanoflann::SearchParams());
     for (std::size_t i = keys.indexed_count; i < keys.size(); ++i) {
-      nearest.addPoint(
-          tree_->kd_tree.distance.evalMetric(query, static_cast<std::uint32_t>(i), keys.key_size),
-          static_cast<std::uint32_t>(i));
+      const double* key = keys.values.data() + i * keys.key_size;
+      if (rough_squared_distance(query, key, keys.key_size) >= nearest.worstDist()) continue;
+      const auto position = static_cast<std::uint32_t>(i);
+      nearest.addPoint(tree_->kd_tree.distance.evalMetric(query, position, keys.key_size),
+                       position);
     }
     for (const IndexMatch& match : nearest.matches()) {
       found.push_back({match.position, image, match.error});
