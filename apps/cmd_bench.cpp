@@ -133,13 +133,10 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
   const bool has_gl = std::count(plan.samplers.begin(), plan.samplers.end(), "gl") > 0;
   if (options.db.empty() || !has_gl) return {};
-  const OpenMode mode =
-      options.settings.learn_budget_s > 0 ? OpenMode::create : OpenMode::read_only;
   for (const LoadedProblem& loaded : plan.problems) {
     const Robot& robot = loaded.problem.robot;
     if (plan.memories.count(robot.hash()) > 0) continue;
-    Result<Database> database =
-        open_database(options.db, robot, mode, options.settings.decompose.decomposer);
+    Result<Database> database = open_memory(options.db, robot, options.settings);
     if (!database) return tl::unexpected(database.error());
     plan.memories.emplace(robot.hash(), std::move(*database));
   }

@@ -42,12 +42,11 @@ struct LoadedPlan {
   double load_time_s = 0;
 };
 
-Result<std::optional<Database>> open_memory(const PlanOptions& options, const Robot& robot) {
+Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, const Robot& robot) {
   if (options.db.empty()) return std::nullopt;
-  const OpenMode mode =
-      options.settings.learn_budget_s > 0 ? OpenMode::create : OpenMode::read_only;
-  return open_database(options.db, robot, mode, options.settings.decompose.decomposer)
-      .map([](Database database) { return std::optional<Database>(std::move(database)); });
+  return open_memory(options.db, robot, options.settings).map([](Database database) {
+    return std::optional<Database>(std::move(database));
+  });
 }
 
 Result<LoadedPlan> load(const PlanOptions& options) {
@@ -58,7 +57,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides->goal = options.goal;
   Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
-  Result<std::optional<Database>> database = open_memory(options, problem->robot);
+  Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   return LoadedPlan{std::move(*problem), std::move(*database), elapsed.count()};
@@ -108,6 +107,10 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
   if (loaded.database) print_memory(loaded.problem, result.gl);
+  if (result.remembered.rows > 0) {
+    fmt::print("remembered  {} samplers in {:.3f} ms\n", result.remembered.rows,
+               1e3 * result.remembered.time_s);
+  }
   print_path(loaded.problem.robot, plan.path);
 }
 
@@ -153,6 +156,9 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
     print_result(*loaded, *result);
   }
   if (!result->plan.is_solved()) print_error(result->plan.message);
+  if (!result->remembered.failure.empty()) {
+    print_note("the path was not remembered: " + result->remembered.failure);
+  }
   if (!options.svg.empty()) {
     const Result<void> written = write_picture(options.svg, loaded->problem, *result);
     if (!written) return tl::unexpected(written.error());

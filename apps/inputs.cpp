@@ -90,6 +90,13 @@ Result<Database> open_database(const std::string& url, const Robot& robot, OpenM
   return own ? open_database(url, robot, mode, *own) : std::move(database);
 }
 
+Result<Database> open_memory(const std::string& url, const Robot& robot,
+                             const SolveSettings& settings) {
+  const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
+  return open_database(url, robot, can_insert ? OpenMode::create : OpenMode::read_only,
+                       settings.decompose.decomposer);
+}
+
 Result<Database> inspect_database(const std::string& url) {
   const Result<std::string> path = database_path(url);
   if (!path) return tl::unexpected(path.error());

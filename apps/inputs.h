@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mneme/experience.h"
+#include "mneme/pipeline.h"
 #include "mneme/problem.h"
 
 namespace mneme::app {
@@ -38,6 +39,9 @@ struct Workspace {
 /// Opens the database at `url` for the experience of `robot`.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
                                              OpenMode mode, const std::string& decomposer = "");
+/// Opens it for planning: for writing only if planning may add to it.
+[[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
+                                           const SolveSettings& settings);
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url);
 /// The path of the SQLite file that `url` names.

@@ -30,6 +30,7 @@ struct SolveSettings {
   double first_components = -1;
   double component_growth = 0.5;
   double learn_budget_s = 0;
+  int remember_after = -1;
   double resolution = 0;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
@@ -73,6 +74,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
         "seconds per query for learning primitives that have no match, 0 for none; counts as "
         "planning time and ends with the time limit");
+  visit("remember-after", s.remember_after, -1, 1000000000,
+        "insert what a solved problem teaches, as learning from problems does, if it took at least "
+        "this many iterations, so that memory grows with use; -1 for never. Not planning time");
   visit("resolution", s.resolution, 0.0, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
         "default");
@@ -112,11 +116,19 @@ struct GlSampler {
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
                                                   const SolveSettings& settings);
 
+/// What solve() inserted of a solved problem.
+struct Remembered {
+  int rows = 0;
+  double time_s = 0;
+  std::string failure;  ///< why nothing could be inserted; the path is found all the same
+};
+
 struct SolveResult {
   PlanResult plan;
-  GlSampler gl;                ///< empty unless the sampler is "gl" and there is a database
+  GlSampler gl;  ///< empty unless the sampler is "gl" and there is a database
+  Remembered remembered;
   double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< total_time_s without simplification and verification
+  double planning_time_s = 0;  ///< without simplification, verification and remembering
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;

@@ -12,6 +12,7 @@
 #include "pipeline/complete_settings.h"
 #include "pipeline/database_check.h"
 #include "pipeline/recall.h"
+#include "pipeline/remember.h"
 
 namespace mneme {
 namespace {
@@ -73,6 +74,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
     auto planned = plan_with_memory(problem, *database, *checker, (*planner)->plan, complete,
                                     stopwatch.elapsed_s(), result);
     if (!planned) return tl::unexpected(planned.error());
+    result.remembered = internal::remember(problem, result.plan, *database, complete);
   } else {
     PlanSettings plan = settings.plan;
     plan.timeout_s = std::max(0.0, plan.timeout_s - stopwatch.elapsed_s());
@@ -84,8 +86,8 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   result.seed = settings.plan.seed;
   result.isa = checker->isa();
   result.total_time_s = stopwatch.elapsed_s();
-  result.planning_time_s =
-      result.total_time_s - result.plan.simplification_time_s - result.plan.verification_time_s;
+  result.planning_time_s = result.total_time_s - result.plan.simplification_time_s -
+                           result.plan.verification_time_s - result.remembered.time_s;
   return result;
 }
 

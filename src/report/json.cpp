@@ -23,6 +23,7 @@ void add_times(Json& json, const SolveResult& result, double load_time_s) {
   json["learning_time_s"] = result.gl.learning_time_s;
   json["simplification_time_s"] = result.plan.simplification_time_s;
   json["verification_time_s"] = result.plan.verification_time_s;
+  json["remembering_time_s"] = result.remembered.time_s;
   json["load_time_s"] = load_time_s;
 }
 
@@ -41,6 +42,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["iterations"] = result.plan.iterations;
   json["states_checked"] = result.plan.states_checked;
   json["motions_checked"] = result.plan.motions_checked;
+  json["remembered"] = result.remembered.rows;
   json["primitives"] = result.gl.primitives.size();
   json["retrieved"] = retrieved_count(result.gl);
   json["components"] = result.gl.mixture ? result.gl.mixture->component_count() : 0;

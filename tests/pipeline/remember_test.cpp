@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/remember.h"
+
+#include "support/planar_memory.h"
+
+namespace mneme::test {
+namespace {
+
+struct Growing {
+  Problem problem = planar_problem("threaded_b4");
+  TemporaryDirectory directory;
+  SolveSettings settings;
+
+  Database open(OpenMode mode) {
+    return Database::open(directory / "m.db", make_space(problem.robot, "paths").value(), mode)
+        .value();
+  }
+  SolveResult solve_with(Database& database) {
+    auto result = solve(problem, &database, settings);
+    REQUIRE(result.has_value());
+    REQUIRE(result->plan.is_solved());
+    return *std::move(result);
+  }
+};
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("what took long enough is remembered, and found the next time") {
+    Growing growing;
+    Database database = growing.open(OpenMode::create);
+    growing.settings.remember_after = 0;
+    const SolveResult first = growing.solve_with(database);
+    CHECK(first.remembered.rows == 1);
+    CHECK(first.remembered.failure.empty());
+    CHECK(first.remembered.time_s > 0);
+    CHECK(first.planning_time_s + first.remembered.time_s <= first.total_time_s);
+    REQUIRE(database.size() == 1);
+    CHECK(database.get(0).provenance.settings.find("threaded_b4") != std::string::npos);
+    CHECK(static_cast<std::size_t>(database.get(0).sampler.component_count()) ==
+          first.plan.path.size());
+
+    growing.settings.remember_after = 1000000000;
+    growing.settings.plan.seed = 2;
+    const SolveResult second = growing.solve_with(database);
+    CHECK(second.remembered.rows == 0);
+    CHECK(database.size() == 1);
+    CHECK(second.gl.mixture->component_count() > 0);
+  }
+
+  TEST_CASE("nothing is remembered unless it is asked for") {
+    Growing growing;
+    Database database = growing.open(OpenMode::create);
+    CHECK(growing.solve_with(database).remembered.rows == 0);
+    CHECK(database.size() == 0);
+  }
+
+  TEST_CASE("a path is found even if it cannot be remembered, and the result says why") {
+    Growing growing;
+    { const Database made = growing.open(OpenMode::create); }
+    Database database = growing.open(OpenMode::read_only);
+    growing.settings.remember_after = 0;
+    const SolveResult result = growing.solve_with(database);
+    CHECK(result.remembered.rows == 0);
+    CHECK(result.remembered.failure.find("m.db") != std::string::npos);
+  }
+}
+
+}  // namespace mneme::test
