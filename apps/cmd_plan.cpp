@@ -19,6 +19,7 @@
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
+#include "solving.h"
 
 namespace mneme::app {
 namespace {
@@ -147,7 +148,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   }
   settings.plan.cancel = interrupt_flag();
   Database* database = loaded->database ? &*loaded->database : nullptr;
-  const Result<SolveResult> result = solve(loaded->problem, database, settings);
+  const Result<SolveResult> result = solve_by_name(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
 
   if (options.is_json) {
@@ -166,12 +167,6 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   return exit_code(result->plan.status);
 }
 
-std::vector<std::string> planner_names() {
-  std::vector<std::string> names;
-  for (const PlannerEntry& planner : planners()) names.emplace_back(planner.name);
-  return names;
-}
-
 void add_problem_flags(CLI::App& command, PlanOptions& options) {
   command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
   command.add_option("--robot", options.robot,
@@ -187,8 +182,7 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
   SolveSettings& settings = options.settings;
   add_choice(command, "--planner", "planner", settings.planner, planner_names(),
              fmt::format("planner (default {})", settings.planner));
-  const std::vector<std::string> samplers(sampler_names().begin(), sampler_names().end());
-  add_choice(command, "--sampler", "sampler", settings.sampler, samplers,
+  add_choice(command, "--sampler", "sampler", settings.sampler, all_sampler_names(),
              "source of configurations (default gl with --db, uniform without)");
   add_settings(command, settings);
   add_settings(command, settings.plan);

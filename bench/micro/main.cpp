@@ -48,6 +48,9 @@ int run(const Input& input) {
   register_collision(recorded);
   register_nearest(problems->front().robot);
   register_random();
+#ifdef MNEME_WITH_OMPL
+  register_ompl(problems->front().robot);
+#endif
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

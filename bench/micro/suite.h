@@ -26,5 +26,8 @@ void register_repeated(const std::string& name, const std::string& per_item,
 void register_collision(const std::vector<Edges>& recorded);
 void register_nearest(const Robot& robot);
 void register_random();
+#ifdef MNEME_WITH_OMPL
+void register_ompl(const Robot& robot);
+#endif
 
 }  // namespace mneme::bench

@@ -142,7 +142,7 @@ struct SolveResult {
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 
-/// "gl", "uniform", "halton".
+/// "gl", "uniform", "halton"; baselines on the same memory: "pooled", "nearest_scenes", "cvae".
 [[nodiscard]] std::span<const std::string_view> sampler_names();
 
 }  // namespace mneme

@@ -7,6 +7,7 @@
 #include <ompl/base/goals/GoalStates.h>
 
 #include "ompl/count_samples.h"
+#include "ompl/experience.h"
 
 namespace mneme::ompl {
 namespace {
@@ -76,10 +77,21 @@ ob::PlannerTerminationCondition OmplRun::limits(double timeout_s) const {
   });
 }
 
-PlanResult OmplRun::plan(double spent_s) {
+Result<ob::PlannerPtr> OmplRun::make_planner() const {
+  const double wanted = settings_.plan.range;
+  const double range = wanted > 0 || ompl_.as_in_paper ? wanted : kTunedRange;
+  if (planner_.make == nullptr) {
+    return make_experience_planner(planner_.name, information_, ompl_.experience_path, range);
+  }
   const ob::PlannerPtr planner = planner_.make(information_);
-  const double range = settings_.plan.range;
-  set_range(*planner, range > 0 || ompl_.as_in_paper ? range : kTunedRange);
+  set_range(*planner, range);
+  return planner;
+}
+
+Result<PlanResult> OmplRun::plan(double spent_s) {
+  const auto made = make_planner();
+  if (!made) return tl::unexpected(made.error());
+  const ob::PlannerPtr& planner = *made;
   planner->setProblemDefinition(definition_);
   const auto limit = limits(settings_.plan.timeout_s - spent_s);
   while (!limit) {

@@ -21,11 +21,13 @@ class OmplRun {
           const ::ompl::base::StateSamplerAllocator& allocator);
 
   /// Plans until the limits are reached, of which `spent_s` seconds are gone.
-  [[nodiscard]] PlanResult plan(double spent_s);
+  /// Errors: experience that cannot be read.
+  [[nodiscard]] Result<PlanResult> plan(double spent_s);
 
  private:
   void set_up_information(const ::ompl::base::StateSamplerAllocator& allocator);
   void define_problem();
+  [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
   [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits(double timeout_s) const;
   [[nodiscard]] Path solution() const;
   [[nodiscard]] bool is_free(const Path& path);

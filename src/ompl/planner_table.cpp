@@ -23,6 +23,7 @@
 #include <ompl/geometric/planners/stride/STRIDE.h>
 
 #include "mneme/ompl.h"
+#include "ompl/experience.h"
 
 namespace mneme {
 namespace ompl {
@@ -53,6 +54,8 @@ constexpr std::array kPlanners = {
     OmplPlanner{"SBL", make<og::SBL>},
     OmplPlanner{"STRIDE", make<og::STRIDE>},
     OmplPlanner{"BITstar", make<og::BITstar>},
+    OmplPlanner{kLightning},
+    OmplPlanner{kThunder},
 };
 
 constexpr auto kNames = [] {

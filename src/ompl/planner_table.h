@@ -9,9 +9,9 @@
 
 namespace mneme::ompl {
 
-/// A planner of OMPL that needs nothing but a space.
 struct OmplPlanner {
   std::string_view name;
+  /// Null for those that need experience (experience.h).
   ::ompl::base::PlannerPtr (*make)(const ::ompl::base::SpaceInformationPtr& information) = nullptr;
   bool draws_valid_states = false;  ///< through the information's sampler of valid states
 };

@@ -84,7 +84,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
   if (auto refused = refuse_query(*checker, {problem.start, problem.goals})) {
     result.plan = *std::move(refused);
   } else {
-    const bool asks_memory = settings.sampler == "gl" && database != nullptr;
+    const bool asks_memory = internal::is_memory_sampler(settings.sampler) && database != nullptr;
     std::optional<internal::Recall> recall;
     if (asks_memory) {
       auto checked = internal::check_database(problem.robot, settings, *database);
@@ -95,7 +95,9 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
     const auto allocator = make_allocator(problem, settings, recall);
     if (!allocator) return tl::unexpected(allocator.error());
     ompl::OmplRun run(problem, *checker, settings, ompl, **planner, *allocator);
-    result.plan = run.plan(stopwatch.elapsed_s());
+    auto planned = run.plan(stopwatch.elapsed_s());
+    if (!planned) return tl::unexpected(planned.error());
+    result.plan = std::move(*planned);
     if (recall && recall->failure()) return tl::unexpected(*recall->failure());
     if (recall) result.gl = recall->take();
   }

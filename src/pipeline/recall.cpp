@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "pipeline/baseline_samplers.h"
+#include "pipeline/cvae_sampler.h"
 #include "pipeline/valid_components.h"
 
 namespace mneme::internal {
@@ -32,10 +34,47 @@ std::shared_ptr<const Sampler> Recall::recalled() {
   return sampler_;
 }
 
+bool is_memory_sampler(std::string_view sampler) {
+  return sampler == "gl" || sampler == "pooled" || sampler == "nearest_scenes" || sampler == "cvae";
+}
+
+Result<GlSampler> Recall::recall() const {
+  if (settings_.sampler == "gl") {
+    SolveSettings rest = settings_;
+    rest.plan.timeout_s -= stopwatch_.elapsed_s();
+    return create_gl_sampler(problem_, database_, rest);
+  }
+  const Stopwatch stopwatch;
+  Result<GaussianMixture> mixture =
+      settings_.sampler == "pooled"
+          ? pool_all(problem_.robot, database_)
+          : recall_nearest_scenes(problem_.robot, problem_.scene, database_, settings_);
+  if (!mixture) return tl::unexpected(mixture.error());
+  GlSampler gl;
+  gl.mixture = std::make_shared<const GaussianMixture>(std::move(*mixture));
+  gl.retrieval_time_s = stopwatch.elapsed_s();
+  return gl;
+}
+
+Result<std::shared_ptr<const Sampler>> Recall::decode() {
+  const Stopwatch stopwatch;
+  const auto weights = load_cvae(cvae_path(database_));
+  if (!weights) return tl::unexpected(weights.error());
+  auto decoder = make_cvae_sampler(problem_.robot, problem_.scene, *weights);
+  if (!decoder) return tl::unexpected(decoder.error());
+  gl_.retrieval_time_s = stopwatch.elapsed_s();
+  return make_mixed_sampler(settings_.lambda, *std::move(decoder),
+                            make_uniform_sampler(problem_.robot));
+}
+
 std::shared_ptr<const Sampler> Recall::ask() {
-  SolveSettings rest = settings_;
-  rest.plan.timeout_s -= stopwatch_.elapsed_s();
-  auto gl = create_gl_sampler(problem_, database_, rest);
+  if (settings_.sampler == "cvae") {
+    auto decoder = decode();
+    if (decoder) return *decoder;
+    failure_ = decoder.error();
+    return make_uniform_sampler(problem_.robot);
+  }
+  auto gl = recall();
   if (!gl) {
     failure_ = gl.error();
     return make_uniform_sampler(problem_.robot);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include "base/stopwatch.h"
 #include "mneme/pipeline.h"
@@ -17,8 +18,13 @@ namespace mneme::internal {
                                                           const SolveSettings& settings,
                                                           const GlSampler& gl);
 
-/// Algorithm 2 for one query, at once or when the planner asks for it; once only, whichever of the
-/// sampler's streams asks first, and from whichever thread.
+/// True for samplers that draw from a database: "gl", and the baselines that do without local
+/// retrieval.
+[[nodiscard]] bool is_memory_sampler(std::string_view sampler);
+
+/// Algorithm 2, or the baseline that `settings.sampler` names, for one query, at once or when the
+/// planner asks for it; once only, whichever of the sampler's streams asks first, and from
+/// whichever thread.
 class Recall {
  public:
   /// Refers to all of them; the settings are complete.
@@ -36,6 +42,8 @@ class Recall {
  private:
   [[nodiscard]] std::shared_ptr<const Sampler> recalled();
   [[nodiscard]] std::shared_ptr<const Sampler> ask();
+  [[nodiscard]] Result<GlSampler> recall() const;
+  [[nodiscard]] Result<std::shared_ptr<const Sampler>> decode();
 
   Stopwatch stopwatch_;
   const Problem& problem_;

@@ -17,7 +17,8 @@
 namespace mneme {
 namespace {
 
-constexpr std::array<std::string_view, 3> kSamplerNames = {"gl", "uniform", "halton"};
+constexpr std::array<std::string_view, 6> kSamplerNames = {"gl",     "uniform",        "halton",
+                                                           "pooled", "nearest_scenes", "cvae"};
 
 Result<const PlannerEntry*> choose_planner(const std::string& name) {
   if (const PlannerEntry* planner = find_planner(name)) return planner;
@@ -70,7 +71,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   const PlanQuery query = {problem.start, problem.goals};
   if (auto refused = refuse_query(*checker, query)) {
     result.plan = *std::move(refused);
-  } else if (settings.sampler == "gl" && database != nullptr) {
+  } else if (internal::is_memory_sampler(settings.sampler) && database != nullptr) {
     auto planned = plan_with_memory(problem, *database, *checker, (*planner)->plan, complete,
                                     stopwatch.elapsed_s(), result);
     if (!planned) return tl::unexpected(planned.error());

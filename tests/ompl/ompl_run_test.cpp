@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/ompl_run.h"
 
+#include <set>
+
 #include "ompl/silence.h"
 #include "ompl/small_problems.h"
 
@@ -14,19 +16,9 @@ PlanResult run(const Problem& problem, const std::string& planner, const SolveSe
   const CollisionChecker checker = checker_of(problem);
   const auto* entry = mneme::ompl::find_ompl_planner(planner);
   REQUIRE(entry != nullptr);
-  return mneme::ompl::OmplRun(problem, checker, settings, ompl, *entry, {}).plan(0);
-}
-
-/// The arm's first link is locked between posts: nothing leads to the goal.
-Problem locked_problem() {
-  Problem problem{"locked", planar_arm({1, 0.5}), "", {}, {-kPi, 0.5}, {{0, 0.5}}, {}};
-  std::vector<std::array<double, 3>> ring;
-  for (int i = 0; i < 18; ++i) {
-    const double angle = i * kPi / 9;
-    if (i != 0 && i != 9) ring.push_back({0.8 * std::cos(angle), 0.8 * std::sin(angle), 0.2});
-  }
-  problem.scene = make_circle_scene("ring", ring);
-  return problem;
+  auto planned = mneme::ompl::OmplRun(problem, checker, settings, ompl, *entry, {}).plan(0);
+  REQUIRE_MESSAGE(planned.has_value(), (planned ? "" : planned.error().message));
+  return std::move(*planned);
 }
 
 }  // namespace
@@ -53,6 +45,27 @@ TEST_SUITE("unit") {
     const std::atomic<bool> cancel{true};
     settings.plan.cancel = &cancel;
     CHECK(run(problem, "RRTConnect", settings).status == PlanStatus::cancelled);
+  }
+
+  TEST_CASE("memory reaches the planners that docs/ompl.md says, and no others") {
+    const mneme::ompl::Silence silence;
+    const Problem problem = locked_problem();
+    const CollisionChecker checker = checker_of(problem);
+    const std::set<std::string_view> near_only = {"EST",      "BiEST",     "ProjEST", "KPIECE1",
+                                                  "BKPIECE1", "LBKPIECE1", "SBL",     "STRIDE"};
+    SolveSettings settings;
+    settings.plan.timeout_s = 0.1;
+    for (const std::string_view name : ompl_planner_names()) {
+      CAPTURE(name);
+      const auto sampler = std::make_shared<ConstantSampler>(std::vector<float>{-3.1f, 0.2f});
+      const OmplSettings ompl;
+      const auto planned = mneme::ompl::OmplRun(problem, checker, settings, ompl,
+                                                *mneme::ompl::find_ompl_planner(name),
+                                                mneme::ompl::sampler_allocator(sampler))
+                               .plan(0);
+      REQUIRE(planned.has_value());
+      CHECK((sampler->drawn() == 0) == (near_only.count(name) == 1));
+    }
   }
 
   TEST_CASE("no time at all is a time-out") {

@@ -12,12 +12,12 @@ namespace mneme::test {
 namespace {
 
 struct Informed {
-  Problem problem = gap_problem();
+  Problem problem;
   ob::SpaceInformationPtr information = mneme::ompl::make_space_information(checker_of(problem));
   ob::ProblemDefinitionPtr definition = std::make_shared<ob::ProblemDefinition>(information);
   ob::OptimizationObjectivePtr objective = mneme::ompl::make_path_length_objective(information);
 
-  Informed() {
+  explicit Informed(Problem posed = gap_problem()) : problem(std::move(posed)) {
     definition->setStartAndGoalStates(state_of(information, problem.start),
                                       state_of(information, problem.goals[0]));
     definition->setOptimizationObjective(objective);
@@ -57,8 +57,8 @@ TEST_SUITE("unit") {
 TEST_SUITE("flow") {
   TEST_CASE("BIT* draws from the sampler through it") {
     const mneme::ompl::Silence silence;
-    Informed informed;
-    const auto constant = std::make_shared<ConstantSampler>(std::vector<float>{0.1f, 0.2f, 0.3f});
+    Informed informed(locked_problem());
+    const auto constant = std::make_shared<ConstantSampler>(std::vector<float>{-3.1f, 0.2f});
     informed.information->getStateSpace()->setStateSamplerAllocator(
         mneme::ompl::sampler_allocator(constant));
     og::BITstar planner(informed.information);

@@ -23,6 +23,18 @@ inline Problem gap_problem() {
   return problem;
 }
 
+/// The arm's first link is locked between posts: nothing leads to the goal.
+inline Problem locked_problem() {
+  Problem problem{"locked", planar_arm({1, 0.5}), "", {}, {-kPi, 0.5}, {{0, 0.5}}, {}};
+  std::vector<std::array<double, 3>> ring;
+  for (int i = 0; i < 18; ++i) {
+    const double angle = i * kPi / 9;
+    if (i != 0 && i != 9) ring.push_back({0.8 * std::cos(angle), 0.8 * std::sin(angle), 0.2});
+  }
+  problem.scene = make_circle_scene("ring", ring);
+  return problem;
+}
+
 inline CollisionChecker checker_of(const Problem& problem) {
   return make_checker(problem.robot, problem.scene);
 }

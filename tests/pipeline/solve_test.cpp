@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/small_cvae.h"
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
@@ -123,6 +124,7 @@ TEST_SUITE("flow") {
     settings.learn_budget_s = 1;
     settings.learn = cheap_settings();
     settings.decompose.max_gap = 5;
+    REQUIRE(internal::save_cvae(directory / "a.db.cvae", random_weights(problem.robot, 1)));
     for (const PlannerEntry& planner : planners()) {
       for (const std::string_view sampler : sampler_names()) {
         INFO(planner.name, " with ", sampler);
@@ -438,7 +440,8 @@ TEST_SUITE("unit") {
   TEST_CASE("the samplers have names of their own") {
     const auto names = sampler_names();
     CHECK(std::vector<std::string_view>(names.begin(), names.end()) ==
-          std::vector<std::string_view>{"gl", "uniform", "halton"});
+          std::vector<std::string_view>{"gl", "uniform", "halton", "pooled", "nearest_scenes",
+                                        "cvae"});
   }
 }
 

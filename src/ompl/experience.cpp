@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/experience.h"
+
+#include <array>
+#include <filesystem>
+
+#include <ompl/geometric/planners/experience/LightningRetrieveRepair.h>
+#include <ompl/geometric/planners/experience/ThunderRetrieveRepair.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/tools/lightning/LightningDB.h>
+#include <ompl/tools/multiplan/ParallelPlan.h>
+#include <ompl/tools/thunder/SPARSdb.h>
+#include <ompl/tools/thunder/ThunderDB.h>
+
+#include "mneme/ompl.h"
+#include "ompl/planner_table.h"
+#include "ompl/silence.h"
+
+namespace mneme {
+namespace ompl {
+namespace {
+
+namespace ob = ::ompl::base;
+namespace og = ::ompl::geometric;
+namespace ot = ::ompl::tools;
+
+/// What ompl::tools::Lightning and Thunder do around their planners, as one planner.
+class ExperiencePlanner final : public ob::Planner {
+ public:
+  ExperiencePlanner(const ob::SpaceInformationPtr& information, ob::PlannerPtr repair,
+                    ob::PlannerPtr scratch)
+      : Planner(information, repair->getName()), planners_{std::move(repair), std::move(scratch)} {}
+
+  void setProblemDefinition(const ob::ProblemDefinitionPtr& definition) override {
+    Planner::setProblemDefinition(definition);
+    for (const ob::PlannerPtr& planner : planners_) planner->setProblemDefinition(definition);
+  }
+  void clear() override {
+    Planner::clear();
+    for (const ob::PlannerPtr& planner : planners_) planner->clear();
+  }
+  ob::PlannerStatus solve(const ob::PlannerTerminationCondition& limit) override {
+    ot::ParallelPlan parallel(pdef_);
+    for (const ob::PlannerPtr& planner : planners_) parallel.addPlanner(planner);
+    return parallel.solve(limit, 1, 1, false);
+  }
+
+ private:
+  std::array<ob::PlannerPtr, 2> planners_;
+};
+
+std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& information) {
+  auto roadmap = std::make_shared<og::SPARSdb>(information);
+  roadmap->setProblemDefinition(std::make_shared<ob::ProblemDefinition>(information));
+  roadmap->setup();
+  // As ompl::tools::Thunder sets them.
+  roadmap->setStretchFactor(1.2);
+  roadmap->setSparseDeltaFraction(0.05);
+  auto database = std::make_shared<ot::ThunderDB>(information->getStateSpace());
+  database->setSPARSdb(roadmap);
+  return database;
+}
+
+/// A planner that knows what the file says; no planner if OMPL cannot read it.
+ob::PlannerPtr make_repair(std::string_view name, const ob::SpaceInformationPtr& information,
+                           const std::string& file, const ob::PlannerPtr& helper) {
+  if (name == kThunder) {
+    const auto database = make_thunder(information);
+    if (!file.empty() && !database->load(file)) return nullptr;
+    auto planner = std::make_shared<og::ThunderRetrieveRepair>(information, database);
+    planner->setRepairPlanner(helper);
+    return planner;
+  }
+  const auto database = std::make_shared<ot::LightningDB>(information->getStateSpace());
+  if (!file.empty() && !database->load(file)) return nullptr;
+  auto planner = std::make_shared<og::LightningRetrieveRepair>(information, database);
+  planner->setRepairPlanner(helper);
+  return planner;
+}
+
+template <class ExperienceDatabase>
+bool write(ExperienceDatabase& database, const ob::SpaceInformationPtr& information,
+           std::span<const Path> paths, const std::string& file) {
+  for (const Path& path : paths) {
+    og::PathGeometric states = to_ompl(path, information);
+    double insertion_time = 0;
+    database.addPath(states, insertion_time);
+  }
+  return database.save(file);
+}
+
+}  // namespace
+
+Result<ob::PlannerPtr> make_experience_planner(std::string_view name,
+                                               const ob::SpaceInformationPtr& information,
+                                               const std::string& file, double range) {
+  if (!file.empty() && !std::filesystem::exists(file)) {
+    return fail(ErrorCode::io, "'" + file + "': no such file");
+  }
+  const auto scratch = std::make_shared<og::RRTConnect>(information);
+  const auto helper = std::make_shared<og::RRTConnect>(information);
+  set_range(*scratch, range);
+  set_range(*helper, range);
+  ob::PlannerPtr repair = make_repair(name, information, file, helper);
+  if (!repair) {
+    return fail(ErrorCode::corrupt,
+                "'" + file + "': OMPL cannot read it as experience of " + std::string(name));
+  }
+  return std::make_shared<ExperiencePlanner>(information, std::move(repair), scratch);
+}
+
+}  // namespace ompl
+
+Result<void> train_ompl_experience(std::string_view planner, const Robot& robot,
+                                   std::span<const Path> paths, const std::string& path) {
+  using namespace ompl;
+  if (planner != kLightning && planner != kThunder) {
+    return fail(ErrorCode::invalid, "planner '" + std::string(planner) +
+                                        "' has no experience: expected Lightning or Thunder");
+  }
+  const Silence silence;
+  try {
+    // Experience is of no scene: what is blocked in one may be free in the next.
+    const auto checker = CollisionChecker::make(robot, Scene{});
+    if (!checker) return tl::unexpected(checker.error());
+    const ::ompl::base::SpaceInformationPtr information = make_space_information(*checker);
+    bool is_written = false;
+    if (planner == kThunder) {
+      is_written = write(*make_thunder(information), information, paths, path);
+    } else {
+      ot::LightningDB database(information->getStateSpace());
+      is_written = write(database, information, paths, path);
+    }
+    if (!is_written) return fail(ErrorCode::io, "'" + path + "': OMPL cannot write it");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::io, "'" + path + "': " + error.what());
+  }
+  return {};
+}
+
+}  // namespace mneme

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/baseline_samplers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/scene_image.h"
+#include "pipeline/synthesize.h"
+
+namespace mneme::internal {
+namespace {
+
+GaussianMixture synthesize_matches(const Robot& robot, std::vector<Match> matches) {
+  PrimitiveRetrieval retrieval;
+  retrieval.matches = std::move(matches);
+  return synthesize(robot, {&retrieval, 1});
+}
+
+/// Mean over the circles of `a` of the squared distance to the nearest of `b`.
+double one_way_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 2 < a.size(); i += 3) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j + 2 < b.size(); j += 3) {
+      double squared = 0;
+      for (std::size_t k = 0; k < 3; ++k) squared += std::pow(a[i + k] - b[j + k], 2);
+      nearest = std::min(nearest, squared);
+    }
+    sum += nearest;
+  }
+  return sum / (static_cast<double>(a.size()) / 3);
+}
+
+}  // namespace
+
+double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
+  return one_way_distance(a, b) + one_way_distance(b, a);
+}
+
+GaussianMixture pool_all(const Robot& robot, const Database& database) {
+  std::vector<Match> matches;
+  for (std::int64_t i = 0; i < database.size(); ++i) {
+    matches.push_back({&database.get(i), 0, {}});
+  }
+  return synthesize_matches(robot, std::move(matches));
+}
+
+Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& scene,
+                                              const Database& database,
+                                              const SolveSettings& settings) {
+  const auto primitives = decompose(robot, scene, settings.decompose);
+  if (!primitives) return tl::unexpected(primitives.error());
+  if (!database.space().decomposer.starts_with("pairs")) {
+    return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
+  }
+  const PrimitiveKey circles = circles_of(scene);
+  if (circles.empty()) return GaussianMixture{robot.joint_count(), {}, {}, {}, {}};
+  const double direction = mean_direction(circles);
+  std::vector<Match> matches;
+  for (const bool is_mirrored : {false, true}) {
+    // A mirror image reflects the direction too.
+    const Symmetry to_scene{direction, is_mirrored};
+    const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
+    for (std::int64_t i = 0; i < database.size(); ++i) {
+      const Experience& row = database.get(i);
+      matches.push_back({&row, scene_distance(canonical, row.key), to_scene});
+    }
+  }
+  const auto wanted = static_cast<std::size_t>(settings.max_matches) * primitives->size();
+  const auto count = settings.max_matches == 0 ? matches.size() : std::min(wanted, matches.size());
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+    return a.similarity_error < b.similarity_error;
+  });
+  matches.resize(count);
+  return synthesize_matches(robot, std::move(matches));
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/cvae_weights.h"
+
+#include <xxhash.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+static_assert(std::endian::native == std::endian::little);
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::string_view kMagic = "MNEMCVAE";
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kHashSize = 16;
+constexpr std::uint32_t kMostUnits = 4096;  ///< of any dimension: more is damage
+
+/// What stands at the front of a file, byte for byte.
+struct Header {
+  std::array<char, 8> magic;
+  std::uint32_t version, joints, latents, cells, hidden, reserved;
+  double half_extent;
+  std::array<char, kHashSize> robot_hash;
+};
+static_assert(sizeof(Header) == 56);
+
+/// The arrays in the order of the file, each with the size that it must have.
+template <class Weights, class Visitor>
+void visit_arrays(Weights& w, Visitor&& visit) {
+  const auto joints = static_cast<std::size_t>(w.joints);
+  const auto latents = static_cast<std::size_t>(w.latents);
+  const auto pixels = static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells);
+  const auto hidden = static_cast<std::size_t>(w.hidden);
+  visit(w.latent_layer, hidden * latents);
+  visit(w.image_layer, hidden * pixels);
+  visit(w.first_bias, hidden);
+  visit(w.second_layer, hidden * hidden);
+  visit(w.second_bias, hidden);
+  visit(w.output_layer, joints * hidden);
+  visit(w.output_bias, joints);
+}
+
+bool has_sane_sizes(const Header& header) {
+  for (const std::uint32_t size : {header.joints, header.latents, header.cells, header.hidden}) {
+    if (size == 0 || size > kMostUnits) return false;
+  }
+  return std::isfinite(header.half_extent) && header.half_extent > 0;
+}
+
+CvaeWeights empty_weights(const Header& header) {
+  CvaeWeights weights;
+  weights.robot_hash.assign(header.robot_hash.data(), kHashSize);
+  weights.joints = static_cast<int>(header.joints);
+  weights.latents = static_cast<int>(header.latents);
+  weights.cells = static_cast<int>(header.cells);
+  weights.hidden = static_cast<int>(header.hidden);
+  weights.half_extent = header.half_extent;
+  return weights;
+}
+
+Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
+  const auto corrupt = [&](const char* what) {
+    return fail(ErrorCode::corrupt,
+                "'" + path + "' is no file of CVAE weights, or damaged: " + what);
+  };
+  Header header;
+  if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t)) return corrupt("it is too short");
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (std::string_view(header.magic.data(), header.magic.size()) != kMagic) {
+    return corrupt("it does not start with MNEMCVAE");
+  }
+  if (header.version != kVersion) {
+    return fail(ErrorCode::unsupported, "'" + path + "' is of version " +
+                                            std::to_string(header.version) + ", expected " +
+                                            std::to_string(kVersion));
+  }
+  if (!has_sane_sizes(header)) return corrupt("its sizes make no sense");
+  CvaeWeights weights = empty_weights(header);
+  std::size_t size = sizeof(Header) + sizeof(std::uint64_t);
+  visit_arrays(weights, [&](auto&, std::size_t count) { size += count * sizeof(float); });
+  if (bytes.size() != size) return corrupt("its length is not that of its arrays");
+  std::uint64_t checksum;
+  const std::size_t end = size - sizeof checksum;
+  std::memcpy(&checksum, bytes.data() + end, sizeof checksum);
+  if (XXH3_64bits(bytes.data(), end) != checksum) return corrupt("the checksum is wrong");
+  const char* next = bytes.data() + sizeof(Header);
+  visit_arrays(weights, [&](std::vector<float>& array, std::size_t count) {
+    array.resize(count);
+    std::memcpy(array.data(), next, count * sizeof(float));
+    next += count * sizeof(float);
+  });
+  return weights;
+}
+
+}  // namespace
+
+Result<void> save_cvae(const std::string& path, const CvaeWeights& weights) {
+  bool is_whole = weights.robot_hash.size() == kHashSize;
+  visit_arrays(weights, [&](const auto& array, std::size_t size) {
+    is_whole = is_whole && array.size() == size;
+  });
+  if (!is_whole) return fail(ErrorCode::invalid, "CVAE weights whose sizes do not fit together");
+  Header header{};
+  std::memcpy(header.magic.data(), kMagic.data(), kMagic.size());
+  header.version = kVersion;
+  header.joints = static_cast<std::uint32_t>(weights.joints);
+  header.latents = static_cast<std::uint32_t>(weights.latents);
+  header.cells = static_cast<std::uint32_t>(weights.cells);
+  header.hidden = static_cast<std::uint32_t>(weights.hidden);
+  header.half_extent = weights.half_extent;
+  std::memcpy(header.robot_hash.data(), weights.robot_hash.data(), kHashSize);
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  visit_arrays(weights, [&](const auto& array, std::size_t) {
+    bytes.append(reinterpret_cast<const char*>(array.data()), array.size() * sizeof(float));
+  });
+  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
+  bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) return fail(ErrorCode::io, "'" + path + "' cannot be written");
+  return {};
+}
+
+Result<CvaeWeights> load_cvae(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(ErrorCode::io, "'" + path + "' cannot be read: train a CVAE first");
+  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (file.bad()) return fail(ErrorCode::io, "'" + path + "' cannot be read");
+  return parse(bytes, path);
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/experience.h"
+
+#include "ompl/silence.h"
+#include "ompl/small_problems.h"
+
+namespace mneme::test {
+namespace {
+
+std::vector<Path> solved_paths(const Problem& problem) {
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  const auto result = solve(problem, nullptr, settings);
+  REQUIRE(result.has_value());
+  REQUIRE(result->plan.is_solved());
+  return {result->plan.path};
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("only Lightning and Thunder have experience") {
+    const auto trained = train_ompl_experience("PRM", gap_problem().robot, {}, "unused");
+    REQUIRE(!trained.has_value());
+    CHECK(trained.error().code == ErrorCode::invalid);
+  }
+
+  TEST_CASE("experience that is missing, or cannot be written, is an error that names the file") {
+    const Problem problem = gap_problem();
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    settings.planner = "Lightning";
+    OmplSettings ompl;
+    ompl.experience_path = "no/such/file";
+    const auto result = solve_with_ompl(problem, nullptr, settings, ompl);
+    REQUIRE(!result.has_value());
+    CHECK(result.error().code == ErrorCode::io);
+    CHECK(result.error().message.find("no/such/file") != std::string::npos);
+    const auto trained = train_ompl_experience("Lightning", problem.robot, solved_paths(problem),
+                                               "no/such/directory/file");
+    REQUIRE(!trained.has_value());
+    CHECK(trained.error().message.find("no/such/directory/file") != std::string::npos);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("Lightning and Thunder solve a problem with the experience of it") {
+    const Problem problem = gap_problem();
+    const std::vector<Path> paths = solved_paths(problem);
+    const TemporaryDirectory directory;
+    for (const char* name : {"Lightning", "Thunder"}) {
+      CAPTURE(name);
+      OmplSettings ompl;
+      ompl.experience_path = directory / name;
+      const auto trained = train_ompl_experience(name, problem.robot, paths, ompl.experience_path);
+      REQUIRE_MESSAGE(trained.has_value(), (trained ? "" : trained.error().message));
+      CHECK(read_file(ompl.experience_path).size() > 100);
+      SolveSettings settings;
+      settings.sampler = "uniform";
+      settings.planner = name;
+      const auto result = solve_with_ompl(problem, nullptr, settings, ompl);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+      CHECK(result->plan.path.back() == problem.robot.normalized(problem.goals[0]));
+    }
+  }
+}
+
+}  // namespace mneme::test
