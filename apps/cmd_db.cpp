@@ -121,7 +121,9 @@ Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                             options.url, database.space().robot_name, database.space().robot_hash,
                             problem->robot.name(), problem->robot.hash()));
   }
-  return decompose(problem->robot, problem->scene, options.settings.decompose);
+  DecomposeSettings settings = options.settings.decompose;
+  settings.decomposer = decomposer_of_version(database.space().decomposer).value_or("");
+  return decompose(problem->robot, problem->scene, settings);
 }
 
 Json to_json(const Match& match) {

@@ -92,18 +92,20 @@ Result<void> check_robot(const std::string& where, const Workspace& workspace, c
 
 Result<void> append_primitives(const std::string& where, const Robot& robot,
                                const ProblemOptions& overrides, const DecomposeSettings& settings,
-                               std::vector<PrimitiveKey>& keys) {
+                               std::vector<LocalProblem>& primitives) {
   const Result<Workspace> workspace = load_workspace(where, overrides);
   if (!workspace) return tl::unexpected(workspace.error());
   const Result<void> fits = check_robot(where, *workspace, robot);
   if (!fits) return fits;
   const Result<Scene> scene = in_root_frame(workspace->framed, robot);
   if (!scene) return tl::unexpected(scene.error());
-  const auto primitives = decompose(robot, *scene, settings);
-  if (!primitives) return tl::unexpected(primitives.error());
-  for (const LocalPrimitive& primitive : *primitives) {
-    const bool is_new = std::find(keys.begin(), keys.end(), primitive.key) == keys.end();
-    if (is_new) keys.push_back(primitive.key);
+  const auto found = decompose(robot, *scene, settings);
+  if (!found) return tl::unexpected(found.error());
+  for (LocalProblem& problem : local_problems(*scene, *found)) {
+    const bool is_known = std::ranges::any_of(primitives, [&](const LocalProblem& known) {
+      return known.primitive.key == problem.primitive.key;
+    });
+    if (!is_known) primitives.push_back(std::move(problem));
   }
   return {};
 }
@@ -121,7 +123,7 @@ Result<std::vector<std::string>> all_problems(const LearnOptions& options) {
 /// What is to be learned, and for which robot: that of the problems, if there are any.
 struct Lesson {
   Robot robot;
-  std::vector<PrimitiveKey> keys;
+  std::vector<LocalProblem> primitives;
 };
 
 Result<Robot> choose_robot(const LearnOptions& options, const ProblemOptions& overrides,
@@ -144,7 +146,7 @@ Result<Lesson> prepare(const LearnOptions& options) {
   Lesson lesson{*robot, {}};
   for (const std::string& problem : *problems) {
     const Result<void> added =
-        append_primitives(problem, *robot, *overrides, options.decompose, lesson.keys);
+        append_primitives(problem, *robot, *overrides, options.decompose, lesson.primitives);
     if (!added) return tl::unexpected(added.error());
   }
   return lesson;
@@ -255,12 +257,21 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
-  if (grid) {
-    const std::vector<PrimitiveKey> covering = cover_grid(*grid, options.job.seed);
-    lesson->keys.insert(lesson->keys.end(), covering.begin(), covering.end());
+  Result<LearnSummary> summary = LearnSummary();
+  if (!robot.is_planar()) {
+    if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
+    summary = learn_with_progress(robot, std::span<const LocalProblem>(lesson->primitives),
+                                  *database, options.job);
+  } else {
+    std::vector<PrimitiveKey> keys;
+    for (const LocalProblem& known : lesson->primitives) keys.push_back(known.primitive.key);
+    if (grid) {
+      const std::vector<PrimitiveKey> covering = cover_grid(*grid, options.job.seed);
+      keys.insert(keys.end(), covering.begin(), covering.end());
+    }
+    summary =
+        learn_with_progress(robot, std::span<const PrimitiveKey>(keys), *database, options.job);
   }
-  const Result<LearnSummary> summary =
-      learn_with_progress(robot, lesson->keys, *database, options.job);
   if (!summary) return tl::unexpected(summary.error());
   return report(options, *summary, *database, grid);
 }

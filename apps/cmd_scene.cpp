@@ -17,6 +17,7 @@
 #include "options.h"
 #include "scene_convert.h"
 #include "scene_threaded.h"
+#include "scene_vary.h"
 
 namespace mneme::app {
 namespace {
@@ -120,7 +121,7 @@ void add_info(CLI::App& group, Action& action) {
                       "robot that decides about primitives: URDF file or name (default: that of "
                       "the problem)");
   add_robot_flags(*command, options->robot_options);
-  add_settings(*command, options->decompose);
+  add_decompose_settings(*command, options->decompose);
   add_json(*command, options->is_json);
   command->callback([options, &action] { action = [options] { return run_info(*options); }; });
 }
@@ -134,6 +135,7 @@ void add_scene(CLI::App& program, Action& action) {
   add_info(*group, action);
   add_scene_convert(*group, action);
   add_scene_threaded(*group, action);
+  add_scene_vary(*group, action);
 }
 
 }  // namespace mneme::app

@@ -36,7 +36,8 @@ struct Workspace {
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
-/// Opens the database at `url` for the experience of `robot`.
+/// Opens the database at `url` for the experience of `robot`. An empty `decomposer` is that of the
+/// database, or the robot's own if it is a new one.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
                                              OpenMode mode, const std::string& decomposer = "");
 /// Opens it for planning: for writing only if planning may add to it.

@@ -21,16 +21,32 @@ std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t se
   return cover(grid, seed, interrupt_flag());
 }
 
-Result<LearnSummary> learn_with_progress(const Robot& robot, std::span<const PrimitiveKey> keys,
-                                         Database& database, LearnJob job) {
-  print_note(fmt::format("learning {} primitives with {} threads, seed {}", keys.size(), job.jobs,
-                         job.seed));
+namespace {
+
+template <class Primitive>
+Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
+                           Database& database, LearnJob job) {
+  print_note(fmt::format("learning {} primitives with {} threads, seed {}", primitives.size(),
+                         job.jobs, job.seed));
   Progress progress("learning");
   job.cancel = interrupt_flag();
   job.on_progress = [&](const LearnProgress& state) {
     progress.update(state.done, state.total, fmt::format("{} components", state.components));
   };
-  return learn_primitives(robot, keys, database, job);
+  return learn_primitives(robot, primitives, database, job);
+}
+
+}  // namespace
+
+Result<LearnSummary> learn_with_progress(const Robot& robot, std::span<const PrimitiveKey> keys,
+                                         Database& database, LearnJob job) {
+  return learn(robot, keys, database, std::move(job));
+}
+
+Result<LearnSummary> learn_with_progress(const Robot& robot,
+                                         std::span<const LocalProblem> primitives,
+                                         Database& database, LearnJob job) {
+  return learn(robot, primitives, database, std::move(job));
 }
 
 Coverage measure_coverage(const Database& database, const PrimitiveGrid& grid) {

@@ -19,6 +19,11 @@ namespace mneme::app {
                                                        std::span<const PrimitiveKey> keys,
                                                        Database& database, LearnJob job);
 
+/// The same for primitives of any shapes.
+[[nodiscard]] Result<LearnSummary> learn_with_progress(const Robot& robot,
+                                                       std::span<const LocalProblem> primitives,
+                                                       Database& database, LearnJob job);
+
 /// The similarity errors that random primitives of the grid meet in the database; infinite if it is
 /// empty.
 [[nodiscard]] Coverage measure_coverage(const Database& database, const PrimitiveGrid& grid);

@@ -15,6 +15,12 @@
 #include "output_file.h"
 
 namespace mneme::app {
+
+std::string to_scene_yaml(const FramedScene& scene) {
+  if (scene.frame.empty()) return to_yaml(scene.scene);
+  return fmt::format("# in the frame of {}\n{}", scene.frame, to_yaml(scene.scene));
+}
+
 namespace {
 
 struct ConvertOptions {
@@ -33,11 +39,6 @@ Result<FramedScene> read_scene(const ConvertOptions& options) {
   return in_root_frame(*scene, *robot).map([&](Scene moved) {
     return FramedScene{std::move(moved), robot->links().front().name};
   });
-}
-
-std::string to_scene_yaml(const FramedScene& scene) {
-  if (scene.frame.empty()) return to_yaml(scene.scene);
-  return fmt::format("# in the frame of {}\n{}", scene.frame, to_yaml(scene.scene));
 }
 
 Result<std::string> to_text(const FramedScene& scene, const std::string& format) {

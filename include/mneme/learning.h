@@ -35,7 +35,7 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("starts-per-link", s.starts_per_link, 1, 1000,
-        "local queries per link that can be the first to cross the gap; more make the sampler "
+        "local queries per link that can be in the gap; more make the sampler "
         "richer and slower to learn");
   visit("paths-per-start", s.paths_per_start, 1, 1000,
         "paths per local query: several are robust to obstacles outside the primitive");
@@ -66,6 +66,23 @@ struct LearnResult {
 /// any case within a few milliseconds once `cancel` is set. Errors: a robot that it does not
 /// handle.
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
+                                                      const LearnSettings& settings,
+                                                      std::uint64_t seed, double deadline_s = 0,
+                                                      const std::atomic<bool>* cancel = nullptr);
+
+/// A primitive and a scene of its obstacles alone, in its order.
+struct LocalProblem {
+  LocalPrimitive primitive;
+  Scene scene;
+};
+[[nodiscard]] std::vector<LocalProblem> local_problems(const Scene& scene,
+                                                       std::span<const LocalPrimitive> primitives);
+/// The same for any arm. In space, queries start with the robot's body covering the middle of the
+/// passage between the first two obstacles, stratified by the joint that carries the part that
+/// does, last joint first, and end with the body clear of that middle. Two obstacles that touch, or
+/// a passage out of reach, teach nothing.
+[[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot,
+                                                      const LocalProblem& problem,
                                                       const LearnSettings& settings,
                                                       std::uint64_t seed, double deadline_s = 0,
                                                       const std::atomic<bool>* cancel = nullptr);
@@ -169,6 +186,11 @@ struct LearnSummary {
 /// not depend on `jobs`.
 [[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
                                                     std::span<const PrimitiveKey> keys,
+                                                    Database& database, const LearnJob& job);
+
+/// The same for primitives of any shapes, each in a scene of its own.
+[[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
+                                                    std::span<const LocalProblem> problems,
                                                     Database& database, const LearnJob& job);
 
 /// What `make_threaded_instances` draws from.

@@ -9,6 +9,7 @@
 #include "mneme/robot.h"
 #include "mneme/covering.h"
 #include "mneme/scene.h"
+#include "mneme/variation.h"
 #include "mneme/problem.h"
 #include "mneme/collision.h"
 #include "mneme/sampling.h"

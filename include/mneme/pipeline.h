@@ -50,11 +50,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints); smaller repeats the past, larger explores around it; 0 picks the default of the "
-        "memory (0.05 for pairs, 0.3 for body_pairs, 0.4 for paths)");
+        "memory (0.05 for pairs, 0.07 for gaps, 0.3 for body_pairs, 0.4 for paths)");
   visit("similarity", s.similarity, 0.0, 1e9,
         "retrieve samplers whose squared key distance is less than this (m^2, for whole paths "
         "rad^2), and those of the same key whatever it is; 0 picks the default of the memory (0.5 "
-        "for pairs, 0.05 for body_pairs, any for paths); the paper used 3");
+        "for pairs, 0.05 for body_pairs, 0.03 for gaps, any for paths); the paper used 3");
   visit("max-matches", s.max_matches, -1, 1000000,
         "nearest samplers retrieved per primitive, 0 for all under the threshold (the paper's "
         "rule), -1 for the default of the memory (50 for whole paths, 8 otherwise)");
@@ -63,12 +63,13 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "checks; never done for body_pairs and paths, where samples around them help");
   visit("retrieve-after", s.retrieve_after, -1, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs, 800 for "
+        "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs and gaps, "
+        "800 for "
         "paths)");
   visit("first-components", s.first_components, -1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; 0 "
         "for all from the start (the paper's rule), -1 picks the default of the memory (0 for "
-        "pairs, 20 otherwise)");
+        "pairs and gaps, 20 otherwise)");
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "progressive widening: components that are added per iteration");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,

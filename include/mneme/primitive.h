@@ -21,7 +21,7 @@ namespace mneme {
 
 /// The numbers that describe a primitive in the robot's base frame; metres.
 /// Of the decomposer "pairs" (x_a, y_a, r_a, x_b, y_b, r_b), as in the paper. Of "body_pairs" two
-/// blocks of kBodyKeySize numbers: see body_key().
+/// blocks of kBodyKeySize numbers: see body_key(). Of "gaps" kGapKeySize numbers: see gap_key().
 using PrimitiveKey = std::vector<double>;
 
 /// A motion of the workspace that a motion of the leading joints undoes: first the mirror image y
@@ -67,7 +67,7 @@ struct LocalPrimitive {
 };
 
 struct DecomposeSettings {
-  std::string decomposer;
+  std::string decomposer;  ///< one of decomposer_names(); empty: see decompose()
   double max_gap = 0;
 };
 
@@ -76,14 +76,17 @@ requires std::same_as<std::remove_const_t<Settings>, DecomposeSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("max-gap", s.max_gap, 0.0, 1e6,
         "two obstacles at most this far apart (metres, between surfaces) form a primitive; 0 picks "
-        "the decomposer's default (1 for pairs of circles, 0.25 for body_pairs)");
+        "the decomposer's default (1 for pairs of circles, 0.25 for body_pairs and gaps)");
 }
 
 /// Algorithm 2, line 1: the pairs of obstacles whose gap is at most `max_gap`, in scene order. An
 /// empty `decomposer` is the robot's own: "pairs" for planar arms, which needs spheres in the plane
 /// and leaves out pairs that overlap or that the arm cannot reach; "body_pairs" for all others,
-/// which takes obstacles of any shapes, touching ones too. Errors: an unknown decomposer; a robot
-/// or obstacles that it does not handle; "paths", whose primitives are whole queries.
+/// which takes obstacles of any shapes, touching ones too. "gaps" takes pairs of any shapes that
+/// leave a passage for the thinnest part of the robot, together with the obstacles that bound that
+/// passage: those that a ray from its middle, at right angles to the line between the pair, meets
+/// first, within kGapReach. Errors: an unknown decomposer; a robot or obstacles that it does not
+/// handle; "paths", whose primitives are whole queries.
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose(const Robot& robot, const Scene& scene,
                                                             const DecomposeSettings& settings = {});
 
@@ -110,6 +113,20 @@ inline constexpr int kBodyKeySize = 9;
 [[nodiscard]] LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                                  const Obstacle& b);
 
+/// Numbers in a key of the decomposer "gaps": the middle of the passage and 3 x 3 x 3 distances.
+inline constexpr int kGapKeySize = 30;
+inline constexpr double kGapReach = 0.25;        ///< metres from the middle that matter to a gap
+inline constexpr double kGapProbeSpacing = 0.1;  ///< metres between the points of gap_key()
+/// The place and the surroundings of a passage as numbers, all in metres and alike under the
+/// Euclidean norm: its middle, then a third of the distances, each at most kGapReach, from the
+/// points of a grid around the middle to the nearest obstacle (0 inside one). The grid has the axes
+/// of `rotation` and kGapProbeSpacing; its last axis counts fastest. Whatever the obstacles'
+/// shapes, number and order, surfaces that move by less than e change the distances' share of the
+/// norm by less than sqrt(3) e; what is out of reach changes nothing, so that keys of unlike
+/// shelves agree where their passages do.
+[[nodiscard]] PrimitiveKey gap_key(std::span<const Obstacle> obstacles, const Vec3& middle,
+                                   const Eigen::Matrix3d& rotation);
+
 /// Brings a pair of circles to canonical form.
 [[nodiscard]] LocalPrimitive make_primitive(const PrimitiveKey& circles);
 /// The two circles of a key as a scene of their own.
@@ -123,8 +140,8 @@ inline constexpr int kBodyKeySize = 9;
 /// Numbers in such a key: odd, unlike those of the other decomposers.
 [[nodiscard]] int query_key_size(const Robot& robot);
 
-/// One of the ways to write down the same canonical primitive: either order, and for circles either
-/// mirror image.
+/// One of the ways to write down the same canonical primitive: either order of a pair, and for
+/// circles either mirror image. Keys of gaps have no order.
 struct KeyImage {
   PrimitiveKey key;
   bool is_mirrored = false;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "learning/body_points.h"
 #include "mneme/learning.h"
 
 namespace mneme {
@@ -10,15 +11,8 @@ namespace {
 /// Distances between the moving shapes of a robot and the obstacles of a scene.
 class Nearness {
  public:
-  Nearness(const Robot& robot, const Scene& scene, const SymmetricJoints& joints, double reach)
-      : robot_(robot), scene_(scene), reach_(reach), is_moving_(robot.links().size(), false) {
-    for (std::size_t i = 0; i < robot.links().size(); ++i) {
-      const int joint = robot.links()[i].parent_joint;
-      if (joint < 0) continue;
-      const int parent = robot.joints()[static_cast<std::size_t>(joint)].parent_link;
-      is_moving_[i] = is_moving_[static_cast<std::size_t>(parent)] || starts_moving(joint, joints);
-    }
-  }
+  Nearness(const Robot& robot, const Scene& scene, double reach)
+      : robot_(robot), scene_(scene), reach_(reach), is_moving_(internal::arm_links(robot)) {}
 
   /// Poses the robot: near(shape, obstacle) for each of its moving shapes.
   void look_at(const Configuration& q) {
@@ -45,15 +39,6 @@ class Nearness {
   }
 
  private:
-  /// What only the lift carries, such as a torso or a head, no symmetry turns; without symmetric
-  /// joints any joint of the group makes links move.
-  [[nodiscard]] bool starts_moving(int joint, const SymmetricJoints& joints) const {
-    const auto position = std::ranges::find(robot_.group(), joint) - robot_.group().begin();
-    if (position == robot_.joint_count()) return false;
-    if (joints.turn < 0 && joints.lift < 0) return true;
-    return position != joints.lift || joints.turn < 0;
-  }
-
   void add(const Vec3& a, const Vec3& b, double radius) {
     std::vector<bool> near;
     for (const Obstacle& obstacle : scene_.obstacles) {
@@ -80,7 +65,7 @@ Result<std::vector<Experience>> learn_from_paths(const Robot& robot, const Scene
   const auto primitives = decompose(robot, scene, settings);
   if (!primitives) return tl::unexpected(primitives.error());
   const SymmetricJoints joints = find_symmetric_joints(robot);
-  Nearness nearness(robot, scene, joints, reach);
+  Nearness nearness(robot, scene, reach);
   std::vector<Experience> rows(primitives->size());
   for (const Path& path : paths) {
     for (const Configuration& q : path) {

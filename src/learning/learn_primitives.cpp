@@ -28,9 +28,15 @@ std::uint64_t task_seed(std::uint64_t seed, const PrimitiveKey& key) {
   return seed;
 }
 
+/// What to learn; without a problem, the pair of circles that the key describes.
+struct Lesson {
+  const PrimitiveKey* key = nullptr;
+  const LocalProblem* problem = nullptr;
+};
+
 class LearnRun {
  public:
-  LearnRun(const Robot& robot, std::span<const PrimitiveKey> keys, Database& database,
+  LearnRun(const Robot& robot, std::span<const Lesson> lessons, Database& database,
            const LearnJob& job)
       : robot_(robot), database_(database), job_(job), settings_text_(describe(job.settings)) {
     std::set<std::uint64_t> known;
@@ -38,11 +44,11 @@ class LearnRun {
       const Provenance& provenance = database.get(i).provenance;
       if (provenance.settings == settings_text_) known.insert(provenance.seed);
     }
-    for (const PrimitiveKey& key : keys) {
-      const std::uint64_t seed = task_seed(job.seed, key);
-      if (known.insert(seed).second) tasks_.push_back({key, seed});
+    for (const Lesson& lesson : lessons) {
+      const std::uint64_t seed = task_seed(job.seed, *lesson.key);
+      if (known.insert(seed).second) tasks_.push_back({lesson, seed});
     }
-    summary_.skipped = static_cast<std::int64_t>(keys.size() - tasks_.size());
+    summary_.skipped = static_cast<std::int64_t>(lessons.size() - tasks_.size());
   }
 
   Result<LearnSummary> run() {
@@ -58,7 +64,7 @@ class LearnRun {
 
  private:
   struct Task {
-    PrimitiveKey key;
+    Lesson lesson;
     std::uint64_t seed = 0;
   };
 
@@ -68,14 +74,22 @@ class LearnRun {
     for (;;) {
       const std::size_t task = next_task_.fetch_add(1);
       if (task >= tasks_.size() || has_failed_.load() || is_cancelled()) return;
-      auto learned = learn_local_sampler(robot_, tasks_[task].key, job_.settings, tasks_[task].seed,
-                                         0, job_.cancel);
+      auto learned = learn(tasks_[task]);
       // What a cancellation cut short is not what the arguments say.
       if (is_cancelled()) return;
       const std::lock_guard lock(mutex_);
       finished_.emplace(task, std::move(learned));
       is_finished_.notify_one();
     }
+  }
+
+  [[nodiscard]] Result<LearnResult> learn(const Task& task) const {
+    if (task.lesson.problem == nullptr) {
+      return learn_local_sampler(robot_, *task.lesson.key, job_.settings, task.seed, 0,
+                                 job_.cancel);
+    }
+    return learn_local_sampler(robot_, *task.lesson.problem, job_.settings, task.seed, 0,
+                               job_.cancel);
   }
 
   /// Inserts results in the order of the keys, so that the file does not depend on the threads.
@@ -113,7 +127,7 @@ class LearnRun {
     summary_.components += sampler.component_count();
     if (sampler.component_count() == 0) ++summary_.empty;
     Experience row;
-    row.key = task.key;
+    row.key = *task.lesson.key;
     row.sampler = std::move(sampler);
     row.provenance.tool = "mneme " + std::string(version());
     row.provenance.settings = settings_text_;
@@ -158,7 +172,18 @@ class LearnRun {
 
 Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
                                       Database& database, const LearnJob& job) {
-  return LearnRun(robot, keys, database, job).run();
+  std::vector<Lesson> lessons;
+  for (const PrimitiveKey& key : keys) lessons.push_back({&key, nullptr});
+  return LearnRun(robot, lessons, database, job).run();
+}
+
+Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const LocalProblem> problems,
+                                      Database& database, const LearnJob& job) {
+  std::vector<Lesson> lessons;
+  for (const LocalProblem& problem : problems) {
+    lessons.push_back({&problem.primitive.key, &problem});
+  }
+  return LearnRun(robot, lessons, database, job).run();
 }
 
 }  // namespace mneme

@@ -10,6 +10,7 @@
 
 #include "mneme/primitive.h"
 #include "primitive/decomposers.h"
+#include "primitive/passage.h"
 
 namespace mneme {
 namespace {
@@ -112,21 +113,6 @@ LocalPrimitive make_primitive_of(const SymmetricJoints& joints, const Body& a, c
   return primitive;
 }
 
-double gap_between(const Obstacle& a, const Obstacle& b, double most) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Shape& first : a.shapes) {
-    const Sphere around_first = bounding_sphere(first);
-    for (const Shape& second : b.shapes) {
-      const Sphere around = bounding_sphere(second);
-      const double bound =
-          (around.center - around_first.center).norm() - around.radius - around_first.radius;
-      if (bound > most) continue;
-      least = std::min(least, distance(first, second));
-    }
-  }
-  return least;
-}
-
 }  // namespace
 
 std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
@@ -138,7 +124,7 @@ std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
 LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                    const Obstacle& b) {
   LocalPrimitive primitive = make_primitive_of(joints, make_body(a), make_body(b));
-  primitive.gap = gap_between(a, b, std::numeric_limits<double>::infinity());
+  primitive.gap = internal::closest_shapes(a, b, std::numeric_limits<double>::infinity()).distance;
   return primitive;
 }
 
@@ -150,7 +136,8 @@ Result<std::vector<LocalPrimitive>> internal::decompose_into_body_pairs(
   std::vector<LocalPrimitive> primitives;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      const double gap = gap_between(scene.obstacles[i], scene.obstacles[j], settings.max_gap);
+      const double gap =
+          closest_shapes(scene.obstacles[i], scene.obstacles[j], settings.max_gap).distance;
       if (gap > settings.max_gap) continue;
       primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
       primitives.back().obstacles = {static_cast<int>(i), static_cast<int>(j)};

@@ -23,6 +23,7 @@ constexpr std::array kDecomposers = {
     internal::Decomposer{"body_pairs", "body_pairs/1", 2 * kBodyKeySize, 0.25,
                          internal::decompose_into_body_pairs},
     internal::Decomposer{"paths", "paths/1", internal::kSizeOfRobot, 1.0, refuse_scene},
+    internal::Decomposer{"gaps", "gaps/1", kGapKeySize, 0.25, internal::decompose_into_gaps},
 };
 
 }  // namespace

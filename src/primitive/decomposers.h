@@ -35,4 +35,8 @@ struct Decomposer {
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(
     const Robot& robot, const Scene& scene, const DecomposeSettings& settings);
 
+/// Passages between two obstacles, with what bounds them, for arms in space.
+[[nodiscard]] Result<std::vector<LocalPrimitive>> decompose_into_gaps(
+    const Robot& robot, const Scene& scene, const DecomposeSettings& settings);
+
 }  // namespace mneme::internal

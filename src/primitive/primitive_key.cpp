@@ -68,6 +68,7 @@ std::vector<KeyImage> images(const PrimitiveKey& canonical) {
     std::rotate(swapped.begin(), swapped.begin() + kBodyKeySize, swapped.end());
     return {{canonical, false}, {std::move(swapped), false}};
   }
+  if (canonical.size() == kGapKeySize) return {{canonical, false}};
   assert(canonical.size() == kPairKeySize);
   const PrimitiveKey& k = canonical;
   std::vector<KeyImage> result;
@@ -90,6 +91,11 @@ double similarity_error(const PrimitiveKey& a, const PrimitiveKey& b) {
       swapped += squared(a[i] - b[(i + kBodyKeySize) % kBodyPairKeySize]);
     }
     return std::min(plain, swapped);
+  }
+  if (a.size() == kGapKeySize && b.size() == kGapKeySize) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += squared(a[i] - b[i]);
+    return sum;
   }
   assert(a.size() == kPairKeySize && b.size() == kPairKeySize);
   const double* first = a.data();
