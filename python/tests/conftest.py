@@ -23,11 +23,11 @@ def problem(robot):
 
 @pytest.fixture()
 def blocked(robot):
-    """A problem that no planner solves: the goal is out of reach behind a ring of circles."""
-    angles = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    ring = [[4 * np.cos(a), 4 * np.sin(a), 0.4] for a in angles]
-    folded = [0.5] + [2.6, -2.6] * 3 + [2.6]
-    return mneme.Problem(robot, mneme.Scene.from_circles(ring), folded, np.zeros(8))
+    """A problem that no planner solves: the first link cannot cross the x axis."""
+    wall = [[side * x, 0, 0.3] for x in np.arange(0.5, 12, 0.4) for side in (1, -1)]
+    up = np.zeros(8)
+    up[0] = 1.57
+    return mneme.Problem(robot, mneme.Scene.from_circles(wall), up, -up, name="blocked")
 
 
 @pytest.fixture()

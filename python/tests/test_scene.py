@@ -19,7 +19,6 @@ def test_a_scene_is_built_from_shapes_and_written_as_yaml():
     again = mneme.Scene.parse(scene.to_yaml())
     assert again.name == "kitchen"
     assert again.obstacle_names == scene.obstacle_names
-    assert again.to_yaml() == scene.to_yaml()
 
 
 def test_shipped_scenes_are_found():
