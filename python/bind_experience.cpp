@@ -14,6 +14,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "inputs.h"
 #include "memory.h"
 
 namespace mneme::python {
@@ -28,16 +29,14 @@ OpenMode parse_mode(const std::string& mode) {
 }
 
 Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot,
-            const std::string& mode) {
+            const std::string& mode, const std::string& decomposer) {
   const OpenMode open_mode = parse_mode(mode);
   if (!robot && open_mode != OpenMode::read_only) {
     raise_invalid("robot: expected one, unless the mode is 'read_only'");
   }
   const py::gil_scoped_release released;
-  if (!robot) return Memory(unwrap(Database::inspect(path.string())));
-  return Memory(unwrap(make_space(*robot).and_then([&](const ExperienceSpace& space) {
-    return Database::open(path.string(), space, open_mode);
-  })));
+  if (!robot) return Memory(unwrap(app::inspect_database(path.string())));
+  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer)));
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {
@@ -118,9 +117,11 @@ void bind_experience(py::module_& module) {
   py::class_<Memory>(module, "Database",
                      "An append-only store of local samplers. Safe to use from several threads.")
       .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
-                  py::arg("mode") = "read_only",
+                  py::arg("mode") = "read_only", py::arg("decomposer") = "",
                   "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
-                  "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.")
+                  "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
+                  "decomposer: one of decomposer_names(); default that of the database, or the\n"
+                  "robot's own.")
       .def_static("verify", &verify, py::arg("path"),
                   "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")
       .def(

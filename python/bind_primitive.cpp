@@ -47,6 +47,7 @@ void bind_primitive(py::module_& module) {
       ("The pairs of close obstacles of a scene, in scene order.\n\n" +
        describe_keywords<DecomposeSettings>())
           .c_str());
+  module.def("decomposer_names", &decomposer_names, "Names of all decomposers.");
   module.def(
       "similarity_error",
       [](const py::object& a, const py::object& b) {

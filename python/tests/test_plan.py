@@ -57,8 +57,8 @@ def test_settings_are_those_that_are_declared(problem):
 
 
 @pytest.mark.parametrize("settings, words", [
-    ({"lambda_": 1.5}, "lambda_=1.5 is out of range: expected 0 to 1"),
-    ({"lambda_": -0.1}, "lambda_"),
+    ({"lambda_": 1.5}, "lambda_=1.5 is out of range: expected -1 to 1"),
+    ({"lambda_": -1.1}, "lambda_"),
     ({"lambda_": float("nan")}, "lambda_=nan"),
     ({"seed": -1}, "seed=-1 is out of range: expected 0 or more"),
     ({"seed": 2**64}, "seed"),
