@@ -68,7 +68,7 @@ py::array_t<double> path_of(const Plan& plan) {
 }
 
 /// The retrieved components in the scene's frame.
-py::array_t<float> means_of(const Plan& plan) {
+py::array_t<float> components_of(const Plan& plan) {
   const GaussianMixture* mixture = plan.result.gl.mixture.get();
   const py::ssize_t rows = mixture == nullptr ? 0 : mixture->component_count();
   py::array_t<float> means({rows, py::ssize_t{plan.problem.robot.joint_count()}});
@@ -140,7 +140,7 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly("primitives", &primitives_of,
                              "Per pair of close obstacles: their names, key, gap (metres) and the "
                              "similarity errors (m^2) of what was retrieved.")
-      .def_property_readonly("means", &means_of,
+      .def_property_readonly("means", &components_of,
                              "Retrieved components in the scene, shape (k, joint_count), float32.");
 }
 
