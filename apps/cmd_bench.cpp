@@ -23,6 +23,7 @@
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
+#include "interrupt.h"
 #include "options.h"
 #include "problem_part.h"
 
@@ -215,6 +216,7 @@ ExitCode judge(const std::vector<BenchmarkRow>& rows) {
 Result<ExitCode> run_bench_command(const BenchOptions& options) {
   Result<BenchPlan> plan = make_plan(options);
   if (!plan) return tl::unexpected(plan.error());
+  catch_interrupts();
   RowFile file;
   const Result<void> opened = file.open(options.csv, options.is_resumed).and_then([&] {
     return check_same_limit(file.rows(), options.settings.plan.timeout_s);

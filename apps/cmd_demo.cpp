@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "mneme/data.h"
 #include "mneme/learning.h"
 #include "mneme/report.h"
 
@@ -31,7 +32,7 @@ constexpr const char* kProblems[] = {"scenario1",   "scenario2",   "scenario3",
 
 struct DemoOptions {
   std::string out = "out/demo";
-  std::string scenes = MNEME_SCENE_DIRECTORY;
+  std::string scenes;  ///< empty: those that came with mneme
   std::optional<int> primitive_count;
   int seed_count = 20;
   std::optional<double> timeout_s;
@@ -50,8 +51,13 @@ struct DemoMemory {
   LearnSummary summary;
 };
 
+Result<std::string> scene_file(const DemoOptions& options, const std::string& name) {
+  if (options.scenes.empty()) return find_scene(name);
+  return options.scenes + "/" + name;
+}
+
 Result<DemoMemory> learn_grid(const DemoOptions& options) {
-  Result<PrimitiveGrid> grid = load_grid(options.scenes + "/planar/grid.yaml");
+  Result<PrimitiveGrid> grid = scene_file(options, "planar/grid.yaml").and_then(load_grid);
   if (!grid) return tl::unexpected(grid.error());
   grid->count = options.primitive_count.value_or(grid->count);
   const Result<Robot> robot = load_named_robot(kRobot);
@@ -66,15 +72,16 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   return DemoMemory{std::move(*database), *summary};
 }
 
-Result<std::vector<Problem>> load_problems(const std::string& directory) {
+Result<std::vector<Problem>> load_problems(const DemoOptions& options) {
   std::vector<Problem> problems;
   for (const char* name : kProblems) {
-    const std::string path = fmt::format("{}/planar/{}.yaml", directory, name);
-    if (!std::filesystem::exists(path)) {
-      print_note(fmt::format("skipped: there is no '{}'", path));
+    const Result<std::string> path = scene_file(options, fmt::format("planar/{}.yaml", name));
+    if (!path) return tl::unexpected(path.error());
+    if (!std::filesystem::exists(*path)) {
+      print_note(fmt::format("skipped: there is no '{}'", *path));
       continue;
     }
-    Result<Problem> problem = read_problem(path);
+    Result<Problem> problem = read_problem(*path);
     if (!problem) return tl::unexpected(problem.error());
     problems.push_back(std::move(*problem));
   }
@@ -179,7 +186,7 @@ ExitCode judge(const std::vector<BenchmarkRow>& rows) {
 }
 
 Result<ExitCode> run_demo(const DemoOptions& options) {
-  const Result<std::vector<Problem>> problems = load_problems(options.scenes);
+  const Result<std::vector<Problem>> problems = load_problems(options);
   if (!problems) return tl::unexpected(problems.error());
   const Result<void> made = make_directory(options.out);
   if (!made) return tl::unexpected(made.error());

@@ -142,11 +142,11 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   Result<LoadedPlan> loaded = load(options);
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;
+  settings.plan.cancel = interrupt_flag();
   if (!options.has_sampler) settings.sampler = loaded->database ? "gl" : "uniform";
   if (settings.sampler == "gl" && !loaded->database) {
     print_note("without --db there is no memory: the sampler 'gl' draws uniformly");
   }
-  settings.plan.cancel = interrupt_flag();
   Database* database = loaded->database ? &*loaded->database : nullptr;
   const Result<SolveResult> result = solve_by_name(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());

@@ -4,6 +4,7 @@
 #include "interrupt.h"
 
 #include <csignal>
+#include <mutex>
 
 namespace mneme::app {
 namespace {
@@ -16,12 +17,18 @@ extern "C" void remember_interrupt(int) { is_interrupted = true; }
 }  // namespace
 
 void catch_interrupts() {
-  struct sigaction handler = {};
-  handler.sa_handler = remember_interrupt;
-  handler.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
-  sigaction(SIGINT, &handler, nullptr);
+  static std::once_flag is_caught;
+  std::call_once(is_caught, [] {
+    struct sigaction handler = {};
+    handler.sa_handler = remember_interrupt;
+    handler.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
+    sigaction(SIGINT, &handler, nullptr);
+  });
 }
 
-const std::atomic<bool>* interrupt_flag() { return &is_interrupted; }
+const std::atomic<bool>* interrupt_flag() {
+  catch_interrupts();
+  return &is_interrupted;
+}
 
 }  // namespace mneme::app

@@ -17,8 +17,9 @@ constexpr std::uint64_t kCoverageSeed = 1;
 }  // namespace
 
 std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed) {
+  const std::atomic<bool>* cancel = interrupt_flag();
   print_note("choosing primitives that cover the range");
-  return cover(grid, seed, interrupt_flag());
+  return cover(grid, seed, cancel);
 }
 
 namespace {
@@ -26,10 +27,10 @@ namespace {
 template <class Primitive>
 Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
                            Database& database, LearnJob job) {
+  job.cancel = interrupt_flag();
   print_note(fmt::format("learning {} primitives with {} threads, seed {}", primitives.size(),
                          job.jobs, job.seed));
   Progress progress("learning");
-  job.cancel = interrupt_flag();
   job.on_progress = [&](const LearnProgress& state) {
     progress.update(state.done, state.total, fmt::format("{} components", state.components));
   };

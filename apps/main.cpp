@@ -11,7 +11,6 @@
 
 #include "commands.h"
 #include "console.h"
-#include "interrupt.h"
 #include "options.h"
 #include "suggestion.h"
 
@@ -39,6 +38,9 @@ void set_up(CLI::App& program, Action& action) {
   add_robot(program, action);
   add_scene(program, action);
   add_bench(program, action);
+  add_doctor(program, action);
+  add_completion(program, action);
+  add_manual(program, action);
   program.require_subcommand(1);
 }
 
@@ -93,7 +95,6 @@ int run(int argument_count, char** arguments) {
   const char* isa = std::getenv("MNEME_ISA");
   const Result<Isa> parsed = parse_isa(isa == nullptr || *isa == '\0' ? "automatic" : isa);
   if (!parsed) return report_usage_error(program, "MNEME_ISA: " + parsed.error().message);
-  catch_interrupts();
   return act(action);
 }
 

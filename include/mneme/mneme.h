@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/base.h"
+#include "mneme/data.h"
 #include "mneme/geometry.h"
 #include "mneme/robot.h"
 #include "mneme/covering.h"

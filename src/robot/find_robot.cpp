@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/robot.h"
 
+#include "mneme/data.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -23,7 +25,9 @@ std::vector<std::string> search_directories() {
     if (!directory.empty()) directories.emplace_back(directory);
     rest.remove_prefix(std::min(rest.size(), directory.size() + 1));
   }
-  directories.emplace_back(MNEME_ROBOT_DIRECTORY);
+  for (const std::string& directory : data_directories()) {
+    directories.push_back(directory + "/robots");
+  }
   return directories;
 }
 

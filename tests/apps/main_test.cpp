@@ -3,6 +3,8 @@
 
 #include "apps/run_program.h"
 
+#include <sys/stat.h>
+
 namespace mneme::test {
 namespace {
 
@@ -28,7 +30,8 @@ TEST_SUITE("unit") {
                                                             {"db", "list"},     {"db", "query"},
                                                             {"db", "verify"},   {"robot", "info"},
                                                             {"robot", "check"}, {"robot", "planar"},
-                                                            {"scene", "info"}};
+                                                            {"scene", "info"},  {"doctor"},
+                                                            {"completion"},     {"manual"}};
     for (std::vector<std::string> command : commands) {
       std::string example = "  mneme";
       for (const std::string& word : command) example += " " + word;
@@ -70,6 +73,17 @@ TEST_SUITE("unit") {
         std::string(MNEME_PROGRAM) + " robot info planar8 >/dev/full 2>/dev/null";
     const int status = std::system(command.c_str());
     CHECK(WEXITSTATUS(status) == 1);
+  }
+
+  TEST_CASE("an interrupt ends a command that waits for a file") {
+    const TemporaryDirectory files;
+    const std::string pipe = files / "scene.yaml";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    RunningProgram program({"scene", "info", pipe});
+    const int writer = open(pipe.c_str(), O_WRONLY);  // returns once the program reads
+    program.send(SIGINT);
+    CHECK(program.wait().exit_code == 130);
+    close(writer);
   }
 
   TEST_CASE("messages carry no colour codes unless a terminal reads them") {

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme doctor: what is built in and installed, and whether it works.
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "mneme/data.h"
+#include "mneme/pipeline.h"
+#include "mneme/report.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kProblem = "planar/threaded_b2.yaml";
+
+/// Something that a build may have or lack.
+struct Part {
+  std::string_view name;
+  bool is_built;
+  std::string_view advice;  ///< how to get it
+};
+constexpr Part kParts[] = {
+    {"OMPL adapter", MNEME_HAS_OMPL, "script/setup --all installs OMPL; then build again"},
+    {"Python module", MNEME_HAS_PYTHON, "script/setup --all installs pybind11; then build again"},
+};
+
+struct Finding {
+  std::string what;
+  bool is_good = false;
+  std::string detail;
+};
+
+Finding finding(std::string what, const Result<std::string>& outcome) {
+  return {std::move(what), outcome.has_value(), outcome ? *outcome : outcome.error().message};
+}
+
+/// Plans with one instruction set, and checks the path by code that shares nothing with it.
+Result<std::string> try_planning(const Problem& problem, Isa isa) {
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  settings.isa = isa;
+  const Result<SolveResult> result = solve(problem, nullptr, settings);
+  if (!result) return tl::unexpected(result.error());
+  if (!result->plan.is_solved()) return fail(ErrorCode::invalid, result->plan.message);
+  return CollisionChecker::make(problem.robot, problem.scene)
+      .and_then([&](const CollisionChecker& checker) -> Result<std::string> {
+        const double resolution = checker.resolution() / kVerificationRefinement;
+        if (!is_path_free(checker, result->plan.path, resolution)) {
+          return fail(ErrorCode::invalid, "a path failed the independent check");
+        }
+        return fmt::format("{} in {:.1f} ms", problem.name, 1e3 * result->planning_time_s);
+      });
+}
+
+/// A file of its own below the directory for temporary files, gone afterwards.
+class ScratchFile {
+ public:
+  ScratchFile() {
+    std::error_code ignored;
+    path_ =
+        std::filesystem::temp_directory_path(ignored) / fmt::format("mneme-doctor-{}.db", getpid());
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile() {
+    std::error_code ignored;
+    for (const char* suffix : {"", "-wal", "-shm"}) {
+      std::filesystem::remove(path_.string() + suffix, ignored);
+    }
+  }
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Learns one primitive into a new database, and plans from it.
+Result<std::string> try_memory(const Problem& problem) {
+  const ScratchFile file;
+  Result<Database> database = open_database(file.path(), problem.robot, OpenMode::create);
+  if (!database) return tl::unexpected(database.error());
+  SolveSettings settings;
+  settings.learn_budget_s = 5;
+  settings.learn.starts_per_link = 1;
+  settings.learn.paths_per_start = 1;
+  const Result<SolveResult> result = solve(problem, &*database, settings);
+  if (!result) return tl::unexpected(result.error());
+  const Result<std::vector<Damage>> damage = verify_database(file.path());
+  if (!damage) return tl::unexpected(damage.error());
+  if (!damage->empty() || database->size() == 0 || !result->plan.is_solved()) {
+    return fail(ErrorCode::corrupt, fmt::format("'{}' did not keep what was learned", file.path()));
+  }
+  return fmt::format("learned {} in {:.0f} ms",
+                     counted(static_cast<std::size_t>(database->size()), "primitive", "primitives"),
+                     1e3 * result->gl.learning_time_s);
+}
+
+std::vector<Isa> available_isas() {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
+    if (is_available(isa)) isas.push_back(isa);
+  }
+  return isas;
+}
+
+std::vector<Finding> examine() {
+  const auto directory_of = [](const std::string& path) {
+    return std::filesystem::path(path).parent_path().string();
+  };
+  const Result<std::string> scene = find_scene(kProblem);
+  std::vector<Finding> findings;
+  findings.push_back(finding("robots", find_robot("planar8").map(directory_of)));
+  findings.push_back(finding("scenes", scene.map(directory_of)));
+  const Result<Problem> problem =
+      scene.and_then([](const std::string& path) { return load_problem(path); });
+  if (!problem) {
+    findings.push_back(finding("problem", tl::unexpected(problem.error())));
+    return findings;
+  }
+  for (const Isa isa : available_isas()) {
+    findings.push_back(
+        finding(fmt::format("planning, {}", to_string(isa)), try_planning(*problem, isa)));
+  }
+  findings.push_back(finding("database", try_memory(*problem)));
+  return findings;
+}
+
+std::vector<std::string_view> isa_names() {
+  std::vector<std::string_view> names;
+  for (const Isa isa : available_isas()) names.push_back(to_string(isa));
+  return names;
+}
+
+void print_text(const std::vector<Finding>& findings) {
+  const bool is_forced = std::getenv("MNEME_ISA") != nullptr;
+  fmt::print("{:<20} {}\n", "mneme", version());
+  fmt::print("{:<20} {}; used: {}{}\n", "instruction sets", fmt::join(isa_names(), ", "),
+             to_string(default_isa()), is_forced ? ", as MNEME_ISA says" : "");
+  fmt::print("{:<20} {}\n", "threads", std::thread::hardware_concurrency());
+  for (const Part& part : kParts) {
+    fmt::print("{:<20} {}\n", part.name,
+               part.is_built ? "built" : fmt::format("not built: {}", part.advice));
+  }
+  for (const Finding& finding : findings) {
+    fmt::print("{:<20} {}: {}\n", finding.what, finding.is_good ? "ok" : "FAILED", finding.detail);
+  }
+}
+
+void print_json(const std::vector<Finding>& findings, bool is_good) {
+  Json parts = Json::object();
+  for (const Part& part : kParts) parts[std::string(part.name)] = part.is_built;
+  Json rows = Json::array();
+  for (const Finding& finding : findings) {
+    rows.push_back({{"what", finding.what}, {"ok", finding.is_good}, {"detail", finding.detail}});
+  }
+  app::print_json({{"version", version()},
+                   {"isas", isa_names()},
+                   {"isa", to_string(default_isa())},
+                   {"threads", std::thread::hardware_concurrency()},
+                   {"parts", parts},
+                   {"checks", rows},
+                   {"ok", is_good}});
+}
+
+ExitCode run_doctor(bool is_json) {
+  const std::vector<Finding> findings = examine();
+  bool is_good = true;
+  for (const Finding& finding : findings) is_good = is_good && finding.is_good;
+  if (is_json) {
+    print_json(findings, is_good);
+  } else {
+    print_text(findings);
+  }
+  return is_good ? ExitCode::done : ExitCode::failure;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& program, Action& action) {
+  CLI::App* command =
+      program.add_subcommand("doctor", "Say what is built in and installed, and try it");
+  command->footer("Example:\n  mneme doctor");
+  const auto is_json = std::make_shared<bool>(false);
+  add_isa(*command);
+  add_json(*command, *is_json);
+  command->callback([is_json, &action] {
+    action = [is_json]() -> Result<ExitCode> { return run_doctor(*is_json); };
+  });
+}
+
+}  // namespace mneme::app

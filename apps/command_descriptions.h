@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The help of all subcommands as data, for the manual page and the completions of shells.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace mneme::app {
+
+struct FlagDescription {
+  std::vector<std::string> names;  ///< "-o", "--output"; of an argument its name alone
+  std::string value;               ///< what stands for its value in the help; empty for a switch
+  std::string sentence;
+};
+
+struct CommandDescription {
+  std::string words;  ///< "db info"; empty for the program itself
+  std::string sentence;
+  std::string footer;
+  std::vector<FlagDescription> arguments;
+  std::vector<FlagDescription> flags;
+  std::vector<std::pair<std::string, std::string>> subcommands;  ///< name and sentence
+};
+
+/// The program and all its subcommands, each before those below it.
+[[nodiscard]] std::vector<CommandDescription> describe_commands(const CLI::App& program);
+
+}  // namespace mneme::app

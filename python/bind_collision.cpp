@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "mneme/collision.h"
+#include "mneme/report.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+
+namespace mneme::python {
+namespace {
+
+CollisionChecker make(const Robot& robot, const Scene& scene, double resolution, double margin,
+                      const std::string& isa) {
+  if (!(resolution >= 0 && resolution <= 10)) {
+    raise_invalid("resolution: expected 0 to 10 radians, 0 for the robot's default");
+  }
+  if (!(margin >= 0 && margin <= 10)) raise_invalid("margin: expected 0 to 10 metres");
+  return unwrap(CollisionChecker::make(robot, scene, {resolution, margin, unwrap(parse_isa(isa))}));
+}
+
+py::object is_valid(const CollisionChecker& checker, const py::object& q) {
+  const int joint_count = checker.robot().joint_count();
+  const Array array = to_numbers(q, "q");
+  if (array.ndim() == 1) {
+    return py::bool_(checker.is_valid(std::span<const double>(to_vector(array, joint_count, "q"))));
+  }
+  std::vector<float> rows;
+  for (const Configuration& row : to_rows(array, joint_count, "q")) {
+    rows.insert(rows.end(), row.begin(), row.end());
+  }
+  std::vector<std::uint8_t> answers(rows.size() / static_cast<std::size_t>(joint_count));
+  {
+    const py::gil_scoped_release released;
+    checker.check_states(rows, answers);
+  }
+  py::array_t<bool> result(static_cast<py::ssize_t>(answers.size()));
+  std::copy(answers.begin(), answers.end(), result.mutable_data());
+  return result;
+}
+
+bool is_motion_valid(const CollisionChecker& checker, const py::object& from,
+                     const py::object& to) {
+  const int joint_count = checker.robot().joint_count();
+  const Configuration start = to_vector(from, joint_count, "start");
+  const Configuration end = to_vector(to, joint_count, "end");
+  const py::gil_scoped_release released;
+  return checker.is_motion_valid(std::span<const double>(start), std::span<const double>(end));
+}
+
+py::list contacts(const CollisionChecker& checker, const py::object& q) {
+  py::list found;
+  for (const Contact& contact :
+       checker.contacts(to_vector(q, checker.robot().joint_count(), "q"))) {
+    py::dict row;
+    row["link"] = contact.link;
+    row["other"] = contact.other;
+    row["is_self"] = contact.is_self;
+    row["distance"] = contact.distance;
+    found.append(row);
+  }
+  return found;
+}
+
+bool path_is_free(const CollisionChecker& checker, const py::object& path, double resolution) {
+  if (!(resolution >= 0 && resolution <= 10)) {
+    raise_invalid("resolution: expected 0 to 10 radians, 0 for a tenth of the checker's");
+  }
+  const Path rows = to_rows(path, checker.robot().joint_count(), "path");
+  const double step = resolution > 0 ? resolution : checker.resolution() / kVerificationRefinement;
+  const py::gil_scoped_release released;
+  return is_path_free(checker, rows, step);
+}
+
+}  // namespace
+
+void bind_collision(py::module_& module) {
+  py::class_<CollisionChecker>(
+      module, "CollisionChecker",
+      "Decides whether configurations and straight motions are free of contact. Joint limits are\n"
+      "not its business: see Robot.describe_violation.")
+      .def(py::init(&make), py::arg("robot"), py::arg("scene"), py::kw_only(),
+           py::arg("resolution") = 0.0, py::arg("margin") = 0.0, py::arg("isa") = "automatic",
+           "resolution: largest L2 joint distance between checked states of a motion, radians;\n"
+           "0 for the robot's default. margin: metres that the robot is inflated by.")
+      .def_property_readonly("resolution", &CollisionChecker::resolution)
+      .def_property_readonly(
+          "isa", [](const CollisionChecker& self) { return std::string(to_string(self.isa())); })
+      .def("is_valid", &is_valid, py::arg("q"),
+           "True if q, shape (joint_count,), is free; for rows of shape (n, joint_count) an array\n"
+           "of n booleans.")
+      .def("is_motion_valid", &is_motion_valid, py::arg("start"), py::arg("end"),
+           "True if the straight motion after start, up to and including end, is free.")
+      .def("contacts", &contacts, py::arg("q"),
+           "Everything that touches at q: dictionaries with link, other, is_self and distance\n"
+           "(metres, negative in contact).")
+      .def("is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = 0.0,
+           "True if every state of path, shape (n, joint_count), is within limits and free by\n"
+           "exact distances that share no code with the kernels. resolution: radians; 0 for a\n"
+           "tenth of the checker's.");
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "mneme/pipeline.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "inputs.h"
+#include "memory.h"
+
+namespace mneme::python {
+namespace {
+
+OpenMode parse_mode(const std::string& mode) {
+  if (mode == "read_only") return OpenMode::read_only;
+  if (mode == "read_write") return OpenMode::read_write;
+  if (mode == "create") return OpenMode::create;
+  raise_invalid(
+      fmt::format("mode: expected 'read_only', 'read_write' or 'create', got '{}'", mode));
+}
+
+Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot,
+            const std::string& mode, const std::string& decomposer) {
+  const OpenMode open_mode = parse_mode(mode);
+  if (!robot && open_mode != OpenMode::read_only) {
+    raise_invalid("robot: expected one, unless the mode is 'read_only'");
+  }
+  const py::gil_scoped_release released;
+  if (!robot) return Memory(unwrap(app::inspect_database(path.string())));
+  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer)));
+}
+
+py::array_t<float> means_of(const GaussianMixture& mixture) {
+  const py::ssize_t columns = mixture.joint_count;
+  py::array_t<float> means({py::ssize_t{mixture.component_count()}, columns});
+  std::copy(mixture.means.begin(), mixture.means.end(), means.mutable_data());
+  return means;
+}
+
+py::dict to_dict(const Experience& experience) {
+  py::dict row;
+  row["id"] = experience.id;
+  row["key"] = to_array(experience.key);
+  row["means"] = means_of(experience.sampler);
+  row["tool"] = experience.provenance.tool;
+  row["settings"] = experience.provenance.settings;
+  row["seed"] = experience.provenance.seed;
+  row["time"] = experience.provenance.time;
+  return row;
+}
+
+py::dict get(const Memory& memory, std::int64_t position) {
+  const std::shared_ptr<Database> database = memory.get();
+  if (position < 0) position += database->size();
+  if (position < 0 || position >= database->size()) {
+    throw py::index_error(fmt::format("the database has {} rows", database->size()));
+  }
+  return to_dict(database->get(position));
+}
+
+py::list find(const Memory& memory, const LocalPrimitive& primitive,
+              std::optional<double> similarity, int max_matches) {
+  const std::shared_ptr<Database> database = memory.get();
+  const ExperienceSpace& space = database->space();
+  if (static_cast<int>(primitive.key.size()) != space.key_size) {
+    raise_invalid(fmt::format("primitive: expected a key of {} numbers, got {}", space.key_size,
+                              primitive.key.size()));
+  }
+  const double threshold = similarity.value_or(default_similarity(space.decomposer));
+  if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
+  if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
+  py::list rows;
+  for (const Match& match : database->find(primitive, threshold, max_matches)) {
+    py::dict row = to_dict(*match.experience);
+    row["similarity_error"] = match.similarity_error;
+    rows.append(row);
+  }
+  return rows;
+}
+
+py::dict info(const Memory& memory) {
+  const DatabaseInfo info = memory.get()->info();
+  py::dict row;
+  row["url"] = info.url;
+  row["robot_name"] = info.space.robot_name;
+  row["robot_hash"] = info.space.robot_hash;
+  row["decomposer"] = info.space.decomposer;
+  row["joint_count"] = info.space.joint_count;
+  row["key_size"] = info.space.key_size;
+  row["samplers"] = info.samplers;
+  row["components"] = info.components;
+  row["bytes"] = info.bytes;
+  row["schema_version"] = info.schema_version;
+  return row;
+}
+
+py::list verify(const std::filesystem::path& path) {
+  py::list rows;
+  for (const Damage& damage : unwrap(verify_database(path.string()))) {
+    rows.append(py::make_tuple(damage.id, damage.what));
+  }
+  return rows;
+}
+
+}  // namespace
+
+void bind_experience(py::module_& module) {
+  py::class_<Memory>(module, "Database",
+                     "An append-only store of local samplers. Safe to use from several threads.")
+      .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
+                  py::arg("mode") = "read_only", py::arg("decomposer") = "",
+                  "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
+                  "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
+                  "decomposer: one of decomposer_names(); default that of the database, or the\n"
+                  "robot's own.")
+      .def_static("verify", &verify, py::arg("path"),
+                  "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")
+      .def(
+          "find", &find, py::arg("primitive"), py::kw_only(), py::arg("similarity") = py::none(),
+          py::arg("max_matches") = 8,
+          "Rows whose squared key distance to the primitive is less than similarity (m^2, default\n"
+          "the key's own), nearest first, with their similarity_error; 0 matches are all.")
+      .def("info", &info, "Robot, decomposer, numbers of samplers and components, bytes.")
+      .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
+      .def("__len__", [](const Memory& self) { return self.get()->size(); })
+      .def("__getitem__", &get, py::arg("position"),
+           "A row in order of insertion: id, key, means of shape (components, joint_count),\n"
+           "float32, and where it is from.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](Memory& self, const py::args&) { self.close(); })
+      .def("__repr__", [](const Memory& self) {
+        const DatabaseInfo held = self.get()->info();
+        return fmt::format("<mneme.Database '{}' of robot '{}', {} samplers>", held.url,
+                           held.space.robot_name, held.samplers);
+      });
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "mneme/learning.h"
+#include "mneme/problem.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "interruptible.h"
+#include "keywords.h"
+#include "memory.h"
+
+namespace mneme::python {
+namespace {
+
+/// What is to be learned: keys, and a range that further ones shall cover.
+struct Lesson {
+  std::vector<PrimitiveKey> keys;
+  std::optional<PrimitiveGrid> grid;
+};
+
+/// Calls back into Python; what it raises ends the work and is kept for later.
+class ProgressCallback {
+ public:
+  ProgressCallback(py::object function, std::atomic<bool>& cancel)
+      : function_(std::move(function)), cancel_(cancel) {}
+
+  void operator()(const LearnProgress& progress) {
+    const py::gil_scoped_acquire acquired;
+    if (raised_) return;
+    try {
+      function_(progress);
+    } catch (py::error_already_set&) {
+      raised_ = std::current_exception();
+      cancel_ = true;
+    }
+  }
+  void rethrow() {
+    if (raised_) std::rethrow_exception(std::exchange(raised_, nullptr));
+  }
+
+ private:
+  py::object function_;
+  std::atomic<bool>& cancel_;
+  std::exception_ptr raised_;
+};
+
+void add_primitives(const py::object& primitives, const std::optional<int>& count, Lesson& lesson) {
+  const bool is_path = py::isinstance<py::str>(primitives) || py::hasattr(primitives, "__fspath__");
+  if (is_path) {
+    lesson.grid = unwrap(load_grid(primitives.cast<std::filesystem::path>().string()));
+    lesson.grid->count = count.value_or(lesson.grid->count);
+    return;
+  }
+  for (const Configuration& circles : to_rows(primitives, 6, "primitives")) {
+    lesson.keys.push_back(make_primitive(circles).key);
+  }
+}
+
+std::string decomposer_of(const Memory& memory) {
+  return decomposer_of_version(memory.get()->space().decomposer).value_or("");
+}
+
+void add_scenes(const py::iterable& scenes, const Robot& robot, const DecomposeSettings& settings,
+                Lesson& lesson) {
+  for (const py::handle item : scenes) {
+    const bool is_problem = py::isinstance<Problem>(item);
+    if (!is_problem && !py::isinstance<Scene>(item)) {
+      throw py::type_error("scenes: expected mneme.Scene or mneme.Problem objects, got " +
+                           py::repr(item).cast<std::string>());
+    }
+    if (is_problem && item.cast<Problem&>().robot.hash() != robot.hash()) {
+      raise_invalid(fmt::format("scenes: the robot of problem '{}' differs from robot '{}'",
+                                item.cast<Problem&>().name, robot.name()));
+    }
+    const Scene& scene = is_problem ? item.cast<Problem&>().scene : item.cast<Scene&>();
+    for (LocalPrimitive& primitive : unwrap(decompose(robot, scene, settings))) {
+      const bool is_new =
+          std::find(lesson.keys.begin(), lesson.keys.end(), primitive.key) == lesson.keys.end();
+      if (is_new) lesson.keys.push_back(std::move(primitive.key));
+    }
+  }
+}
+
+LearnSummary learn(const Robot& robot, const Memory& memory, Lesson lesson, LearnJob job,
+                   const py::object& on_progress) {
+  const std::shared_ptr<Database> database = memory.get();
+  std::atomic<bool> cancel = false;
+  ProgressCallback callback(on_progress, cancel);
+  if (!on_progress.is_none()) job.on_progress = std::ref(callback);
+  job.cancel = &cancel;
+  auto summary = run_interruptible(cancel, [&] {
+    if (lesson.grid) {
+      const std::vector<PrimitiveKey> keys = cover(*lesson.grid, job.seed, &cancel);
+      lesson.keys.insert(lesson.keys.end(), keys.begin(), keys.end());
+    }
+    return learn_primitives(robot, lesson.keys, *database, job);
+  });
+  callback.rethrow();
+  return unwrap(std::move(summary));
+}
+
+LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
+                                 const py::object& primitives, const py::object& scenes,
+                                 const std::optional<int>& count, std::uint64_t seed, int jobs,
+                                 const py::object& on_progress, const py::kwargs& arguments) {
+  if (primitives.is_none() && scenes.is_none()) {
+    throw py::type_error("learn() needs primitives or scenes");
+  }
+  if (count && *count < 0) raise_invalid("count: expected 0 or more");
+  if (jobs < 0 || jobs > 4096) raise_invalid("jobs: expected 1 to 4096, or 0 for all processors");
+  LearnJob job;
+  DecomposeSettings decomposing;
+  Keywords keywords("learn", arguments);
+  keywords.apply(job.settings);
+  keywords.apply(decomposing);
+  keywords.finish();
+  decomposing.decomposer = decomposer_of(memory);
+  job.seed = seed;
+  job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Lesson lesson;
+  if (!scenes.is_none()) add_scenes(scenes, robot, decomposing, lesson);
+  if (!primitives.is_none()) add_primitives(primitives, count, lesson);
+  return learn(robot, memory, std::move(lesson), job, on_progress);
+}
+
+std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& scene,
+                         const py::iterable& paths, double reach, std::uint64_t seed,
+                         const py::kwargs& arguments) {
+  DecomposeSettings decomposing;
+  Keywords keywords("learn_from_paths", arguments);
+  keywords.apply(decomposing);
+  keywords.finish();
+  if (!(reach > 0 && reach <= 100)) raise_invalid("reach: expected more than 0, at most 100 m");
+  std::vector<Path> rows;
+  for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
+  const std::shared_ptr<Database> database = memory.get();
+  decomposing.decomposer = decomposer_of(memory);
+  const py::gil_scoped_release released;
+  auto learned = unwrap(learn_from_paths(robot, scene, rows, decomposing, reach));
+  for (Experience& row : learned) {
+    row.provenance = {fmt::format("mneme {}", version()), "paths from Python", seed, {}};
+  }
+  return static_cast<std::int64_t>(unwrap(database->insert(std::move(learned))).size());
+}
+
+void bind_results(py::module_& module) {
+  py::class_<LearnProgress>(module, "LearnProgress", "How far learning has come.")
+      .def_readonly("done", &LearnProgress::done, "Primitives in the database, of those asked for.")
+      .def_readonly("total", &LearnProgress::total)
+      .def_readonly("components", &LearnProgress::components)
+      .def_readonly("elapsed_s", &LearnProgress::elapsed_s);
+  py::class_<LearnSummary>(module, "LearnSummary", "What was learned.")
+      .def_readonly("learned", &LearnSummary::learned, "Primitives learned now.")
+      .def_readonly("skipped", &LearnSummary::skipped,
+                    "Already in the database with the same seed and settings.")
+      .def_readonly("empty", &LearnSummary::empty, "Of those learned: nothing passes them.")
+      .def_readonly("components", &LearnSummary::components)
+      .def_readonly("time_s", &LearnSummary::time_s)
+      .def("__repr__", [](const LearnSummary& self) {
+        return fmt::format("<mneme.LearnSummary: {} learned, {} skipped, {} components>",
+                           self.learned, self.skipped, self.components);
+      });
+}
+
+}  // namespace
+
+void bind_learning(py::module_& module) {
+  bind_results(module);
+  module.def(
+      "learn", &learn_with_keywords, py::arg("robot"), py::arg("database"), py::kw_only(),
+      py::arg("primitives") = py::none(), py::arg("scenes") = py::none(),
+      py::arg("count") = py::none(), py::arg("seed") = 1, py::arg("jobs") = 0,
+      py::arg("on_progress") = py::none(),
+      ("Learns local samplers of primitives into a database; resumable, also after Control-C.\n"
+       "Planar arms only: for others see learn_from_paths.\n\n"
+       "primitives: a YAML file with a range to cover, or pairs of circles of shape (n, 6).\n"
+       "scenes: scenes or problems whose primitives to learn.\n"
+       "count: at least this many primitives, instead of the range's number.\n"
+       "jobs: threads; 0 for all processors. The result does not depend on it.\n"
+       "on_progress: called with a LearnProgress about once a second; what it raises ends it.\n\n" +
+       describe_keywords<LearnSettings>() + describe_keywords<DecomposeSettings>())
+          .c_str());
+  module.def("learn_from_paths", &learn_paths, py::arg("robot"), py::arg("database"),
+             py::arg("scene"), py::arg("paths"), py::kw_only(), py::arg("reach") = 0.12,
+             py::arg("seed") = 0,
+             ("Learns from solved paths, each of shape (n, joint_count): per pair of close\n"
+              "obstacles the waypoints at which the robot is closer to both than reach, metres.\n"
+              "Returns the number of rows that were added.\n\n" +
+              describe_keywords<DecomposeSettings>())
+                 .c_str());
+}
+
+}  // namespace mneme::python

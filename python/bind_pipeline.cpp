@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "mneme/pipeline.h"
+#include "mneme/report.h"
+
+#include "arrays.h"
+#include "bench_row.h"
+#include "bindings.h"
+#include "interruptible.h"
+#include "keywords.h"
+#include "memory.h"
+
+namespace mneme::python {
+namespace {
+
+/// What a call of solve() was given and what came out. Holds on to the database, because what was
+/// retrieved refers to it.
+struct Plan {
+  Problem problem;
+  std::shared_ptr<Database> database;
+  SolveSettings settings;
+  SolveResult result;
+};
+
+SolveSettings read_settings(const std::string& planner, const std::string& sampler,
+                            const std::string& isa, const py::kwargs& arguments) {
+  SolveSettings settings;
+  settings.planner = planner;
+  settings.sampler = sampler;
+  settings.isa = unwrap(parse_isa(isa));
+  Keywords keywords("plan", arguments);
+  keywords.apply(settings);
+  keywords.apply(settings.plan);
+  keywords.apply(settings.decompose);
+  keywords.apply(settings.learn);
+  keywords.finish();
+  return settings;
+}
+
+Plan plan(const Problem& problem, const Memory* memory, const std::string& planner,
+          const std::optional<std::string>& sampler, const std::string& isa,
+          const py::kwargs& arguments) {
+  const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
+  Plan made{problem,
+            memory == nullptr ? nullptr : memory->get(),
+            read_settings(planner, source, isa, arguments),
+            {}};
+  if (made.settings.learn_budget_s > 0 && made.database == nullptr) {
+    raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
+  }
+  std::atomic<bool> cancel = false;
+  made.settings.plan.cancel = &cancel;
+  auto result = run_interruptible(
+      cancel, [&] { return solve(made.problem, made.database.get(), made.settings); });
+  made.settings.plan.cancel = nullptr;
+  made.result = unwrap(std::move(result));
+  return made;
+}
+
+py::array_t<double> path_of(const Plan& plan) {
+  return to_array(plan.result.plan.path, plan.problem.robot.joint_count());
+}
+
+/// The retrieved components in the scene's frame.
+py::array_t<float> components_of(const Plan& plan) {
+  const GaussianMixture* mixture = plan.result.gl.mixture.get();
+  const py::ssize_t rows = mixture == nullptr ? 0 : mixture->component_count();
+  py::array_t<float> means({rows, py::ssize_t{plan.problem.robot.joint_count()}});
+  if (rows > 0) std::copy(mixture->means.begin(), mixture->means.end(), means.mutable_data());
+  return means;
+}
+
+py::list primitives_of(const Plan& plan) {
+  py::list rows;
+  for (const PrimitiveRetrieval& found : plan.result.gl.primitives) {
+    py::list names;
+    for (const int index : found.primitive.obstacles) {
+      names.append(plan.problem.scene.obstacles.at(static_cast<std::size_t>(index)).name);
+    }
+    py::list errors;
+    for (const Match& match : found.matches) errors.append(match.similarity_error);
+    py::dict row;
+    row["obstacles"] = names;
+    row["key"] = to_array(found.primitive.key);
+    row["gap"] = found.primitive.gap;
+    row["similarity_errors"] = errors;
+    row["is_learned"] = found.is_learned;
+    rows.append(row);
+  }
+  return rows;
+}
+
+std::string svg_of(const Plan& plan) {
+  PlanarPicture picture;
+  picture.problem = &plan.problem;
+  picture.gl = &plan.result.gl;
+  picture.path = plan.result.plan.path;
+  picture.title = fmt::format(
+      "{}: {} with sampler {}, {} in {:.2f} ms", plan.problem.name, plan.result.planner,
+      plan.result.sampler, to_string(plan.result.plan.status), 1e3 * plan.result.planning_time_s);
+  return unwrap(to_svg(picture));
+}
+
+BenchmarkRow row_of(const Plan& plan, const std::string& set) {
+  CheckerSettings checking;
+  checking.resolution = plan.settings.resolution;
+  const py::gil_scoped_release released;
+  const CollisionChecker checker =
+      unwrap(CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking));
+  BenchmarkRow row = app::make_row(plan.problem, plan.settings, plan.result, checker);
+  row.set = set;
+  return row;
+}
+
+void bind_answer(py::class_<Plan>& type) {
+  const auto plan_of = [](const Plan& self) -> const PlanResult& { return self.result.plan; };
+  type.def_readonly("problem", &Plan::problem)
+      .def_property_readonly(
+          "status",
+          [](const Plan& self) { return std::string(to_string(self.result.plan.status)); },
+          "'solved', 'timeout', 'iteration_limit', 'cancelled', 'invalid_start' or "
+          "'invalid_goal'.")
+      .def_property_readonly("is_solved",
+                             [](const Plan& self) { return self.result.plan.is_solved(); })
+      .def_property_readonly(
+          "message", [=](const Plan& self) { return plan_of(self).message; },
+          "Why there is no path, in words; empty if solved.")
+      .def_property_readonly("path", &path_of,
+                             "Shape (n, joint_count), float64, radians; n is 0 unless solved.")
+      .def_property_readonly(
+          "path_length",
+          [=](const Plan& self) { return path_length(self.problem.robot, plan_of(self).path); },
+          "Sum of L2 joint distances, radians.")
+      .def_property_readonly("primitives", &primitives_of,
+                             "Per pair of close obstacles: their names, key, gap (metres) and the "
+                             "similarity errors (m^2) of what was retrieved.")
+      .def_property_readonly("means", &components_of,
+                             "Retrieved components in the scene, shape (k, joint_count), float32.");
+}
+
+void bind_numbers(py::class_<Plan>& type) {
+  type.def_property_readonly("total_time_s",
+                             [](const Plan& self) { return self.result.total_time_s; })
+      .def_property_readonly(
+          "planning_time_s", [](const Plan& self) { return self.result.planning_time_s; },
+          "total_time_s without simplification and verification.")
+      .def_property_readonly("retrieval_time_s",
+                             [](const Plan& self) { return self.result.gl.retrieval_time_s; })
+      .def_property_readonly("learning_time_s",
+                             [](const Plan& self) { return self.result.gl.learning_time_s; })
+      .def_property_readonly(
+          "simplification_time_s",
+          [](const Plan& self) { return self.result.plan.simplification_time_s; })
+      .def_property_readonly("verification_time_s",
+                             [](const Plan& self) { return self.result.plan.verification_time_s; })
+      .def_property_readonly(
+          "iterations", [](const Plan& self) { return self.result.plan.iterations; },
+          "Samples drawn.")
+      .def_property_readonly("states_checked",
+                             [](const Plan& self) { return self.result.plan.states_checked; })
+      .def_property_readonly("motions_checked",
+                             [](const Plan& self) { return self.result.plan.motions_checked; })
+      .def_property_readonly("planner", [](const Plan& self) { return self.result.planner; })
+      .def_property_readonly("sampler", [](const Plan& self) { return self.result.sampler; })
+      .def_property_readonly("seed", [](const Plan& self) { return self.result.seed; })
+      .def_property_readonly(
+          "isa", [](const Plan& self) { return std::string(to_string(self.result.isa)); });
+}
+
+void bind_rows(py::module_& module) {
+  py::class_<BenchmarkRow>(module, "BenchmarkRow", "One run of a benchmark.")
+      .def_readonly("problem", &BenchmarkRow::problem)
+      .def_readonly("set", &BenchmarkRow::set)
+      .def_readonly("planner", &BenchmarkRow::planner)
+      .def_readonly("sampler", &BenchmarkRow::sampler)
+      .def_readonly("seed", &BenchmarkRow::seed)
+      .def_property_readonly(
+          "status", [](const BenchmarkRow& self) { return std::string(to_string(self.status)); })
+      .def_readonly("is_solved", &BenchmarkRow::is_solved, "What the planner says.")
+      .def_readonly("is_path_valid", &BenchmarkRow::is_path_valid,
+                    "By an independent check with exact distances at ten times the resolution.")
+      .def_readonly("planning_time_s", &BenchmarkRow::planning_time_s,
+                    "The time limit if there is no path.")
+      .def_readonly("total_time_s", &BenchmarkRow::total_time_s)
+      .def_readonly("iterations", &BenchmarkRow::iterations)
+      .def_readonly("states_checked", &BenchmarkRow::states_checked)
+      .def_readonly("path_length", &BenchmarkRow::path_length, "Radians.")
+      .def_readonly("components", &BenchmarkRow::components);
+  module.def("_to_table", [](const std::vector<BenchmarkRow>& rows) {
+    return to_table(std::span<const BenchmarkRow>(rows));
+  });
+  module.def("_csv_header", &csv_header);
+  module.def("_to_csv_line", &to_csv_line);
+}
+
+std::string plan_help() {
+  return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
+         "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
+         "database, 'uniform' without. isa: instruction set of the kernels.\n\n" +
+         describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
+         describe_keywords<DecomposeSettings>() + describe_keywords<LearnSettings>();
+}
+
+}  // namespace
+
+void bind_pipeline(py::module_& module) {
+  py::class_<Plan> type(module, "Plan", "What came out of plan(). Times in seconds.");
+  bind_answer(type);
+  bind_numbers(type);
+  bind_rows(module);
+  type.def(
+          "to_json", [](const Plan& self) { return to_json(self.problem, self.result, 0); },
+          "The text that `mneme plan --json` prints.")
+      .def("to_svg", &svg_of, "A picture of a planar robot's plan, as SVG text.")
+      .def("to_row", &row_of, py::arg("set") = "",
+           "The row of a benchmark; the path is checked again by independent code.")
+      .def("__repr__", [](const Plan& self) {
+        return fmt::format("<mneme.Plan '{}': {}, {} configurations, {:.3f} ms>", self.problem.name,
+                           to_string(self.result.plan.status), self.result.plan.path.size(),
+                           1e3 * self.result.planning_time_s);
+      });
+  module.def("plan", &plan, py::arg("problem"), py::arg("database") = py::none(), py::kw_only(),
+             py::arg("planner") = "rrt_connect", py::arg("sampler") = py::none(),
+             py::arg("isa") = "automatic", plan_help().c_str());
+  module.def(
+      "planner_names",
+      [] {
+        std::vector<std::string> names;
+        for (const PlannerEntry& planner : planners()) names.emplace_back(planner.name);
+        return names;
+      },
+      "Names of all planners.");
+  module.def(
+      "sampler_names",
+      [] { return std::vector<std::string>(sampler_names().begin(), sampler_names().end()); },
+      "Names of all sources of configurations.");
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "mneme/primitive.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "keywords.h"
+
+namespace mneme::python {
+
+void bind_primitive(py::module_& module) {
+  py::class_<LocalPrimitive>(module, "Primitive",
+                             "A pair of close obstacles: what experience is bound to.")
+      .def_static(
+          "from_circles",
+          [](const py::object& circles) {
+            return make_primitive(to_vector(circles, 6, "circles"));
+          },
+          py::arg("circles"),
+          "The primitive of two circles (x_a, y_a, r_a, x_b, y_b, r_b), metres.")
+      .def_property_readonly(
+          "key", [](const LocalPrimitive& self) { return to_array(self.key); },
+          "The numbers that describe it in canonical form; metres.")
+      .def_readonly("gap", &LocalPrimitive::gap, "Metres between the two obstacles.")
+      .def_readonly("obstacles", &LocalPrimitive::obstacles,
+                    "Indices of the obstacles in the scene.")
+      .def("__repr__", [](const LocalPrimitive& self) {
+        return fmt::format("<mneme.Primitive of {} numbers, gap {:.4f} m>", self.key.size(),
+                           self.gap);
+      });
+  module.def(
+      "decompose",
+      [](const Robot& robot, const Scene& scene, const py::kwargs& arguments) {
+        DecomposeSettings settings;
+        Keywords keywords("decompose", arguments);
+        keywords.apply(settings);
+        keywords.finish();
+        return unwrap(decompose(robot, scene, settings));
+      },
+      py::arg("robot"), py::arg("scene"),
+      ("The pairs of close obstacles of a scene, in scene order.\n\n" +
+       describe_keywords<DecomposeSettings>())
+          .c_str());
+  module.def("decomposer_names", &decomposer_names, "Names of all decomposers.");
+  module.def(
+      "similarity_error",
+      [](const py::object& a, const py::object& b) {
+        const PrimitiveKey first = to_vector(a, -1, "a");
+        const PrimitiveKey second = to_vector(b, static_cast<int>(first.size()), "b");
+        const auto size = first.size();
+        if (size != 6 && size != 2 * kBodyKeySize) raise_invalid("a: expected a primitive's key");
+        return similarity_error(first, second);
+      },
+      py::arg("a"), py::arg("b"), "Squared distance of two canonical keys, m^2.");
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "mneme/problem.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "robot_file.h"
+
+namespace mneme::python {
+namespace {
+
+/// One configuration or rows of them.
+std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
+  const Array array = to_numbers(goals, "goals");
+  if (array.ndim() == 1) return {to_vector(array, joint_count, "goals")};
+  std::vector<Configuration> rows = to_rows(array, joint_count, "goals");
+  if (rows.empty()) raise_invalid("goals: expected at least one configuration");
+  return rows;
+}
+
+Problem make_problem(const Robot& robot, const Scene& scene, const py::object& start,
+                     const py::object& goals, std::string name) {
+  return {std::move(name),
+          robot,
+          "",
+          scene,
+          to_vector(start, robot.joint_count(), "start"),
+          to_goals(goals, robot.joint_count()),
+          {}};
+}
+
+struct ProblemArguments {
+  std::string where;
+  std::string robot;
+  py::object start;
+  py::object goal;
+  RobotOptions options;
+};
+
+Problem load(const ProblemArguments& arguments) {
+  ProblemOptions options;
+  options.robot = arguments.options;
+  if (!arguments.robot.empty()) options.robot_path = unwrap(app::robot_file(arguments.robot));
+  if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
+  if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
+  const py::gil_scoped_release released;
+  return unwrap(load_problem(arguments.where, options));
+}
+
+void bind_factories(py::class_<Problem>& problem) {
+  problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene"), py::arg("start"),
+              py::arg("goals"), py::arg("name") = "problem",
+              "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
+              "shape (k, joint_count), any of which will do. The scene is copied.");
+  problem.def_static(
+      "load",
+      [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
+         py::object goal, const std::filesystem::path& srdf, std::string group,
+         std::vector<std::string> package_paths) {
+        RobotOptions options;
+        options.srdf_path = srdf.string();
+        options.group = std::move(group);
+        options.package_paths = std::move(package_paths);
+        return load({where.string(), robot.string(), std::move(start), std::move(goal),
+                     std::move(options)});
+      },
+      py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
+      py::arg("goal") = py::none(), py::arg("srdf") = "", py::arg("group") = "",
+      py::arg("package_paths") = std::vector<std::string>(),
+      "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
+      "request of MoveIt. What is given besides replaces what the file says.");
+}
+
+}  // namespace
+
+void bind_problem(py::module_& module) {
+  module.def(
+      "list_problems",
+      [](const std::filesystem::path& path) { return unwrap(list_problems(path.string())); },
+      py::arg("path"), "Names of the problems in a compact file, for Problem.load('PATH#NAME').");
+  py::class_<Problem> problem(module, "Problem",
+                              "A robot, a scene, a start and goals: the motion planning question.");
+  bind_factories(problem);
+  problem.def_readwrite("name", &Problem::name)
+      .def_readonly("robot", &Problem::robot)
+      .def_property_readonly(
+          "scene", [](const Problem& self) { return self.scene; }, "A copy of the scene.")
+      .def_property_readonly(
+          "start", [](const Problem& self) { return to_array(self.start); },
+          "Shape (joint_count,), radians.")
+      .def_property_readonly(
+          "goals",
+          [](const Problem& self) { return to_array(self.goals, self.robot.joint_count()); },
+          "Shape (k, joint_count), radians.")
+      .def_readonly("warnings", &Problem::warnings, "What was left aside while reading.")
+      .def(
+          "to_yaml",
+          [](const Problem& self, const std::string& robot) { return to_yaml(self, robot); },
+          py::arg("robot"),
+          "Text of a problem file with the scene inside; robot is written as "
+          "given: a name or the path of a URDF.")
+      .def("__repr__", [](const Problem& self) {
+        return fmt::format("<mneme.Problem '{}', robot '{}', {} obstacles>", self.name,
+                           self.robot.name(), self.scene.obstacles.size());
+      });
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "mneme/scene.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+
+namespace mneme::python {
+namespace {
+
+void check_size(const char* what, double value) {
+  if (value > 0 && value < 1e4) return;
+  raise_invalid(
+      fmt::format("{}: expected metres, more than 0 and less than 10000, got {}", what, value));
+}
+
+Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
+  Transform pose;
+  pose.translation = to_point(position, "position");
+  if (quat_xyzw.is_none()) return pose;
+  const std::vector<double> q = to_vector(quat_xyzw, 4, "quat_xyzw");
+  const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(norm > 1e-12 && norm < 1e12)) raise_invalid("quat_xyzw: expected a quaternion, not zero");
+  pose.rotation = rotation_from_quaternion(q[3], q[0], q[1], q[2]);
+  return pose;
+}
+
+/// Shapes of one name are one body.
+void add(Scene& scene, const std::string& name, const Shape& shape) {
+  if (name.empty()) raise_invalid("name: expected one that is not empty");
+  const Sphere bounds = bounding_sphere(shape);
+  if (!bounds.center.allFinite()) {
+    raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
+  }
+  const auto found = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
+                                  [&](const Obstacle& body) { return body.name == name; });
+  if (found == scene.obstacles.end()) {
+    scene.obstacles.push_back({name, {shape}});
+  } else {
+    found->shapes.push_back(shape);
+  }
+}
+
+void bind_shapes(py::class_<Scene>& scene) {
+  scene.def(
+      "add_sphere",
+      [](Scene& self, const std::string& name, const py::object& position, double radius) {
+        check_size("radius", radius);
+        add(self, name, Sphere{to_point(position, "position"), radius});
+      },
+      py::arg("name"), py::arg("position"), py::arg("radius"),
+      "Adds a sphere. position: its centre, shape (3,), metres. Shapes of one name are one body.");
+  scene.def(
+      "add_box",
+      [](Scene& self, const std::string& name, const py::object& position, const py::object& size,
+         const py::object& quat_xyzw) {
+        const Vec3 extents = to_point(size, "size");
+        for (const double extent : extents) check_size("size", extent);
+        add(self, name, Box{pose_of(position, quat_xyzw), extents / 2});
+      },
+      py::arg("name"), py::arg("position"), py::arg("size"), py::arg("quat_xyzw") = py::none(),
+      "Adds a box. position: its centre; size: full extents along x, y, z; shape (3,), metres.\n"
+      "quat_xyzw: orientation; it need not have unit length.");
+  scene.def(
+      "add_cylinder",
+      [](Scene& self, const std::string& name, const py::object& position, double radius,
+         double length, const py::object& quat_xyzw) {
+        check_size("radius", radius);
+        check_size("length", length);
+        add(self, name, Cylinder{pose_of(position, quat_xyzw), radius, length});
+      },
+      py::arg("name"), py::arg("position"), py::arg("radius"), py::arg("length"),
+      py::arg("quat_xyzw") = py::none(),
+      "Adds a cylinder about its z axis. position: its centre; length: between the flat ends; "
+      "metres.");
+  scene.def(
+      "add_capsule",
+      [](Scene& self, const std::string& name, const py::object& a, const py::object& b,
+         double radius) {
+        check_size("radius", radius);
+        add(self, name, Capsule{to_point(a, "a"), to_point(b, "b"), radius});
+      },
+      py::arg("name"), py::arg("a"), py::arg("b"), py::arg("radius"),
+      "Adds all points within radius of the segment from a to b, shape (3,), metres.");
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+  py::class_<Scene> scene(module, "Scene",
+                          "Named obstacles in the frame of the robot's root link. Metres.");
+  scene.def(py::init([](std::string name) {
+              return Scene{std::move(name), {}};
+            }),
+            py::arg("name") = "scene");
+  scene.def_static(
+      "load", [](const std::filesystem::path& path) { return unwrap(load_scene(path.string())); },
+      py::arg("path"), "Reads a scene file of mneme or a planning scene of MoveIt (YAML).");
+  scene.def_static(
+      "parse",
+      [](const std::string& yaml, const std::string& source) {
+        return unwrap(parse_scene(yaml, source));
+      },
+      py::arg("yaml"), py::arg("source") = "scene", "Reads YAML text; source names it in errors.");
+  scene.def_static(
+      "from_circles",
+      [](const py::object& circles, std::string name) {
+        std::vector<std::array<double, 3>> rows;
+        for (const Configuration& row : to_rows(circles, 3, "circles")) {
+          check_size("radius", row[2]);
+          rows.push_back({row[0], row[1], row[2]});
+        }
+        return make_circle_scene(std::move(name), rows);
+      },
+      py::arg("circles"), py::arg("name") = "scene",
+      "A planar scene. circles: shape (n, 3), rows x, y, radius, metres.");
+  scene.def_readwrite("name", &Scene::name);
+  scene.def_property_readonly(
+      "obstacle_names",
+      [](const Scene& self) {
+        std::vector<std::string> names;
+        for (const Obstacle& obstacle : self.obstacles) names.push_back(obstacle.name);
+        return names;
+      },
+      "Names of the obstacles, in order.");
+  bind_shapes(scene);
+  scene.def(
+      "to_yaml", [](const Scene& self) { return to_yaml(self); },
+      "Text that Scene.parse reads back to the same scene.");
+  scene.def("__len__", [](const Scene& self) { return self.obstacles.size(); });
+  scene.def("__repr__", [](const Scene& self) {
+    return fmt::format("<mneme.Scene '{}', {} obstacles>", self.name, self.obstacles.size());
+  });
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the bindings of each room add to the module.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace mneme::python {
+
+void bind_base(pybind11::module_& module);
+void bind_robot(pybind11::module_& module);
+void bind_scene(pybind11::module_& module);
+void bind_problem(pybind11::module_& module);
+void bind_collision(pybind11::module_& module);
+void bind_primitive(pybind11::module_& module);
+void bind_experience(pybind11::module_& module);
+void bind_learning(pybind11::module_& module);
+void bind_pipeline(pybind11::module_& module);
+
+}  // namespace mneme::python

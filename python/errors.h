@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme's errors as Python exceptions.
+#pragma once
+
+#include <exception>
+#include <string>
+#include <utility>
+
+#include <pybind11/pybind11.h>
+
+#include "mneme/base.h"
+
+namespace mneme::python {
+
+namespace py = pybind11;
+
+/// An Error on its way to Python, where it is a mneme.Error.
+class RaisedError : public std::exception {
+ public:
+  explicit RaisedError(Error error) : error_(std::move(error)) {}
+  [[nodiscard]] const Error& error() const { return error_; }
+  [[nodiscard]] const char* what() const noexcept override { return error_.message.c_str(); }
+
+ private:
+  Error error_;
+};
+
+/// The value of a result; its error is raised.
+template <class T>
+[[nodiscard]] T unwrap(Result<T> result) {
+  if (!result) throw RaisedError(std::move(result.error()));
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+[[noreturn]] inline void raise_invalid(std::string message) {
+  throw RaisedError({ErrorCode::invalid, std::move(message)});
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "keywords.h"
+
+#include <algorithm>
+
+namespace mneme::python {
+
+std::string keyword_of(std::string_view flag) {
+  std::string keyword(flag);
+  std::replace(keyword.begin(), keyword.end(), '-', '_');
+  return keyword == "lambda" ? keyword + "_" : keyword;
+}
+
+void Keywords::finish() const {
+  for (const auto& [name, value] : arguments_) {
+    const auto keyword = name.cast<std::string>();
+    if (std::find(known_.begin(), known_.end(), keyword) != known_.end()) continue;
+    const auto close =
+        py::module_::import("difflib").attr("get_close_matches")(keyword, py::cast(known_), 1);
+    const std::string hint =
+        py::len(close) > 0
+            ? fmt::format("; did you mean '{}'?", py::str(close[py::int_(0)]).cast<std::string>())
+            : fmt::format("; help(mneme.{}) lists the settings", function_);
+    throw py::type_error(
+        fmt::format("{}() got an unexpected keyword argument '{}'{}", function_, keyword, hint));
+  }
+}
+
+void Keywords::read(const std::string& keyword, const py::object& given, bool& value, bool,
+                    bool) const {
+  const bool is_bool = py::isinstance<py::bool_>(given) ||
+                       py::isinstance(given, py::module_::import("numpy").attr("bool_"));
+  if (!is_bool) fail_type(keyword, given, "True or False");
+  value = given.cast<bool>();
+}
+
+void Keywords::read(const std::string& keyword, const py::object& given, double& value,
+                    double least, double most) const {
+  if (py::isinstance<py::bool_>(given)) fail_type(keyword, given, "a number");
+  const double number = PyFloat_AsDouble(given.ptr());
+  if (PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    fail_type(keyword, given, "a number");
+  }
+  // Written so that a NaN is out of range.
+  if (!(number >= least && number <= most)) fail_range(keyword, given, describe(least, most));
+  value = number;
+}
+
+py::object Keywords::whole_number(const std::string& keyword, const py::object& given) const {
+  PyObject* number = py::isinstance<py::bool_>(given) ? nullptr : PyNumber_Index(given.ptr());
+  if (number != nullptr) return py::reinterpret_steal<py::object>(number);
+  PyErr_Clear();
+  fail_type(keyword, given, "a whole number");
+}
+
+void Keywords::fail_type(const std::string& keyword, const py::object& given,
+                         std::string_view expected) const {
+  throw py::type_error(fmt::format("{}: {}={} is not {}", function_, keyword,
+                                   py::repr(given).cast<std::string>(), expected));
+}
+
+void Keywords::fail_range(const std::string& keyword, const py::object& given,
+                          const std::string& range) const {
+  raise_invalid(fmt::format("{}: {}={} is out of range: expected {}", function_, keyword,
+                            py::repr(given).cast<std::string>(), range));
+}
+
+}  // namespace mneme::python

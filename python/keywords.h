@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Settings as keyword arguments, from the same declarations as the command line's flags.
+#pragma once
+
+#include <concepts>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
+#include "errors.h"
+
+namespace mneme::python {
+
+namespace py = pybind11;
+
+/// The keyword that stands for a flag: "max-gap" is max_gap, "lambda" is lambda_.
+[[nodiscard]] std::string keyword_of(std::string_view flag);
+
+/// The keyword arguments of a call, to be handed out to settings structs.
+class Keywords {
+ public:
+  /// `function` names the call in messages.
+  Keywords(std::string function, const py::kwargs& arguments)
+      : function_(std::move(function)), arguments_(arguments) {}
+
+  /// Assigns those that `settings` declares. Raises TypeError for a value of the wrong type and
+  /// mneme.Error for one that is out of range.
+  template <class Settings>
+  void apply(Settings& settings) {
+    visit_settings(settings, [this](std::string_view flag, auto& value, auto least, auto most,
+                                    std::string_view) {
+      using Value = std::remove_reference_t<decltype(value)>;
+      const std::string keyword = keyword_of(flag);
+      known_.push_back(keyword);
+      if (!arguments_.contains(keyword)) return;
+      const py::object given = arguments_[keyword.c_str()];
+      read(keyword, given, value, static_cast<Value>(least), static_cast<Value>(most));
+    });
+  }
+  /// Raises TypeError if a keyword belongs to none of the settings.
+  void finish() const;
+
+ private:
+  void read(const std::string& keyword, const py::object& given, bool& value, bool, bool) const;
+  void read(const std::string& keyword, const py::object& given, double& value, double least,
+            double most) const;
+  template <std::integral Integer>
+  void read(const std::string& keyword, const py::object& given, Integer& value, Integer least,
+            Integer most) const {
+    const py::object number = whole_number(keyword, given);
+    const bool is_inside = py::int_(least) <= number && number <= py::int_(most);
+    if (!is_inside) fail_range(keyword, given, describe(least, most));
+    value = number.cast<Integer>();
+  }
+
+  template <class T>
+  static std::string describe(T least, T most) {
+    return most == std::numeric_limits<T>::max() ? fmt::format("{} or more", least)
+                                                 : fmt::format("{} to {}", least, most);
+  }
+  [[nodiscard]] py::object whole_number(const std::string& keyword, const py::object& given) const;
+  [[noreturn]] void fail_type(const std::string& keyword, const py::object& given,
+                              std::string_view expected) const;
+  [[noreturn]] void fail_range(const std::string& keyword, const py::object& given,
+                               const std::string& range) const;
+
+  std::string function_;
+  py::kwargs arguments_;
+  std::vector<std::string> known_;
+};
+
+/// The settings' part of a docstring: keyword, default, range and sentence of each.
+template <class Settings>
+[[nodiscard]] std::string describe_keywords() {
+  Settings defaults;
+  std::string text;
+  visit_settings(defaults, [&](std::string_view flag, auto& value, auto least, auto most,
+                               std::string_view sentence) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    text += fmt::format("{}: {}", keyword_of(flag),
+                        std::same_as<Value, bool> ? "bool"
+                        : std::integral<Value>    ? "int"
+                                                  : "float");
+    if constexpr (std::same_as<Value, bool>) {
+      text += fmt::format(" = {}", value ? "True" : "False");
+    } else if (static_cast<Value>(most) == std::numeric_limits<Value>::max()) {
+      text += fmt::format(" = {}, {} or more", value, static_cast<Value>(least));
+    } else {
+      text += fmt::format(" = {}, {} to {}", value, static_cast<Value>(least),
+                          static_cast<Value>(most));
+    }
+    text += fmt::format("\n    {}\n", sentence);
+  });
+  return text;
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Motion planning from memory.
+
+    import mneme
+    problem = mneme.Problem.load(mneme.find_scene("planar/threaded_b2.yaml"))
+    plan = mneme.plan(problem)
+    plan.path                      # float64 array of shape (n, joint_count), radians
+
+Metres and radians; configurations are arrays of shape (joint_count,), paths of shape
+(n, joint_count). What is wrong with the world is a mneme.Error; a problem without a path is a
+plan whose `is_solved` is False. plan(), learn() and bench() let other threads run, and end at
+Control-C.
+"""
+from ._mneme import (
+    BenchmarkRow,
+    CollisionChecker,
+    Database,
+    Error,
+    LearnProgress,
+    LearnSummary,
+    Plan,
+    Primitive,
+    Problem,
+    Robot,
+    Scene,
+    __version__,
+    available_isas,
+    decompose,
+    decomposer_names,
+    default_isa,
+    find_scene,
+    learn,
+    learn_from_paths,
+    list_problems,
+    plan,
+    planner_names,
+    sampler_names,
+    similarity_error,
+)
+from ._bench import Benchmark, bench
+from ._view import view
+
+__all__ = [
+    "Benchmark",
+    "BenchmarkRow",
+    "CollisionChecker",
+    "Database",
+    "Error",
+    "LearnProgress",
+    "LearnSummary",
+    "Plan",
+    "Primitive",
+    "Problem",
+    "Robot",
+    "Scene",
+    "__version__",
+    "available_isas",
+    "bench",
+    "decompose",
+    "decomposer_names",
+    "default_isa",
+    "find_scene",
+    "learn",
+    "learn_from_paths",
+    "list_problems",
+    "plan",
+    "planner_names",
+    "sampler_names",
+    "similarity_error",
+    "view",
+]

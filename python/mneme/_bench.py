@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""bench(): problems x planners x samplers x seeds."""
+import html
+
+from . import _mneme
+
+
+class Benchmark:
+    """The runs of a benchmark. Runs without a valid path count as longer than any other."""
+
+    def __init__(self, rows):
+        self.rows = rows
+
+    def table(self):
+        """One line of text per problem, planner and sampler; planning times in ms."""
+        return _mneme._to_table(self.rows)
+
+    def to_csv(self):
+        """One line per run below a header, as `mneme bench run --csv` writes them."""
+        return _mneme._csv_header() + "".join(map(_mneme._to_csv_line, self.rows))
+
+    def __len__(self):
+        return len(self.rows)
+
+    def __repr__(self):
+        solved = sum(row.is_solved and row.is_path_valid for row in self.rows)
+        return f"<mneme.Benchmark: {solved} of {len(self.rows)} runs solved>"
+
+    def _repr_html_(self):
+        return f"<pre>{html.escape(self.table())}</pre>"
+
+
+def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, seeds=1, seed=1,
+          csv=None, on_row=None, **settings):
+    """Plans every problem with every planner and sampler, and checks every path again.
+
+    problems: Problem objects. samplers: default "uniform", with a database "gl" and "uniform".
+    seeds: runs of each, with seeds from `seed` on; all problems with one seed come before the next.
+    csv: file for one line per run, written while it runs. on_row: called with each BenchmarkRow.
+    settings: those of plan(), such as timeout=4.
+    """
+    problems = [problems] if isinstance(problems, _mneme.Problem) else list(problems)
+    planners = [planners] if isinstance(planners, str) else list(planners)
+    if samplers is None:
+        samplers = ["uniform"] if database is None else ["gl", "uniform"]
+    samplers = [samplers] if isinstance(samplers, str) else list(samplers)
+    if "gl" in samplers and database is None:
+        raise TypeError("bench: the sampler 'gl' needs a database, the memory that it draws from")
+    if not problems or not planners or not samplers or seeds < 1:
+        raise TypeError("bench: expected at least one problem, planner, sampler and seed")
+    rows = []
+    file = None if csv is None else open(csv, "w", encoding="utf-8", newline="")
+    try:
+        if file:
+            file.write(_mneme._csv_header())
+        for settings["seed"] in range(seed, seed + seeds):
+            for problem in problems:
+                for planner in planners:
+                    for sampler in samplers:
+                        memory = database if sampler == "gl" else None
+                        plan = _mneme.plan(problem, memory, planner=planner, sampler=sampler,
+                                           **settings)
+                        rows.append(plan.to_row())
+                        if file:
+                            file.write(_mneme._to_csv_line(rows[-1]))
+                            file.flush()
+                        if on_row:
+                            on_row(rows[-1])
+    finally:
+        if file:
+            file.close()
+    return Benchmark(rows)

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <pybind11/pybind11.h>
+
+#include "bindings.h"
+
+PYBIND11_MODULE(_mneme, module) {
+  module.doc() = "The compiled part of mneme; import mneme instead.";
+  mneme::python::bind_base(module);
+  mneme::python::bind_robot(module);
+  mneme::python::bind_scene(module);
+  mneme::python::bind_problem(module);
+  mneme::python::bind_collision(module);
+  mneme::python::bind_primitive(module);
+  mneme::python::bind_experience(module);
+  mneme::python::bind_learning(module);
+  mneme::python::bind_pipeline(module);
+}

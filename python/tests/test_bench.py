@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+from conftest import raised
+
+import mneme
+
+
+def test_every_problem_meets_every_planner_sampler_and_seed(problem, blocked, tmp_path):
+    seen = []
+    runs = mneme.bench([problem, blocked], planners=["rrt_connect", "prm"],
+                       samplers=["uniform", "halton"], seeds=2, seed=4, timeout=1e6,
+                       max_iterations=400, csv=tmp_path / "runs.csv", on_row=seen.append)
+    assert len(runs) == len(seen) == 16
+    assert {row.seed for row in runs.rows} == {4, 5}
+    assert all(row.is_path_valid for row in runs.rows if row.is_solved)
+    assert (tmp_path / "runs.csv").read_text() == runs.to_csv()
+    assert runs.to_csv().count("\n") == 17
+    assert "prm" in runs.table()
+    assert "<pre>" in runs._repr_html_()
+    assert "of 16 runs solved" in repr(runs)
+
+
+def test_memory_is_compared_with_none(robot, problem, memory):
+    mneme.learn(robot, memory, scenes=[problem], starts_per_link=1, paths_per_start=1, jobs=1)
+    runs = mneme.bench(problem, memory, seeds=3)
+    assert [row.sampler for row in runs.rows] == ["gl", "uniform"] * 3
+    assert runs.rows[0].components > 0 and runs.rows[1].components == 0
+
+
+def test_wrong_benchmarks_are_errors(problem):
+    with pytest.raises(TypeError, match="needs a database"):
+        mneme.bench(problem, samplers="gl")
+    with pytest.raises(TypeError, match="at least one"):
+        mneme.bench([])
+    with pytest.raises(TypeError, match="timout"):
+        mneme.bench(problem, timout=1)
+    assert raised(mneme.bench, problem, planners="best")[0] == "invalid"

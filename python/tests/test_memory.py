@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+import signal
+import threading
+
+import numpy as np
+import pytest
+from conftest import CIRCLES, raised
+
+import mneme
+
+FAST = {"starts_per_link": 1, "paths_per_start": 1, "jobs": 1}
+
+
+@pytest.fixture()
+def learned(robot, memory, problem):
+    summary = mneme.learn(robot, memory, scenes=[problem], **FAST)
+    assert summary.learned == 1 and summary.components > 0
+    return memory
+
+
+def test_memory_is_learned_and_drawn_from(problem, learned):
+    plan = mneme.plan(problem, learned)
+    assert plan.is_solved and plan.sampler == "gl"
+    (primitive,) = plan.primitives
+    assert primitive["obstacles"] == ["circle_1", "circle_2"]
+    assert primitive["similarity_errors"] == pytest.approx([0], abs=1e-9)
+    assert plan.means.shape[1] == 8 and len(plan.means) > 0
+    checker = mneme.CollisionChecker(problem.robot, problem.scene)
+    assert checker.is_valid(plan.means.astype(float)).all()
+
+
+def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
+    assert len(learned) == 1
+    row = learned[0]
+    assert row["key"].shape == (6,)
+    assert row["means"].shape[1] == 8 and row["means"].dtype == np.float32
+    np.testing.assert_array_equal(learned[-1]["means"], row["means"])
+    with pytest.raises(IndexError):
+        learned[1]
+    (primitive,) = mneme.decompose(robot, problem.scene)
+    (match,) = learned.find(primitive)
+    assert match["similarity_error"] == pytest.approx(0, abs=1e-9)
+    assert learned.find(primitive, similarity=1e-9, max_matches=0)
+    turned = mneme.Primitive.from_circles([0, 50, 1, 3, 50, 1])
+    assert learned.find(turned) == []
+    assert learned.info()["samplers"] == 1
+    assert mneme.Database.open(tmp_path / "memory.db").info()["robot_hash"] == robot.hash
+    assert mneme.Database.verify(tmp_path / "memory.db") == []
+    assert mneme.similarity_error(primitive.key, primitive.key) == 0
+
+
+def test_learning_again_skips_what_is_known(robot, learned, problem):
+    again = mneme.learn(robot, learned, scenes=[problem.scene], **FAST)
+    assert (again.learned, again.skipped) == (0, 1)
+
+
+def test_primitives_are_learned_from_keys_and_ranges(robot, memory):
+    keys = np.array([[3, 1, 1.2, 3, -1.5, 1.0], [4, 1, 1.2, 4, -1.5, 1.0]])
+    progress = []
+    summary = mneme.learn(robot, memory, primitives=keys, on_progress=progress.append, **FAST)
+    assert summary.learned == 2 == len(memory)
+    assert progress[-1].done == progress[-1].total == 2
+    code, message = raised(mneme.learn, robot, memory, primitives="no/grid.yaml")
+    assert code == "io" and "no/grid.yaml" in message
+
+
+def test_what_a_callback_raises_ends_the_learning(robot, memory):
+    keys = [[3 + 0.2 * i, 1, 1.2, 3 + 0.2 * i, -1.5, 1.0] for i in range(3)]
+
+    def complain(progress):
+        raise ZeroDivisionError("enough")
+
+    with pytest.raises(ZeroDivisionError, match="enough"):
+        mneme.learn(robot, memory, primitives=keys, on_progress=complain, **FAST)
+
+
+def test_control_c_leaves_a_valid_database(robot, tmp_path):
+    path = tmp_path / "memory.db"
+    grid = mneme.find_scene("planar/grid.yaml")
+    with mneme.Database.open(path, robot, mode="create") as database:
+        timer = threading.Timer(0.4, signal.raise_signal, [signal.SIGINT])
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            mneme.learn(robot, database, primitives=grid, jobs=1)
+        timer.join()
+    assert mneme.Database.verify(path) == []
+
+
+def test_paths_teach_an_arm_in_space(tmp_path):
+    robot = mneme.Robot.load("panda")
+    scene = mneme.Scene()
+    scene.add_box("left", [0.4, 0.25, 0.5], [0.2, 0.2, 0.2])
+    scene.add_box("right", [0.4, -0.25, 0.5], [0.2, 0.2, 0.2])
+    path = np.linspace(robot.limits.mean(axis=1) - 0.2, robot.limits.mean(axis=1), 5)
+    with mneme.Database.open(tmp_path / "panda.db", robot, mode="create") as database:
+        rows = mneme.learn_from_paths(robot, database, scene, [path], reach=1.0, max_gap=1.0)
+        assert rows == len(database) == 1
+        assert 0 < len(database[0]["means"]) <= 5
+        assert raised(mneme.learn_from_paths, robot, database, scene, [path[:, :3]])[0] == "invalid"
+        assert raised(mneme.learn_from_paths, robot, database, scene, [path], reach=0)[0] == \
+            "invalid"
+
+
+def test_a_miss_is_learned_within_the_budget(problem, memory):
+    plan = mneme.plan(problem, memory, learn_budget=5, **{k: FAST[k] for k in FAST if k != "jobs"})
+    assert plan.primitives[0]["is_learned"]
+    assert plan.learning_time_s > 0
+    assert len(memory) == 1
+
+
+def test_results_outlive_the_database(problem, learned):
+    plan = mneme.plan(problem, learned)
+    learned.close()
+    assert plan.primitives[0]["similarity_errors"]
+    assert len(plan.means) > 0
+    code, message = raised(mneme.plan, problem, learned)
+    assert code == "invalid" and "closed" in message
+
+
+def test_wrong_databases_are_errors(robot, tmp_path):
+    other = mneme.Robot.planar([1.0, 1.0, 1.0])
+    path = tmp_path / "memory.db"
+    assert raised(mneme.Database.open, path, robot)[0] == "io"
+    mneme.Database.open(path, robot, mode="create").close()
+    assert raised(mneme.Database.open, path, other)[0] == "wrong_robot"
+    assert raised(mneme.Database.open, path, robot, mode="w")[0] == "invalid"
+    assert raised(mneme.Database.open, path, mode="create")[0] == "invalid"
+    (tmp_path / "text.db").write_text("no database\n" * 100)
+    assert raised(mneme.Database.open, tmp_path / "text.db", robot)[0] == "corrupt"
+    with mneme.Database.open(path, robot) as read_only:
+        keys = [[3, 1, 1.2, 3, -1.5, 1.0]]
+        assert raised(mneme.learn, robot, read_only, primitives=keys, **FAST)[0] == "io"
+
+
+def test_wrong_lessons_are_errors(robot, memory, problem):
+    with pytest.raises(TypeError, match="primitives or scenes"):
+        mneme.learn(robot, memory)
+    with pytest.raises(TypeError, match="mneme.Scene or mneme.Problem"):
+        mneme.learn(robot, memory, scenes=["scene.yaml"])
+    with pytest.raises(TypeError, match="did you mean"):
+        mneme.learn(robot, memory, scenes=[problem], start_per_link=1)
+    assert "(n, 6)" in raised(mneme.learn, robot, memory, primitives=CIRCLES)[1]
+    assert raised(mneme.learn, robot, memory, scenes=[problem], jobs=-1)[0] == "invalid"
+    assert raised(mneme.learn, robot, memory, scenes=[problem], starts_per_link=0)[0] == "invalid"

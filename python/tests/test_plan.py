@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+import json
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import raised
+
+import mneme
+
+
+def test_a_plan_is_an_array_from_start_to_goal(problem):
+    plan = mneme.plan(problem, seed=3)
+    assert plan.is_solved and plan.status == "solved" and plan.message == ""
+    assert plan.path.dtype == np.float64 and plan.path.shape[1] == 8
+    np.testing.assert_allclose(plan.path[0], problem.start, atol=1e-6)
+    np.testing.assert_allclose(plan.path[-1], problem.goals[0], atol=1e-6)
+    assert plan.path_length == pytest.approx(problem.robot.path_length(plan.path))
+    assert plan.to_row().is_path_valid
+    assert mneme.CollisionChecker(problem.robot, problem.scene).is_path_free(plan.path)
+    assert plan.sampler == "uniform" and plan.planner == "rrt_connect" and plan.seed == 3
+
+
+def test_the_same_seed_gives_the_same_path(problem):
+    for planner in mneme.planner_names():
+        first, second = (mneme.plan(problem, planner=planner, seed=5, timeout=1e6,
+                                    max_iterations=300) for _ in range(2))
+        np.testing.assert_array_equal(first.path, second.path)
+        assert first.iterations == second.iterations
+
+
+def test_json_is_that_of_the_command_line(problem):
+    plan = mneme.plan(problem)
+    keys = json.loads(plan.to_json())
+    assert keys["solved"] is True
+    np.testing.assert_allclose(keys["path"], plan.path)
+    assert keys["iterations"] == plan.iterations
+
+
+def test_a_no_is_a_status(problem, blocked):
+    plan = mneme.plan(blocked, max_iterations=50)
+    assert plan.status == "iteration_limit" and not plan.is_solved
+    assert plan.path.shape == (0, 8)
+    assert plan.message
+    inside = mneme.Problem(problem.robot, problem.scene, problem.start, np.full(8, 9.0))
+    assert mneme.plan(inside).status == "invalid_goal"
+
+
+def test_settings_are_those_that_are_declared(problem):
+    help_text = mneme.plan.__doc__
+    for name in ("lambda_", "sigma", "max_matches", "goal_bias", "max_gap", "starts_per_link"):
+        assert f"\n{name}: " in help_text
+    assert mneme.plan(problem, lambda_=0, simplify=np.bool_(False), seed=np.uint8(7)).seed == 7
+
+
+@pytest.mark.parametrize("settings, words", [
+    ({"lambda_": 1.5}, "lambda_=1.5 is out of range: expected -1 to 1"),
+    ({"lambda_": -1.1}, "lambda_"),
+    ({"lambda_": float("nan")}, "lambda_=nan"),
+    ({"seed": -1}, "seed=-1 is out of range: expected 0 or more"),
+    ({"seed": 2**64}, "seed"),
+    ({"neighbours": 0}, "neighbours=0 is out of range: expected 1 to 1000"),
+    ({"timeout": float("inf")}, "timeout=inf"),
+    ({"max_matches": 10**30}, "max_matches"),
+    ({"planner": "best"}, "best"),
+    ({"sampler": "best"}, "best"),
+    ({"isa": "mmx"}, "mmx"),
+    ({"learn_budget": 1}, "learn_budget needs a database"),
+])
+def test_a_setting_out_of_range_is_an_error_that_names_it(problem, settings, words):
+    code, message = raised(mneme.plan, problem, **settings)
+    assert code == "invalid"
+    assert words in message
+
+
+@pytest.mark.parametrize("settings, words", [
+    ({"timout": 1}, "unexpected keyword argument 'timout'; did you mean 'timeout'"),
+    ({"xyzzy": 1}, "help\\(mneme.plan\\)"),
+    ({"seed": 1.5}, "seed=1.5 is not a whole number"),
+    ({"seed": True}, "seed=True is not a whole number"),
+    ({"timeout": "soon"}, "timeout='soon' is not a number"),
+    ({"timeout": None}, "timeout=None is not a number"),
+    ({"simplify": 1}, "simplify=1 is not True or False"),
+    ({"lambda": 0.5}, "lambda_"),
+])
+def test_a_setting_of_the_wrong_type_is_a_type_error(problem, settings, words):
+    with pytest.raises(TypeError, match=words):
+        mneme.plan(problem, **settings)
+
+
+def test_other_threads_run_while_it_plans(blocked):
+    counted = 0
+    done = threading.Event()
+
+    def count():
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+
+    other = threading.Thread(target=count)
+    other.start()
+    before = counted
+    plan = mneme.plan(blocked, timeout=0.5)
+    during = counted - before
+    done.set()
+    other.join()
+    assert plan.status == "timeout"
+    assert during > 1000
+
+
+def test_plans_in_several_threads_are_those_of_one(problem):
+    expected = [mneme.plan(problem, seed=seed).path for seed in range(4)]
+    found = [None] * 4
+
+    def solve(seed):
+        found[seed] = mneme.plan(problem, seed=seed).path
+
+    threads = [threading.Thread(target=solve, args=(seed,)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for a, b in zip(expected, found):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_control_c_ends_a_plan(blocked):
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    begin = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        mneme.plan(blocked, timeout=60)
+    timer.join()
+    assert time.monotonic() - begin < 20
+
+
+def test_a_planar_plan_is_a_picture(problem, tmp_path):
+    plan = mneme.plan(problem)
+    assert plan.to_svg().lstrip().startswith("<svg") or "<svg" in plan.to_svg()
+    assert "<svg" in plan._repr_html_()
+    page = plan.view(tmp_path / "plan.html")
+    text = page.read_text()
+    assert text.lower().startswith("<!doctype html") and "http" not in text.replace(
+        "http://www.w3.org", "")
+
+
+def test_a_plan_in_space_has_a_page_too(tmp_path):
+    robot = mneme.Robot.load("panda")
+    scene = mneme.Scene()
+    scene.add_sphere("far", [3, 0, 0], 0.1)
+    middle = robot.limits.mean(axis=1)
+    plan = mneme.plan(mneme.Problem(robot, scene, middle, middle + 0.1))
+    assert plan.is_solved, plan.message
+    assert plan._repr_html_()
+    mneme.view(plan, tmp_path / "plan.html")
+    assert (tmp_path / "plan.html").stat().st_size > 100

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+import pathlib
+
+import numpy as np
+import pytest
+from conftest import raised
+
+import mneme
+
+
+def test_a_robot_is_loaded_by_name_or_file(robot):
+    assert robot.name == "planar8"
+    assert robot.joint_count == 8 == len(robot.joint_names)
+    assert robot.is_planar
+    assert robot.limits.shape == (8, 2)
+    assert robot.limits.dtype == np.float64
+    path = pathlib.Path(mneme.find_scene("planar/grid.yaml")).parents[2] / "robots/planar8.urdf"
+    assert mneme.Robot.load(path).hash == robot.hash
+    assert "planar8" in repr(robot)
+
+
+def test_poses_are_homogeneous_matrices():
+    arm = mneme.Robot.planar([1.0, 2.0])
+    poses = arm.link_poses([np.pi / 2, -np.pi / 2])
+    assert poses.shape == (len(arm.link_names), 4, 4)
+    tip = poses[arm.link_names.index("link_2")]
+    np.testing.assert_allclose(tip[:3, 3], [0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(tip[:3, :3], np.eye(3), atol=1e-12)
+    np.testing.assert_array_equal(tip[3], [0, 0, 0, 1])
+
+
+def test_distances_take_the_shorter_way_round():
+    arm = mneme.Robot.planar([1.0, 1.0])
+    np.testing.assert_allclose(arm.difference([3, 0], [-3, 0]), [2 * np.pi - 6, 0])
+    assert arm.distance([3, 0], [-3, 0.5]) == pytest.approx(np.hypot(2 * np.pi - 6, 0.5))
+    np.testing.assert_allclose(arm.normalized([4, 4]), [4 - 2 * np.pi, np.pi])
+    assert arm.path_length([[0, 0], [0.3, 0.4], [0.3, 1.4]]) == pytest.approx(1.5)
+
+
+def test_violations_are_told_in_words(robot):
+    assert robot.describe_violation(np.zeros(8)) is None
+    assert "q" in robot.describe_violation([0, 99, 0, 0, 0, 0, 0, 0])
+    assert robot.describe_violation(np.full(8, np.nan)) is not None
+    assert robot.describe_violation([0.0]) is not None
+
+
+def test_integers_lists_and_views_are_numbers(robot):
+    pose = robot.link_poses(np.zeros(8))
+    for q in ([0] * 8, np.zeros(8, dtype=np.float32), np.zeros(16)[::2], tuple([0.0] * 8)):
+        np.testing.assert_array_equal(robot.link_poses(q), pose)
+
+
+@pytest.mark.parametrize("q", ["zero", None, [[0.0] * 8, [1.0]], [1j] * 8, [True] * 8, object()])
+def test_what_is_no_number_is_a_type_error(robot, q):
+    with pytest.raises(TypeError, match="q: expected an array of real numbers"):
+        robot.link_poses(q)
+
+
+def test_wrong_shapes_name_both_shapes(robot):
+    code, message = raised(robot.link_poses, np.zeros(7))
+    assert code == "invalid"
+    assert "(8,)" in message and "(7,)" in message
+    assert "(n, 8)" in raised(robot.path_length, np.zeros((2, 3)))[1]
+
+
+def test_wrong_robots_are_errors_that_name_them(tmp_path):
+    code, message = raised(mneme.Robot.load, "no_such_robot")
+    assert code == "io" and "no_such_robot" in message
+    code, message = raised(mneme.Robot.load, tmp_path / "none.urdf")
+    assert code == "io" and "none.urdf" in message
+    (tmp_path / "bad.urdf").write_text("<robot name='x'><link name='a'>")
+    code, message = raised(mneme.Robot.load, tmp_path / "bad.urdf")
+    assert code == "parse" and "bad.urdf" in message
+    assert raised(mneme.Robot.load, "planar8", joints=["nobody"])[0] in ("invalid", "parse")
+    assert raised(mneme.Robot.load, "planar8", excess=0)[0] == "invalid"
+    assert raised(mneme.Robot.planar, [1.0, -1.0])[0] == "invalid"
+    assert raised(mneme.Robot.planar, [])[0] == "invalid"
+    with pytest.raises(TypeError):
+        mneme.Robot.load(3)

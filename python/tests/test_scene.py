@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+from conftest import CIRCLES, GOAL, START, raised
+
+import mneme
+
+
+def test_a_scene_is_built_from_shapes_and_written_as_yaml():
+    scene = mneme.Scene("kitchen")
+    scene.add_sphere("ball", [1, 0, 0.5], 0.1)
+    scene.add_box("table", (1, 0, 0.4), np.array([0.8, 1.2, 0.04]))
+    scene.add_box("table", (1, 0, 0.2), [0.1, 0.1, 0.36], quat_xyzw=[0, 0, 1, 1])
+    scene.add_cylinder("can", [1, 0.3, 0.5], radius=0.03, length=0.12)
+    scene.add_capsule("bar", [0, 0, 1], [1, 0, 1], 0.02)
+    assert scene.obstacle_names == ["ball", "table", "can", "bar"]
+    assert len(scene) == 4
+    again = mneme.Scene.parse(scene.to_yaml())
+    assert again.name == "kitchen"
+    assert again.obstacle_names == scene.obstacle_names
+
+
+def test_shipped_scenes_are_found():
+    problem = mneme.Problem.load(mneme.find_scene("planar/scenario1.yaml"))
+    assert problem.name == "scenario1"
+    assert len(problem.scene) == 2
+    assert problem.start.shape == (8,)
+    assert problem.goals.shape == (1, 8)
+    assert raised(mneme.find_scene, "no/such.yaml")[0] == "io"
+
+
+def test_wrong_scenes_are_errors(tmp_path):
+    scene = mneme.Scene()
+    for add in (lambda: scene.add_sphere("a", [0, 0, 0], -1),
+                lambda: scene.add_sphere("a", [0, 0, 0], np.nan),
+                lambda: scene.add_sphere("a", [0, 0], 1),
+                lambda: scene.add_sphere("a", [0, np.inf, 0], 1),
+                lambda: scene.add_sphere("", [0, 0, 0], 1),
+                lambda: scene.add_box("a", [0, 0, 0], [1, 0, 1]),
+                lambda: scene.add_box("a", [0, 0, 0], [1, 1, 1], [0, 0, 0, 0]),
+                lambda: scene.add_cylinder("a", [0, 0, 0], 1, 0),
+                lambda: mneme.Scene.from_circles([[0, 0]])):
+        assert raised(add)[0] == "invalid"
+    assert len(scene) == 0
+    with pytest.raises(TypeError):
+        scene.add_sphere("a", "here", 1)
+    code, message = raised(mneme.Scene.parse, "obstacles: [", "kitchen.yaml")
+    assert code == "parse" and "kitchen.yaml" in message
+    assert raised(mneme.Scene.load, tmp_path / "none.yaml")[0] == "io"
+
+
+def test_a_problem_takes_one_goal_or_several(robot):
+    scene = mneme.Scene.from_circles(CIRCLES)
+    assert mneme.Problem(robot, scene, START, GOAL).goals.shape == (1, 8)
+    assert mneme.Problem(robot, scene, START, [GOAL, START]).goals.shape == (2, 8)
+    assert raised(mneme.Problem, robot, scene, START, GOAL[:7])[0] == "invalid"
+    assert raised(mneme.Problem, robot, scene, START, np.zeros((0, 8)))[0] == "invalid"
+    assert "start" in raised(mneme.Problem, robot, scene, START[:3], GOAL)[1]
+
+
+def test_a_problem_holds_a_copy_of_its_scene(robot):
+    scene = mneme.Scene.from_circles(CIRCLES)
+    problem = mneme.Problem(robot, scene, START, GOAL)
+    scene.add_sphere("late", [1, 1, 0], 0.5)
+    problem.scene.add_sphere("later", [1, 1, 0], 0.5)
+    assert len(problem.scene) == 2
+
+
+def test_a_problem_is_written_and_read_back(problem, tmp_path):
+    path = tmp_path / "two.yaml"
+    path.write_text(problem.to_yaml("planar8"))
+    again = mneme.Problem.load(path, goal=START)
+    np.testing.assert_array_equal(again.start, problem.start)
+    np.testing.assert_array_equal(again.goals, [START])
+    assert again.robot.hash == problem.robot.hash
+    assert raised(mneme.Problem.load, tmp_path / "none.yaml")[0] == "io"
+    assert raised(mneme.Problem.load, path, robot="nobody")[0] == "io"
+    assert raised(mneme.list_problems, tmp_path / "none.json")[0] == "io"
+
+
+def test_a_checker_answers_for_one_configuration_or_many(problem):
+    checker = mneme.CollisionChecker(problem.robot, problem.scene)
+    assert checker.is_valid(problem.start) is True
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-np.pi, np.pi, (500, 8))
+    answers = checker.is_valid(q)
+    assert answers.dtype == np.bool_ and answers.shape == (500,)
+    assert 0 < answers.sum() < 500
+    for row, answer in zip(q[:50], answers):
+        assert bool(answer) == checker.is_valid(row) == (not checker.contacts(row))
+    assert checker.is_valid(np.zeros((0, 8))).shape == (0,)
+    assert "(n, 8)" in raised(checker.is_valid, np.zeros((2, 7)))[1]
+
+
+def test_motions_and_margins_are_checked(robot):
+    scene = mneme.Scene()
+    scene.add_sphere("post", [0, 6, 0], 0.5)
+    checker = mneme.CollisionChecker(robot, scene)
+    left, right = np.eye(8)[0] * 0.5, np.eye(8)[0] * 2.5
+    assert checker.is_motion_valid(np.zeros(8), left)
+    assert not checker.is_motion_valid(left, right)
+    contact = checker.contacts(np.eye(8)[0] * np.pi / 2)[0]
+    assert contact["other"] == "post" and not contact["is_self"]
+    assert checker.is_path_free([np.zeros(8), left])
+    assert not checker.is_path_free([left, right])
+    wide = mneme.CollisionChecker(robot, scene, margin=5.9)
+    assert not wide.is_valid(np.zeros(8)) and checker.is_valid(np.zeros(8))
+    assert raised(mneme.CollisionChecker, robot, scene, margin=-1)[0] == "invalid"
+    assert raised(mneme.CollisionChecker, robot, scene, isa="mmx")[0] == "invalid"
+    assert raised(mneme.CollisionChecker, robot, scene, resolution=np.nan)[0] == "invalid"

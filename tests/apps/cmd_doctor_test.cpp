@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/run_program.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST_SUITE("flow") {
+  TEST_CASE("the doctor tries every instruction set and the database") {
+    const ProgramRun run = run_program({"doctor", "--json"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.out);
+    const Json json = Json::parse(run.out);
+    CHECK(json["ok"] == true);
+    CHECK(json["version"] == std::string(version()));
+    CHECK(json["isas"].size() >= 1);
+    CHECK(json["checks"].size() == json["isas"].size() + 3);
+    CHECK(json["parts"].contains("OMPL adapter"));
+    for (const Json& check : json["checks"]) CHECK(check["ok"] == true);
+  }
+
+  TEST_CASE("the doctor says which instruction set is used, and why") {
+    const ProgramRun run = run_program({"doctor"}, {{"MNEME_ISA=scalar"}, false});
+    CHECK(run.exit_code == 0);
+    CHECK(has_text(run.out, "used: scalar, as MNEME_ISA says"));
+    CHECK(has_text(run.out, "planning, scalar"));
+    CHECK(has_text(run.out, "database             ok: learned 1 primitive"));
+  }
+
+  TEST_CASE("what does not work is named") {
+    const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=/nowhere"}, true});
+    CHECK(run.exit_code == 1);
+    CHECK(has_text(run.out, "database             FAILED"));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("an instruction set that this machine lacks is a usage error") {
+    const ProgramRun run = run_program({"doctor"}, {{"MNEME_ISA=mmx"}, false});
+    CHECK(run.exit_code == 2);
+    CHECK(has_text(run.err, "MNEME_ISA"));
+    check_bad_inputs({{{"doctor", "--isa", "mmx"}, 2, {"--isa", "mmx"}},
+                      {{"doctor", "now"}, 2, {"unexpected argument 'now'"}}});
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

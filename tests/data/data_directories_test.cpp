@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
+#include <filesystem>
+
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST_SUITE("unit") {
+  TEST_CASE("installations of XDG_DATA_DIRS come last") {
+    const test::TemporaryDirectory shared;
+    fs::create_directories(shared / "mneme/robots");
+    const char* old = std::getenv("XDG_DATA_DIRS");
+    const std::string before = old == nullptr ? "" : old;
+    ::setenv("XDG_DATA_DIRS", ("relative:/nowhere:" + (shared / "")).c_str(), 1);
+    const std::vector<std::string> directories = data_directories();
+    ::setenv("XDG_DATA_DIRS", before.c_str(), 1);
+    REQUIRE(directories.size() >= 2);
+    CHECK(fs::equivalent(directories.back(), shared / "mneme"));
+  }
+
+  TEST_CASE("a program of the build tree finds the robots and scenes of the source tree") {
+    const std::vector<std::string> directories = data_directories();
+    REQUIRE_FALSE(directories.empty());
+    CHECK(fs::equivalent(directories.front(), test::source_file("")));
+    for (const std::string& directory : directories) CHECK(fs::is_directory(directory));
+    CHECK(fs::is_regular_file(directories.front() + "/scenes/planar/grid.yaml"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme
