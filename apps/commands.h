@@ -24,5 +24,6 @@ void add_db(CLI::App& program, Action& action);
 void add_robot(CLI::App& program, Action& action);
 void add_scene(CLI::App& program, Action& action);
 void add_bench(CLI::App& program, Action& action);
+void add_view(CLI::App& program, Action& action);
 
 }  // namespace mneme::app
