@@ -46,6 +46,7 @@ function movingLinks(trace: Trace): boolean[] {
 function robotBox(trace: Trace): Box3 {
   const box = new Box3();
   const stops = trace.waypoints.filter((_, i) => i % 10 === 0).map((w) => w.poses);
+  for (const { tip } of trace.waypoints) box.expandByPoint(new Vector3(tip[0], tip[1], tip[2]));
   for (const poses of [trace.start, ...trace.goals, ...stops]) expandByRobot(box, trace.links, poses);
   return box;
 }
@@ -130,6 +131,10 @@ class Viewer {
     toggleTheme(() => this.build());
   }
 
+  redraw(): void {
+    this.stage.drawNow();
+  }
+
   get isSlow(): boolean {
     return this.stage.isSlow;
   }
@@ -142,10 +147,10 @@ class Viewer {
     const { trace } = this;
     const box = robotBox(trace);
     const around = box.clone().expandByScalar(trace.is_planar ? 0.4 : 0.15);
-    // Obstacles that the robot does not come near may lie outside the picture.
+    // Obstacles that the robot does not come near may lie outside the picture, and large ones in part.
     trace.obstacles.forEach((_, i) => {
-      const bounds = this.scene.bounds(i).intersect(around);
-      if (!bounds.isEmpty()) box.union(bounds);
+      const bounds = this.scene.bounds(i);
+      if (bounds.intersectsBox(around)) box.union(trace.is_planar ? bounds : bounds.intersect(around));
     });
     this.floorHeight.value = trace.obstacles.reduce((low, _, i) => Math.min(low, this.scene.bounds(i).min.z), box.min.z);
     const canvas = document.getElementById("canvas") as HTMLCanvasElement;
@@ -160,7 +165,7 @@ class Viewer {
     if (towards.length() < 1e-3) towards.set(1, 0, 0);
     towards.normalize();
     const side = new Vector3(towards.y, -towards.x, 0);
-    return side.multiplyScalar(0.86).addScaledVector(towards, -0.5).add(new Vector3(0, 0, 0.52)).normalize();
+    return side.multiplyScalar(0.95).addScaledVector(towards, -0.28).add(new Vector3(0, 0, 0.42)).normalize();
   }
 
   private refresh(): void {
@@ -229,11 +234,15 @@ class Viewer {
   }
 
   private placeLabels(): void {
+    const taken: { x: number; y: number }[] = [];
     this.frames.forEach((frame, i) => {
       const label = this.labels.children[i] as HTMLElement;
       const at = this.stage.project(frame.anchor);
       label.style.visibility = at ? "visible" : "hidden";
-      if (at) label.style.transform = `translate(-50%,-120%) translate(${at.x.toFixed(1)}px,${at.y.toFixed(1)}px)`;
+      if (!at) return;
+      while (taken.some((other) => Math.abs(other.x - at.x) < 64 && Math.abs(other.y - at.y) < 22)) at.y += 23;
+      taken.push(at);
+      label.style.transform = `translate(-50%,-120%) translate(${at.x.toFixed(1)}px,${at.y.toFixed(1)}px)`;
     });
   }
 
@@ -265,6 +274,8 @@ interface Handle {
   seek(fraction: number): void;
   fraction(): number;
   tip(): number[] | null;
+  /** Draws at once: what is on the canvas may be read until the next task. */
+  redraw(): void;
 }
 
 function start(): void {
@@ -276,6 +287,7 @@ function start(): void {
     seek: (fraction) => dock.seek(fraction),
     fraction: () => dock.fraction,
     tip: () => viewer!.tip(),
+    redraw: () => viewer!.redraw(),
   };
   Object.assign(window, { mneme: handle });
   requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("ready")));

@@ -12,6 +12,8 @@ import { palette } from "./theme";
 import type { Obstacle, Shape } from "./trace";
 
 const UP = new Vector3(0, 1, 0);
+/** Opacity of solid obstacles: an arm in a box or a shelf must be seen. */
+const SEE_THROUGH = 0.6;
 
 function geometryOf(shape: Shape): BufferGeometry {
   switch (shape.type) {
@@ -56,7 +58,7 @@ export class SceneView {
 
   constructor(obstacles: Obstacle[], private readonly isPlanar: boolean, private readonly shade: Material) {
     for (const obstacle of obstacles) {
-      const skin = isPlanar ? flat("#000") : clay("#000");
+      const skin = isPlanar ? flat("#000") : clay("#000", SEE_THROUGH);
       const edge = flat("#000");
       const group = new Group();
       for (const shape of obstacle.shapes) group.add(...this.solids(shape, skin, edge));

@@ -184,13 +184,17 @@ export class Stage {
     this.invalidate();
   }
 
+  drawNow(): void {
+    this.isStale = false;
+    this.setRatio(this.ratio);
+    this.renderer.render(this.scene, this.camera);
+    for (const callback of this.afterDraw) callback();
+  }
+
   private draw(time: number): void {
     if (this.isStale) {
-      this.isStale = false;
+      this.drawNow();
       this.changed = time;
-      this.setRatio(this.ratio);
-      this.renderer.render(this.scene, this.camera);
-      for (const callback of this.afterDraw) callback();
     } else if (this.isSlow && this.changed > 0 && time - this.changed > STILL) {
       this.changed = 0;
       this.setRatio(2 * this.ratio);
