@@ -6,7 +6,7 @@ import { Box3, Group, Object3D, Vector3 } from "three";
 import { repeated, Strokes } from "./materials";
 import type { SceneView } from "./scene_view";
 import { originColor } from "./theme";
-import { type Primitive, type Trace } from "./trace";
+import { distanceUnit, type Primitive, type Trace } from "./trace";
 
 export interface Frame {
   index: number;
@@ -87,13 +87,14 @@ function shownPrimitives(trace: Trace, chosen: number | null): number[] {
 function labelOf(primitive: Primitive): string {
   const distance = nearestDistance(primitive);
   if (distance === null) return "no match";
-  return primitive.is_learned ? "learned now" : `${distance.toFixed(2)} m`;
+  return primitive.is_learned ? "learned now" : `${distance.toFixed(2)} ${distanceUnit(primitive)}`;
 }
 
 export function makeMemory(trace: Trace, scene: SceneView, chosen: number | null): MemoryView {
   const view: MemoryView = { object: new Group(), frames: [], tints: new Map() };
   for (const index of shownPrimitives(trace, chosen)) {
     const primitive = trace.primitives[index]!;
+    if (primitive.obstacles.length === 0) continue;
     const color = originColor(index);
     const circles = trace.is_planar ? circlesOf(trace, primitive) : null;
     if (circles) {

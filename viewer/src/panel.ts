@@ -5,7 +5,7 @@
 import { counted, el, seconds } from "./elements";
 import { nearestDistance } from "./memory_view";
 import { originColor } from "./theme";
-import { primitiveName, type Trace } from "./trace";
+import { distanceUnit, primitiveName, type Trace } from "./trace";
 
 export type Layer = "ends" | "tip" | "memory" | "components" | "samples" | "trees";
 
@@ -151,7 +151,7 @@ export class Panel {
     const row = el("button", { class: distance === null ? "primitive none" : "primitive", "aria-pressed": "false" },
       el("i", { "data-origin": String(index) }),
       el("span", { class: "name" }, primitiveName(this.trace, primitive), el("small", {}, detail)),
-      el("b", {}, distance === null ? "" : `${distance.toFixed(3)} m`));
+      el("b", {}, distance === null ? "" : `${distance.toFixed(3)} ${distanceUnit(primitive)}`));
     row.addEventListener("click", () => this.choose(index));
     this.rows.set(index, row);
     return row;

@@ -80,6 +80,11 @@ export interface Trace {
   edges: { count: number; shown: { graph: number; tips: number[] }[] };
 }
 
+/** What the distance of a primitive's keys is measured in. */
+export function distanceUnit(primitive: Primitive): string {
+  return primitive.obstacles.length === 0 ? "rad" : "m";
+}
+
 /** Reads the trace of the page; throws if there is none. */
 export function readTrace(): Trace {
   const text = document.getElementById("trace")?.textContent ?? "";
@@ -88,7 +93,8 @@ export function readTrace(): Trace {
   return trace;
 }
 
-/** Names of a primitive's obstacles. */
+/** Names of a primitive's obstacles; a memory of whole paths has start and goal as its only primitives. */
 export function primitiveName(trace: Trace, primitive: Primitive): string {
+  if (primitive.obstacles.length === 0) return "start and goal";
   return primitive.obstacles.map((i) => trace.obstacles[i]?.name ?? "?").join(" \u2013 ");
 }
