@@ -49,7 +49,7 @@ const LIGHT: Palette = {
 };
 const DARK: Palette = {
   background: "#10151d", grid: "#2a3443", obstacle: "#50617a", obstacleEdge: "#7c8da8",
-  robot: "#e4e6ea", robotAccent: "#f2a33c", trees: ["#6ea0ff", "#ff7a80"], halo: "#10151d", shadow: 0.5,
+  robot: "#ccd1da", robotAccent: "#f2a33c", trees: ["#6ea0ff", "#ff7a80"], halo: "#10151d", shadow: 0.5,
 };
 
 export type Theme = "light" | "dark";
