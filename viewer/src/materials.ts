@@ -44,7 +44,8 @@ export function clay(color: string, opacity = 1): ShaderMaterial {
         vec3 n = normalize(surface);
         float sky = 0.5 + 0.5 * n.z;
         float light = max(0.0, dot(n, sun));
-        float rim = pow(1.0 - abs(dot(n, normalize(seen))), 3.0);
+        float edge = 1.0 - abs(dot(n, normalize(seen)));
+        float rim = edge * edge * edge;
         vec3 lit = color * (0.50 + 0.20 * sky + 0.36 * light) + 0.07 * rim;
         pixel = vec4(min(lit, 1.0), min(1.0, opacity * (1.0 + 0.9 * rim)));
       }`,

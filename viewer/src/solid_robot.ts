@@ -6,7 +6,7 @@ import {
   BufferGeometry, CylinderGeometry, Float32BufferAttribute, Group, Material, Matrix4, Mesh, Quaternion, SphereGeometry,
   Vector3,
 } from "three";
-import { clay } from "./materials";
+import { clay, flat } from "./materials";
 import type { Link, Pose } from "./trace";
 
 export function poseMatrix(pose: Pose): Matrix4 {
@@ -22,9 +22,13 @@ interface Units {
   ball: BufferGeometry;
   tube: BufferGeometry;
 }
-const FINE: Units = { ball: new SphereGeometry(1, 18, 11), tube: new CylinderGeometry(1, 1, 1, 18, 1, true) };
+function makeUnits(around: number, along: number): Units {
+  return { ball: new SphereGeometry(1, around, along), tube: new CylinderGeometry(1, 1, 1, around, 1, true) };
+}
+const FINE = makeUnits(16, 10);
 /** Ghosts are seen through, and drawn twice. */
-const COARSE: Units = { ball: new SphereGeometry(1, 12, 8), tube: new CylinderGeometry(1, 1, 1, 12, 1, true) };
+const COARSE = makeUnits(11, 7);
+const SHADOW = makeUnits(8, 5);
 
 /** Collects solids into one geometry: a drawing call for each would take far longer than all triangles. */
 class Merger {
@@ -79,11 +83,13 @@ export interface RobotView {
 export class RobotShape {
   readonly fine: BufferGeometry[];
   readonly coarse: BufferGeometry[];
+  readonly shadow: BufferGeometry[];
 
   /** Ghosts have only links that are `moving`: the others are where the robot has them. */
   constructor(links: Link[], readonly moving: boolean[]) {
     this.fine = links.map((link) => linkGeometry(link, FINE));
     this.coarse = links.map((link) => linkGeometry(link, COARSE));
+    this.shadow = links.map((link) => linkGeometry(link, SHADOW));
   }
 }
 
@@ -95,14 +101,14 @@ export class SolidRobot implements RobotView {
   constructor(shape: RobotShape, color: string, opacity = 1, shade: Material | null = null) {
     // Ghosts come after all that is solid, and hide nothing of it.
     if (opacity < 1) {
-      const mask = clay(color);
+      const mask = flat(color);
       Object.assign(mask, { colorWrite: false, transparent: true });
       this.add(shape.coarse, mask, 10, shape.moving);
       this.add(shape.coarse, clay(color, opacity), 11, shape.moving);
     } else {
       this.add(shape.fine, clay(color), 0);
     }
-    if (shade) this.add(shape.coarse, shade, -1);
+    if (shade) this.add(shape.shadow, shade, -1);
   }
 
   setPoses(poses: Pose[]): void {
