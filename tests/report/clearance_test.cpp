@@ -21,7 +21,7 @@ TEST_SUITE("unit") {
     CHECK(robot.links()[static_cast<std::size_t>(straight.link)].name == "link_3");
     CHECK(straight.obstacle == 0);
     const Clearance back = meter.measure(robot.link_poses(Configuration{M_PI, 0, 0}));
-    CHECK(back.distance == doctest::Approx(-0.301));
+    CHECK(back.distance == doctest::Approx(-0.001));
     CHECK(back.obstacle == 1);
   }
 
