@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme plan: solves one problem.
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -18,7 +17,7 @@
 #include "inputs.h"
 #include "interrupt.h"
 #include "options.h"
-#include "output_file.h"
+#include "plan_files.h"
 #include "solving.h"
 
 namespace mneme::app {
@@ -31,7 +30,7 @@ struct PlanOptions {
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
   std::string db;
-  std::string svg;
+  PlanFiles files;
   bool has_sampler = false;
   bool is_json = false;
   SolveSettings settings;
@@ -115,29 +114,6 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
   print_path(loaded.problem.robot, plan.path);
 }
 
-bool can_draw(const Problem& problem) {
-  if (problem.robot.describe_violation(problem.start, "start")) return false;
-  return std::none_of(problem.goals.begin(), problem.goals.end(), [&](const Configuration& goal) {
-    return problem.robot.describe_violation(goal, "goal").has_value();
-  });
-}
-
-Result<void> write_picture(const std::string& path, const Problem& problem,
-                           const SolveResult& result) {
-  if (!can_draw(problem)) {
-    print_note(fmt::format("'{}' was not written: start or goal is no configuration", path));
-    return {};
-  }
-  PlanarPicture picture;
-  picture.problem = &problem;
-  picture.gl = &result.gl;
-  picture.path = result.plan.path;
-  picture.title =
-      fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
-                  result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
-  return to_svg(picture).and_then([&](const std::string& svg) { return write_file(path, svg); });
-}
-
 Result<ExitCode> run_plan(const PlanOptions& options) {
   Result<LoadedPlan> loaded = load(options);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -147,6 +123,8 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (settings.sampler == "gl" && !loaded->database) {
     print_note("without --db there is no memory: the sampler 'gl' draws uniformly");
   }
+  PlanRecorder recorder;
+  if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
   const Result<SolveResult> result = solve_by_name(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
@@ -160,10 +138,9 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (!result->remembered.failure.empty()) {
     print_note("the path was not remembered: " + result->remembered.failure);
   }
-  if (!options.svg.empty()) {
-    const Result<void> written = write_picture(options.svg, loaded->problem, *result);
-    if (!written) return tl::unexpected(written.error());
-  }
+  const Result<void> written =
+      write_plan_files(options.files, loaded->problem, *result, recorder, loaded->load_time_s);
+  if (!written) return tl::unexpected(written.error());
   return exit_code(result->plan.status);
 }
 
@@ -195,12 +172,16 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
 void add_plan(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("plan", "Solve a motion planning problem");
   command->footer(
-      "Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg s1.svg");
+      "Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --view s1.html");
   const auto options = std::make_shared<PlanOptions>();
   add_problem_flags(*command, *options);
   add_solve_flags(*command, *options);
   add_isa(*command);
-  command->add_option("--svg", options->svg, "write a picture of a planar robot's plan");
+  command->add_option("--view", options->files.view,
+                      "write a page that shows the plan in any browser, also offline");
+  command->add_option("--svg", options->files.svg, "write a picture of a planar robot's plan");
+  command->add_option("--trace", options->files.trace,
+                      "write what the page shows as JSON, for 'mneme view' and other programs");
   add_json(*command, options->is_json);
   command->callback([command, options, &action] {
     options->has_sampler = command->count("--sampler") > 0;

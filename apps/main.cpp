@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   mneme demo
   mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db
-  mneme plan scenes/planar/scenario1.yaml --db planar.db --svg scenario1.svg
+  mneme plan scenes/planar/scenario1.yaml --db planar.db --view scenario1.html
   mneme db info planar.db
 
 Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit,
@@ -38,6 +38,7 @@ void set_up(CLI::App& program, Action& action) {
   add_robot(program, action);
   add_scene(program, action);
   add_bench(program, action);
+  add_view(program, action);
   add_doctor(program, action);
   add_completion(program, action);
   add_manual(program, action);

@@ -37,6 +37,19 @@ enum class PlanStatus {
 };
 [[nodiscard]] std::string_view to_string(PlanStatus status);
 
+/// Watches one call of a planner, for pictures and statistics. Called by the thread that plans,
+/// whose time it takes.
+class PlanObserver {
+ public:
+  virtual ~PlanObserver() = default;
+  /// A configuration that the planner drew, and its source.
+  virtual void on_sample(std::span<const float>, Origin) {}
+  /// A free motion `from` -> `to` that the planner keeps in `graph`: 0 is the tree from the start
+  /// or the roadmap, 1 the tree from the goals. It may be dropped later, if it fails verification.
+  virtual void on_edge(std::span<const float> /*from*/, std::span<const float> /*to*/,
+                       int /*graph*/) {}
+};
+
 struct PlanSettings {
   double range = 0;
   double timeout_s = 10;
@@ -48,6 +61,8 @@ struct PlanSettings {
   double goal_bias = 0.05;
   /// Set by another thread to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
+  /// Sees what the planner draws and keeps; may be null, which costs nothing.
+  PlanObserver* observer = nullptr;
 };
 
 /// Declares each setting once, for command line, files, Python and report.

@@ -4,8 +4,12 @@
 /// What came out, for people and programs: JSON, SVG pictures, tables, CSV and HTML.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mneme/base.h"
@@ -125,5 +129,134 @@ struct ReportPicture {
 [[nodiscard]] std::string to_html(const std::string& title, const std::string& introduction,
                                   std::span<const BenchmarkRow> rows,
                                   std::span<const ReportPicture> pictures);
+
+/// How much of a plan a trace holds: what bounds the size of its page.
+struct TraceSettings {
+  int waypoints = 200;   ///< along the path at equal steps, besides the path's own configurations
+  int samples = 300;     ///< uniform ones, and as many from memory
+  int components = 120;  ///< of the retrieved mixture
+  int edges = 2000;      ///< of the trees or the roadmap
+};
+
+/// Keeps a thinned record of what a planner draws and keeps: once a list is full every second entry
+/// goes, so that what remains is spread evenly over the run. Not thread-safe.
+class PlanRecorder : public PlanObserver {
+ public:
+  struct Sample {
+    Origin origin = kUniformOrigin;
+    std::vector<float> q;
+  };
+  struct Edge {
+    int graph = 0;
+    std::vector<float> from, to;
+  };
+  /// An evenly thinned list of at most `limit` >= 2 entries.
+  template <class T>
+  class Thinned {
+   public:
+    explicit Thinned(int limit) : limit_(static_cast<std::size_t>(limit < 2 ? 2 : limit / 2 * 2)) {}
+    /// True if the entry that comes next is to be kept; then add() it.
+    [[nodiscard]] bool counts_next() { return seen_++ % stride_ == 0; }
+    void add(T entry) {
+      if (entries_.size() == limit_) thin();
+      entries_.push_back(std::move(entry));
+    }
+    [[nodiscard]] const std::vector<T>& entries() const { return entries_; }
+    [[nodiscard]] std::uint64_t seen() const { return seen_; }
+
+   private:
+    void thin() {
+      for (std::size_t i = 2; i < entries_.size(); i += 2) entries_[i / 2] = std::move(entries_[i]);
+      entries_.resize((entries_.size() + 1) / 2);
+      stride_ *= 2;
+    }
+    std::size_t limit_;
+    std::uint64_t seen_ = 0, stride_ = 1;
+    std::vector<T> entries_;
+  };
+
+  explicit PlanRecorder(const TraceSettings& settings = {});
+  void on_sample(std::span<const float> q, Origin origin) override;
+  void on_edge(std::span<const float> from, std::span<const float> to, int graph) override;
+
+  [[nodiscard]] const Thinned<Sample>& uniform_samples() const { return uniform_; }
+  [[nodiscard]] const Thinned<Sample>& memory_samples() const { return memory_; }
+  [[nodiscard]] const Thinned<Edge>& edges() const { return edges_; }
+  /// How many samples each source gave.
+  [[nodiscard]] const std::map<Origin, std::uint64_t>& draws() const { return draws_; }
+
+ private:
+  Thinned<Sample> uniform_, memory_;
+  Thinned<Edge> edges_;
+  std::map<Origin, std::uint64_t> draws_;
+};
+
+/// A plan as geometry in the frame of the robot's root link, for viewers that know nothing of
+/// robots (docs/file_formats.md). Metres, radians, seconds.
+struct PlanTrace {
+  /// The robot's shapes at one configuration: a pose per entry of `links`.
+  using Poses = std::vector<Transform>;
+  struct Waypoint {
+    Configuration q;
+    Poses poses;
+    double travelled = 0;  ///< L2 joint distance from the start
+    /// Metres from the robot to the nearest obstacle (not to itself), negative in contact; infinite
+    /// without obstacles.
+    double clearance = 0;
+    int nearest_link = -1;      ///< index into `links`
+    int nearest_obstacle = -1;  ///< index into the scene
+    Vec3 tip;                   ///< of the end effector
+  };
+  /// A configuration as points: the origins of the links that its joints carry, then the tip.
+  struct Arm {
+    Origin origin = kUniformOrigin;  ///< or index of the primitive whose experience it is from
+    std::vector<Vec3> points;
+  };
+  struct Primitive {
+    LocalPrimitive primitive;
+    bool is_learned = false;
+    std::vector<double> similarity_errors;  ///< of its matches, nearest first; m^2
+    int components = 0;                     ///< of all its matches
+    std::uint64_t draws = 0;                ///< samples that came from it
+  };
+  struct Edge {
+    int graph = 0;
+    std::vector<Vec3> tips;  ///< along the motion
+  };
+
+  std::string problem, robot;
+  bool is_planar = false;
+  SolveResult result;  ///< without the memory's rows and mixture
+  double load_time_s = 0;
+  double path_length = 0;
+  std::vector<Link> links;          ///< those with shapes
+  std::vector<std::string> joints;  ///< names, in the order of a configuration
+  Scene scene;
+  Poses start;
+  std::vector<Poses> goals;
+  std::vector<Waypoint> waypoints;  ///< of the path, from start to goal
+  std::vector<int> vertices;        ///< indices of the waypoints that are the path's own
+  std::vector<Primitive> primitives;
+  std::vector<Arm> components;  ///< means of the retrieved mixture
+  int component_count = 0;      ///< of the whole mixture
+  std::vector<Arm> samples;
+  std::uint64_t uniform_draws = 0;
+  std::vector<Edge> edges;
+  std::uint64_t edge_count = 0;  ///< of the whole trees or roadmap
+};
+
+/// `recorder` was the observer of the run, or is null: then there are no samples and edges. Costs
+/// exact distances at every waypoint, a few 10 ms. Errors: start, a goal, the path or the memory
+/// does not fit the robot.
+[[nodiscard]] Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
+                                           const PlanRecorder* recorder, double load_time_s,
+                                           const TraceSettings& settings = {});
+/// The trace as a file: docs/schema/trace.schema.json.
+[[nodiscard]] std::string to_json(const PlanTrace& trace);
+
+/// One page that shows a trace, without any other file and without a network. `json` is the text of
+/// a trace and `source` names it in messages. Errors: text that is no trace, or one of another
+/// version.
+[[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source);
 
 }  // namespace mneme

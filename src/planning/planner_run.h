@@ -42,7 +42,15 @@ class PlannerRun {
   /// True once the time is up or the run is cancelled. Cheap: for the loops within an iteration
   /// too.
   [[nodiscard]] bool must_stop();
-  Origin sample(std::span<float> q) { return stream_->next(q); }
+  Origin sample(std::span<float> q) {
+    const Origin origin = stream_->next(q);
+    if (settings_.observer != nullptr) settings_.observer->on_sample(q, origin);
+    return origin;
+  }
+  /// Tells the observer, if there is one, about an edge of tree or roadmap number `graph`.
+  void show_edge(std::span<const float> from, std::span<const float> to, int graph) {
+    if (settings_.observer != nullptr) settings_.observer->on_edge(from, to, graph);
+  }
   void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
     return checker_.is_motion_valid(from, to, counters_);

@@ -92,6 +92,7 @@ class Prm {
   }
 
   void connect(int a, int b) {
+    run_.show_edge(milestones_[a], milestones_[b], 0);
     edges_[static_cast<std::size_t>(a)].push_back(b);
     edges_[static_cast<std::size_t>(b)].push_back(a);
     merge(component_of(a), component_of(b));

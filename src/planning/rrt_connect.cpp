@@ -21,7 +21,7 @@ namespace {
 class RrtConnect {
  public:
   explicit RrtConnect(PlannerRun& run)
-      : run_(run), start_tree_(run_), goal_tree_(run_), batch_(run_) {
+      : run_(run), start_tree_(run_, 0), goal_tree_(run_, 1), batch_(run_) {
     start_tree_.add(run.start(), -1);
     for (const std::vector<float>& goal : run.goals()) goal_tree_.add(goal, -1);
   }

@@ -16,6 +16,11 @@ constexpr float kLeastDomain = 1;
 }  // namespace
 
 int Tree::add(std::span<const float> q, int parent) {
+  if (parent >= 0) run_.show_edge(nodes_[parent], q, graph_);
+  return append(q, parent);
+}
+
+int Tree::append(std::span<const float> q, int parent) {
   parents_.push_back(parent);
   domains_.push_back(std::numeric_limits<float>::infinity());
   return nodes_.add(q);
@@ -105,7 +110,7 @@ void Tree::remove(int node) {
   nodes_.clear();
   parents_.clear();
   for (std::size_t i = 0; i < parents.size(); ++i)
-    add({rows.data() + i * joints, joints}, parents[i]);
+    append({rows.data() + i * joints, joints}, parents[i]);
   domains_ = std::move(domains);
 }
 

@@ -17,8 +17,9 @@ namespace mneme::internal {
 /// index than its children. Not thread-safe.
 class Tree {
  public:
-  explicit Tree(PlannerRun& run)
-      : run_(run), nodes_(run.space(), run.isa()), target_(run.start().size()) {}
+  /// `graph` is its number for observers.
+  explicit Tree(PlannerRun& run, int graph = 0)
+      : run_(run), nodes_(run.space(), run.isa()), target_(run.start().size()), graph_(graph) {}
 
   [[nodiscard]] int size() const { return nodes_.size(); }
   [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
@@ -53,11 +54,14 @@ class Tree {
   void remove(int node);
 
  private:
+  int append(std::span<const float> q, int parent);
+
   PlannerRun& run_;
   ConfigurationSet nodes_;
   std::vector<int> parents_;
   std::vector<float> domains_;  ///< squared radius per node
   std::vector<float> target_;
+  int graph_;
 };
 
 }  // namespace mneme::internal

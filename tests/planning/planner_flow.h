@@ -398,4 +398,40 @@ inline void check_reports_every_draw(Planner plan) {
   CHECK(static_cast<std::uint64_t>(accepted) <= result.nodes);
 }
 
+/// What an observer is told, as a caller would check it.
+struct Watcher : PlanObserver {
+  std::vector<std::vector<float>> samples;
+  std::vector<std::pair<Configuration, Configuration>> edges;
+  int last_graph = 0;
+  void on_sample(std::span<const float> q, Origin origin) override {
+    CHECK(origin == kUniformOrigin);
+    samples.emplace_back(q.begin(), q.end());
+  }
+  void on_edge(std::span<const float> from, std::span<const float> to, int graph) override {
+    edges.emplace_back(Configuration(from.begin(), from.end()),
+                       Configuration(to.begin(), to.end()));
+    last_graph = std::max(last_graph, graph);
+  }
+};
+
+inline void check_can_be_watched(Planner plan, int last_graph) {
+  const World world = boxed_goal();
+  const CollisionChecker checker = make_checker(world);
+  Watcher watcher;
+  PlanSettings settings = patient_settings();
+  settings.max_iterations = 400;
+  const PlanResult alone = run(plan, world, settings);
+  settings.observer = &watcher;
+  const PlanResult watched = run(plan, world, settings);
+  CHECK(watched.status == alone.status);
+  CHECK(watched.motions_checked == alone.motions_checked);
+  CHECK(watcher.samples.size() > 300);
+  CHECK(watcher.samples.size() <= watched.iterations);
+  // Start, goals and isolated milestones are nodes without an edge.
+  CHECK(watcher.edges.size() > 5);
+  CHECK(watcher.edges.size() <= watched.nodes);
+  CHECK(watcher.last_graph == last_graph);
+  for (const auto& [from, to] : watcher.edges) CHECK(checker.is_motion_valid(from, to));
+}
+
 }  // namespace mneme::test

@@ -43,6 +43,9 @@ TEST_SUITE("flow") {
     check_solution(world, make_checker(world), run(prm, world, settings));
   }
   TEST_CASE("prm reports what became of every draw") { check_reports_every_draw(prm); }
+  TEST_CASE("prm does the same when it is watched, and shows its edges") {
+    check_can_be_watched(prm, 0);
+  }
 }
 
 }  // namespace mneme::test

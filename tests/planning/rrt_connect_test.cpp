@@ -51,6 +51,9 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt_connect reports what became of every draw") {
     check_reports_every_draw(rrt_connect);
   }
+  TEST_CASE("rrt_connect does the same when it is watched, and shows the edges of both trees") {
+    check_can_be_watched(rrt_connect, 1);
+  }
 }
 
 }  // namespace mneme::test

@@ -37,6 +37,9 @@ TEST_SUITE("flow") {
   }
   TEST_CASE("rrt goes where its samples lead it") { check_samples_lead_the_way(rrt, 800); }
   TEST_CASE("rrt reports what became of every draw") { check_reports_every_draw(rrt); }
+  TEST_CASE("rrt does the same when it is watched, and shows its edges") {
+    check_can_be_watched(rrt, 0);
+  }
 }
 
 }  // namespace mneme::test

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** Facts beside the picture: the plan, where the time went, what memory knew, what is shown. */
+import { counted, el, seconds } from "./elements";
+import { nearestDistance } from "./memory_view";
+import { originColor } from "./theme";
+import { distanceUnit, primitiveName, type Trace } from "./trace";
+
+export type Layer = "ends" | "tip" | "memory" | "components" | "samples" | "trees";
+
+export interface PanelEvents {
+  layerChanged(layer: Layer, isShown: boolean): void;
+  primitiveChosen(index: number | null): void;
+}
+
+interface Part {
+  name: string;
+  value: number;
+  kind: string;
+}
+
+/** What the whole time is made of; the rest of planning is the search itself. */
+export function timeParts(times: Record<string, number>): Part[] {
+  const value = (name: string) => times[name] ?? 0;
+  const memory = value("retrieval_time_s");
+  const learning = value("learning_time_s");
+  const parts = [
+    { name: "loading", value: value("load_time_s"), kind: "load" },
+    { name: "memory", value: memory, kind: "memory" },
+    { name: "learning", value: learning, kind: "learning" },
+    { name: "search", value: Math.max(0, value("planning_time_s") - memory - learning), kind: "search" },
+    { name: "simplification", value: value("simplification_time_s"), kind: "simplify" },
+    { name: "verification", value: value("verification_time_s"), kind: "verify" },
+  ];
+  return parts.filter((part) => part.value > 0);
+}
+
+function section(title: string, ...children: (Node | string)[]): HTMLElement {
+  return el("section", {}, el("h2", {}, title), ...children);
+}
+
+function fact(name: string, value: string): Node[] {
+  return [el("dt", {}, name), el("dd", {}, value)];
+}
+
+export class Panel {
+  private readonly rows = new Map<number, HTMLElement>();
+  private readonly switches = new Map<Layer, HTMLInputElement>();
+  private chosen: number | null = null;
+
+  constructor(root: HTMLElement, private readonly trace: Trace, shown: Record<Layer, boolean>,
+              private readonly events: PanelEvents) {
+    root.append(this.plan(), this.times(), this.layers(shown));
+    if (trace.primitives.length > 0) root.append(this.memory());
+    if (trace.samples.shown.length > 0) root.append(this.origins());
+    root.append(this.keys());
+  }
+
+  /** Shows or hides a layer as if it had been clicked. */
+  toggleLayer(layer: Layer): void {
+    this.switches.get(layer)?.click();
+  }
+
+  choose(index: number | null): void {
+    this.chosen = index === this.chosen ? null : index;
+    for (const [i, row] of this.rows) row.setAttribute("aria-pressed", String(i === this.chosen));
+    this.events.primitiveChosen(this.chosen);
+  }
+
+  /** Colours follow the theme. */
+  recolor(): void {
+    for (const swatch of document.querySelectorAll<HTMLElement>("[data-origin]"))
+      swatch.style.setProperty("--color", originColor(Number(swatch.dataset.origin)));
+  }
+
+  private plan(): HTMLElement {
+    const { plan } = this.trace;
+    const facts = [
+      fact("planner", plan.planner), fact("sampler", plan.sampler),
+      fact("planning", seconds(this.trace.times.planning_time_s ?? 0)),
+      ...(plan.solved ? [fact("path", `${this.trace.vertices.length} configurations, ${plan.path_length.toFixed(2)} rad`)] : []),
+      fact("samples", counted(plan.iterations)), fact("nodes", counted(plan.nodes)),
+      fact("states checked", counted(plan.states_checked)), fact("motions checked", counted(plan.motions_checked)),
+      fact("seed", `${plan.seed}, ${plan.isa}`),
+    ];
+    return section("Plan", el("dl", {}, ...facts.flat()));
+  }
+
+  private times(): HTMLElement {
+    const parts = timeParts(this.trace.times);
+    const total = parts.reduce((sum, part) => sum + part.value, 0) || 1;
+    const bar = el("div", { class: "bar" });
+    const list = el("ul", { class: "times" });
+    for (const part of parts) {
+      bar.append(el("i", { class: part.kind, style: `flex-grow:${part.value / total}`, title: `${part.name} ${seconds(part.value)}` }));
+      list.append(el("li", { class: part.kind }, el("span", {}, part.name), el("b", {}, seconds(part.value))));
+    }
+    return section("Where the time went", bar, list);
+  }
+
+  private layers(shown: Record<Layer, boolean>): HTMLElement {
+    const { trace } = this;
+    const entries: [Layer, string, number | null][] = [
+      ["ends", "Start and goal", null],
+      ["tip", "Way of the end effector", trace.waypoints.length > 1 ? null : 0],
+      ["memory", "Primitives", trace.primitives.length],
+      ["components", "Remembered arms", trace.components.count],
+      ["samples", "Samples", trace.plan.iterations && trace.samples.shown.length ? trace.plan.iterations : 0],
+      ["trees", trace.plan.planner.includes("prm") ? "Roadmap" : "Trees", trace.edges.count],
+    ];
+    const list = el("div", { class: "layers" });
+    entries.filter(([, , count]) => count !== 0).forEach(([layer, name, count], i) => {
+      const input = el("input", { type: "checkbox", "data-layer": layer });
+      input.checked = shown[layer];
+      input.addEventListener("change", () => this.events.layerChanged(layer, input.checked));
+      this.switches.set(layer, input);
+      list.append(el("label", {}, input, el("span", {}, name),
+        el("small", {}, count === null ? "" : counted(count)), el("kbd", {}, String(i + 1))));
+    });
+    return section("Show", list);
+  }
+
+  /** Layers in the order of their keys. */
+  get layerOrder(): Layer[] {
+    return [...this.switches.keys()];
+  }
+
+  private memory(): HTMLElement {
+    const list = el("div", { class: "primitives" });
+    const order = this.trace.primitives.map((_, i) => i).sort((a, b) => this.rank(a) - this.rank(b));
+    for (const index of order) list.append(this.primitiveRow(index));
+    const retrieved = this.trace.primitives.filter((p) => p.similarity_errors.length > 0).length;
+    const note = `${retrieved} of ${this.trace.primitives.length} primitives have a match. ` +
+      "The distance is that of the nearest key; click one to see it alone.";
+    return section("Memory", el("p", { class: "soft" }, note), list);
+  }
+
+  private rank(index: number): number {
+    return nearestDistance(this.trace.primitives[index]!) ?? Infinity;
+  }
+
+  private primitiveRow(index: number): HTMLElement {
+    const primitive = this.trace.primitives[index]!;
+    const distance = nearestDistance(primitive);
+    const count = primitive.similarity_errors.length;
+    const detail = distance === null
+      ? "no match"
+      : `${count} match${count === 1 ? "" : "es"}, ${counted(primitive.components)} arms` +
+        (primitive.is_learned ? ", learned now" : "");
+    const row = el("button", { class: distance === null ? "primitive none" : "primitive", "aria-pressed": "false" },
+      el("i", { "data-origin": String(index) }),
+      el("span", { class: "name" }, primitiveName(this.trace, primitive), el("small", {}, detail)),
+      el("b", {}, distance === null ? "" : `${distance.toFixed(3)} ${distanceUnit(primitive)}`));
+    row.addEventListener("click", () => this.choose(index));
+    this.rows.set(index, row);
+    return row;
+  }
+
+  private origins(): HTMLElement {
+    const sources: [number, string, number][] = [[-1, "uniform", this.trace.samples.uniform_draws]];
+    this.trace.primitives.forEach((p, i) => {
+      if (p.draws > 0) sources.push([i, primitiveName(this.trace, p), p.draws]);
+    });
+    const most = Math.max(...sources.map(([, , draws]) => draws));
+    const list = el("ul", { class: "origins" });
+    for (const [origin, name, draws] of sources.sort((a, b) => b[2] - a[2]).slice(0, 12)) {
+      const bar = el("i", { "data-origin": String(origin), style: `width:${Math.max(1.5, (100 * draws) / most)}%` });
+      list.append(el("li", {}, el("span", {}, name), el("b", {}, counted(draws)), el("div", { class: "draws" }, bar)));
+    }
+    return section("Samples by origin", list);
+  }
+
+  private keys(): HTMLElement {
+    const rows: [string, string][] = [
+      ["space", "play, pause"], ["\u2190 \u2192", "step (with shift: to the path\u2019s own configurations)"],
+      ["home end", "start, goal"], ["1 \u2026 6", "layers"], ["r", "reset the view"], ["t", "light, dark"], ["p", "panel"],
+    ];
+    return section("Keys", el("dl", { class: "keys" }, ...rows.flatMap(([key, what]) =>
+      [el("dt", {}, ...key.split(" ").map((k) => (k === "\u2026" ? k : el("kbd", {}, k)))), el("dd", {}, what)])));
+  }
+}

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** Camera, light and floor; draws when something has changed. */
+import {
+  Box3, Color, LinearSRGBColorSpace, Mesh, MOUSE, OrthographicCamera, PerspectiveCamera, PlaneGeometry,
+  Scene, TOUCH, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { gridMaterial, pixelRatio, resolution } from "./materials";
+import { palette } from "./theme";
+
+const FIELD_OF_VIEW = 32;
+/** Of the free part of the canvas that what matters may take. */
+const FILLED = 0.94;
+export interface Insets {
+  top: number;
+  right: number;
+  bottom: number;
+  left: number;
+}
+
+/** A context on a graphics card, or one in software, which is too slow for smooth edges in motion. */
+function makeContext(canvas: HTMLCanvasElement): { context: WebGL2RenderingContext; isSoftware: boolean } {
+  const wishes = { stencil: true, powerPreference: "high-performance", alpha: false } as const;
+  const fast = canvas.getContext("webgl2", { ...wishes, antialias: true, failIfMajorPerformanceCaveat: true });
+  const context = fast ?? canvas.getContext("webgl2", { ...wishes, antialias: false });
+  if (!context) throw new Error("this browser has no WebGL 2");
+  return { context, isSoftware: fast === null };
+}
+
+/** Milliseconds without a change before a picture in software is drawn again with smooth edges. */
+const STILL = 160;
+
+export class Stage {
+  readonly scene = new Scene();
+  /** True without a graphics card. */
+  readonly isSlow: boolean;
+  private readonly renderer: WebGLRenderer;
+  private readonly ratio = Math.min(2, window.devicePixelRatio);
+  private changed = 0;
+  private isUntouched = true;
+  private readonly camera: PerspectiveCamera | OrthographicCamera;
+  private readonly controls: OrbitControls;
+  private floor: Mesh | null = null;
+  private isStale = true;
+  private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
+  private readonly afterDraw: (() => void)[] = [];
+
+  /** `box` holds what matters, `floorHeight` is where the floor is; the camera looks against `direction`. */
+  constructor(private readonly canvas: HTMLCanvasElement, readonly isPlanar: boolean, private readonly box: Box3,
+              private readonly floorHeight: number, private readonly direction: Vector3) {
+    const { context, isSoftware } = makeContext(canvas);
+    this.isSlow = isSoftware;
+    this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer.setPixelRatio(this.ratio);
+    this.renderer.debug.checkShaderErrors = false;
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.camera = isPlanar
+      ? new OrthographicCamera(-1, 1, 1, -1, 0.1, 1000)
+      : new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 200);
+    this.camera.up.set(0, isPlanar ? 1 : 0, isPlanar ? 0 : 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("start", () => (this.isUntouched = false));
+    this.controls.maxPolarAngle = Math.PI * 0.54;
+    if (isPlanar) this.lockToPlane();
+    this.applyTheme();
+    this.resetView();
+    new ResizeObserver(() => this.setInsets(this.insets)).observe(canvas.parentElement!);
+    this.renderer.setAnimationLoop((time) => this.draw(time));
+  }
+
+  /** Calls `callback` after each picture. */
+  onDraw(callback: () => void): void {
+    this.afterDraw.push(callback);
+  }
+
+  invalidate(): void {
+    this.isStale = true;
+  }
+
+  /** Pixels at the rim that panels cover: the middle of the view moves accordingly. */
+  setInsets(insets: Insets): void {
+    this.insets = insets;
+    if (this.isUntouched) this.resetView();
+    else this.resize();
+  }
+
+  /** Where `point` is on the canvas, in pixels of the page; null behind the camera. */
+  project(point: Vector3): { x: number; y: number } | null {
+    const p = point.clone().project(this.camera);
+    if (p.z > 1) return null;
+    return { x: (0.5 + p.x / 2) * this.canvas.clientWidth, y: (0.5 - p.y / 2) * this.canvas.clientHeight };
+  }
+
+  applyTheme(): void {
+    const colors = palette();
+    this.scene.background = new Color(colors.background);
+    this.floor?.removeFromParent();
+    this.floor = this.makeFloor();
+    this.scene.add(this.floor);
+    this.invalidate();
+  }
+
+  resetView(): void {
+    this.isUntouched = true;
+    const center = this.box.getCenter(new Vector3());
+    this.controls.target.copy(center);
+    this.camera.zoom = 1;
+    this.camera.position.copy(center).addScaledVector(this.direction, this.isPlanar ? 50 : this.fittingDistance(center));
+    this.camera.lookAt(center);
+    this.resize();
+    this.controls.update();
+    this.isUntouched = true;
+  }
+
+  /** The free part of the canvas, in pixels. */
+  private freePart(): { width: number; height: number } {
+    const { top, right, bottom, left } = this.insets;
+    const { clientWidth, clientHeight } = this.canvas.parentElement!;
+    return { width: Math.max(80, clientWidth - left - right), height: Math.max(80, clientHeight - top - bottom) };
+  }
+
+  /** So far away that all corners of the box are seen in the free part. */
+  private fittingDistance(center: Vector3): number {
+    const free = this.freePart();
+    const up = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180)) * FILLED * (free.height / this.canvas.parentElement!.clientHeight);
+    const across = up * (free.width / free.height);
+    const right = this.camera.up.clone().cross(this.direction).normalize();
+    const above = this.direction.clone().cross(right);
+    let distance = 0;
+    for (let i = 0; i < 8; ++i) {
+      const { min, max } = this.box;
+      const corner = new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z).sub(center);
+      const needed = Math.max(Math.abs(corner.dot(right)) / across, Math.abs(corner.dot(above)) / up);
+      distance = Math.max(distance, needed + corner.dot(this.direction));
+    }
+    return distance;
+  }
+
+  private lockToPlane(): void {
+    this.controls.enableRotate = false;
+    this.controls.screenSpacePanning = true;
+    this.controls.mouseButtons = { LEFT: MOUSE.PAN, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
+    this.controls.touches = { ONE: TOUCH.PAN, TWO: TOUCH.DOLLY_PAN };
+  }
+
+  private makeFloor(): Mesh {
+    const radius = this.isPlanar ? 30 : 3.5;
+    const cell = this.isPlanar ? 1 : 0.25;
+    const floor = new Mesh(new PlaneGeometry(2 * radius, 2 * radius), gridMaterial(palette().grid, cell, radius));
+    const snap = (value: number) => Math.round(value / cell / 4) * cell * 4;
+    const center = this.box.getCenter(new Vector3());
+    const z = this.isPlanar ? -10 : this.floorHeight - 0.002;
+    floor.position.set(snap(center.x), snap(center.y), z);
+    floor.renderOrder = -2;
+    return floor;
+  }
+
+  private resize(): void {
+    const width = this.canvas.parentElement!.clientWidth;
+    const height = this.canvas.parentElement!.clientHeight;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.renderer.getDrawingBufferSize(resolution.value);
+    const { top, right, bottom, left } = this.insets;
+    const shift = { x: (right - left) / 2, y: (bottom - top) / 2 };
+    if (this.camera instanceof PerspectiveCamera) {
+      this.camera.fov = FIELD_OF_VIEW;
+      this.camera.aspect = width / height;
+    } else {
+      const free = this.freePart();
+      const size = this.box.getSize(new Vector3());
+      const scale = Math.max(size.x / free.width, size.y / free.height) / FILLED;
+      this.camera.left = (-width / 2) * scale;
+      this.camera.right = (width / 2) * scale;
+      this.camera.top = (height / 2) * scale;
+      this.camera.bottom = (-height / 2) * scale;
+    }
+    this.camera.setViewOffset(width, height, shift.x, shift.y, width, height);
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  drawNow(): void {
+    this.isStale = false;
+    this.setRatio(this.ratio);
+    this.renderer.render(this.scene, this.camera);
+    for (const callback of this.afterDraw) callback();
+  }
+
+  private draw(time: number): void {
+    if (this.isStale) {
+      this.drawNow();
+      this.changed = time;
+    } else if (this.isSlow && this.changed > 0 && time - this.changed > STILL) {
+      this.changed = 0;
+      this.setRatio(2 * this.ratio);
+      this.renderer.render(this.scene, this.camera);
+    }
+  }
+
+  private setRatio(ratio: number): void {
+    if (this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.getDrawingBufferSize(resolution.value);
+    pixelRatio.value = ratio;
+  }
+}
+
