@@ -18,3 +18,4 @@
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
+#include "mneme/benchmark.h"
