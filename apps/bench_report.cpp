@@ -92,7 +92,7 @@ void add_report(CLI::App& bench, Action& action) {
   command->footer("Example:\n  mneme bench report runs.csv -o report.html");
   const auto run = std::make_shared<ReportRun>();
   command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
-  command->add_option("-o,--out", run->out,
+  command->add_option("-o,--output", run->out,
                       "page to write (default report.html); figures are written beside it");
   command->add_option("--title", run->options.title, "title of the page");
   command->add_option("--baseline", run->options.baseline,

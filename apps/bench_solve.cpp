@@ -32,8 +32,8 @@ Result<SolveResult> solve_ompl(const Problem& problem, Database* database,
 
 // The names that the suites of bench/suites use, so that they can be read.
 void append_ompl_names(SuiteNames& names) {
-  for (const char* name : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE",
-                           "SBL", "BITstar", "Lightning", "Thunder"}) {
+  for (const char* name :
+       {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
     names.planners.push_back(std::string(kOmplPrefix) + name);
   }
   for (const char* name : {"gaussian", "obstacle_based", "bridge_test", "max_clearance"}) {

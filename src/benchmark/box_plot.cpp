@@ -24,14 +24,14 @@ constexpr double kMinPitch = 44;
 constexpr double kMaxPitch = 92;
 constexpr double kWidth = 960;
 constexpr int kLabelLength = 30;
+constexpr int kNameLength = 24;
 constexpr double kLabelAngle = 38;  // degrees
 constexpr double kCharacter = 6.2;  // pixels, about
 constexpr double kShortest = 1e-6;  // seconds
 
 struct Place {
-  double x = 0;           ///< middle of the box
-  double half = 0;        ///< of its width
-  bool is_first = false;  ///< of its planner
+  double x = 0;     ///< middle of the box
+  double half = 0;  ///< of its width
 };
 
 class BoxPlot {
@@ -69,12 +69,28 @@ class BoxPlot {
     const double room = kWidth - kLeft - kRight - gaps;
     const double pitch = std::clamp(room / std::max(count, 1.0), kMinPitch, kMaxPitch);
     double x = kLeft + 10;
-    for (std::size_t i = 0; i < panel_.series.size(); ++i) {
-      if (i > 0 && is_first(i)) x += kGap;
-      places_.push_back({x + pitch / 2, std::min(pitch * 0.3, 17.0), is_first(i)});
-      x += pitch;
+    for (std::size_t i = 0; i < panel_.series.size();) {
+      const std::size_t end = group_end(i);
+      const double boxes = pitch * static_cast<double>(end - i);
+      const double margin = std::max(0.0, (name_width(panel_.series[i].planner) - boxes) / 2);
+      for (x += margin; i < end; ++i, x += pitch) {
+        places_.push_back({x + pitch / 2, std::min(pitch * 0.3, 17.0)});
+      }
+      x += margin + kGap;
     }
-    width_ = std::max(x + kRight, 520.0);
+    width_ = std::max(x - kGap + kRight, 520.0);
+  }
+
+  /// Behind the last series of the planner whose first is `begin`.
+  [[nodiscard]] std::size_t group_end(std::size_t begin) const {
+    std::size_t end = begin + 1;
+    while (end < panel_.series.size() && !is_first(end)) ++end;
+    return end;
+  }
+
+  static double name_width(const std::string& planner) {
+    constexpr double kHeadCharacter = 7.6;
+    return kHeadCharacter * std::min(character_count(single_line(planner)), kNameLength);
   }
 
   [[nodiscard]] bool is_first(std::size_t i) const {
@@ -193,13 +209,12 @@ class BoxPlot {
 
   void draw_planners(double height) {
     for (std::size_t i = 0; i < places_.size();) {
-      std::size_t last = i;
-      while (last + 1 < places_.size() && !places_[last + 1].is_first) ++last;
+      const std::size_t last = group_end(i) - 1;
       const double y = height - 26;
       const double left = places_[i].x - 18, right = places_[last].x + 18;
       draw_line(svg_, "frame", {left, y}, {right, y});
       draw_text(svg_, "head", {(left + right) / 2, y + 18}, "middle",
-                shortened(single_line(panel_.series[i].planner), 24));
+                shortened(single_line(panel_.series[i].planner), kNameLength));
       i = last + 1;
     }
   }

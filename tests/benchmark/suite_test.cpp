@@ -130,6 +130,34 @@ settings:
               .find("the environment variable MNEME_SUITE_TEST is not set") != std::string::npos);
   }
 
+  TEST_CASE("The suites that come with mneme are sound, and their files are there") {
+    SuiteNames names = {{"rrt_connect", "rrt", "prm"},
+                        {"gl", "uniform", "halton", "gaussian", "obstacle_based", "bridge_test",
+                         "max_clearance"}};
+    for (const char* planner : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST",
+                                "STRIDE", "SBL", "BITstar"}) {
+      names.planners.push_back(std::string("ompl:") + planner);
+    }
+    setenv("THREADED", test::source_file("README.md").c_str(), 1);
+    int count = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(test::source_file("bench/suites"))) {
+      const auto suite = load_suite(entry.path().string(), names);
+      REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+      for (const SuiteProblems& problems : suite->problems) {
+        CHECK_MESSAGE(std::filesystem::exists(problems.where), problems.where);
+      }
+      for (const SuiteMemory& memory : suite->memories) {
+        for (const SuiteProblems& lesson : memory.problems) {
+          CHECK_MESSAGE(std::filesystem::exists(lesson.where), lesson.where);
+        }
+        if (!memory.primitives.empty()) CHECK(std::filesystem::exists(memory.primitives));
+      }
+      ++count;
+    }
+    CHECK(count >= 6);
+  }
+
   TEST_CASE("A suite that is not there is an error that names it") {
     const auto suite = load_suite("no/such.yaml", kNames);
     REQUIRE_FALSE(suite.has_value());
