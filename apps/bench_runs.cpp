@@ -3,93 +3,204 @@
 
 #include "bench_runs.h"
 
+#include <algorithm>
+#include <mutex>
+#include <optional>
 #include <set>
+#include <thread>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "bench_row.h"
+#include "bench_solve.h"
 #include "interrupt.h"
 
 namespace mneme::app {
 namespace {
 
-/// What tells one run from another.
-using RunName = std::tuple<std::string, std::string, std::string, std::string, std::uint64_t>;
+/// What tells one run from another: set, problem, planner, sampler, setting and seed.
+using RunName =
+    std::tuple<std::string, std::string, std::string, std::string, std::string, std::uint64_t>;
 
-/// Caches, page tables and the clock of the machine are cold at first.
-void warm_up(const BenchPlan& plan) {
-  SolveSettings settings = plan.settings;
-  settings.sampler = "uniform";
-  settings.planner = plan.planners.front();
-  settings.plan.timeout_s = std::min(settings.plan.timeout_s, 0.05);
-  static_cast<void>(solve(plan.problems.front().problem, nullptr, settings));
+struct BenchRun {
+  const LoadedProblem* loaded = nullptr;
+  const BenchCase* bench_case = nullptr;
+  std::uint64_t seed = 0;
+};
+
+RunName name_of(const BenchRun& run) {
+  const SolveSettings& settings = run.bench_case->settings;
+  return {run.loaded->set,  run.loaded->problem.name, settings.planner,
+          settings.sampler, run.bench_case->setting,  run.seed};
 }
 
-/// Runs one problem with one seed.
-class ProblemRuns {
- public:
-  ProblemRuns(BenchPlan& plan, const LoadedProblem& loaded, const CollisionChecker& checker,
-              std::uint64_t seed)
-      : plan_(plan), loaded_(loaded), checker_(checker), settings_(plan.settings) {
-    settings_.plan.seed = seed;
-    settings_.plan.cancel = interrupt_flag();
-  }
+bool is_of_set(const BenchCase& bench_case, const std::string& set) {
+  const auto& sets = bench_case.sets;
+  return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
+}
 
-  /// False if it was interrupted.
-  Result<bool> run(const std::set<RunName>& done, const OnRow& on_row) {
-    for (const std::string& planner : plan_.planners) {
-      for (const std::string& sampler : plan_.samplers) {
-        const RunName name{loaded_.set, loaded_.problem.name, planner, sampler,
-                           settings_.plan.seed};
-        if (done.count(name) > 0) continue;
-        settings_.planner = planner;
-        settings_.sampler = sampler;
-        const Result<bool> goes_on = run_once(on_row);
-        if (!goes_on || !*goes_on) return goes_on;
+std::vector<BenchRun> missing_runs(const BenchPlan& plan, std::span<const BenchmarkRow> done) {
+  std::set<RunName> names;
+  for (const BenchmarkRow& row : done) {
+    names.emplace(row.set, row.problem, row.planner, row.sampler, row.setting, row.seed);
+  }
+  std::vector<BenchRun> runs;
+  for (int i = 0; i < plan.seed_count; ++i) {
+    for (const LoadedProblem& loaded : plan.problems) {
+      for (const BenchCase& bench_case : plan.cases) {
+        const BenchRun run{&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(i)};
+        if (is_of_set(bench_case, loaded.set) && !names.contains(name_of(run))) runs.push_back(run);
       }
     }
-    return true;
+  }
+  return runs;
+}
+
+/// Caches, page tables and the clock of the machine are cold at first.
+void warm_up(const BenchRun& run) {
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  settings.plan.timeout_s = std::min(run.bench_case->settings.plan.timeout_s, 0.05);
+  static_cast<void>(solve(run.loaded->problem, nullptr, settings));
+}
+
+/// Hands the runs to threads and their rows to the caller.
+class RunQueue {
+ public:
+  RunQueue(BenchPlan& plan, const std::vector<BenchRun>& runs, const OnRow& on_row)
+      : plan_(plan),
+        runs_(runs),
+        on_row_(on_row),
+        machine_(describe_machine()),
+        version_(describe_build()) {}
+
+  Result<bool> run() {
+    std::vector<std::thread> threads;
+    for (int i = 1; i < plan_.jobs; ++i) threads.emplace_back([this] { work(); });
+    work();
+    for (std::thread& thread : threads) thread.join();
+    if (error_) return tl::unexpected(*error_);
+    return !is_interrupted_;
   }
 
  private:
-  Result<bool> run_once(const OnRow& on_row) {
-    const auto memory = plan_.memories.find(loaded_.problem.robot.hash());
+  const BenchRun* take() {
+    const std::lock_guard lock(mutex_);
+    const bool is_over = error_ || is_interrupted_ || next_ == runs_.size();
+    return is_over ? nullptr : &runs_[next_++];
+  }
+
+  void work() {
+    std::optional<CollisionChecker> checker;
+    std::pair<const LoadedProblem*, double> checked{nullptr, 0};
+    while (const BenchRun* run = take()) {
+      CheckerSettings checking;
+      checking.resolution = run->bench_case->settings.resolution;
+      if (const std::pair key{run->loaded, checking.resolution}; key != checked) {
+        const Problem& problem = run->loaded->problem;
+        auto made = CollisionChecker::make(problem.robot, problem.scene, checking);
+        if (!made) return stop(made.error());
+        checker.emplace(std::move(*made));
+        checked = key;
+      }
+      run_once(*run, *checker);
+    }
+  }
+
+  void run_once(const BenchRun& run, const CollisionChecker& checker) {
+    const Problem& problem = run.loaded->problem;
+    SolveSettings settings = run.bench_case->settings;
+    settings.plan.seed = run.seed;
+    settings.plan.cancel = interrupt_flag();
+    const auto memory = plan_.memories.find({run.bench_case->memory, problem.robot.hash()});
     Database* database =
-        settings_.sampler == "gl" && memory != plan_.memories.end() ? &memory->second : nullptr;
-    const Result<SolveResult> result = solve(loaded_.problem, database, settings_);
-    if (!result) return tl::unexpected(result.error());
-    if (result->plan.status == PlanStatus::cancelled) return false;
-    BenchmarkRow row = make_row(loaded_.problem, settings_, *result, checker_);
-    row.set = loaded_.set;
-    return on_row(row).map([] { return true; });
+        settings.sampler == "gl" && memory != plan_.memories.end() ? &memory->second : nullptr;
+    const std::string started = current_time();
+    const Result<SolveResult> result =
+        solve_with_any(problem, database, settings, run.bench_case->is_ompl_as_in_paper);
+    if (!result) return stop(result.error());
+    if (result->plan.status == PlanStatus::cancelled) {
+      const std::lock_guard lock(mutex_);
+      is_interrupted_ = true;
+      return;
+    }
+    BenchmarkRow row = make_row(problem, settings, *result, checker);
+    row.set = run.loaded->set;
+    row.setting = run.bench_case->setting;
+    row.settings = run.bench_case->description;
+    row.machine = machine_;
+    row.version = version_;
+    row.started = started;
+    const std::lock_guard lock(mutex_);
+    if (const Result<void> taken = on_row_(row); !taken) error_ = taken.error();
+  }
+
+  void stop(const Error& error) {
+    const std::lock_guard lock(mutex_);
+    error_ = error;
   }
 
   BenchPlan& plan_;
-  const LoadedProblem& loaded_;
-  const CollisionChecker& checker_;
-  SolveSettings settings_;
+  const std::vector<BenchRun>& runs_;
+  const OnRow& on_row_;
+  std::string machine_;
+  std::string version_;
+  std::mutex mutex_;
+  std::size_t next_ = 0;
+  std::optional<Error> error_;
+  bool is_interrupted_ = false;
 };
 
 }  // namespace
 
-Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done, const OnRow& on_row) {
-  std::set<RunName> names;
-  for (const BenchmarkRow& row : done) {
-    names.emplace(row.set, row.problem, row.planner, row.sampler, row.seed);
+std::size_t BenchPlan::run_count() const {
+  std::size_t count = 0;
+  for (const LoadedProblem& loaded : problems) {
+    count += static_cast<std::size_t>(std::count_if(
+        cases.begin(), cases.end(), [&](const BenchCase& c) { return is_of_set(c, loaded.set); }));
   }
-  if (names.size() < plan.run_count()) warm_up(plan);
-  CheckerSettings checking;
-  checking.resolution = plan.settings.resolution;
-  for (int i = 0; i < plan.seed_count; ++i) {
-    const std::uint64_t seed = plan.settings.plan.seed + static_cast<std::uint64_t>(i);
-    for (const LoadedProblem& loaded : plan.problems) {
-      const auto checker =
-          CollisionChecker::make(loaded.problem.robot, loaded.problem.scene, checking);
-      if (!checker) return tl::unexpected(checker.error());
-      const Result<bool> goes_on = ProblemRuns(plan, loaded, *checker, seed).run(names, on_row);
-      if (!goes_on || !*goes_on) return goes_on;
+  return count * static_cast<std::size_t>(seed_count);
+}
+
+void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,
+                  const std::vector<std::string>& samplers, std::vector<BenchCase>& cases) {
+  for (const std::string& planner : planners) {
+    for (const std::string& sampler : samplers) {
+      BenchCase& added = cases.emplace_back(setting);
+      added.settings.planner = planner;
+      added.settings.sampler = sampler;
     }
   }
-  return true;
+}
+
+Result<void> check_same_settings(const BenchPlan& plan, std::span<const BenchmarkRow> rows) {
+  for (const BenchmarkRow& row : rows) {
+    const auto same = std::find_if(plan.cases.begin(), plan.cases.end(), [&](const BenchCase& c) {
+      return c.setting == row.setting && c.settings.planner == row.planner &&
+             c.settings.sampler == row.sampler;
+    });
+    if (same == plan.cases.end()) continue;
+    const double timeout_s = same->settings.plan.timeout_s;
+    if (row.timeout_s != timeout_s) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("cannot resume: a run there had a time limit of {} s, not {} s",
+                              row.timeout_s, timeout_s));
+    }
+    // Rows without a version come from a mneme that did not write settings down.
+    if (!row.version.empty() && row.settings != same->description) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("cannot resume: a run there had the settings '{}', not '{}'",
+                              row.settings, same->description));
+    }
+  }
+  return {};
+}
+
+Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done, const OnRow& on_row) {
+  const std::vector<BenchRun> runs = missing_runs(plan, done);
+  if (!runs.empty()) warm_up(runs.front());
+  return RunQueue(plan, runs, on_row).run();
 }
 
 }  // namespace mneme::app

@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The loop of `mneme bench run`: problems x planners x samplers x seeds in one process.
+/// The loop of `mneme bench run`: problems x settings x planners x samplers x seeds in one process.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "mneme/pipeline.h"
-#include "mneme/report.h"
+#include "mneme/benchmark.h"
 
 namespace mneme::app {
 
@@ -20,26 +20,41 @@ struct LoadedProblem {
   Problem problem;
 };
 
-struct BenchPlan {
-  std::vector<LoadedProblem> problems;
-  std::vector<std::string> planners;
-  std::vector<std::string> samplers;
-  int seed_count = 1;
-  SolveSettings settings;  ///< `settings.plan.seed` is the first seed
-  /// Memories by the hash of the robot; the sampler "gl" draws from that of the problem's robot.
-  std::map<std::string, Database> memories;
-
-  [[nodiscard]] std::size_t run_count() const {
-    return problems.size() * planners.size() * samplers.size() *
-           static_cast<std::size_t>(seed_count);
-  }
+/// What is run on each problem with each seed.
+struct BenchCase {
+  std::string setting;
+  std::string memory;             ///< that the sampler gl draws from
+  std::vector<std::string> sets;  ///< of problems; empty for all
+  SolveSettings settings;         ///< with planner and sampler
+  bool is_ompl_as_in_paper = false;
+  std::string description;  ///< of the settings, for the rows
 };
 
-/// Receives the row of each run as soon as it is done. An error ends the benchmark.
+struct BenchPlan {
+  std::vector<LoadedProblem> problems;
+  std::vector<BenchCase> cases;
+  int seed_count = 1;
+  std::uint64_t first_seed = 1;
+  int jobs = 1;
+  /// By the name of the memory and the hash of the robot.
+  std::map<std::pair<std::string, std::string>, Database> memories;
+
+  [[nodiscard]] std::size_t run_count() const;
+};
+
+/// Appends a case for each of `planners` with each of `samplers`.
+void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,
+                  const std::vector<std::string>& samplers, std::vector<BenchCase>& cases);
+
+/// An error if `rows` were run with other settings or limits than `plan` has under the same name.
+[[nodiscard]] Result<void> check_same_settings(const BenchPlan& plan,
+                                               std::span<const BenchmarkRow> rows);
+
+/// Receives the row of each run as soon as it is done, one at a time. An error ends the benchmark.
 using OnRow = std::function<Result<void>(const BenchmarkRow& row)>;
 
-/// Runs what `done` does not hold yet, all problems with one seed before the next seed. True if it
-/// was not interrupted.
+/// Runs what `done` does not hold yet, all problems with one seed before the next seed, in
+/// `plan.jobs` threads. True if it was not interrupted.
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 

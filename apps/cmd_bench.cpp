@@ -3,34 +3,29 @@
 
 /// mneme bench: plans many problems and tells how long it took.
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
-#include "mneme/report.h"
 
 #include "bench_problems.h"
-#include "bench_runs.h"
+#include "bench_report.h"
+#include "bench_results.h"
+#include "bench_solve.h"
+#include "bench_suite.h"
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
 #include "interrupt.h"
 #include "options.h"
 #include "problem_part.h"
+#include "row_file.h"
+#include "suite_run.h"
 
 namespace mneme::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
   std::vector<std::string> arguments;
@@ -42,74 +37,16 @@ struct BenchOptions {
   int seed_count = 1;
   std::string db;
   std::string csv;
+  std::string sqlite;
+  std::string out;
+  std::string memories;
+  int jobs = 1;
+  bool has_seeds = false;
+  bool has_timeout = false;
   bool is_resumed = false;
   bool is_json = false;
   SolveSettings settings;
 };
-
-/// The rows of a benchmark, on disk as they come.
-class RowFile {
- public:
-  /// Opens `path`, if it is not empty, for the rows to come; with `is_resumed` those that it holds
-  /// are kept.
-  Result<void> open(const std::string& path, bool is_resumed) {
-    if (path.empty()) return {};
-    path_ = path;
-    if (is_resumed) {
-      const Result<void> read = read_rows();
-      if (!read) return read;
-    }
-    file_.open(path, is_resumed ? std::ios::app : std::ios::trunc);
-    if (rows_.empty() && !has_header_) file_ << csv_header();
-    return flush();
-  }
-
-  Result<void> add(const BenchmarkRow& row) {
-    rows_.push_back(row);
-    if (path_.empty()) return {};
-    file_ << to_csv_line(row);
-    return flush();
-  }
-
-  [[nodiscard]] const std::vector<BenchmarkRow>& rows() const { return rows_; }
-
- private:
-  Result<void> read_rows() {
-    std::error_code missing;
-    if (!std::filesystem::exists(path_, missing)) return {};
-    std::stringstream text;
-    text << std::ifstream(path_, std::ios::binary).rdbuf();
-    Result<CsvRuns> runs = parse_csv(text.str(), path_);
-    if (!runs) return tl::unexpected(runs.error());
-    has_header_ = runs->complete_bytes > 0;
-    rows_ = std::move(runs->rows);
-    std::error_code error;
-    std::filesystem::resize_file(path_, runs->complete_bytes, error);
-    if (error)
-      return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, error.message()));
-    return {};
-  }
-
-  Result<void> flush() {
-    if (file_.flush()) return {};
-    return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
-  }
-
-  std::string path_;
-  std::ofstream file_;
-  std::vector<BenchmarkRow> rows_;
-  bool has_header_ = false;
-};
-
-Result<void> check_same_limit(const std::vector<BenchmarkRow>& rows, double timeout_s) {
-  for (const BenchmarkRow& row : rows) {
-    if (row.timeout_s == timeout_s) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("cannot resume: a run there had a time limit of {} s, not {} s",
-                            row.timeout_s, timeout_s));
-  }
-  return {};
-}
 
 Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   const auto found = find_bench_problems(options.arguments).and_then([&](auto all) {
@@ -118,28 +55,21 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   if (!found) return tl::unexpected(found.error());
   const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
-  std::vector<LoadedProblem> problems;
-  std::set<std::string> warnings;
-  for (const BenchProblem& bench : *found) {
-    Result<Problem> problem = load_problem(bench.where, *overrides);
-    if (!problem) return tl::unexpected(problem.error());
-    for (const std::string& warning : problem->warnings) {
-      if (warnings.insert(warning).second) print_note("warning: " + warning);
-    }
-    problems.push_back({bench.set, std::move(*problem)});
-  }
-  return problems;
+  std::vector<SuiteProblems> entries;
+  for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
+  return load_bench_problems(entries, *overrides);
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
-  const bool has_gl = std::count(plan.samplers.begin(), plan.samplers.end(), "gl") > 0;
+  const bool has_gl = std::count(options.samplers.begin(), options.samplers.end(), "gl") > 0;
   if (options.db.empty() || !has_gl) return {};
   for (const LoadedProblem& loaded : plan.problems) {
     const Robot& robot = loaded.problem.robot;
-    if (plan.memories.count(robot.hash()) > 0) continue;
+    const std::pair key{options.db, robot.hash()};
+    if (plan.memories.contains(key)) continue;
     Result<Database> database = open_memory(options.db, robot, options.settings);
     if (!database) return tl::unexpected(database.error());
-    plan.memories.emplace(robot.hash(), std::move(*database));
+    plan.memories.emplace(key, std::move(*database));
   }
   return {};
 }
@@ -149,96 +79,42 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
   if (!problems) return tl::unexpected(problems.error());
   BenchPlan plan;
   plan.problems = std::move(*problems);
-  plan.planners = options.planners;
-  plan.samplers = options.samplers;
+  BenchCase base;
+  base.memory = options.db;
+  base.settings = options.settings;
+  base.description = describe_settings(options.settings);
+  append_cases(base, options.planners, options.samplers, plan.cases);
   plan.seed_count = options.seed_count;
-  plan.settings = options.settings;
+  plan.first_seed = options.settings.plan.seed;
+  plan.jobs = options.jobs;
   const Result<void> opened = open_memories(options, plan);
   if (!opened) return tl::unexpected(opened.error());
   return plan;
 }
 
-Json to_json(const SetSummary& summary) {
-  return {{"set", summary.set},
-          {"planner", summary.planner},
-          {"sampler", summary.sampler},
-          {"solved", summary.times.solved},
-          {"valid", summary.valid},
-          {"total", summary.total},
-          {"invalid_paths", summary.invalid_paths},
-          {"planning_p50_s", summary.times.p50},
-          {"planning_p95_s", summary.times.p95},
-          {"planning_p99_s", summary.times.p99},
-          {"planning_max_s", summary.times.max},
-          {"iterations_p50", summary.iterations_p50},
-          {"simplification_p50_s", summary.simplification_p50_s}};
-}
-
-/// "cage#7" once for each problem whose ends are invalid.
-std::vector<std::string> invalid_problems(const std::vector<BenchmarkRow>& rows) {
-  std::vector<std::string> names;
-  for (const BenchmarkRow& row : rows) {
-    const std::string name = row.set + "#" + row.problem;
-    const bool is_new = std::find(names.begin(), names.end(), name) == names.end();
-    if (is_invalid_problem(row) && is_new) names.push_back(name);
-  }
-  return names;
-}
-
-void print_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
-  const std::vector<SetSummary> summaries = summarize_sets(rows);
-  const std::vector<std::string> invalid = invalid_problems(rows);
-  if (!is_json) {
-    fmt::print("{}", to_table(summaries));
-    if (!invalid.empty()) {
-      fmt::print("invalid start or goal, left out: {}\n", fmt::join(invalid, ", "));
-    }
-    return;
-  }
-  Json sets = Json::array();
-  for (const SetSummary& summary : summaries) sets.push_back(to_json(summary));
-  print_json({{"runs", rows.size()},
-              {"isa", to_string(default_isa())},
-              {"sets", sets},
-              {"invalid", invalid}});
-}
-
-ExitCode judge(const std::vector<BenchmarkRow>& rows) {
-  const auto wrong = std::count_if(rows.begin(), rows.end(), [](const BenchmarkRow& row) {
-    return row.is_solved && !row.is_path_valid;
-  });
-  if (wrong == 0) return ExitCode::done;
-  print_error(fmt::format("{} did not survive the check at ten times the resolution",
-                          counted(static_cast<std::size_t>(wrong), "path", "paths")));
-  return ExitCode::failure;
-}
-
-Result<ExitCode> run_bench_command(const BenchOptions& options) {
+Result<ExitCode> run_problems(const BenchOptions& options) {
   Result<BenchPlan> plan = make_plan(options);
   if (!plan) return tl::unexpected(plan.error());
   catch_interrupts();
   RowFile file;
-  const Result<void> opened = file.open(options.csv, options.is_resumed).and_then([&] {
-    return check_same_limit(file.rows(), options.settings.plan.timeout_s);
-  });
-  if (!opened) return tl::unexpected(opened.error());
-  const std::vector<BenchmarkRow> done = file.rows();
-  Result<bool> is_complete = false;
-  {
-    Progress progress("planning");
-    const auto total = static_cast<std::int64_t>(plan->run_count());
-    is_complete = run_bench(*plan, done, [&](const BenchmarkRow& row) {
-      progress.update(static_cast<std::int64_t>(file.rows().size()) + 1, total,
-                      fmt::format("{}#{} {}", row.set, row.problem, to_string(row.status)));
-      return file.add(row);
-    });
-  }
+  const Result<bool> is_complete =
+      file.open(options.csv, options.sqlite, options.is_resumed).and_then([&] {
+        return run_with_progress(*plan, file);
+      });
   if (!is_complete) return tl::unexpected(is_complete.error());
-  print_results(file.rows(), options.is_json);
-  if (*is_complete) return judge(file.rows());
+  print_bench_results(file.rows(), options.is_json);
+  if (*is_complete) return judge_rows(file.rows());
   print_note(options.csv.empty() ? "interrupted"
                                  : "interrupted; the same command with --resume goes on from here");
   return ExitCode::interrupted;
+}
+
+Result<ExitCode> run_suite_command(const BenchOptions& options) {
+  return run_suite(
+      {options.arguments.front(), options.out, options.memories,
+       options.has_seeds ? std::optional(options.seed_count) : std::nullopt,
+       options.has_timeout ? std::optional(options.settings.plan.timeout_s) : std::nullopt,
+       options.jobs, options.is_resumed, options.is_json});
 }
 
 /// A flag for a comma-separated list of different `names`.
@@ -265,27 +141,37 @@ void add_name_list(CLI::App& command, const std::string& flag, const std::string
 void add_run_flags(CLI::App& command, BenchOptions& options) {
   command
       .add_option("PROBLEMS", options.arguments,
-                  "compact files, problems (FILE.json#NAME, YAML) or directories of them")
+                  "compact files, problems (FILE.json#NAME, YAML) or directories of them; or one "
+                  "suite (YAML with the key problems), which says all that it runs")
       ->required();
   command.add_option("--part", options.part,
                      "I/N: every N-th problem beginning with the I-th, such as 2/2");
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problems': a URDF file or a name");
   add_robot_flags(command, options.robot_options);
-  std::vector<std::string> names;
-  for (const PlannerEntry& planner : planners()) names.emplace_back(planner.name);
-  add_name_list(command, "--planners", "planner", options.planners, names,
+  const SuiteNames names = bench_names();
+  add_name_list(command, "--planners", "planner", options.planners, names.planners,
                 "planners (default rrt_connect)");
-  add_name_list(command, "--samplers", "sampler", options.samplers,
-                {sampler_names().begin(), sampler_names().end()},
+  add_name_list(command, "--samplers", "sampler", options.samplers, names.samplers,
                 "sources of configurations (default uniform, with --db gl,uniform)");
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
              "runs of each, with seeds from --seed on");
   command.add_option("--db", options.db, "memory of the sampler gl: an SQLite file");
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
+  command.add_option("--sqlite", options.sqlite,
+                     "SQLite file whose table runs gets the same rows while it runs");
   command.add_flag("--resume", options.is_resumed,
-                   "keep the rows of --csv and run only what is missing");
+                   "keep the rows of --csv (of a suite: those in --out) and run only what is "
+                   "missing");
+  add_number(command, "--jobs", options.jobs, 1, 4096,
+             "runs at the same time; more than idle cores make times longer");
+  command.add_option("--out", options.out,
+                     "directory for what a suite leaves (default out/bench/NAME): runs.csv, "
+                     "runs.sqlite, report.html and its figures, planner_arena.db, logs for OMPL");
+  command.add_option("--memories", options.memories,
+                     "directory of the memories that a suite learns (default: memories in --out); "
+                     "those that are there already are not learned again");
   add_settings(command, options.settings);
   add_settings(command, options.settings.plan);
   add_decompose_settings(command, options.settings.decompose);
@@ -294,7 +180,20 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   add_json(command, options.is_json);
 }
 
-void check_run_flags(BenchOptions& options) {
+/// A suite says itself what it runs.
+void check_suite_flags(const CLI::App& command) {
+  const std::vector<std::string> allowed = {"PROBLEMS", "--seeds", "--timeout", "--resume",
+                                            "--jobs",   "--out",   "--json",    "--memories",
+                                            "--isa",    "--help"};
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    const bool is_allowed = std::find(allowed.begin(), allowed.end(), name) != allowed.end();
+    if (option->count() == 0 || is_allowed) continue;
+    throw CLI::ValidationError(name, "does not go with a suite, whose file says what it runs");
+  }
+}
+
+void check_problem_flags(BenchOptions& options) {
   if (options.samplers.empty()) {
     options.samplers = options.db.empty() ? std::vector<std::string>{"uniform"}
                                           : std::vector<std::string>{"gl", "uniform"};
@@ -305,6 +204,15 @@ void check_run_flags(BenchOptions& options) {
   }
   if (options.is_resumed && options.csv.empty()) {
     throw CLI::ValidationError("--resume", "needs --csv, the rows that are there already");
+  }
+  if (options.jobs > 1 && options.settings.learn_budget_s > 0) {
+    throw CLI::ValidationError("--jobs",
+                               "must be 1 with --learn-budget, whose runs follow from "
+                               "each other");
+  }
+  for (const auto& [flag, value] :
+       {std::pair("--out", &options.out), std::pair("--memories", &options.memories)}) {
+    if (!value->empty()) throw CLI::ValidationError(flag, "goes with a suite only");
   }
 }
 
@@ -317,13 +225,21 @@ void add_bench(CLI::App& program, Action& action) {
   CLI::App* command = group->add_subcommand("run", "Run problems x planners x samplers x seeds");
   command->footer(
       "Example:\n  mneme bench run problems/ --planners rrt_connect,prm --seeds 10 --timeout 4 "
-      "--csv runs.csv");
+      "--csv runs.csv\n  mneme bench run bench/suites/planar.yaml --seeds 5 --timeout 2");
   const auto options = std::make_shared<BenchOptions>();
   add_run_flags(*command, *options);
-  command->callback([options, &action] {
-    check_run_flags(*options);
-    action = [options] { return run_bench_command(*options); };
+  command->callback([options, command, &action] {
+    if (options->arguments.size() == 1 && is_suite_file(options->arguments.front())) {
+      check_suite_flags(*command);
+      options->has_seeds = command->get_option("--seeds")->count() > 0;
+      options->has_timeout = command->get_option("--timeout")->count() > 0;
+      action = [options] { return run_suite_command(*options); };
+      return;
+    }
+    check_problem_flags(*options);
+    action = [options] { return run_problems(*options); };
   });
+  add_bench_report(*group, action);
 }
 
 }  // namespace mneme::app

@@ -18,11 +18,6 @@ constexpr double kBarInterval = 0.1;
 constexpr double kLineInterval = 5;
 constexpr int kBarWidth = 24;
 
-bool has_terminal() {
-  const char* type = std::getenv("TERM");
-  return isatty(STDERR_FILENO) == 1 && type != nullptr && std::string_view(type) != "dumb";
-}
-
 bool has_colour() {
   const char* no_colour = std::getenv("NO_COLOR");
   return has_terminal() && (no_colour == nullptr || *no_colour == '\0');
@@ -47,6 +42,11 @@ std::string bar(double fraction) {
 }
 
 }  // namespace
+
+bool has_terminal() {
+  const char* type = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && type != nullptr && std::string_view(type) != "dumb";
+}
 
 void print_error(std::string_view message) {
   fmt::print(stderr, "mneme: {} {}\n", coloured("error:", "1;31"), message);

@@ -15,6 +15,8 @@ namespace mneme::app {
 
 void print_error(std::string_view message);
 void print_note(std::string_view message);
+/// True if standard error is a terminal that understands control sequences.
+[[nodiscard]] bool has_terminal();
 /// Prints to standard output; text that is not UTF-8, such as a file's name, has its bad bytes
 /// replaced.
 void print_json(const nlohmann::ordered_json& json);

@@ -20,3 +20,4 @@
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
+#include "mneme/benchmark.h"

@@ -60,6 +60,13 @@ struct BenchmarkRow {
   double path_length = 0;
   int components = 0;
   double timeout_s = 0;  ///< the time limit
+  std::string setting;   ///< the settings' name in a suite; may be empty
+  std::string settings;  ///< those that are not the defaults, such as "range=3.55 similarity=3"
+  double learning_time_s = 0;
+  std::string isa;      ///< instruction set of the kernels
+  std::string machine;  ///< processor, number of cores and system
+  std::string version;  ///< of mneme and of the compiler
+  std::string started;  ///< UTC, ISO 8601
 };
 
 /// True if the problem's start or goal is at fault: such a run says nothing about planners.
@@ -72,6 +79,7 @@ struct TimeSummary {
   int runs = 0;
   int solved = 0;
   double p50 = 0, p95 = 0, p99 = 0, max = 0;  ///< seconds; a failure stands at its censored time
+  double p25 = 0, p75 = 0;
 };
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
 
@@ -94,15 +102,17 @@ struct CsvRuns {
   /// Bytes of the text that are whole lines: a process that was killed may leave a broken last one.
   std::size_t complete_bytes = 0;
 };
-/// Reads what to_csv wrote; `source` names it in messages.
+/// Reads what to_csv wrote, also by versions before the column `setting`; `source` names it in
+/// messages.
 [[nodiscard]] Result<CsvRuns> parse_csv(std::string_view text, const std::string& source);
 
-/// All runs of one planner and sampler on the problems of one set. Times are of the runs on valid
+/// All runs of one planner, sampler and setting on the problems of one set. Times are of the runs on valid
 /// problems; runs without a valid path count as longer than any other.
 struct SetSummary {
   std::string set;  ///< "all" for the sets together
   std::string planner;
   std::string sampler;
+  std::string setting;
   int total = 0;          ///< runs
   int valid = 0;          ///< runs on problems whose start and goals are valid
   int invalid_paths = 0;  ///< paths that did not survive the independent check; not solved
@@ -110,10 +120,10 @@ struct SetSummary {
   std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
   double simplification_p50_s = 0;   ///< of solved runs
 };
-/// One per set, planner and sampler in order of appearance; if there are several sets, those of all
+/// One per set, planner, sampler and setting in order of appearance; if there are several sets, those of all
 /// sets together follow.
 [[nodiscard]] std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows);
-/// A text table of them; ">" marks times of failures.
+/// A text table of them; ">" marks times of failures. Settings have a column if they have names.
 [[nodiscard]] std::string to_table(std::span<const SetSummary> summaries);
 /// A text table: one line per problem, planner and sampler, in order of appearance. Planning times
 /// in ms;

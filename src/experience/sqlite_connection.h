@@ -22,6 +22,7 @@ class Statement {
  public:
   /// Parameters count from 1. What is bound must stay alive until reset() or destruction.
   Statement& bind(int parameter, std::int64_t value);
+  Statement& bind_real(int parameter, double value);
   Statement& bind(int parameter, std::string_view text);
   Statement& bind(int parameter, std::span<const std::byte> blob);
 

@@ -1,99 +1,60 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <array>
+#include "report/page.h"
 
-#include <nlohmann/json.hpp>
-
-#include "mneme/report.h"
 #include "report/markup.h"
-#include "report/viewer_page.h"
 
-namespace mneme {
-namespace internal {
+#include <fmt/format.h>
+
+namespace mneme::internal {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
-constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
-/// What the page cannot do without, and the kind of each.
-constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
-    {"problem", Json::value_t::string},
-    {"robot", Json::value_t::string},
-    {"is_planar", Json::value_t::boolean},
-    {"joints", Json::value_t::array},
-    {"plan", Json::value_t::object},
-    {"times", Json::value_t::object},
-    {"links", Json::value_t::array},
-    {"obstacles", Json::value_t::array},
-    {"start", Json::value_t::array},
-    {"goals", Json::value_t::array},
-    {"waypoints", Json::value_t::array},
-    {"primitives", Json::value_t::array},
-    {"components", Json::value_t::object},
-    {"samples", Json::value_t::object},
-    {"edges", Json::value_t::object},
-}};
-
-Result<Json> parse_trace(std::string_view text, const std::string& source) {
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) return fail(ErrorCode::parse, source + ": no JSON");
-  const auto format = json.is_object() ? json.find("format") : json.end();
-  if (!json.is_object() || format == json.end() || *format != "mneme-trace") {
-    return fail(ErrorCode::parse, source +
-                                      ": no trace: expected \"format\": \"mneme-trace\", as "
-                                      "'mneme plan --trace' writes it");
-  }
-  if (json.value("version", Json()) != 1) {
-    return fail(ErrorCode::unsupported, source + ": a trace of another version: expected 1");
-  }
-  for (const auto& [name, kind] : kMembers) {
-    const auto member = json.find(name);
-    if (member == json.end() || member->type() != kind) {
-      return fail(ErrorCode::parse, source + ": the trace has no \"" + name + "\", or not as " +
-                                        Json(kind).type_name());
-    }
-  }
-  return json;
-}
-
-/// JSON that cannot end the script element that it stands in.
-std::string script_text(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
-
-std::string replaced(std::string_view text, std::string_view place, std::string_view with) {
-  const std::size_t at = text.find(place);
-  std::string result(text.substr(0, at));
-  if (at == std::string_view::npos) return result;
-  result += with;
-  result += text.substr(at + place.size());
-  return result;
-}
+constexpr std::string_view kStyle = R"css(
+:root { color-scheme: light dark; --page: #f4f6fa; --card: #ffffff; --ink: #1f2937; --soft: #5b6675;
+  --line: #dde3ec; --bad: #b42318; --c0: #c76a00; --c1: #5a7bb0; --c2: #0b8a6a; --c3: #8250df;
+  --c4: #bf2c86; --c5: #5f8416; }
+@media (prefers-color-scheme: dark) { :root { --page: #12161d; --card: #1b212b; --ink: #e6eaf0;
+  --soft: #9aa6b6; --line: #323b49; --bad: #ff8a80; --c0: #f0a04b; --c1: #8fb0e6; --c2: #4cc3a1;
+  --c3: #b79bff; --c4: #f07fc0; --c5: #a9cf5a; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--page); color: var(--ink);
+  font: 16px/1.5 Inter, "Helvetica Neue", Helvetica, Arial, "DejaVu Sans", sans-serif; }
+main { max-width: 1320px; margin: 0 auto; padding: 32px 20px 56px; }
+h1 { font-size: 30px; line-height: 1.2; margin: 0 0 12px; }
+h2 { font-size: 20px; margin: 40px 0 12px; }
+p { max-width: 72ch; margin: 0 0 12px; }
+.introduction { white-space: pre-line; }
+.note, figcaption { color: var(--soft); font-size: 14px; }
+.card { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 18px;
+  overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-size: 14px;
+  font-variant-numeric: tabular-nums; }
+th, td { padding: 6px 12px; text-align: left; border-bottom: 1px solid var(--line);
+  white-space: nowrap; }
+th { color: var(--soft); font-weight: 600; }
+tbody tr:last-child td { border-bottom: 0; }
+.number { text-align: right; }
+.bad { color: var(--bad); font-weight: 600; }
+.pictures { display: grid; gap: 20px;
+  grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
+figure { margin: 0; }
+figure > svg { display: block; width: 100%; height: auto; }
+figcaption { padding-top: 10px; }
+.wide { white-space: normal; overflow-wrap: anywhere; }
+)css";
 
 }  // namespace
-}  // namespace internal
 
-Result<std::string> to_page(std::string_view json, const std::string& source) {
-  using namespace internal;
-  const Result<Json> trace = parse_trace(json, source);
-  if (!trace) return tl::unexpected(trace.error());
-  const std::string title = trace->at("problem").get<std::string>() + ", " +
-                            trace->at("robot").get<std::string>() + " - mneme";
-  // The trace comes last in the page: whatever it holds is not searched for places.
-  return replaced(replaced(viewer_page(), kTitlePlace, escape_markup(title)), kTracePlace,
-                  script_text(*trace));
+std::string page_begin(const std::string& title, std::string_view rules) {
+  const std::string heading = escape_markup(title);
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n<main>\n<h1>{}</h1>\n",
+      heading, kStyle, rules, heading);
 }
 
-}  // namespace mneme
+std::string page_end() { return "</main>\n</body>\n</html>\n"; }
+
+}  // namespace mneme::internal

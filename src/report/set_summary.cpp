@@ -32,6 +32,7 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   summary.set = set;
   summary.planner = rows.front().planner;
   summary.sampler = rows.front().sampler;
+  summary.setting = rows.front().setting;
   summary.total = static_cast<int>(rows.size());
   Rows valid;
   std::vector<std::uint64_t> iterations;
@@ -56,11 +57,12 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
 template <class NameSet>
 void append_summaries(std::span<const BenchmarkRow> rows, NameSet&& name_set,
                       std::vector<SetSummary>& summaries) {
-  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> positions;
+  using Name = std::tuple<std::string, std::string, std::string, std::string>;
+  std::map<Name, std::size_t> positions;
   std::vector<Rows> groups;
   for (const BenchmarkRow& row : rows) {
-    const auto position =
-        positions.try_emplace({name_set(row), row.planner, row.sampler}, groups.size());
+    const auto position = positions.try_emplace(
+        {name_set(row), row.planner, row.sampler, row.setting}, groups.size());
     if (position.second) groups.emplace_back();
     groups[position.first->second].push_back(row);
   }
@@ -110,7 +112,15 @@ std::string to_table(std::span<const SetSummary> summaries) {
                                                   "bad paths", "p50 ms", "p95 ms", "p99 ms",
                                                   "max ms", "iterations p50", "simplify p50 ms"}};
   for (const SetSummary& summary : summaries) lines.push_back(cells(summary));
-  return internal::text_table(lines, kNameColumns);
+  const bool has_settings =
+      std::ranges::any_of(summaries, [](const SetSummary& s) { return !s.setting.empty(); });
+  if (!has_settings) return internal::text_table(lines, kNameColumns);
+  lines[0].insert(lines[0].begin() + kNameColumns, "setting");
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    lines[i + 1].insert(lines[i + 1].begin() + kNameColumns,
+                        internal::single_line(summaries[i].setting));
+  }
+  return internal::text_table(lines, kNameColumns + 1);
 }
 
 }  // namespace mneme

@@ -88,7 +88,9 @@ TimeSummary summarize(std::span<const BenchmarkRow> rows) {
     return times[static_cast<std::size_t>(internal::nearest_rank(percent, summary.runs) - 1)]
         .second;
   };
+  summary.p25 = percentile(25);
   summary.p50 = percentile(50);
+  summary.p75 = percentile(75);
   summary.p95 = percentile(95);
   summary.p99 = percentile(99);
   summary.max = percentile(100);

@@ -25,6 +25,13 @@ BenchmarkRow strange_row() {
   row.path_length = 1.5;
   row.components = 4;
   row.timeout_s = 2;
+  row.setting = "as, is";
+  row.settings = "range=3.55 memory=grid";
+  row.learning_time_s = 0.75;
+  row.isa = "avx2";
+  row.machine = "a machine";
+  row.version = "mneme 1";
+  row.started = "2026-01-31T12:00:00Z";
   return row;
 }
 
@@ -38,9 +45,11 @@ TEST_SUITE("unit") {
     CHECK(to_csv(std::vector{strange_row()}) ==
           "problem,set,planner,sampler,seed,status,is_valid,planning_time_s,total_time_s,"
           "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
-          "motions_checked,nodes,path_length,components,timeout_s\n"
+          "motions_checked,nodes,path_length,components,timeout_s,setting,settings,"
+          "learning_time_s,isa,machine,version,started\n"
           "\"a,\"\"b\"\"\nc\",s,rrt_connect,gl,3,solved,0,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,"
-          "1.5,4,2\n");
+          "1.5,4,2,\"as, is\",range=3.55 memory=grid,0.75,avx2,a machine,mneme 1,"
+          "2026-01-31T12:00:00Z\n");
     CHECK(to_csv({}) == csv_header());
   }
 
@@ -66,13 +75,27 @@ TEST_SUITE("unit") {
   TEST_CASE("Files of other columns and fields that are no numbers are refused") {
     CHECK(failure("a,b\n").find("f.csv:1: expected the columns problem,set,planner,") == 0);
     std::string text = to_csv(std::vector{run(1)});
-    CHECK(failure(text + "a,b\n") == "f.csv: line 3: expected 19 fields, got 2");
+    CHECK(failure(text + "a,b\n") == "f.csv: line 3: expected 26 fields, got 2");
     const std::size_t status = text.rfind("solved");
     CHECK(failure(text.replace(status, 6, "dreamt")) ==
           "f.csv: line 2: column status: expected a status, got \"dreamt\"");
-    text.replace(text.rfind(",0\n"), 3, ",x\n");
+    text.replace(text.rfind(",,0,"), 4, ",,x,");
     CHECK(failure(text.replace(status, 6, "solved")) ==
-          "f.csv: line 2: column timeout_s: expected a number, got \"x\"");
+          "f.csv: line 2: column learning_time_s: expected a number, got \"x\"");
+  }
+
+  TEST_CASE("Files that end with the column timeout_s, as older versions wrote them, read too") {
+    const std::string old =
+        "problem,set,planner,sampler,seed,status,is_valid,planning_time_s,total_time_s,"
+        "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
+        "motions_checked,nodes,path_length,components,timeout_s\n"
+        "a,s,rrt,gl,3,solved,1,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,1.5,4,2\n";
+    const auto runs = parse_csv(old, "f.csv");
+    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
+    REQUIRE(runs->rows.size() == 1);
+    CHECK(runs->rows[0].timeout_s == 2);
+    CHECK(runs->rows[0].setting.empty());
+    CHECK(runs->complete_bytes == old.size());
   }
 }
 

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench_report.h"
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "console.h"
+#include "options.h"
+#include "output_file.h"
+#include "row_file.h"
+
+namespace mneme::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportRun {
+  std::vector<std::string> csv_files;
+  std::string out = "report.html";
+  ReportOptions options;
+};
+
+struct ExportRun {
+  std::vector<std::string> csv_files;
+  std::string log_directory;
+  std::string arena;
+  std::string sqlite;
+};
+
+Result<std::vector<BenchmarkRow>> read_all(const std::vector<std::string>& paths) {
+  std::vector<BenchmarkRow> rows;
+  for (const std::string& path : paths) {
+    auto read = read_rows(path);
+    if (!read) return read;
+    std::move(read->begin(), read->end(), std::back_inserter(rows));
+  }
+  if (rows.empty()) {
+    return fail(ErrorCode::invalid, fmt::format("'{}' has no runs", paths.front()));
+  }
+  return rows;
+}
+
+/// The memories beside the CSV files, each once.
+Result<std::vector<MemoryRow>> memories_beside(const std::vector<std::string>& paths) {
+  std::vector<MemoryRow> all;
+  for (const std::string& path : paths) {
+    auto read = read_memories((fs::path(path).parent_path() / "memories.csv").string());
+    if (!read) return read;
+    for (MemoryRow& row : *read) {
+      std::erase_if(all, [&](const MemoryRow& r) { return r.name == row.name; });
+      all.push_back(std::move(row));
+    }
+  }
+  return all;
+}
+
+Result<ExitCode> run_report(const ReportRun& run) {
+  const auto rows = read_all(run.csv_files);
+  if (!rows) return tl::unexpected(rows.error());
+  const auto memories = memories_beside(run.csv_files);
+  if (!memories) return tl::unexpected(memories.error());
+  const BenchmarkReport report = make_benchmark_report(*rows, *memories, run.options);
+  if (auto written = write_report(run.out, report); !written) {
+    return tl::unexpected(written.error());
+  }
+  fmt::print("{}: {} with {}\n", run.out, counted(rows->size(), "run", "runs"),
+             counted(report.figures.size(), "figure", "figures"));
+  return ExitCode::done;
+}
+
+Result<ExitCode> run_export(const ExportRun& run) {
+  const auto rows = read_all(run.csv_files);
+  if (!rows) return tl::unexpected(rows.error());
+  Result<void> written;
+  if (!run.log_directory.empty()) written = write_ompl_logs(run.log_directory, *rows);
+  if (written && !run.arena.empty()) written = write_planner_arena(run.arena, *rows);
+  if (written && !run.sqlite.empty()) {
+    written = RunDatabase::open(run.sqlite, *rows).map([](const RunDatabase&) {});
+  }
+  if (!written) return tl::unexpected(written.error());
+  return ExitCode::done;
+}
+
+void add_report(CLI::App& bench, Action& action) {
+  CLI::App* command = bench.add_subcommand("report", "Make an HTML page and SVG figures of runs");
+  command->footer("Example:\n  mneme bench report runs.csv -o report.html");
+  const auto run = std::make_shared<ReportRun>();
+  command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
+  command->add_option("-o,--output", run->out,
+                      "page to write (default report.html); figures are written beside it");
+  command->add_option("--title", run->options.title, "title of the page");
+  command->add_option("--baseline", run->options.baseline,
+                      "sampler that the others are compared with (default uniform)");
+  command->add_flag("--by-problem", run->options.by_problem,
+                    "a figure for each problem instead of one for each set");
+  command->callback([run, &action] { action = [run] { return run_report(*run); }; });
+}
+
+void add_export(CLI::App& bench, Action& action) {
+  CLI::App* command = bench.add_subcommand("export", "Write runs for other programs");
+  command->footer(
+      "Example:\n  mneme bench export runs.csv --ompl-logs logs --planner-arena planner_arena.db");
+  const auto run = std::make_shared<ExportRun>();
+  command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
+  command->add_option("--ompl-logs", run->log_directory,
+                      "directory for logs that ompl_benchmark_statistics reads, one per problem");
+  command->add_option("--planner-arena", run->arena, "database for Planner Arena; replaced");
+  command->add_option("--sqlite", run->sqlite, "SQLite file with the rows as a table");
+  command->callback([run, &action] {
+    if (run->log_directory.empty() && run->arena.empty() && run->sqlite.empty()) {
+      throw CLI::RequiredError("--ompl-logs, --planner-arena or --sqlite");
+    }
+    action = [run] { return run_export(*run); };
+  });
+}
+
+}  // namespace
+
+void add_bench_report(CLI::App& bench, Action& action) {
+  add_report(bench, action);
+  add_export(bench, action);
+}
+
+Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
+  const fs::path stem = fs::path(path).replace_extension();
+  if (const fs::path parent = stem.parent_path(); !parent.empty()) {
+    if (auto made = make_directory(parent.string()); !made) return made;
+  }
+  for (const ReportFigure& figure : report.figures) {
+    const auto written =
+        write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg);
+    if (!written) return written;
+  }
+  return write_file(path, report.html);
+}
+
+Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
+  if (auto made = make_directory(directory); !made) return made;
+  for (const OmplLog& log : to_ompl_logs(rows)) {
+    auto written = write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text);
+    if (!written) return written;
+  }
+  return {};
+}
+
+Result<std::vector<MemoryRow>> read_memories(const std::string& path) {
+  std::error_code missing;
+  if (!fs::exists(path, missing)) return std::vector<MemoryRow>();
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return parse_memory_csv(text.str(), path);
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench_solve.h"
+
+#ifdef MNEME_WITH_OMPL
+#include "mneme/ompl.h"
+#endif
+
+namespace mneme::app {
+namespace {
+
+constexpr std::string_view kOmplPrefix = "ompl:";
+
+#ifdef MNEME_WITH_OMPL
+
+void append_ompl_names(SuiteNames& names) {
+  for (const std::string_view name : ompl_planner_names()) {
+    names.planners.push_back(std::string(kOmplPrefix) + std::string(name));
+  }
+  for (const std::string_view name : ompl_sampler_names()) names.samplers.emplace_back(name);
+}
+
+Result<SolveResult> solve_ompl(const Problem& problem, Database* database,
+                               const SolveSettings& settings, bool is_as_in_paper) {
+  OmplSettings ompl;
+  ompl.as_in_paper = is_as_in_paper;
+  return solve_with_ompl(problem, database, settings, ompl);
+}
+
+#else
+
+// The names that the suites of bench/suites use, so that they can be read.
+void append_ompl_names(SuiteNames& names) {
+  for (const char* name :
+       {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
+    names.planners.push_back(std::string(kOmplPrefix) + name);
+  }
+  for (const char* name : {"gaussian", "obstacle_based", "bridge_test", "max_clearance"}) {
+    names.samplers.emplace_back(name);
+  }
+}
+
+Result<SolveResult> solve_ompl(const Problem&, Database*, const SolveSettings& settings, bool) {
+  return fail(ErrorCode::unsupported, settings.planner + ": this mneme was built without OMPL");
+}
+
+#endif
+
+}  // namespace
+
+SuiteNames bench_names() {
+  SuiteNames names;
+  for (const PlannerEntry& planner : planners()) names.planners.emplace_back(planner.name);
+  for (const std::string_view sampler : sampler_names()) names.samplers.emplace_back(sampler);
+  append_ompl_names(names);
+  return names;
+}
+
+bool is_missing_planner(const std::string& planner) {
+#ifdef MNEME_WITH_OMPL
+  static_cast<void>(planner);
+  return false;
+#else
+  return planner.starts_with(kOmplPrefix);
+#endif
+}
+
+Result<SolveResult> solve_with_any(const Problem& problem, Database* database,
+                                   const SolveSettings& settings, bool is_ompl_as_in_paper) {
+  if (!settings.planner.starts_with(kOmplPrefix)) return solve(problem, database, settings);
+  return solve_ompl(problem, database, settings, is_ompl_as_in_paper);
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "row_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "output_file.h"
+
+namespace mneme::app {
+
+Result<std::vector<BenchmarkRow>> read_rows(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  if (file) text << file.rdbuf();
+  if (!file) {
+    return fail(ErrorCode::io, fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
+  }
+  return parse_csv(text.str(), path).map([](CsvRuns runs) { return std::move(runs.rows); });
+}
+
+Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bool is_resumed) {
+  std::error_code missing;
+  if (is_resumed && std::filesystem::exists(csv, missing)) {
+    Result<std::vector<BenchmarkRow>> rows = read_rows(csv);
+    if (!rows) return tl::unexpected(rows.error());
+    rows_ = std::move(*rows);
+  }
+  if (!sqlite.empty()) {
+    Result<RunDatabase> database = RunDatabase::open(sqlite, rows_);
+    if (!database) return tl::unexpected(database.error());
+    database_ = std::move(*database);
+  }
+  if (csv.empty()) return {};
+  path_ = csv;
+  const Result<void> written = write_file(path_, to_csv(rows_));
+  if (!written) return written;
+  file_.open(path_, std::ios::app);
+  return flush();
+}
+
+Result<void> RowFile::add(const BenchmarkRow& row) {
+  rows_.push_back(row);
+  if (database_) {
+    const Result<void> added = database_->add(row);
+    if (!added) return added;
+  }
+  if (path_.empty()) return {};
+  file_ << to_csv_line(row);
+  return flush();
+}
+
+Result<void> RowFile::flush() {
+  if (file_.flush()) return {};
+  return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
+}
+
+}  // namespace mneme::app

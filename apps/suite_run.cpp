@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "suite_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "bench_report.h"
+#include "bench_results.h"
+#include "bench_solve.h"
+#include "bench_suite.h"
+#include "console.h"
+#include "output_file.h"
+
+namespace mneme::app {
+namespace {
+
+Result<Suite> read_suite(const SuiteRun& run) {
+  Result<Suite> suite = load_suite(run.suite, bench_names());
+  if (!suite) return suite;
+  suite->seed_count = run.seed_count.value_or(suite->seed_count);
+  for (SuiteSetting& setting : suite->settings) {
+    double& timeout_s = setting.solve.plan.timeout_s;
+    timeout_s = run.timeout_s.value_or(timeout_s);
+    if (run.jobs > 1 && setting.solve.learn_budget_s > 0) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("--jobs must be 1: setting {} learns while it plans", setting.name));
+    }
+  }
+  return suite;
+}
+
+/// `memories` of this suite, and those of other suites that share the directory.
+Result<void> write_shared(const std::string& path, std::vector<MemoryRow> known,
+                          const std::vector<MemoryRow>& memories) {
+  for (const MemoryRow& row : memories) {
+    std::erase_if(known, [&](const MemoryRow& r) { return r.name == row.name; });
+    known.push_back(row);
+  }
+  return write_file(path, to_csv(known));
+}
+
+Result<ReadySuite> prepare(const SuiteRun& run, const Suite& suite, const std::string& out) {
+  const std::string directory = run.memories.empty() ? out + "/memories" : run.memories;
+  for (const std::string& path : {out, directory}) {
+    if (auto made = make_directory(path); !made) return tl::unexpected(made.error());
+  }
+  const Result<std::vector<MemoryRow>> known = read_memories(directory + "/memories.csv");
+  if (!known) return tl::unexpected(known.error());
+  Result<ReadySuite> ready = make_ready(suite, directory, *known, run.jobs);
+  if (!ready || ready->is_interrupted) return ready;
+  ready->plan.jobs = run.jobs;
+  const auto written =
+      write_shared(directory + "/memories.csv", *known, ready->memories).and_then([&] {
+        return write_file(out + "/memories.csv", to_csv(ready->memories));
+      });
+  if (!written) return tl::unexpected(written.error());
+  return ready;
+}
+
+Result<void> write_results(const std::string& out, const std::string& name,
+                           const std::vector<BenchmarkRow>& rows,
+                           const std::vector<MemoryRow>& memories) {
+  ReportOptions options;
+  options.title = name;
+  return write_report(out + "/report.html", make_benchmark_report(rows, memories, options))
+      .and_then([&] { return write_ompl_logs(out + "/ompl", rows); })
+      .and_then([&] { return write_planner_arena(out + "/planner_arena.db", rows); });
+}
+
+}  // namespace
+
+bool is_suite_file(const std::string& path) {
+  if (!path.ends_with(".yaml") && !path.ends_with(".yml")) return false;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("problems:")) return true;
+  }
+  return false;
+}
+
+Result<ExitCode> run_suite(const SuiteRun& run) {
+  const Result<Suite> suite = read_suite(run);
+  if (!suite) return tl::unexpected(suite.error());
+  const std::string out = run.out.empty() ? "out/bench/" + suite->name : run.out;
+  Result<ReadySuite> ready = prepare(run, *suite, out);
+  if (!ready) return tl::unexpected(ready.error());
+  RowFile file;
+  Result<bool> is_complete = false;
+  if (!ready->is_interrupted) {
+    is_complete = file.open(out + "/runs.csv", out + "/runs.sqlite", run.is_resumed).and_then([&] {
+      return run_with_progress(ready->plan, file);
+    });
+    if (!is_complete) return tl::unexpected(is_complete.error());
+  }
+  const auto written = file.rows().empty()
+                           ? Result<void>()
+                           : write_results(out, suite->name, file.rows(), ready->memories);
+  if (!written) return tl::unexpected(written.error());
+  print_bench_results(file.rows(), run.is_json);
+  if (!*is_complete) {
+    print_note("interrupted; the same command with --resume goes on from here");
+    return ExitCode::interrupted;
+  }
+  print_note(fmt::format("the report is {}/report.html", out));
+  return judge_rows(file.rows());
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "benchmark/box_plot.h"
+#include "benchmark/comparisons.h"
+#include "benchmark/report_tables.h"
+#include "benchmark/solved_curves.h"
+#include "benchmark/time_axis.h"
+#include "mneme/benchmark.h"
+#include "report/markup.h"
+#include "report/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mneme {
+namespace {
+
+using internal::escape_markup;
+using internal::Panel;
+
+constexpr std::string_view kRules = R"css(
+.figure { margin: 0 0 20px; }
+.figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
+.card + .card { margin-top: 20px; }
+nav a { margin-right: 16px; }
+a { color: inherit; }
+footer { margin-top: 48px; padding-top: 16px; border-top: 1px solid var(--line);
+  color: var(--soft); font-size: 14px; }
+details > summary { cursor: pointer; color: var(--soft); font-size: 14px; margin: 12px 0; }
+)css";
+
+constexpr std::string_view kHowToRead =
+    "<p class=\"note\">Times are planning times: from call to return without simplification and "
+    "verification, retrieval and learning included, tables of the scene left out. A run without a "
+    "path counts as longer than any success and stands at its time limit; &gt; marks what it "
+    "bounds. Every path is checked again at ten times the resolution by exact distances in double "
+    "precision; one that does not survive counts as not solved, and the column bad paths says how "
+    "many there were. Runs on problems with an invalid start or goal are in total, not in valid. "
+    "Boxes reach from the first to the third quartile, whiskers to the shortest and the longest "
+    "run, dots are runs, crosses time-outs at the limit.</p>\n";
+
+constexpr std::string_view kHowToCompare =
+    "<p class=\"note\">Ratios above 1 say that the left one is faster, on the same problems and "
+    "seeds. The p50 ratio is that of the medians: \u2265 if the median run on the right reached "
+    "its limit, \u2264 if that on the left did, open if both did. The mean ratio is the geometric "
+    "mean over pairs, with failures at their limit. Intervals are bootstrap percentiles.</p>\n";
+
+template <class Value>
+std::vector<std::string> different(std::span<const BenchmarkRow> rows, Value&& value) {
+  std::vector<std::string> all;
+  for (const BenchmarkRow& row : rows) {
+    const std::string& text = value(row);
+    if (std::ranges::find(all, text) == all.end()) all.push_back(text);
+  }
+  return all;
+}
+
+/// "A; B", or a word for what files of older versions do not say.
+std::string joined(std::vector<std::string> texts) {
+  std::erase(texts, "");
+  std::string text;
+  for (const std::string& part : texts) text += (text.empty() ? "" : "; ") + part;
+  return text.empty() ? "not recorded" : text;
+}
+
+std::string footer(std::span<const BenchmarkRow> rows) {
+  const auto [first, last] = std::ranges::minmax(rows, {}, &BenchmarkRow::started);
+  std::string when = first.started;
+  if (last.started != first.started) when += " to " + last.started;
+  return fmt::format(
+      "<footer>\n<p>Machine: {}. Kernels: {}. Built: {}.</p>\n<p>Runs: {}, started {}. Report: "
+      "{}.</p>\n</footer>\n",
+      escape_markup(joined(different(
+          rows, [](auto& r) -> auto& { return r.machine; }))),
+      escape_markup(joined(different(
+          rows, [](auto& r) -> auto& { return r.isa; }))),
+      escape_markup(joined(different(
+          rows, [](auto& r) -> auto& { return r.version; }))),
+      rows.size(), escape_markup(when.empty() ? "at a time not recorded" : when),
+      escape_markup(describe_build()));
+}
+
+std::string summary_line(std::span<const BenchmarkRow> rows) {
+  const auto count = [&](auto&& is_one) { return std::ranges::count_if(rows, is_one); };
+  return fmt::format(
+      "<p>{} runs: {} solved, {} without a path, {} with a path that did not survive the check, {} "
+      "on problems with an invalid start or goal.</p>\n",
+      rows.size(), count(is_success),
+      count([](const BenchmarkRow& r) { return !r.is_solved && !is_invalid_problem(r); }),
+      count([](const BenchmarkRow& r) { return r.is_solved && !r.is_path_valid; }),
+      count(is_invalid_problem));
+}
+
+class ReportWriter {
+ public:
+  ReportWriter(std::span<const BenchmarkRow> rows, const ReportOptions& options)
+      : rows_(rows),
+        options_(options),
+        panels_(internal::make_panels(rows, options.by_problem)),
+        samplers_(different(
+            rows, [](const BenchmarkRow& r) -> auto& { return r.sampler; })) {}
+
+  BenchmarkReport write(std::span<const MemoryRow> memories) {
+    std::string& html = report_.html;
+    html = internal::page_begin(options_.title, std::string(kRules) + internal::figure_style());
+    html += summary_line(rows_) + std::string(kHowToRead);
+    if (panels_.size() > 1) html += contents();
+    for (std::size_t i = 0; i < panels_.size(); ++i) write_panel(panels_[i], i);
+    if (!memories.empty()) html += "<h2>Memories</h2>\n" + internal::memory_table(memories);
+    html += "<h2>Settings</h2>\n" + internal::settings_table(rows_);
+    html += footer(rows_) + internal::page_end();
+    return std::move(report_);
+  }
+
+ private:
+  [[nodiscard]] std::string contents() const {
+    std::string html = "<nav>";
+    for (std::size_t i = 0; i < panels_.size(); ++i) {
+      html += fmt::format("<a href=\"#panel-{}\">{}</a>", i, escape_markup(panels_[i].name));
+    }
+    return html + "</nav>\n";
+  }
+
+  void write_panel(const Panel& panel, std::size_t index) {
+    report_.html += fmt::format("<h2 id=\"panel-{}\">{}</h2>\n", index, escape_markup(panel.name));
+    const std::string name = fmt::format("{}_{}", index + 1, internal::file_name(panel.name));
+    add_figure(name + "_times", internal::box_plot(panel, samplers_));
+    add_figure(name + "_solved", internal::solved_curves(panel, samplers_));
+    report_.html += internal::time_table(panel);
+    const auto comparisons = internal::compare_series(panel, options_.baseline);
+    if (comparisons.empty()) return;
+    report_.html += "<h3>Paired ratios</h3>\n" + std::string(kHowToCompare) +
+                    internal::ratio_table(comparisons);
+  }
+
+  void add_figure(const std::string& name, const std::string& svg) {
+    report_.html += "<div class=\"card figure\">\n" + svg + "</div>\n";
+    report_.figures.push_back({name, internal::to_document(svg)});
+  }
+
+  std::span<const BenchmarkRow> rows_;
+  const ReportOptions& options_;
+  std::vector<Panel> panels_;
+  std::vector<std::string> samplers_;
+  BenchmarkReport report_;
+};
+
+}  // namespace
+
+BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
+                                      std::span<const MemoryRow> memories,
+                                      const ReportOptions& options) {
+  if (rows.empty()) return {internal::page_begin(options.title, "") + internal::page_end(), {}};
+  return ReportWriter(rows, options).write(memories);
+}
+
+}  // namespace mneme

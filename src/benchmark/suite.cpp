@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "benchmark/suite_settings.h"
+#include "mneme/benchmark.h"
+#include "scene/text_file.h"
+#include "scene/yaml_input.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+namespace mneme {
+namespace {
+
+using internal::Input;
+namespace fs = std::filesystem;
+
+/// A list of texts, or a single one.
+std::vector<std::string> read_texts(const Input& input) {
+  if (!input.is_list()) return {input.text()};
+  std::vector<std::string> texts;
+  for (const Input& item : input.items()) texts.push_back(item.text());
+  if (texts.empty()) input.fail_expecting("at least one name");
+  return texts;
+}
+
+std::vector<std::string> read_names(const Input& input, const std::vector<std::string>& known,
+                                    std::string_view what) {
+  std::vector<std::string> names = read_texts(input);
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    input.fail(ErrorCode::parse, fmt::format("unknown {} \"{}\", expected some of {}", what, name,
+                                             fmt::join(known, ", ")));
+  }
+  return names;
+}
+
+template <class T>
+void read_number(const Input& map, std::string_view key, T& value, double least, double most) {
+  const internal::SettingsReader reader(map);
+  reader(key, value, static_cast<T>(least), static_cast<T>(most), "");
+}
+
+class SuiteReader {
+ public:
+  SuiteReader(fs::path path, const SuiteNames& known) : path_(std::move(path)), known_(known) {}
+
+  Suite read(const Input& root) {
+    root.allow_keys({"problems", "planners", "samplers", "seeds", "first-seed", "timeout",
+                     "memories", "settings"});
+    Suite suite;
+    suite.name = path_.stem().string();
+    suite.problems = read_problems(root.at("problems"));
+    read_number(root, "seeds", suite.seed_count, 1, 1e6);
+    read_number(root, "first-seed", suite.first_seed, 0, 1e15);
+    if (const auto memories = root.find("memories")) {
+      for (const auto& [name, memory] : memories->entries()) {
+        suite.memories.push_back(read_memory(name, memory));
+      }
+    }
+    read_settings(root, suite);
+    return suite;
+  }
+
+ private:
+  /// Relative to the suite; `${NAME}` stands for an environment variable.
+  [[nodiscard]] std::string resolve(const Input& input) const {
+    std::string text = input.text();
+    const std::size_t begin = text.find("${");
+    const std::size_t end = text.find('}', begin);
+    if (begin != std::string::npos && end != std::string::npos) {
+      const std::string name = text.substr(begin + 2, end - begin - 2);
+      const char* value = std::getenv(name.c_str());
+      if (value == nullptr) {
+        input.fail(ErrorCode::io, fmt::format("the environment variable {} is not set", name));
+      }
+      text.replace(begin, end - begin + 1, value);
+    }
+    return (path_.parent_path() / text).lexically_normal().string();
+  }
+
+  SuiteProblems read_entry(const Input& input) const {
+    if (!input.is_map()) return {resolve(input), "", ""};
+    input.allow_keys({"file", "set", "part"});
+    SuiteProblems problems{resolve(input.at("file")), "", ""};
+    if (const auto set = input.find("set")) problems.set = set->text();
+    if (const auto part = input.find("part")) problems.part = part->text();
+    return problems;
+  }
+
+  [[nodiscard]] std::vector<SuiteProblems> read_problems(const Input& input) const {
+    std::vector<SuiteProblems> problems;
+    for (const Input& item : input.items()) problems.push_back(read_entry(item));
+    if (problems.empty()) input.fail_expecting("at least one file");
+    return problems;
+  }
+
+  [[nodiscard]] SuiteMemory read_memory(const std::string& name, const Input& input) const {
+    std::vector<std::string_view> keys = internal::setting_names<LearnSettings>();
+    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "paths",
+                             "path-timeout", "seed"});
+    input.allow_keys(keys);
+    SuiteMemory memory;
+    memory.name = name;
+    const int sources = (input.find("file") ? 1 : 0) + (input.find("primitives") ? 1 : 0) +
+                        (input.find("problems") ? 1 : 0);
+    if (sources != 1) input.fail_expecting("one of the keys file, primitives and problems");
+    if (const auto file = input.find("file")) memory.file = resolve(*file);
+    if (const auto grid = input.find("primitives")) {
+      memory.primitives = resolve(*grid);
+      memory.robot = input.at("robot").text();
+    }
+    if (const auto problems = input.find("problems")) memory.problems = read_problems(*problems);
+    if (input.find("count")) read_number(input, "count", memory.count.emplace(), 0, 1e8);
+    read_number(input, "paths", memory.paths, 1, 1000);
+    read_number(input, "path-timeout", memory.path_timeout_s, 0, 1e6);
+    read_number(input, "seed", memory.seed, 0, 1e15);
+    visit_settings(memory.learn, internal::SettingsReader(input));
+    return memory;
+  }
+
+  void read_settings(const Input& root, Suite& suite) const {
+    SuiteSetting common;
+    common.planners = {"rrt_connect"};
+    common.samplers = {"gl", "uniform"};
+    read_common(root, common);
+    const auto settings = root.find("settings");
+    if (!settings) {
+      check_memory(root, suite, common);
+      suite.settings.push_back(std::move(common));
+      return;
+    }
+    for (const auto& [name, input] : settings->entries()) {
+      suite.settings.push_back(read_setting(name, input, common));
+      check_memory(input, suite, suite.settings.back());
+    }
+    if (suite.settings.empty()) settings->fail_expecting("at least one setting");
+  }
+
+  void read_common(const Input& map, SuiteSetting& setting) const {
+    if (const auto planners = map.find("planners")) {
+      setting.planners = read_names(*planners, known_.planners, "planner");
+    }
+    if (const auto samplers = map.find("samplers")) {
+      setting.samplers = read_names(*samplers, known_.samplers, "sampler");
+    }
+    read_number(map, "timeout", setting.solve.plan.timeout_s, 0, 1e6);
+  }
+
+  [[nodiscard]] SuiteSetting read_setting(const std::string& name, const Input& input,
+                                          SuiteSetting setting) const {
+    setting.name = name;
+    if (input.is_nothing()) return setting;
+    std::vector<std::string_view> keys = internal::solve_setting_names();
+    keys.insert(keys.end(), {"memory", "planners", "samplers", "sets", "ompl-defaults"});
+    input.allow_keys(keys);
+    read_common(input, setting);
+    internal::read_solve_settings(input, setting.solve);
+    if (const auto memory = input.find("memory")) setting.memory = memory->text();
+    if (const auto ompl = input.find("ompl-defaults"))
+      setting.is_ompl_as_in_paper = ompl->boolean();
+    if (const auto sets = input.find("sets")) setting.sets = read_texts(*sets);
+    return setting;
+  }
+
+  static void check_memory(const Input& input, const Suite& suite, const SuiteSetting& setting) {
+    const bool has_gl =
+        std::find(setting.samplers.begin(), setting.samplers.end(), "gl") != setting.samplers.end();
+    if (setting.memory.empty() && !has_gl) return;
+    if (setting.memory.empty()) {
+      input.fail(ErrorCode::parse, "the sampler gl needs the key memory in its setting");
+    }
+    const bool is_known =
+        std::any_of(suite.memories.begin(), suite.memories.end(),
+                    [&](const SuiteMemory& m) { return m.name == setting.memory; });
+    if (is_known) return;
+    input.fail(ErrorCode::parse,
+               fmt::format("key memory: there is no memory \"{}\"", setting.memory));
+  }
+
+  fs::path path_;
+  const SuiteNames& known_;
+};
+
+}  // namespace
+
+Result<Suite> load_suite(const std::string& path, const SuiteNames& known) {
+  return internal::without_throwing([&] {
+    const std::string text = internal::value_or_throw(internal::read_text_file(path));
+    const internal::InputValue value = internal::parse_yaml(text, path);
+    return SuiteReader(path, known).read(Input(value, path));
+  });
+}
+
+}  // namespace mneme

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The settings that public headers declare, read from YAML by their names.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "mneme/pipeline.h"
+#include "scene/input.h"
+
+namespace mneme::internal {
+
+/// Reads each of its settings that `map` has.
+class SettingsReader {
+ public:
+  explicit SettingsReader(const Input& map) : map_(map) {}
+
+  template <class T>
+  void operator()(std::string_view name, T& value, std::type_identity_t<T> least,
+                  std::type_identity_t<T> most, std::string_view) const {
+    const auto input = map_.find(name);
+    if (!input) return;
+    if constexpr (std::is_same_v<T, bool>) {
+      value = input->boolean();
+    } else {
+      const double number = input->number();
+      // Written so that a NaN is out of range.
+      const bool is_inside =
+          number >= static_cast<double>(least) && number <= static_cast<double>(most);
+      const bool is_whole = !std::is_integral_v<T> || number == static_cast<double>(to<T>(number));
+      if (!is_inside || !is_whole) {
+        input->fail_expecting(fmt::format("{} from {} to {}",
+                                          std::is_integral_v<T> ? "a whole number" : "a number",
+                                          least, most));
+      }
+      value = to<T>(number);
+    }
+  }
+
+ private:
+  /// A cast of a number that T cannot hold would be undefined.
+  template <class T>
+  static T to(double number) {
+    if (!(number > -1e18 && number < 1e18)) return T{};
+    return static_cast<T>(number);
+  }
+
+  const Input& map_;
+};
+
+/// Reads what `map` says of the settings of solve(), but for the seed.
+void read_solve_settings(const Input& map, SolveSettings& settings);
+/// Names of these settings.
+[[nodiscard]] std::vector<std::string_view> solve_setting_names();
+
+template <class Settings>
+[[nodiscard]] std::vector<std::string_view> setting_names() {
+  Settings settings;
+  std::vector<std::string_view> names;
+  visit_settings(settings, [&](std::string_view name, auto&, auto, auto, std::string_view) {
+    names.push_back(name);
+  });
+  return names;
+}
+
+}  // namespace mneme::internal

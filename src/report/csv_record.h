@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Reads lines of CSV files (RFC 4180).
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mneme::internal {
+
+/// The fields of one line, and where the next one begins.
+struct CsvRecord {
+  std::vector<std::string> fields;
+  std::size_t end = 0;
+};
+/// The line of `text` that begins at `begin`; nothing if it does not end.
+[[nodiscard]] std::optional<CsvRecord> read_csv_record(std::string_view text, std::size_t begin);
+
+/// True if all of `text` is a number, which is then in `value`.
+template <class T>
+[[nodiscard]] bool read_csv_number(std::string_view text, T& value) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <array>
+
+#include <nlohmann/json.hpp>
+
+#include "mneme/report.h"
+#include "report/markup.h"
+#include "report/viewer_page.h"
+
+namespace mneme {
+namespace internal {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
+constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
+/// What the page cannot do without, and the kind of each.
+constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
+    {"problem", Json::value_t::string},
+    {"robot", Json::value_t::string},
+    {"is_planar", Json::value_t::boolean},
+    {"joints", Json::value_t::array},
+    {"plan", Json::value_t::object},
+    {"times", Json::value_t::object},
+    {"links", Json::value_t::array},
+    {"obstacles", Json::value_t::array},
+    {"start", Json::value_t::array},
+    {"goals", Json::value_t::array},
+    {"waypoints", Json::value_t::array},
+    {"primitives", Json::value_t::array},
+    {"components", Json::value_t::object},
+    {"samples", Json::value_t::object},
+    {"edges", Json::value_t::object},
+}};
+
+Result<Json> parse_trace(std::string_view text, const std::string& source) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) return fail(ErrorCode::parse, source + ": no JSON");
+  const auto format = json.is_object() ? json.find("format") : json.end();
+  if (!json.is_object() || format == json.end() || *format != "mneme-trace") {
+    return fail(ErrorCode::parse, source +
+                                      ": no trace: expected \"format\": \"mneme-trace\", as "
+                                      "'mneme plan --trace' writes it");
+  }
+  if (json.value("version", Json()) != 1) {
+    return fail(ErrorCode::unsupported, source + ": a trace of another version: expected 1");
+  }
+  for (const auto& [name, kind] : kMembers) {
+    const auto member = json.find(name);
+    if (member == json.end() || member->type() != kind) {
+      return fail(ErrorCode::parse, source + ": the trace has no \"" + name + "\", or not as " +
+                                        Json(kind).type_name());
+    }
+  }
+  return json;
+}
+
+/// JSON that cannot end the script element that it stands in.
+std::string script_text(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string replaced(std::string_view text, std::string_view place, std::string_view with) {
+  const std::size_t at = text.find(place);
+  std::string result(text.substr(0, at));
+  if (at == std::string_view::npos) return result;
+  result += with;
+  result += text.substr(at + place.size());
+  return result;
+}
+
+}  // namespace
+}  // namespace internal
+
+Result<std::string> to_page(std::string_view json, const std::string& source) {
+  using namespace internal;
+  const Result<Json> trace = parse_trace(json, source);
+  if (!trace) return tl::unexpected(trace.error());
+  const std::string title = trace->at("problem").get<std::string>() + ", " +
+                            trace->at("robot").get<std::string>() + " - mneme";
+  // The trace comes last in the page: whatever it holds is not searched for places.
+  return replaced(replaced(viewer_page(), kTitlePlace, escape_markup(title)), kTracePlace,
+                  script_text(*trace));
+}
+
+}  // namespace mneme

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A suite of two settings: one with a memory of three primitives, one without memory.
+std::string write_suite(const PlanarFiles& files, const std::string& more = "") {
+  const std::string path = files / "small.yaml";
+  write_file(path,
+             "problems:\n  - {set: pair, file: problem.yaml}\nseeds: 3\ntimeout: 5\n"
+             "memories:\n  few: {robot: planar8, primitives: " +
+                 source_file("scenes/planar/grid.yaml") +
+                 ", count: 3, starts-per-link: 1, paths-per-start: 1}\n"
+                 "settings:\n  with: {memory: few, similarity: 1000}\n"
+                 "  without: {planners: [prm, rrt], samplers: [uniform], max-iterations: 2000" +
+                 more + "}\n");
+  return path;
+}
+
+std::vector<BenchmarkRow> rows_of(const std::string& path) {
+  const auto runs = parse_csv(read_file(path), path);
+  REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
+  return runs->rows;
+}
+
+/// What tells runs apart.
+std::set<std::string> names_of(const std::vector<BenchmarkRow>& rows) {
+  std::set<std::string> names;
+  for (const BenchmarkRow& row : rows) {
+    names.insert(row.planner + row.sampler + row.setting + std::to_string(row.seed));
+  }
+  return names;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("A suite learns its memory, runs all settings and leaves rows, report and databases") {
+    const PlanarFiles files;
+    const std::string out = files / "out";
+    const ProgramRun run =
+        run_program({"bench", "run", write_suite(files), "--out", out, "--json", "--jobs", "2"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(Json::parse(run.out)["runs"] == 12);
+    const auto rows = rows_of(out + "/runs.csv");
+    REQUIRE(rows.size() == 12);
+    CHECK(names_of(rows).size() == 12);
+    for (const BenchmarkRow& row : rows) {
+      CHECK(row.set == "pair");
+      CHECK(row.timeout_s == 5);
+      CHECK_FALSE(row.machine.empty());
+      const bool has_memory = row.setting == "with";
+      CHECK(row.settings == (has_memory ? "similarity=1000 memory=few" : "max-iterations=2000"));
+    }
+    CHECK(std::ranges::any_of(rows, [](const BenchmarkRow& row) { return row.components > 0; }));
+    const auto memories = parse_memory_csv(read_file(out + "/memories.csv"), "memories.csv");
+    REQUIRE(memories.has_value());
+    REQUIRE(memories->size() == 1);
+    CHECK((*memories)[0].primitives == 3);
+    for (const char* name : {"runs.sqlite", "report.html", "planner_arena.db", "memories/few.db",
+                             "ompl/pair_two.log", "report_1_pair_times.svg"}) {
+      CAPTURE(name);
+      CHECK(std::filesystem::file_size(out + "/" + name) > 0);
+    }
+  }
+
+  TEST_CASE("A suite that was killed goes on where it was") {
+    const PlanarFiles files;
+    const std::string out = files / "out", csv = out + "/runs.csv";
+    const std::string suite = write_suite(files);
+    {
+      RunningProgram program(
+          {"bench", "run", suite, "--out", out, "--seeds", "100000", "--timeout", "1"});
+      while (!std::filesystem::exists(csv) || read_file(csv).size() < 2 * csv_header().size()) {
+      }
+      program.send(SIGKILL);
+      CHECK(program.wait().exit_code == 128 + SIGKILL);
+    }
+    const auto before = rows_of(csv);
+    REQUIRE_FALSE(before.empty());
+    const std::uint64_t seeds = before.back().seed + 1;
+    const ProgramRun run = run_program({"bench", "run", suite, "--out", out, "--resume", "--seeds",
+                                        std::to_string(seeds), "--timeout", "1"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const auto after = rows_of(csv);
+    CHECK(after.size() == 4 * seeds);
+    CHECK(names_of(after).size() == after.size());
+    CHECK(to_csv(std::span(after).first(before.size())) == to_csv(before));
+  }
+
+  TEST_CASE("Runs of other settings are not mixed") {
+    const PlanarFiles files;
+    const std::string out = files / "out";
+    REQUIRE(
+        run_program({"bench", "run", write_suite(files), "--out", out, "--seeds", "1"}).exit_code ==
+        0);
+    check_bad_inputs({
+        {{"bench", "run", write_suite(files), "--out", out, "--seeds", "1", "--resume", "--timeout",
+          "6"},
+         1,
+         {"cannot resume", "5 s, not 6 s"}},
+        {{"bench", "run", write_suite(files, ", range: 0.2"), "--out", out, "--seeds", "1",
+          "--resume"},
+         1,
+         {"cannot resume", "range=0.2"}},
+    });
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("Wrong suites and flags end with a message and an exit code") {
+    const PlanarFiles files;
+    const std::string suite = write_suite(files);
+    write_file(files / "typo.yaml", "problems: [problem.yaml]\nplaners: [rrt]\n");
+    write_file(files / "set.yaml",
+               "problems: [problem.yaml]\nsettings: {a: {samplers: uniform, sets: [b]}}\n");
+    write_file(files / "online.yaml",
+               "problems: [problem.yaml]\nmemories: {m: {file: m.db}}\n"
+               "settings: {a: {memory: m, learn-budget: 1}}\n");
+    check_bad_inputs({
+        {{"bench", "run", files / "typo.yaml"}, 1, {"typo.yaml:2", "planers", "unknown key"}},
+        {{"bench", "run", files / "set.yaml", "--out", files / "o"}, 1, {"no set 'b'"}},
+        {{"bench", "run", files / "online.yaml", "--jobs", "2"}, 1, {"--jobs must be 1"}},
+        {{"bench", "run", suite, "--lambda", "0.1"}, 2, {"--lambda", "does not go with a suite"}},
+        {{"bench", "run", suite, "--csv", "a.csv"}, 2, {"--csv", "does not go with a suite"}},
+        {{"bench", "run", files.problem(), "--out", "a"}, 2, {"--out", "suite only"}},
+        {{"bench", "run", files.problem(), "--jobs", "2", "--learn-budget", "1"}, 2, {"--jobs"}},
+    });
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "benchmark/bench_support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+namespace mneme {
+namespace {
+
+/// Texts between `begin` and `end`, in order.
+std::vector<std::string> pieces(const std::string& text, const std::string& begin,
+                                const std::string& end) {
+  std::vector<std::string> found;
+  for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
+    const auto first = at + begin.size();
+    found.push_back(text.substr(first, text.find(end, first) - first));
+  }
+  return found;
+}
+
+/// The lines of a CSV file without quotes, by column.
+std::vector<std::map<std::string, std::string>> split_csv(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::vector<std::string> names;
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    std::vector<std::string> values;
+    for (std::string cell; std::getline(cells, cell, ',');) values.push_back(cell);
+    if (names.empty()) {
+      names = values;
+      continue;
+    }
+    auto& row = rows.emplace_back();
+    for (std::size_t i = 0; i < values.size(); ++i) row[names[i]] = values[i];
+  }
+  return rows;
+}
+
+/// The times of one planner and sampler, failures as infinite, sorted; recomputed from the text.
+std::vector<double> times_of(const std::vector<std::map<std::string, std::string>>& rows,
+                             const std::string& planner, const std::string& sampler) {
+  std::vector<double> times;
+  for (const auto& row : rows) {
+    if (row.at("planner") != planner || row.at("sampler") != sampler) continue;
+    const bool is_success = row.at("status") == "solved" && row.at("is_valid") == "1";
+    times.push_back(is_success ? std::stod(row.at("planning_time_s")) : INFINITY);
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("The numbers of a report of 3 x 3 x 20 runs are those of the CSV file") {
+    const auto rows = test::suite_rows();
+    const std::string html = make_benchmark_report(rows, {}, {}).html;
+    const auto table = pieces(html, "<table class=\"times\">", "</table>");
+    REQUIRE(table.size() == 1);
+    const auto csv = split_csv(to_csv(rows));
+    const auto lines = pieces(table[0], "<tr><td>", "</tr>");
+    REQUIRE(lines.size() == 9);
+    for (const std::string& line : lines) {
+      const std::string planner = line.substr(0, line.find('<'));
+      const std::string sampler = pieces(line, "</td><td>", "<").front();
+      CAPTURE(planner);
+      CAPTURE(sampler);
+      const auto times = times_of(csv, planner, sampler);
+      REQUIRE(times.size() == 20);
+      const auto solved = std::ranges::count_if(times, [](double t) { return std::isfinite(t); });
+      CHECK(line.find(">" + std::to_string(solved) + "/20/20<") != std::string::npos);
+      const auto cells = pieces(line, "data-seconds=\"", "\"");
+      REQUIRE(cells.size() == 4);
+      const std::size_t ranks[] = {9, 18, 19, 19};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double expected = std::isfinite(times[ranks[i]]) ? times[ranks[i]] : 20;
+        CHECK(std::stod(cells[i]) == expected);
+      }
+    }
+  }
+
+  TEST_CASE("Paired ratios are those recomputed from the CSV file") {
+    const auto rows = test::suite_rows();
+    const std::string html = make_benchmark_report(rows, {}, {}).html;
+    const auto table = pieces(html, "<table class=\"ratios\">", "</table>");
+    REQUIRE(table.size() == 1);
+    const auto lines = pieces(table[0], "<tr><td>", "</tr>");
+    REQUIRE(lines.size() == 6);
+    const auto csv = split_csv(to_csv(rows));
+    const auto median = [&](const std::string& planner, const std::string& sampler) {
+      return times_of(csv, planner, sampler)[9];
+    };
+    CHECK(lines[0].starts_with("rrt_connect, gl, tuned<"));
+    CHECK(std::stod(pieces(lines[0], "data-ratio=\"", "\"")[0]) ==
+          doctest::Approx(median("rrt_connect", "uniform") / median("rrt_connect", "gl")));
+    CHECK(lines[3].starts_with("prm, halton, tuned<"));
+    CHECK(std::stod(pieces(lines[3], "data-ratio=\"", "\"")[0]) ==
+          doctest::Approx(median("prm", "uniform") / median("prm", "halton")));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("The page says how many paths did not survive, and on which machine it ran") {
+    const std::string html = make_benchmark_report(test::suite_rows(), {}, {}).html;
+    CHECK(html.find("180 runs: 173 solved, 6 without a path, 1 with a path that did not survive") !=
+          std::string::npos);
+    CHECK(html.find("Machine: a machine. Kernels: avx2. Built: mneme 1, g++ 12.") !=
+          std::string::npos);
+    CHECK(html.find("started 2026-01-31T12:00:00Z") != std::string::npos);
+  }
+
+  TEST_CASE("The page needs nothing from elsewhere and its body is well-formed") {
+    const std::vector<MemoryRow> memories = {{"grid", 1, 2, 3, 4}};
+    const BenchmarkReport report = make_benchmark_report(test::suite_rows(), memories, {});
+    const std::string& html = report.html;
+    for (const std::string reference : {" src=\"", "url(", "@import", "<link", "<script", "<img"}) {
+      CAPTURE(reference);
+      CHECK(html.find(reference) == std::string::npos);
+    }
+    const auto begin = html.find("<body>");
+    const test::SvgReader body(html.substr(begin, html.find("</body>") + 7 - begin));
+    CHECK(body.count("", "svg") == 2);
+    REQUIRE(report.figures.size() == 2);
+    CHECK(report.figures[0].name == "1_scenario_times");
+    for (const ReportFigure& figure : report.figures) {
+      CHECK(test::SvgReader(figure.svg).count("", "style") == 1);
+    }
+  }
+
+  TEST_CASE("Rows of older files, which name no machine, have a report too") {
+    const std::vector<BenchmarkRow> rows = {test::run(1)};
+    CHECK(make_benchmark_report(rows, {}, {}).html.find("not recorded") != std::string::npos);
+    CHECK(make_benchmark_report({}, {}, {}).figures.empty());
+  }
+}
+
+}  // namespace
+}  // namespace mneme

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/benchmark.h"
+
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+const SuiteNames kNames = {{"rrt_connect", "prm", "ompl:RRT"}, {"gl", "uniform"}};
+
+constexpr const char* kHead = "problems: [a.yaml]\nmemories:\n  m: {file: m.db}\n";
+
+Result<Suite> read(const std::string& text) {
+  const test::TemporaryDirectory directory;
+  test::write_file(directory / "small.yaml", text);
+  return load_suite(directory / "small.yaml", kNames);
+}
+
+std::string failure(const std::string& text) {
+  const auto suite = read(text);
+  return suite ? "" : suite.error().message.substr(suite.error().message.find("small.yaml"));
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("A suite is problems, memories and settings; paths are relative to its file") {
+    const auto suite = read(R"(
+problems:
+  - one.yaml
+  - {file: more/many.json, set: many, part: 2/2}
+planners: [rrt_connect, prm]
+samplers: [gl, uniform]
+seeds: 5
+first-seed: 11
+timeout: 4
+memories:
+  grid: {robot: planar8, primitives: grid.yaml, count: 25, merge-cliques: true, seed: 3}
+  seen: {problems: [{file: more/many.json, part: 1/2}], paths: 2, path-timeout: 1.5}
+settings:
+  tuned: {memory: grid}
+  paper: {memory: seen, similarity: 3, max-matches: 0, drop-invalid-means: false, timeout: 20,
+          planners: rrt_connect, samplers: [gl], sets: [many]}
+)");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    CHECK(suite->name == "small");
+    CHECK(suite->seed_count == 5);
+    CHECK(suite->first_seed == 11);
+    REQUIRE(suite->problems.size() == 2);
+    CHECK(suite->problems[0].where.ends_with("/one.yaml"));
+    CHECK(suite->problems[1].where.ends_with("/more/many.json"));
+    CHECK(suite->problems[1].set == "many");
+    CHECK(suite->problems[1].part == "2/2");
+    REQUIRE(suite->memories.size() == 2);
+    CHECK(suite->memories[0].count == 25);
+    CHECK(suite->memories[0].learn.merge_cliques);
+    CHECK(suite->memories[0].seed == 3);
+    CHECK(suite->memories[1].paths == 2);
+    CHECK(suite->memories[1].path_timeout_s == 1.5);
+    REQUIRE(suite->settings.size() == 2);
+    CHECK(suite->settings[0].solve.plan.timeout_s == 4);
+    CHECK(suite->settings[0].planners.size() == 2);
+    CHECK(suite->settings[1].solve.plan.timeout_s == 20);
+    CHECK(suite->settings[1].solve.similarity == 3);
+    CHECK(suite->settings[1].solve.max_matches == 0);
+    CHECK_FALSE(suite->settings[1].solve.drop_invalid_means);
+    CHECK(suite->settings[1].planners == std::vector<std::string>{"rrt_connect"});
+    CHECK(suite->settings[1].sets == std::vector<std::string>{"many"});
+  }
+
+  TEST_CASE("Without settings there is one, with the defaults and without a name") {
+    const auto suite = read("problems: [a.yaml]\nsamplers: [uniform]\n");
+    REQUIRE(suite.has_value());
+    REQUIRE(suite->settings.size() == 1);
+    CHECK(suite->settings[0].name.empty());
+    CHECK(suite->settings[0].planners == std::vector<std::string>{"rrt_connect"});
+  }
+
+  TEST_CASE("Unknown keys and names are refused with their line") {
+    CHECK(failure("problems: [a.yaml]\nplaners: [prm]\n")
+              .find("small.yaml:2: key planers: unknown key, expected one of problems, planners") ==
+          0);
+    CHECK(failure("problems: [a.yaml]\nplanners: [best]\n")
+              .find("small.yaml:2: key planners: unknown planner \"best\", expected some of "
+                    "rrt_connect") == 0);
+    CHECK(failure("problems: [a.yaml]\nsamplers: [halt]\n").find("unknown sampler \"halt\"") !=
+          std::string::npos);
+    CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: m, sigmoid: 1}\n")
+              .find("small.yaml:5: key settings.s.sigmoid: unknown key") == 0);
+    CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: m, seed: 1}\n")
+              .find("unknown key") != std::string::npos);
+    CHECK(failure("problems: [{file: a.yaml, sett: b}]\n").find("sett: unknown key") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("Values of a wrong kind or out of range are refused with their line") {
+    const auto setting = [](const std::string& text) {
+      return failure(std::string(kHead) + "settings:\n  s: {memory: m, " + text + "}\n");
+    };
+    CHECK(setting("lambda: 2")
+              .find("small.yaml:5: key settings.s.lambda: expected a number from 0 to 1, got 2") ==
+          0);
+    CHECK(setting("lambda: .nan").find("expected a number from 0 to 1") != std::string::npos);
+    CHECK(setting("max-matches: 1.5").find("expected a whole number from 0") != std::string::npos);
+    CHECK(setting("verify: 1").find("expected true or false") != std::string::npos);
+    CHECK(setting("timeout: -1").find("expected a number from 0") != std::string::npos);
+    CHECK(failure("problems: [a.yaml]\nseeds: 0\n").find("expected a whole number from 1") !=
+          std::string::npos);
+    CHECK(failure("problems: []\n").find("expected at least one file") != std::string::npos);
+    CHECK(failure("planners: [prm]\n").find("expected the key problems") != std::string::npos);
+    CHECK(failure("problems: [a.yaml]\nproblems: [b.yaml]\n").find("small.yaml:2") == 0);
+  }
+
+  TEST_CASE("The sampler gl needs a memory that the suite declares") {
+    CHECK(failure("problems: [a.yaml]\n").find("the sampler gl needs the key memory") !=
+          std::string::npos);
+    CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: n}\n")
+              .find("small.yaml:5: key settings.s: key memory: there is no memory \"n\"") == 0);
+    CHECK(failure("problems: [a.yaml]\nmemories: {m: {count: 3}}\n")
+              .find("expected one of the keys file, primitives and problems") != std::string::npos);
+  }
+
+  TEST_CASE("Environment variables stand for parts of paths, and must be set") {
+    setenv("MNEME_SUITE_TEST", "/there", 1);
+    const auto suite = read("problems: ['${MNEME_SUITE_TEST}/a.yaml']\nsamplers: [uniform]\n");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    CHECK(suite->problems[0].where == "/there/a.yaml");
+    unsetenv("MNEME_SUITE_TEST");
+    CHECK(failure("problems: ['${MNEME_SUITE_TEST}/a.yaml']\n")
+              .find("the environment variable MNEME_SUITE_TEST is not set") != std::string::npos);
+  }
+
+  TEST_CASE("The suites that come with mneme are sound, and their files are there") {
+    SuiteNames names = {{"rrt_connect", "rrt", "prm"},
+                        {"gl", "uniform", "halton", "gaussian", "obstacle_based", "bridge_test",
+                         "max_clearance"}};
+    for (const char* planner : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST",
+                                "STRIDE", "SBL", "BITstar"}) {
+      names.planners.push_back(std::string("ompl:") + planner);
+    }
+    setenv("THREADED", test::source_file("README.md").c_str(), 1);
+    int count = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(test::source_file("bench/suites"))) {
+      const auto suite = load_suite(entry.path().string(), names);
+      REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+      for (const SuiteProblems& problems : suite->problems) {
+        CHECK_MESSAGE(std::filesystem::exists(problems.where), problems.where);
+      }
+      for (const SuiteMemory& memory : suite->memories) {
+        for (const SuiteProblems& lesson : memory.problems) {
+          CHECK_MESSAGE(std::filesystem::exists(lesson.where), lesson.where);
+        }
+        if (!memory.primitives.empty()) CHECK(std::filesystem::exists(memory.primitives));
+      }
+      ++count;
+    }
+    CHECK(count >= 6);
+  }
+
+  TEST_CASE("A suite that is not there is an error that names it") {
+    const auto suite = load_suite("no/such.yaml", kNames);
+    REQUIRE_FALSE(suite.has_value());
+    CHECK(suite.error().message.find("no/such.yaml") != std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace mneme

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/report.h"
+
+#include "report/traced_plan.h"
+#include "report/viewer_page.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme {
+namespace {
+
+using Json = nlohmann::json;
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++found;
+  return found;
+}
+
+std::string page_of(const std::string& json) {
+  const auto page = to_page(json, "t.json");
+  REQUIRE_MESSAGE(page.has_value(), (page ? "" : page.error().message));
+  return *page;
+}
+
+/// The trace that stands in a page.
+Json trace_in(const std::string& page) {
+  const std::string opening = "<script type=\"application/json\" id=\"trace\">";
+  const std::size_t begin = page.find(opening) + opening.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("A page is the viewer with the trace in it, and loads nothing from anywhere") {
+    const std::string json = to_json(test::TracedPlan().trace());
+    const std::string page = page_of(json);
+    CHECK(trace_in(page) == Json::parse(json));
+    CHECK(count(page, "<title>gap, unit_arm - mneme</title>") == 1);
+    CHECK(count(page, "<script") == 2);
+    CHECK(count(page, "<!--mneme-") == 0);
+    for (const char* link : {"src=\"http", "href=\"http", "@import", "url(http"})
+      CHECK(count(page, link) == 0);
+    CHECK(count(page, "MIT license") == 1);
+  }
+
+  TEST_CASE("The viewer itself leaves most of a page's two megabytes to the trace") {
+    CHECK(internal::viewer_page().size() < 700000);
+    CHECK(internal::viewer_page().size() > 100000);
+  }
+
+  TEST_CASE("Names that look like markup stay names") {
+    test::TracedPlan plan;
+    plan.problem.name = "</script><script>alert(1)</script><!--mneme-trace-->";
+    plan.problem.scene.obstacles[0].name = "<!-- <script>";
+    const std::string page = page_of(to_json(plan.trace()));
+    CHECK(count(page, "<script") == 2);
+    CHECK(count(page, "alert(1)") == 2);
+    CHECK(trace_in(page).at("problem") == plan.problem.name);
+    CHECK(trace_in(page).at("obstacles")[0].at("name") == "<!-- <script>");
+  }
+
+  TEST_CASE("What is no trace is refused with its name and what was expected") {
+    const auto error = [](const std::string& text) {
+      const auto page = to_page(text, "t.json");
+      REQUIRE_FALSE(page.has_value());
+      CHECK(page.error().message.starts_with("t.json: "));
+      return page.error();
+    };
+    CHECK(error("").code == ErrorCode::parse);
+    CHECK(error("{\"format\": \"mneme-trace\"").code == ErrorCode::parse);
+    CHECK(error("[1]").message.find("expected \"format\"") != std::string::npos);
+    CHECK(error("{\"format\": 3}").code == ErrorCode::parse);
+    CHECK(error("{\"format\": \"mneme-trace\", \"version\": 2}").code == ErrorCode::unsupported);
+    const Json whole = Json::parse(to_json(test::TracedPlan().trace()));
+    for (const char* member : {"waypoints", "links", "plan", "edges"}) {
+      Json part = whole;
+      part.erase(member);
+      CHECK(error(part.dump()).message.find(member) != std::string::npos);
+      part[member] = 1;
+      CHECK(error(part.dump()).message.find(member) != std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme
