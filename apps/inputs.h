@@ -40,7 +40,5 @@ struct Workspace {
                                              OpenMode mode, const std::string& decomposer = "");
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url);
-/// The path of the SQLite file that `url` names.
-[[nodiscard]] Result<std::string> database_path(const std::string& url);
 
 }  // namespace mneme::app
