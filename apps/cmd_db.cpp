@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme db: looks into a database.
+/// mneme db: looks into a database, and keeps it in order.
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -16,6 +16,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "db_upkeep.h"
 #include "inputs.h"
 #include "options.h"
 
@@ -30,6 +31,8 @@ struct DbOptions {
   std::optional<std::int64_t> limit;
   std::optional<PrimitiveKey> key;
   std::string problem;
+  std::string robot;
+  RobotOptions robot_options;
   SolveSettings settings;
 };
 
@@ -48,18 +51,26 @@ Json to_json(const DatabaseInfo& info) {
           {"robot_hash", info.space.robot_hash},
           {"decomposer", info.space.decomposer},
           {"bytes", info.bytes},
-          {"schema_version", info.schema_version}};
+          {"schema_version", info.schema_version},
+          {"generation", info.generation},
+          {"tombstones", info.tombstones}};
 }
 
 void print_info(const DatabaseInfo& info) {
-  fmt::print("database    {}\n", info.url);
-  fmt::print("robot       {}, {} joints, hash {}\n", info.space.robot_name, info.space.joint_count,
-             info.space.robot_hash);
-  fmt::print("decomposer  {}, keys of {} numbers\n", info.space.decomposer, info.space.key_size);
-  fmt::print("samplers    {}\n", info.samplers);
-  fmt::print("components  {}\n", info.components);
-  fmt::print("size        {} bytes\n", info.bytes);
-  fmt::print("schema      version {}\n", info.schema_version);
+  const auto line = [](std::string_view what, const auto& value) {
+    fmt::print("{:<12}  {}\n", what, value);
+  };
+  line("database", info.url);
+  line("robot", info.space.robot_name);
+  line("robot hash", info.space.robot_hash);
+  line("joints", info.space.joint_count);
+  line("decomposer",
+       fmt::format("{}, keys of {} numbers", info.space.decomposer, info.space.key_size));
+  line("samplers", info.samplers);
+  line("components", info.components);
+  line("set aside", counted(static_cast<std::size_t>(info.tombstones), "row", "rows"));
+  line("size", fmt::format("{} bytes", info.bytes));
+  line("schema", fmt::format("version {}, generation {}", info.schema_version, info.generation));
 }
 
 Result<ExitCode> run_info(const DbOptions& options) {
@@ -112,7 +123,10 @@ Result<ExitCode> run_list(const DbOptions& options) {
 Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                                                        const Database& database) {
   if (options.key) return std::vector<LocalPrimitive>{make_primitive(*options.key)};
-  const Result<Problem> problem = read_problem(options.problem);
+  const Result<Problem> problem = problem_options(options.robot, options.robot_options)
+                                      .and_then([&](const ProblemOptions& given) {
+                                        return read_problem(options.problem, given);
+                                      });
   if (!problem) return tl::unexpected(problem.error());
   if (problem->robot.hash() != database.space().robot_hash) {
     return fail(ErrorCode::wrong_robot,
@@ -167,34 +181,11 @@ Result<ExitCode> run_query(const DbOptions& options) {
   return ExitCode::done;
 }
 
-// verify
-
-Result<ExitCode> run_verify(const DbOptions& options) {
-  const Result<std::string> path = database_path(options.url);
-  if (!path) return tl::unexpected(path.error());
-  const Result<std::vector<Damage>> damages = verify_database(*path);
-  if (!damages) return tl::unexpected(damages.error());
-  Json rows = Json::array();
-  for (const Damage& damage : *damages) {
-    if (!options.is_json) {
-      fmt::print("{}: {}\n", damage.id == 0 ? "file" : fmt::format("row {}", damage.id),
-                 damage.what);
-    }
-    rows.push_back({{"id", damage.id}, {"what", damage.what}});
-  }
-  if (options.is_json) {
-    print_json({{"is_clean", damages->empty()}, {"damages", rows}});
-  } else if (damages->empty()) {
-    fmt::print("{} is sound\n", options.url);
-  }
-  return damages->empty() ? ExitCode::done : ExitCode::bad_database;
-}
-
 CLI::App* add_verb(CLI::App& group, const std::string& name, const std::string& description,
                    const std::string& example, DbOptions& options) {
   CLI::App* command = group.add_subcommand(name, description);
   command->footer("Example:\n  mneme db " + name + " planar.db" + example);
-  command->add_option("URL", options.url, "SQLite file")->required();
+  command->add_option("URL", options.url, "SQLite file, or postgresql://...")->required();
   add_json(*command, options.is_json);
   return command;
 }
@@ -211,6 +202,9 @@ void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Actio
   add_text(*command, "--key", read_key, "two circles, metres")->type_name("X,Y,R,X,Y,R");
   command->add_option("--problem", options->problem,
                       "problem whose primitives to look up: YAML file, or FILE.json#NAME");
+  command->add_option("--robot", options->robot,
+                      "URDF file or name of a robot, instead of the problem's");
+  add_robot_flags(*command, options->robot_options);
   add_settings(*command, options->settings, {"similarity", "max-matches"});
   add_settings(*command, options->settings.decompose);
   command->callback([options, &action] {
@@ -224,7 +218,8 @@ void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Actio
 }  // namespace
 
 void add_db(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand("db", "Look into a database of experience");
+  CLI::App* group =
+      program.add_subcommand("db", "Look into a database of experience, and keep it in order");
   group->require_subcommand(1);
   group->footer("Example:\n  mneme db info planar.db");
   const auto options = std::make_shared<DbOptions>();
@@ -235,8 +230,7 @@ void add_db(CLI::App& program, Action& action) {
              "rows to print; without it, all");
   list->callback([options, &action] { action = [options] { return run_list(*options); }; });
   add_query(*group, options, action);
-  add_verb(*group, "verify", "Check the file and every row's checksum", "", *options)
-      ->callback([options, &action] { action = [options] { return run_verify(*options); }; });
+  add_db_upkeep(*group, action);
 }
 
 }  // namespace mneme::app

@@ -56,26 +56,15 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
                           scene.error().message, problem.error().message));
 }
 
-Result<std::string> database_path(const std::string& url) {
-  const std::size_t scheme = url.find("://");
-  if (scheme == std::string::npos) return url;
-  return fail(ErrorCode::unsupported,
-              fmt::format("cannot open '{}': expected the path of an SQLite file; databases of "
-                          "kind '{}' are not supported",
-                          url, url.substr(0, scheme)));
-}
-
 Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
                                const std::string& decomposer) {
-  const Result<std::string> path = database_path(url);
-  if (!path) return tl::unexpected(path.error());
   const Result<ExperienceSpace> space = make_space(robot, decomposer);
   if (!space) return tl::unexpected(space.error());
-  Result<Database> database = Database::open(*path, *space, mode);
+  Result<Database> database = Database::open(url, *space, mode);
   const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
   if (!is_other || !decomposer.empty()) return database;
   // Of the same robot and another decomposer, which nobody asked not to use.
-  const Result<Database> found = Database::inspect(*path);
+  const Result<Database> found = Database::inspect(url);
   if (!found || found->space().robot_hash != robot.hash()) return database;
   const auto own = decomposer_of_version(found->space().decomposer);
   return own ? open_database(url, robot, mode, *own) : std::move(database);
@@ -88,10 +77,6 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
                        settings.decompose.decomposer);
 }
 
-Result<Database> inspect_database(const std::string& url) {
-  const Result<std::string> path = database_path(url);
-  if (!path) return tl::unexpected(path.error());
-  return Database::inspect(*path);
-}
+Result<Database> inspect_database(const std::string& url) { return Database::inspect(url); }
 
 }  // namespace mneme::app

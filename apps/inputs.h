@@ -46,7 +46,5 @@ struct Workspace {
                                            const SolveSettings& settings);
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url);
-/// The path of the SQLite file that `url` names.
-[[nodiscard]] Result<std::string> database_path(const std::string& url);
 
 }  // namespace mneme::app

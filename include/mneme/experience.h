@@ -17,6 +17,9 @@
 #include "mneme/sampling.h"
 
 namespace mneme {
+namespace internal {
+struct OpenedStore;
+}
 
 /// The parameters of p_i(x | lw_i) in the canonical frame of its primitive.
 using LocalSampler = GaussianMixture;
@@ -58,36 +61,42 @@ struct Match {
 };
 
 struct DatabaseInfo {
-  std::string url;
+  std::string url;  ///< without a password
   ExperienceSpace space;
   std::int64_t samplers = 0;
   std::int64_t components = 0;
-  std::int64_t bytes = 0;  ///< of the file and its write-ahead log
-  int schema_version = 0;
+  std::int64_t bytes = 0;       ///< of the file and its write-ahead log, or of the server's tables
+  int schema_version = 0;       ///< 0 if there is nothing in it yet
+  std::int64_t generation = 0;  ///< changes so far
+  std::int64_t tombstones = 0;  ///< rows set aside: damaged, or superseded in a merge
 };
 
-/// One damaged row, or damage to the file itself (id 0).
+/// One damaged row, or damage to the database itself (id 0).
 struct Damage {
   std::int64_t id = 0;
   std::string what;
+  bool is_quarantined = false;  ///< it is set aside, and the rest can be used
 };
 
 enum class OpenMode { read_only, read_write, create };
 
-/// An append-only store of experience in one SQLite file (docs/database.md). All rows are in memory
-/// while it is open. find() and get() may run in parallel with each other; insert() may run in
-/// parallel with them and with itself. Another process may insert at the same time; its rows are
-/// seen at the next opening.
+/// An append-only set of experience in one SQLite file or on a PostgreSQL server
+/// (docs/database.md). A URL is the path of a file or `postgresql://...`, as libpq reads it. All
+/// rows are in memory while it is open. find() and get() may run in parallel with each other;
+/// insert() and refresh() may run in parallel with them and with themselves. Another process may
+/// insert at the same time; its rows are seen after the next refresh(), insert() or opening.
 class Database {
  public:
-  /// Opens `path`. With `create`, a missing or empty file becomes an empty database of `space`; a
-  /// file that was being created when its process was killed counts as empty. An empty file that is
-  /// only read is an empty database too. Errors: wrong_robot if the database is not of `space`;
-  /// corrupt if it is no database, or damaged; unsupported if a newer mneme wrote it; io.
-  [[nodiscard]] static Result<Database> open(const std::string& path, const ExperienceSpace& space,
+  /// Opens `url`. With `create`, a missing or empty file, or a server without our tables, becomes
+  /// an empty database of `space`; a file that was being created when its process was killed counts
+  /// as empty. An empty file that is only read is an empty database too. Errors: wrong_robot if the
+  /// database is not of `space`; corrupt if it is no database, or damaged; unsupported if a newer
+  /// mneme wrote it, if an older one did and it is to be written (migrate_database() helps), or if
+  /// this mneme was built without the engine; io.
+  [[nodiscard]] static Result<Database> open(const std::string& url, const ExperienceSpace& space,
                                              OpenMode mode);
   /// Opens for reading whatever space it is of, to look at it.
-  [[nodiscard]] static Result<Database> inspect(const std::string& path);
+  [[nodiscard]] static Result<Database> inspect(const std::string& url);
 
   Database(Database&&) noexcept;
   Database& operator=(Database&&) noexcept;
@@ -105,18 +114,74 @@ class Database {
                                         int max_matches) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
-  /// process and a loss of power. Returns the ids. Errors: io (disk full, read-only, locked),
-  /// invalid (wrong sizes, not finite, a number of a key beyond 1e6); then nothing was inserted.
+  /// process and a loss of power. A row whose key, mixture, settings and seed are those of a row
+  /// that is there already is not added again, so that a failed insertion can be repeated safely.
+  /// Returns the ids. Errors: io (disk full, read-only, locked, connection lost), invalid (wrong
+  /// sizes, not finite, a number of a key beyond 1e6, text that is not UTF-8); then nothing was
+  /// inserted, unless the connection was lost during the very last step.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
+
+  /// Reads what other processes have added since it was opened or refreshed, and forgets rows that
+  /// were set aside; Matches stay valid. Returns the number of rows that came. One small question
+  /// to the database if nothing changed. Errors: io, corrupt; then nothing changed in memory.
+  Result<std::int64_t> refresh();
 
  private:
   struct State;
   explicit Database(std::unique_ptr<State> state);
+  static Result<Database> load(Result<internal::OpenedStore> opened, const std::string& url);
   std::unique_ptr<State> state_;
 };
 
-/// Checks the file's structure and every row's checksum. Empty if all is well. Errors: io;
-/// unsupported if a newer mneme wrote the file.
-[[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& path);
+enum class VerifyMode {
+  report,      ///< changes nothing
+  quarantine,  ///< sets damaged rows aside, so that the rest can be used
+};
+/// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
+/// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
+/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer mneme wrote it.
+[[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
+                                                          VerifyMode mode = VerifyMode::report);
+
+struct MergeSummary {
+  std::int64_t read = 0;      ///< rows of the source
+  std::int64_t added = 0;     ///< that the target did not have
+  std::int64_t replaced = 0;  ///< that the target had, learned later; the earlier provenance stays
+};
+/// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
+/// rows are the same if their keys, mixtures, settings and seeds are. Idempotent, and what results
+/// does not depend on the order of merging. In transactions of some hundred rows: repeat it if it
+/// was interrupted. Errors: wrong_robot if the two are not of one space; those of
+/// Database::open().
+[[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
+                                                   const std::string& from);
+
+/// Writes all rows to a file in an order that depends on their content alone, so that equal sets
+/// give equal bytes: JSON lines (`.jsonl`), or NumPy arrays (`.npz`). Returns their number.
+/// docs/database.md describes both. Errors: invalid if the name ends otherwise; io.
+[[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
+/// Adds the rows of a file that export_database() or another program wrote, as merge_databases()
+/// does. Errors: parse, naming line or array; wrong_robot; those of Database::open().
+[[nodiscard]] Result<MergeSummary> import_database(const std::string& url, const std::string& path);
+
+struct CompactSummary {
+  std::int64_t removed = 0;  ///< rows that were set aside
+  std::int64_t bytes_before = 0;
+  std::int64_t bytes_after = 0;
+};
+/// Removes rows that were set aside, and gives the space back. Other processes may go on.
+[[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
+
+struct MigrateSummary {
+  int from = 0;  ///< schema versions; if they are equal nothing was done
+  int to = 0;
+  std::string copy;  ///< the file as it was
+  std::int64_t rows = 0;
+  std::int64_t duplicates = 0;   ///< rows that say what another one says: only in the copy
+  std::vector<Damage> left_out;  ///< damaged rows: only in the copy
+};
+/// Brings a database of an older schema to the present one, in one transaction after a copy beside
+/// it. Errors: unsupported if a newer mneme wrote it; corrupt; io.
+[[nodiscard]] Result<MigrateSummary> migrate_database(const std::string& url);
 
 }  // namespace mneme

@@ -2,46 +2,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
-#include "experience/database_file.h"
 #include "experience/experience_index.h"
-#include "experience/experience_table.h"
+#include "experience/open_store.h"
 #include "experience/row_check.h"
-#include "experience/schema.h"
 #include "experience/space.h"
+#include "experience/store_reads.h"
+#include "experience/store_writes.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <deque>
 #include <mutex>
 #include <shared_mutex>
+#include <unordered_set>
 
 namespace mneme {
 
-using internal::Connection;
-using internal::FileKind;
+using internal::ExperienceIndex;
+using internal::StoreState;
 
-/// `connection` belongs to whoever holds `writing`; everything after `mutex` to whoever holds that.
-/// insert() holds `writing` throughout, so that positions and ids have the same order.
+/// `store` and `reached` belong to whoever holds `writing`; everything after `mutex` to whoever
+/// holds that, and may also be read by whoever holds `writing`, because only they change it.
 struct Database::State {
-  State(std::string url_, ExperienceSpace space_, int schema_version_)
-      : url(std::move(url_)),
-        space(std::move(space_)),
-        schema_version(schema_version_),
-        index(std::max(space.key_size, 1)) {}
+  explicit State(internal::OpenedStore opened)
+      : url(opened.store->name()),
+        space(std::move(opened.space)),
+        schema_version(opened.schema_version),
+        store(std::move(opened.store)),
+        index(std::make_unique<ExperienceIndex>(std::max(space.key_size, 1))) {}
 
-  /// With `wanted`, which a writer must give, any other space is an error.
-  static Result<std::unique_ptr<State>> open(const std::string& path, const ExperienceSpace* wanted,
-                                             OpenMode mode);
-  static Result<std::unique_ptr<State>> load(Connection& connection, const ExperienceSpace* wanted);
-
-  void append(Experience row) {
-    index.append(row.key);
-    components += row.sampler.component_count();
-    rows.push_back(std::move(row));
-  }
+  /// Reads what came since `reached`; returns the number of rows.
+  Result<std::int64_t> catch_up();
+  void append(std::vector<Experience> fresh);
+  /// Appends `fresh` and forgets the rows that `is_gone` names.
+  void replace(std::vector<Experience> fresh,
+               const std::function<bool(const Experience&)>& is_gone);
 
   /// The platform's shared locks let readers in as long as there are any. Whoever waits to write
   /// keeps the door, so that threads that search without a pause cannot hold up an insertion for
@@ -57,55 +53,20 @@ struct Database::State {
 
   const std::string url;
   const ExperienceSpace space;
-  const int schema_version;
   std::mutex writing;
-  std::optional<Connection> connection;  // none if opened for reading
+  int schema_version;
+  std::unique_ptr<internal::Store> store;
+  StoreState reached;
 
   mutable std::mutex door;
   mutable std::shared_mutex mutex;
-  std::deque<Experience> rows;  // never moves an element, so that Matches stay valid
-  internal::ExperienceIndex index;
+  std::deque<Experience> rows;  // never moves or loses an element, so that Matches stay valid
+  std::vector<const Experience*> live;
+  std::unique_ptr<ExperienceIndex> index;  // its positions are those of `live`
   std::int64_t components = 0;
 };
 
 namespace {
-
-Error with_advice(Error error, const std::string& path) {
-  if (error.code == ErrorCode::corrupt) {
-    error.message += fmt::format("; `mneme db verify {}` lists all damage", path);
-  }
-  return error;
-}
-
-std::string now() {
-  const auto time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
-}
-
-/// Makes the file a database of `space` if there is nothing in it yet, and ready to be written.
-Result<void> prepare_for_writing(Connection& connection, const ExperienceSpace& space) {
-  const auto kind = internal::identify(connection);
-  if (!kind) return tl::unexpected(kind.error());
-  if (*kind == FileKind::empty) {
-    const auto created = internal::create_schema(connection, space);
-    if (!created) return created;
-  }
-  return internal::check_pages(connection).and_then([&] { return connection.enter_wal_mode(); });
-}
-
-Result<void> load_rows(Connection& connection, const ExperienceSpace& space,
-                       const std::function<void(Experience)>& append) {
-  return internal::read_rows(connection, [&](const internal::StoredRow& row) -> Result<void> {
-    Experience experience;
-    experience.id = row.id;
-    if (const auto flaw = internal::decode(row.content, row.checksum, space, experience)) {
-      return fail(ErrorCode::corrupt,
-                  fmt::format("{}: row {} is damaged: {}", connection.path(), row.id, *flaw));
-    }
-    append(std::move(experience));
-    return {};
-  });
-}
 
 /// Completes rows for storage. Errors: invalid, naming the row.
 Result<void> prepare(std::vector<Experience>& rows, const ExperienceSpace& space) {
@@ -115,49 +76,84 @@ Result<void> prepare(std::vector<Experience>& rows, const ExperienceSpace& space
                   fmt::format("row {} of {} cannot be inserted: {}", i, rows.size(), *flaw));
     }
     rows[i].sampler.joint_count = space.joint_count;
-    if (rows[i].provenance.time.empty()) rows[i].provenance.time = now();
+    if (rows[i].provenance.time.empty()) rows[i].provenance.time = internal::current_time();
   }
   return {};
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Database::State>> Database::State::load(Connection& connection,
-                                                               const ExperienceSpace* wanted) {
-  auto transaction = internal::Transaction::begin(connection, internal::Transaction::Kind::read);
-  if (!transaction) return tl::unexpected(transaction.error());
-  const auto kind = internal::identify(connection);
-  if (!kind) return tl::unexpected(kind.error());
-  if (*kind == FileKind::empty) {
-    return std::make_unique<State>(connection.path(), wanted ? *wanted : ExperienceSpace{}, 0);
+void Database::State::append(std::vector<Experience> fresh) {
+  const auto lock = lock_to_write();
+  for (Experience& row : fresh) {
+    index->append(row.key);
+    components += row.sampler.component_count();
+    live.push_back(&rows.emplace_back(std::move(row)));
   }
-  auto space = internal::read_space(connection);
-  if (!space) return tl::unexpected(space.error());
-  if (wanted != nullptr && !internal::is_same_space(*space, *wanted)) {
-    return internal::refuse_space(connection.path(), *space, *wanted);
-  }
-  auto state = std::make_unique<State>(connection.path(), *space, internal::kSchemaVersion);
-  const auto loaded =
-      load_rows(connection, state->space, [&](Experience row) { state->append(std::move(row)); });
-  if (!loaded) return tl::unexpected(loaded.error());
-  state->index.refresh();
-  return state;
+  index->refresh();
 }
 
-Result<std::unique_ptr<Database::State>> Database::State::open(const std::string& path,
-                                                               const ExperienceSpace* wanted,
-                                                               OpenMode mode) {
-  const bool is_writer = mode != OpenMode::read_only;
-  auto connection = is_writer ? internal::open_for_writing(path, mode == OpenMode::create)
-                              : internal::open_for_reading(path);
-  if (!connection) return tl::unexpected(connection.error());
-  if (is_writer) {
-    const auto created = prepare_for_writing(*connection, *wanted);
-    if (!created) return tl::unexpected(created.error());
+void Database::State::replace(std::vector<Experience> fresh,
+                              const std::function<bool(const Experience&)>& is_gone) {
+  // Whoever searches goes on with the old index until the new one is complete.
+  auto new_index = std::make_unique<ExperienceIndex>(std::max(space.key_size, 1));
+  std::vector<const Experience*> kept;
+  std::int64_t kept_components = 0;
+  for (const Experience* row : live) {
+    if (is_gone(*row)) continue;
+    new_index->append(row->key);
+    kept_components += row->sampler.component_count();
+    kept.push_back(row);
   }
-  auto state = load(*connection, wanted);
-  if (state && is_writer) (*state)->connection = std::move(*connection);
-  return state;
+  new_index->refresh();
+  {
+    const auto lock = lock_to_write();
+    std::swap(index, new_index);
+    std::swap(live, kept);
+    components = kept_components;
+  }
+  append(std::move(fresh));
+}
+
+Result<std::int64_t> Database::State::catch_up() {
+  if (schema_version == 0) {
+    const auto version = store->schema_version();
+    if (!version) return tl::unexpected(version.error());
+    if (*version == 0) return 0;
+    const auto found = store->space();
+    if (!found) return tl::unexpected(found.error());
+    if (!internal::is_same_space(*found, space)) return internal::refuse_space(url, *found, space);
+    schema_version = *version;
+  }
+  std::unordered_set<std::int64_t> known;
+  std::unordered_set<std::int64_t> seen;
+  std::vector<Experience> fresh;
+  const auto visit = [&](const internal::StoredRow& row) -> Result<void> {
+    if (row.id <= reached.last_row) {
+      if (known.empty()) {
+        for (const Experience* old : live) known.insert(old->id);
+      }
+      seen.insert(row.id);
+      if (known.contains(row.id)) return {};
+    }
+    if (const auto flaw = internal::decode(row, space, fresh.emplace_back())) {
+      return fail(ErrorCode::corrupt, fmt::format("{}: row {} is damaged: {}", url, row.id, *flaw));
+    }
+    return {};
+  };
+  const auto changes = internal::read_changes(*store, reached, internal::RowParts::all, visit);
+  if (!changes) return tl::unexpected(changes.error());
+  const auto is_gone = [&](const Experience& row) {
+    return changes->buried.contains(row.id) || (changes->is_complete && !seen.contains(row.id));
+  };
+  const auto count = static_cast<std::int64_t>(fresh.size());
+  if (std::ranges::any_of(live, [&](const Experience* row) { return is_gone(*row); })) {
+    replace(std::move(fresh), is_gone);
+  } else if (count > 0) {
+    append(std::move(fresh));
+  }
+  reached = changes->state;
+  return count;
 }
 
 Database::Database(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -165,43 +161,49 @@ Database::Database(Database&&) noexcept = default;
 Database& Database::operator=(Database&&) noexcept = default;
 Database::~Database() = default;
 
-Result<Database> Database::open(const std::string& path, const ExperienceSpace& space,
-                                OpenMode mode) {
-  if (space.joint_count < 1 || space.key_size < 1) {
-    return fail(ErrorCode::invalid,
-                fmt::format("{}: cannot hold experience of {}", path, internal::describe(space)));
+Result<Database> Database::load(Result<internal::OpenedStore> opened, const std::string& url) {
+  if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
+  auto state = std::make_unique<State>(std::move(*opened));
+  if (state->schema_version > 0) {
+    const auto read = state->catch_up();
+    if (!read) return tl::unexpected(internal::with_advice(read.error(), url));
   }
-  auto state = State::open(path, &space, mode);
-  if (!state) return tl::unexpected(with_advice(state.error(), path));
-  return Database(std::move(*state));
+  return Database(std::move(state));
 }
 
-Result<Database> Database::inspect(const std::string& path) {
-  auto state = State::open(path, nullptr, OpenMode::read_only);
-  if (!state) return tl::unexpected(with_advice(state.error(), path));
-  return Database(std::move(*state));
+Result<Database> Database::open(const std::string& url, const ExperienceSpace& space,
+                                OpenMode mode) {
+  return load(internal::open_store_of(url, space, mode), url);
+}
+
+Result<Database> Database::inspect(const std::string& url) {
+  return load(internal::inspect_store(url), url);
 }
 
 const ExperienceSpace& Database::space() const { return state_->space; }
 
 DatabaseInfo Database::info() const {
-  const auto lock = state_->lock_to_read();
-  return {state_->url,
-          state_->space,
-          static_cast<std::int64_t>(state_->rows.size()),
-          state_->components,
-          internal::bytes_on_disk(state_->url),
-          state_->schema_version};
+  const std::lock_guard writing(state_->writing);
+  DatabaseInfo info;
+  info.url = state_->url;
+  info.space = state_->space;
+  info.samplers = static_cast<std::int64_t>(state_->live.size());
+  info.components = state_->components;
+  info.bytes = state_->store->bytes().value_or(0);
+  info.schema_version = state_->schema_version;
+  info.generation = state_->reached.generation;
+  info.tombstones = state_->reached.tombstone_count;
+  return info;
 }
 
 std::int64_t Database::size() const {
   const auto lock = state_->lock_to_read();
-  return static_cast<std::int64_t>(state_->rows.size());
+  return static_cast<std::int64_t>(state_->live.size());
 }
 
 const Experience& Database::get(std::int64_t position) const {
   const auto lock = state_->lock_to_read();
-  return state_->rows[static_cast<std::size_t>(position)];
+  return *state_->live[static_cast<std::size_t>(position)];
 }
 
 std::vector<Match> Database::find(const LocalPrimitive& primitive, double threshold,
@@ -210,10 +212,10 @@ std::vector<Match> Database::find(const LocalPrimitive& primitive, double thresh
   const std::vector<KeyImage> queries = images(primitive.key);
   const auto lock = state_->lock_to_read();
   std::vector<Match> matches;
-  for (const auto& found : state_->index.find(queries, threshold, max_matches)) {
+  for (const auto& found : state_->index->find(queries, threshold, max_matches)) {
     const Symmetry to_canonical{0, queries[found.image].is_mirrored};
     matches.push_back(
-        {&state_->rows[found.position], found.error, compose(primitive.to_scene, to_canonical)});
+        {state_->live[found.position], found.error, compose(primitive.to_scene, to_canonical)});
   }
   return matches;
 }
@@ -222,18 +224,27 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
   const auto prepared = prepare(rows, state_->space);
   if (!prepared) return tl::unexpected(prepared.error());
   const std::lock_guard writing(state_->writing);
-  if (!state_->connection) {
-    return fail(ErrorCode::io, fmt::format("{}: is open for reading only", state_->url));
+  auto appended = internal::append_rows(*state_->store, rows, internal::Duplicates::keep_first);
+  if (!appended) return tl::unexpected(appended.error());
+  if (appended->before != state_->reached) {
+    // The rows are safe, whatever becomes of those of others: refresh() will tell.
+    (void)state_->catch_up();
+    return appended->ids;
   }
-  auto ids = internal::append_rows(*state_->connection, rows);
-  if (!ids) return ids;
-  const auto lock = state_->lock_to_write();
+  std::vector<Experience> fresh;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].id = (*ids)[i];
-    state_->append(std::move(rows[i]));
+    if (!appended->is_new[i]) continue;
+    rows[i].id = appended->ids[i];
+    fresh.push_back(std::move(rows[i]));
   }
-  state_->index.refresh();
-  return ids;
+  state_->append(std::move(fresh));
+  state_->reached = appended->state;
+  return appended->ids;
+}
+
+Result<std::int64_t> Database::refresh() {
+  const std::lock_guard writing(state_->writing);
+  return state_->catch_up();
 }
 
 }  // namespace mneme

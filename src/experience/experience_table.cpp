@@ -4,125 +4,210 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <string>
+
 namespace mneme::internal {
 namespace {
 
-struct Tally {
-  std::int64_t row_count = 0;
-  std::int64_t digest = 0;
+constexpr std::string_view kKeyColumns =
+    "e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum";
+constexpr std::string_view kMixtureColumns =
+    "m.means, m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum, "
+    "m.id";
+constexpr std::string_view kJoin = "FROM experience e LEFT JOIN mixture m ON m.id = e.id";
 
-  void add(std::int64_t id, std::int64_t checksum) {
-    ++row_count;
-    digest ^= tally_mark(id, checksum);
-  }
-};
-
-Result<void> check_tally(Connection& connection, const Tally& found) {
-  auto statement = connection.prepare("SELECT row_count, digest FROM tally");
-  if (!statement) return tl::unexpected(statement.error());
-  const auto has_row = statement->step();
-  if (!has_row) return tl::unexpected(has_row.error());
-  const auto refuse = [&](const std::string& what) {
-    return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
-  };
-  if (!*has_row) return refuse("the tally of rows is missing");
-  const std::int64_t expected = statement->integer(0);
-  if (expected != found.row_count) {
-    return refuse(fmt::format("holds {} rows, but {} were inserted", found.row_count, expected));
-  }
-  if (statement->integer(1) != found.digest) {
-    return refuse("the ids or checksums of its rows are not those that were inserted");
-  }
-  return {};
-}
-
-// SQLite has no operator for exclusive or.
-constexpr std::string_view kUpdateTally =
-    "UPDATE tally SET row_count = row_count + ?1, digest = (digest | ?2) & ~(digest & ?2)";
-
-Result<void> update_tally(Connection& connection, const Tally& added) {
-  auto statement = connection.prepare(kUpdateTally);
-  if (!statement) return tl::unexpected(statement.error());
-  const auto updated = statement->bind(1, added.row_count).bind(2, added.digest).step();
-  if (!updated) return tl::unexpected(updated.error());
-  return {};
-}
-
-Result<std::int64_t> insert_row(Statement& insert, const RowView& row, std::int64_t checksum) {
-  insert.bind(1, row.key).bind(2, row.means).bind(3, row.factor_rows).bind(4, row.factors);
-  insert.bind(5, row.origins).bind(6, row.tool).bind(7, row.settings).bind(8, row.seed);
-  insert.bind(9, row.time).bind(10, checksum);
-  const auto inserted = insert.step();
-  if (!inserted) return tl::unexpected(inserted.error());
-  const std::int64_t id = insert.integer(0);
-  const auto finished = insert.step();
-  if (!finished) return tl::unexpected(finished.error());
-  insert.reset();
-  return id;
-}
-
-StoredRow stored_row(const Statement& statement) {
+StoredRow stored_row(const Statement& statement, RowParts parts) {
   StoredRow row;
   row.id = statement.integer(0);
-  row.content.key = statement.blob(1);
-  row.content.means = statement.blob(2);
-  row.content.factor_rows = statement.blob(3);
-  row.content.factors = statement.blob(4);
-  row.content.origins = statement.blob(5);
-  row.content.tool = statement.text(6);
-  row.content.settings = statement.text(7);
-  row.content.seed = statement.integer(8);
-  row.content.time = statement.text(9);
-  row.checksum = statement.integer(10);
+  row.generation = statement.integer(1);
+  row.cell = statement.integer(2);
+  row.content = statement.blob(3);
+  row.components = statement.integer(4);
+  row.columns.key = statement.blob(5);
+  row.key_checksum = statement.integer(6);
+  row.tally_checksum = row.key_checksum;
+  if (parts == RowParts::keys) return row;
+  row.columns.means = statement.blob(7);
+  row.columns.factor_rows = statement.blob(8);
+  row.columns.factors = statement.blob(9);
+  row.columns.origins = statement.blob(10);
+  row.columns.tool = statement.text(11);
+  row.columns.settings = statement.text(12);
+  row.columns.seed = statement.integer(13);
+  row.columns.time = statement.text(14);
+  row.mixture_checksum = statement.integer(15);
+  if (statement.integer(16) != row.id) row.flaw = "its mixture is missing";
   return row;
+}
+
+/// Steps through all answers.
+Result<void> for_each(Statement& statement, const std::function<Result<void>()>& visit) {
+  for (;;) {
+    const auto has_row = statement.step();
+    if (!has_row) return tl::unexpected(has_row.error());
+    if (!*has_row) return {};
+    const auto visited = visit();
+    if (!visited) return visited;
+  }
+}
+
+/// Runs a statement that has no answers, and makes it ready for the next parameters.
+Result<void> run(Statement& statement) {
+  const auto done = statement.step();
+  statement.reset();
+  if (!done) return tl::unexpected(done.error());
+  return {};
+}
+
+Result<void> add_row(Statement& key, Statement& mixture, const StoredRow& row) {
+  key.bind(1, row.id).bind(2, row.generation).bind(3, row.cell).bind(4, row.content);
+  key.bind(5, row.components).bind(6, row.columns.key).bind(7, row.key_checksum);
+  const RowView& columns = row.columns;
+  mixture.bind(1, row.id).bind(2, row.cell).bind(3, columns.means).bind(4, columns.factor_rows);
+  mixture.bind(5, columns.factors).bind(6, columns.origins).bind(7, columns.tool);
+  mixture.bind(8, columns.settings).bind(9, columns.seed).bind(10, columns.time);
+  mixture.bind(11, row.mixture_checksum);
+  return run(key).and_then([&] { return run(mixture); });
 }
 
 }  // namespace
 
-Result<void> read_rows(Connection& connection,
-                       const std::function<Result<void>(const StoredRow&)>& visit) {
+Result<StoreState> read_head(Connection& connection) {
   auto statement = connection.prepare(
-      "SELECT id, key, means, factor_rows, factors, origins, tool, settings, seed, time, checksum "
-      "FROM experience ORDER BY id");
+      "SELECT generation, epoch, last_row, last_tombstone, row_count, row_digest, "
+      "tombstone_count, tombstone_digest, checksum FROM head");
   if (!statement) return tl::unexpected(statement.error());
-  Tally found;
-  for (;;) {
-    const auto has_row = statement->step();
-    if (!has_row) return tl::unexpected(has_row.error());
-    if (!*has_row) break;
-    const StoredRow row = stored_row(*statement);
-    found.add(row.id, row.checksum);
-    const auto visited = visit(row);
-    if (!visited) return visited;
+  const auto has_row = statement->step();
+  if (!has_row) return tl::unexpected(has_row.error());
+  const auto refuse = [&](const char* what) {
+    return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
+  };
+  if (!*has_row) return refuse("the tally of rows is missing");
+  std::array<std::int64_t, kHeadSize> numbers{};
+  for (int i = 0; i < kHeadSize; ++i) numbers[static_cast<std::size_t>(i)] = statement->integer(i);
+  if (statement->integer(kHeadSize) != hash_numbers(numbers)) {
+    return refuse("the tally of rows is damaged");
   }
-  return check_tally(connection, found);
+  return to_state(numbers);
 }
 
-Result<std::vector<std::int64_t>> append_rows(Connection& connection,
-                                              std::span<const Experience> rows) {
-  auto transaction = Transaction::begin(connection, Transaction::Kind::write);
-  if (!transaction) return tl::unexpected(transaction.error());
-  std::vector<std::int64_t> ids;
-  {
-    auto insert = connection.prepare(
-        "INSERT INTO experience (key, means, factor_rows, factors, origins, tool, settings, seed, "
-        "time, checksum) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id");
-    if (!insert) return tl::unexpected(insert.error());
-    Tally added;
-    for (const Experience& experience : rows) {
-      const EncodedRow row(experience);
-      const std::int64_t checksum = checksum_of(row.view());
-      const auto id = insert_row(*insert, row.view(), checksum);
-      if (!id) return tl::unexpected(id.error());
-      added.add(*id, checksum);
-      ids.push_back(*id);
-    }
-    const auto updated = update_tally(connection, added);
-    if (!updated) return tl::unexpected(updated.error());
+Result<void> write_head(Connection& connection, const StoreState& state) {
+  auto statement =
+      connection.prepare("INSERT OR REPLACE INTO head VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!statement) return tl::unexpected(statement.error());
+  const auto numbers = to_numbers(state);
+  for (int i = 0; i < kHeadSize; ++i) {
+    statement->bind(i + 1, numbers[static_cast<std::size_t>(i)]);
   }
-  const auto committed = transaction->commit();
-  if (!committed) return tl::unexpected(committed.error());
+  statement->bind(kHeadSize + 1, hash_numbers(numbers));
+  return run(*statement);
+}
+
+Result<void> read_tombstones(Connection& connection, std::int64_t after,
+                             const TombstoneVisitor& visit) {
+  auto statement = connection.prepare(
+      "SELECT id, row, generation, reason, time, checksum FROM tombstone WHERE id > ? ORDER BY id");
+  if (!statement) return tl::unexpected(statement.error());
+  statement->bind(1, after);
+  return for_each(*statement, [&] {
+    return visit({statement->integer(0), statement->integer(1), statement->integer(2),
+                  std::string(statement->text(3)), std::string(statement->text(4)),
+                  statement->integer(5)});
+  });
+}
+
+Result<void> read_rows(Connection& connection, std::int64_t after, RowParts parts,
+                       const RowVisitor& visit) {
+  const std::string columns =
+      parts == RowParts::keys
+          ? fmt::format("SELECT {} FROM experience e", kKeyColumns)
+          : fmt::format("SELECT {}, {} {}", kKeyColumns, kMixtureColumns, kJoin);
+  auto statement = connection.prepare(columns + " WHERE e.id > ? ORDER BY e.id");
+  if (!statement) return tl::unexpected(statement.error());
+  statement->bind(1, after);
+  return for_each(*statement, [&] { return visit(stored_row(*statement, parts)); });
+}
+
+Result<void> read_rows_by_id(Connection& connection, std::span<const std::int64_t> ids,
+                             const RowVisitor& visit) {
+  auto statement = connection.prepare(
+      fmt::format("SELECT {}, {} {} WHERE e.id = ?", kKeyColumns, kMixtureColumns, kJoin));
+  if (!statement) return tl::unexpected(statement.error());
+  for (const std::int64_t id : ids) {
+    statement->bind(1, id);
+    const auto visited =
+        for_each(*statement, [&] { return visit(stored_row(*statement, RowParts::all)); });
+    if (!visited) return visited;
+    statement->reset();
+  }
+  return {};
+}
+
+Result<std::vector<KnownRow>> find_contents(Connection& connection,
+                                            std::span<const ContentHash> contents) {
+  auto statement = connection.prepare(
+      "SELECT e.id, m.time, m.tool FROM experience e LEFT JOIN mixture m ON m.id = e.id "
+      "WHERE e.content = ? AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = e.id) "
+      "ORDER BY e.id LIMIT 1");
+  if (!statement) return tl::unexpected(statement.error());
+  std::vector<KnownRow> known;
+  for (const ContentHash& content : contents) {
+    statement->bind(1, std::span<const std::byte>(content));
+    const auto found = for_each(*statement, [&] {
+      known.push_back({content, statement->integer(0), std::string(statement->text(1)),
+                       std::string(statement->text(2))});
+      return Result<void>();
+    });
+    if (!found) return tl::unexpected(found.error());
+    statement->reset();
+  }
+  return known;
+}
+
+Result<std::vector<std::int64_t>> find_orphans(Connection& connection) {
+  auto statement = connection.prepare(
+      "SELECT m.id FROM mixture m LEFT JOIN experience e ON e.id = m.id WHERE e.id IS NULL "
+      "AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = m.id) ORDER BY m.id");
+  if (!statement) return tl::unexpected(statement.error());
+  std::vector<std::int64_t> ids;
+  const auto found = for_each(*statement, [&] {
+    ids.push_back(statement->integer(0));
+    return Result<void>();
+  });
+  if (!found) return tl::unexpected(found.error());
   return ids;
+}
+
+Result<void> add_rows(Connection& connection, std::span<const StoredRow> rows) {
+  auto key = connection.prepare("INSERT INTO experience VALUES (?, ?, ?, ?, ?, ?, ?)");
+  if (!key) return tl::unexpected(key.error());
+  auto mixture = connection.prepare("INSERT INTO mixture VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!mixture) return tl::unexpected(mixture.error());
+  for (const StoredRow& row : rows) {
+    const auto added = add_row(*key, *mixture, row);
+    if (!added) return added;
+  }
+  return {};
+}
+
+Result<void> add_tombstones(Connection& connection, std::span<const Tombstone> tombstones) {
+  auto insert = connection.prepare("INSERT INTO tombstone VALUES (?, ?, ?, ?, ?, ?)");
+  if (!insert) return tl::unexpected(insert.error());
+  for (const Tombstone& tombstone : tombstones) {
+    insert->bind(1, tombstone.id).bind(2, tombstone.row).bind(3, tombstone.generation);
+    insert->bind(4, tombstone.reason).bind(5, tombstone.time).bind(6, tombstone.checksum);
+    const auto added = run(*insert);
+    if (!added) return added;
+  }
+  return {};
+}
+
+Result<void> remove_dead(Connection& connection) {
+  return connection.execute(
+      "DELETE FROM mixture WHERE id IN (SELECT row FROM tombstone);"
+      "DELETE FROM experience WHERE id IN (SELECT row FROM tombstone);"
+      "DELETE FROM tombstone");
 }
 
 }  // namespace mneme::internal

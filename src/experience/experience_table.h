@@ -1,36 +1,31 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Reading and appending rows, and the tally that tells whether all of them are there.
+/// The statements of an SQLite file of schema 2.
 #pragma once
 
-#include "mneme/experience.h"
-#include "experience/row_codec.h"
 #include "experience/sqlite_connection.h"
-
-#include <cstdint>
-#include <functional>
-#include <span>
-#include <vector>
+#include "experience/store.h"
 
 namespace mneme::internal {
 
-/// A row as it stands in the file, sound or not.
-struct StoredRow {
-  std::int64_t id = 0;
-  std::int64_t checksum = 0;
-  RowView content;
-};
+[[nodiscard]] Result<StoreState> read_head(Connection& connection);
+[[nodiscard]] Result<void> write_head(Connection& connection, const StoreState& state);
 
-/// Calls `visit` with each row in order of ids until it returns an error. Then compares number and
-/// checksums of the rows with the tally: a row that vanished, came or changed its id is `corrupt`.
-/// Wants a transaction around it if others may write.
-[[nodiscard]] Result<void> read_rows(Connection& connection,
-                                     const std::function<Result<void>(const StoredRow&)>& visit);
-
-/// Appends all rows or none, in a transaction of its own; returns their ids. The rows must be
-/// sound.
-[[nodiscard]] Result<std::vector<std::int64_t>> append_rows(Connection& connection,
-                                                            std::span<const Experience> rows);
+// What StoreTransaction says of its functions of the same names.
+[[nodiscard]] Result<void> read_tombstones(Connection& connection, std::int64_t after,
+                                           const TombstoneVisitor& visit);
+[[nodiscard]] Result<void> read_rows(Connection& connection, std::int64_t after, RowParts parts,
+                                     const RowVisitor& visit);
+[[nodiscard]] Result<void> read_rows_by_id(Connection& connection,
+                                           std::span<const std::int64_t> ids,
+                                           const RowVisitor& visit);
+[[nodiscard]] Result<std::vector<KnownRow>> find_contents(Connection& connection,
+                                                          std::span<const ContentHash> contents);
+[[nodiscard]] Result<std::vector<std::int64_t>> find_orphans(Connection& connection);
+[[nodiscard]] Result<void> add_rows(Connection& connection, std::span<const StoredRow> rows);
+[[nodiscard]] Result<void> add_tombstones(Connection& connection,
+                                          std::span<const Tombstone> tombstones);
+[[nodiscard]] Result<void> remove_dead(Connection& connection);
 
 }  // namespace mneme::internal

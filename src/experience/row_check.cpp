@@ -2,26 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/row_check.h"
 
+#include "experience/text_encoding.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
 namespace {
-
-std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size) {
-  if (key.size() != static_cast<std::size_t>(key_size)) {
-    return fmt::format("its key has {} numbers; expected {}", key.size(), key_size);
-  }
-  // Written so that a NaN fails it.
-  const auto is_length = [](double value) { return std::abs(value) <= kMaxKeyMagnitude; };
-  const auto flaw = std::find_if_not(key.begin(), key.end(), is_length);
-  if (flaw == key.end()) return std::nullopt;
-  return fmt::format("number {} of its key is {}; expected metres, at most {}", flaw - key.begin(),
-                     *flaw, kMaxKeyMagnitude);
-}
 
 std::optional<std::string> describe_not_finite(const std::vector<float>& values, const char* what) {
   const auto flaw =
@@ -46,11 +37,33 @@ std::optional<std::string> describe_factor_flaw(const LocalSampler& sampler, std
   return describe_not_finite(sampler.factors, "factors");
 }
 
+std::optional<std::string> describe_text_flaw(const Provenance& provenance) {
+  for (const auto& [what, text] :
+       {std::pair("tool", &provenance.tool), std::pair("settings", &provenance.settings),
+        std::pair("time", &provenance.time)}) {
+    if (!decode_utf8(*text)) return fmt::format("its {} is no UTF-8 text without NUL", what);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size) {
+  if (key.size() != static_cast<std::size_t>(key_size)) {
+    return fmt::format("its key has {} numbers; expected {}", key.size(), key_size);
+  }
+  // Written so that a NaN fails it.
+  const auto is_length = [](double value) { return std::abs(value) <= kMaxKeyMagnitude; };
+  const auto flaw = std::find_if_not(key.begin(), key.end(), is_length);
+  if (flaw == key.end()) return std::nullopt;
+  return fmt::format("number {} of its key is {}; expected metres, at most {}", flaw - key.begin(),
+                     *flaw, kMaxKeyMagnitude);
+}
 
 std::optional<std::string> describe_flaw(const Experience& experience,
                                          const ExperienceSpace& space) {
   if (auto flaw = describe_key_flaw(experience.key, space.key_size)) return flaw;
+  if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
   const LocalSampler& sampler = experience.sampler;
   const bool is_blank = sampler.joint_count == 0 && sampler.means.empty();
   if (!is_blank && sampler.joint_count != space.joint_count) {

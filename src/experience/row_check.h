@@ -15,8 +15,12 @@ namespace mneme::internal {
 /// distances.
 inline constexpr double kMaxKeyMagnitude = 1e6;
 
+/// Why `key` cannot be one of `key_size` numbers, or nothing if it can.
+[[nodiscard]] std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size);
+
 /// Why `experience` cannot belong to `space` (sizes, values that are not finite, rows that do not
-/// exist), or nothing if it can. An empty sampler may have a joint count of 0.
+/// exist, texts that are not UTF-8), or nothing if it can. An empty sampler may have a joint count
+/// of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
                                                        const ExperienceSpace& space);
 

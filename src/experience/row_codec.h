@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A row of the table `experience` as bytes: little-endian numbers without padding.
+/// A row of experience as bytes: little-endian numbers without padding.
 #pragma once
 
 #include "mneme/experience.h"
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,7 +19,11 @@
 
 namespace mneme::internal {
 
-/// The columns of a row but for its id and its checksum; views into a statement or an EncodedRow.
+/// XXH3 (128 bits) of a row's key, mixture, settings and seed: rows with the same hash are the same
+/// experience, whenever, wherever and with whichever version of mneme they were learned.
+using ContentHash = std::array<std::byte, 16>;
+
+/// What an experience consists of; views into a statement or an EncodedRow.
 struct RowView {
   std::span<const std::byte> key;          ///< float64 each
   std::span<const std::byte> means;        ///< float32 each
@@ -30,28 +36,69 @@ struct RowView {
   std::string_view time;
 };
 
+/// A row as it stands in a store, sound or not: one record in the table `experience` and, unless
+/// only the keys are read, one in `mixture`.
+struct StoredRow {
+  std::int64_t id = 0;
+  std::int64_t generation = 0;  ///< of the transaction that added it
+  std::int64_t cell = 0;        ///< cell_of() its key
+  std::span<const std::byte> content;
+  std::int64_t components = 0;
+  RowView columns;
+  std::int64_t key_checksum = 0;      ///< of the record in `experience`
+  std::int64_t mixture_checksum = 0;  ///< of the record in `mixture`
+  std::int64_t tally_checksum = 0;    ///< what the store's head counts: the key's, unless legacy
+  std::string flaw;                   ///< what the store already knows to be wrong with it
+};
+
 /// The bytes of an experience. Refers to its provenance, which must outlive it.
 class EncodedRow {
  public:
   explicit EncodedRow(const Experience& experience);
-  [[nodiscard]] const RowView& view() const { return view_; }
+  [[nodiscard]] const RowView& view() const { return stored_.columns; }
+  [[nodiscard]] const ContentHash& content() const { return *content_; }
+  /// The row as it is stored under `id`. Valid as long as this.
+  [[nodiscard]] StoredRow stored(std::int64_t id, std::int64_t generation) const;
 
  private:
   std::array<std::vector<std::byte>, 5> blobs_;
-  RowView view_;
+  // On the heap because `stored_` points to it when the row moves.
+  std::unique_ptr<const ContentHash> content_;
+  StoredRow stored_;
 };
 
-/// XXH3 of some bytes, as SQLite's signed integer.
+/// Edge of the cells that keys are sorted into, metres.
+inline constexpr double kCellEdge = 1.0;
+/// The cell of a key, by which a cluster may spread rows over machines: XXH3 of its numbers in
+/// units of kCellEdge, rounded down, as int64 each.
+[[nodiscard]] std::int64_t cell_of(const PrimitiveKey& key);
+
+/// XXH3 of some bytes, as a signed integer.
 [[nodiscard]] std::int64_t hash_bytes(std::span<const std::byte> bytes);
-/// XXH3 over the content of a row; its id is not part of it, so that a row keeps it in another
-/// database.
+/// XXH3 of some numbers in little-endian order.
+[[nodiscard]] std::int64_t hash_numbers(std::span<const std::int64_t> numbers);
+[[nodiscard]] ContentHash content_hash(const RowView& row);
+/// Lower-case hexadecimal digits.
+[[nodiscard]] std::string to_hex(std::span<const std::byte> bytes);
+
+/// XXH3 over all columns of a record in `experience` and in `mixture`.
+[[nodiscard]] std::int64_t key_checksum(const StoredRow& row);
+[[nodiscard]] std::int64_t mixture_checksum(const StoredRow& row);
+/// XXH3 over the columns of a row of schema 1, but for its id.
 [[nodiscard]] std::int64_t checksum_of(const RowView& row);
-/// What a row adds, by exclusive or, to the digest in the table `tally`.
+/// What a row or tombstone adds, by exclusive or, to a digest of the store.
 [[nodiscard]] std::int64_t tally_mark(std::int64_t id, std::int64_t checksum);
 
-/// Fills `experience` but for its id. Returns what is wrong with the row, if anything is.
-[[nodiscard]] std::optional<std::string> decode(const RowView& row, std::int64_t checksum,
-                                                const ExperienceSpace& space,
+/// Fills `experience`. Returns what is wrong with the row, if anything is.
+[[nodiscard]] std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
                                                 Experience& experience);
+/// Fills id and key of `experience` from a row that was read without its mixture.
+[[nodiscard]] std::optional<std::string> decode_key(const StoredRow& row,
+                                                    const ExperienceSpace& space,
+                                                    Experience& experience);
+/// The same as decode() for the columns alone, whatever their checksum.
+[[nodiscard]] std::optional<std::string> decode_columns(const RowView& columns,
+                                                        const ExperienceSpace& space,
+                                                        Experience& experience);
 
 }  // namespace mneme::internal

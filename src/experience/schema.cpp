@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/schema.h"
 
-#include "experience/row_codec.h"
+#include "experience/experience_table.h"
 
 #include <fmt/format.h>
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -18,44 +19,69 @@ struct Table {
   std::string_view sql;  ///< as SQLite keeps it, so that a changed schema is noticed
 };
 
+constexpr Table kSpace = {
+    "space",
+    "CREATE TABLE space ("
+    "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, robot_hash TEXT NOT NULL, "
+    "decomposer TEXT NOT NULL, joint_count INTEGER NOT NULL, key_size INTEGER NOT NULL, "
+    "checksum INTEGER NOT NULL) STRICT"};
+
 // In alphabetical order of names.
-constexpr std::array kTables = {
-    Table{
-        "experience",
-        "CREATE TABLE experience ("
-        "id INTEGER PRIMARY KEY, key BLOB NOT NULL, means BLOB NOT NULL, factor_rows BLOB NOT "
-        "NULL, "
-        "factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings TEXT NOT NULL, "
-        "seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
-    Table{"space",
-          "CREATE TABLE space ("
-          "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, robot_hash TEXT NOT "
-          "NULL, "
-          "decomposer TEXT NOT NULL, joint_count INTEGER NOT NULL, key_size INTEGER NOT NULL, "
-          "checksum INTEGER NOT NULL) STRICT"},
+constexpr std::array kTables1 = {
+    Table{"experience",
+          "CREATE TABLE experience ("
+          "id INTEGER PRIMARY KEY, key BLOB NOT NULL, means BLOB NOT NULL, factor_rows BLOB NOT "
+          "NULL, factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings TEXT "
+          "NOT NULL, seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
+    kSpace,
     Table{"tally",
           "CREATE TABLE tally ("
           "id INTEGER PRIMARY KEY CHECK (id = 1), row_count INTEGER NOT NULL, digest INTEGER NOT "
-          "NULL) "
-          "STRICT"},
+          "NULL) STRICT"},
 };
 
-// Three rows of seventy means of an eight-joint arm fill such a page; of 4096 bytes one row would
-// waste half.
-constexpr const char* kPageSize = "PRAGMA page_size = 8192";
+// Keys stand apart from mixtures, so that an index over all keys reads a tenth of the bytes.
+constexpr std::array kTables2 = {
+    Table{"experience",
+          "CREATE TABLE experience ("
+          "id INTEGER PRIMARY KEY, generation INTEGER NOT NULL, cell INTEGER NOT NULL, content "
+          "BLOB NOT NULL, components INTEGER NOT NULL, key BLOB NOT NULL, checksum INTEGER NOT "
+          "NULL) STRICT"},
+    Table{"experience_content", "CREATE INDEX experience_content ON experience (content)"},
+    Table{"head",
+          "CREATE TABLE head ("
+          "id INTEGER PRIMARY KEY CHECK (id = 1), generation INTEGER NOT NULL, epoch INTEGER NOT "
+          "NULL, last_row INTEGER NOT NULL, last_tombstone INTEGER NOT NULL, row_count INTEGER "
+          "NOT NULL, row_digest INTEGER NOT NULL, tombstone_count INTEGER NOT NULL, "
+          "tombstone_digest INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT"},
+    Table{"mixture",
+          "CREATE TABLE mixture ("
+          "id INTEGER PRIMARY KEY, cell INTEGER NOT NULL, means BLOB NOT NULL, factor_rows BLOB "
+          "NOT NULL, factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings "
+          "TEXT NOT NULL, seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) "
+          "STRICT"},
+    kSpace,
+    Table{"tombstone",
+          "CREATE TABLE tombstone ("
+          "id INTEGER PRIMARY KEY, row INTEGER NOT NULL, generation INTEGER NOT NULL, reason TEXT "
+          "NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
+    Table{"tombstone_row", "CREATE INDEX tombstone_row ON tombstone (row)"},
+};
 
-std::int64_t checksum_of(const ExperienceSpace& space) {
-  const std::string text = fmt::format("{}\n{}\n{}\n{}\n{}", space.robot_name, space.robot_hash,
-                                       space.decomposer, space.joint_count, space.key_size);
-  return hash_bytes(std::as_bytes(std::span(text)));
+std::span<const Table> tables_of(std::int64_t version) {
+  if (version == 1) return kTables1;
+  return kTables2;
 }
+
+// Nine mixtures of 24 means of an eight-joint arm fill such a page.
+constexpr const char* kPageSize = "PRAGMA page_size = 8192";
 
 tl::unexpected<Error> damaged(const Connection& connection, std::string_view what) {
   return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
 }
 
-/// Errors unless the tables are exactly those of kTables.
-Result<void> check_tables(Connection& connection) {
+/// Errors unless the tables are exactly `tables`.
+Result<void> check_tables(Connection& connection, std::span<const Table> tables) {
   auto statement = connection.prepare(
       "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY name");
   if (!statement) return tl::unexpected(statement.error());
@@ -64,39 +90,32 @@ Result<void> check_tables(Connection& connection) {
     const auto has_row = statement->step();
     if (!has_row) return tl::unexpected(has_row.error());
     if (!*has_row) break;
-    if (count >= kTables.size() || statement->text(0) != kTables[count].name ||
-        statement->text(1) != kTables[count].sql) {
+    if (count >= tables.size() || statement->text(0) != tables[count].name ||
+        statement->text(1) != tables[count].sql) {
       return damaged(connection, fmt::format("the table '{}' is not one that mneme creates",
                                              statement->text(0)));
     }
   }
-  if (count == kTables.size()) return {};
-  return damaged(connection, fmt::format("the table '{}' is missing", kTables[count].name));
-}
-
-Result<void> write_space(Connection& connection, const ExperienceSpace& space) {
-  auto insert = connection.prepare("INSERT INTO space VALUES (1, ?, ?, ?, ?, ?, ?)");
-  if (!insert) return tl::unexpected(insert.error());
-  insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.decomposer);
-  insert->bind(4, space.joint_count).bind(5, space.key_size).bind(6, checksum_of(space));
-  const auto inserted = insert->step();
-  if (!inserted) return tl::unexpected(inserted.error());
-  return connection.execute("INSERT INTO tally VALUES (1, 0, 0)");
-}
-
-Result<void> write_tables(Connection& connection) {
-  for (const Table& table : kTables) {
-    const auto created = connection.execute(std::string(table.sql).c_str());
-    if (!created) return created;
-  }
-  return connection.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
-                                        kApplicationId, kSchemaVersion)
-                                .c_str());
+  if (count == tables.size()) return {};
+  return damaged(connection, fmt::format("the table '{}' is missing", tables[count].name));
 }
 
 }  // namespace
 
-Result<FileKind> identify(Connection& connection) {
+tl::unexpected<Error> refuse_newer(const std::string& name, std::int64_t version) {
+  return fail(ErrorCode::unsupported,
+              fmt::format("{}: written by a newer mneme (schema {}; this one reads up to {})", name,
+                          version, kSchemaVersion));
+}
+
+tl::unexpected<Error> refuse_older(const std::string& name, std::int64_t version) {
+  return fail(ErrorCode::unsupported,
+              fmt::format("{}: has schema {}, which this mneme only reads; `mneme db migrate {}` "
+                          "brings it to schema {}, after a copy",
+                          name, version, name, kSchemaVersion));
+}
+
+Result<int> identify(Connection& connection) {
   std::array<std::int64_t, 4> facts{};
   constexpr std::array kQuestions = {"SELECT count(*) FROM sqlite_schema", "PRAGMA application_id",
                                      "PRAGMA user_version", "PRAGMA page_count"};
@@ -108,20 +127,36 @@ Result<FileKind> identify(Connection& connection) {
   const auto [table_count, application, version, page_count] = facts;
   const bool is_stranger = application != kApplicationId;
   if (table_count == 0 && page_count <= 1 && version == 0 && (application == 0 || !is_stranger)) {
-    return FileKind::empty;
+    return 0;
   }
   if (is_stranger) return damaged(connection, "an SQLite file, but no mneme database");
-  if (version > kSchemaVersion) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("{}: written by a newer mneme (schema {}; this one reads up to {})",
-                            connection.path(), version, kSchemaVersion));
-  }
-  if (version != kSchemaVersion) {
+  if (version > kSchemaVersion) return refuse_newer(connection.path(), version);
+  if (version < 1) {
     return damaged(connection, fmt::format("schema {} was never in use", version));
   }
-  const auto checked = check_tables(connection);
-  if (!checked) return tl::unexpected(checked.error());
-  return FileKind::database;
+  return check_tables(connection, tables_of(version)).map([v = version] {
+    return static_cast<int>(v);
+  });
+}
+
+Result<void> create_tables(Connection& connection) {
+  for (const Table& table : kTables2) {
+    const auto created = connection.execute(std::string(table.sql).c_str());
+    if (!created) return created;
+  }
+  return connection.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                        kApplicationId, kSchemaVersion)
+                                .c_str());
+}
+
+Result<void> write_space(Connection& connection, const ExperienceSpace& space) {
+  auto insert = connection.prepare("INSERT INTO space VALUES (1, ?, ?, ?, ?, ?, ?)");
+  if (!insert) return tl::unexpected(insert.error());
+  insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.decomposer);
+  insert->bind(4, space.joint_count).bind(5, space.key_size).bind(6, checksum_of(space));
+  const auto inserted = insert->step();
+  if (!inserted) return tl::unexpected(inserted.error());
+  return {};
 }
 
 Result<void> create_schema(Connection& connection, const ExperienceSpace& space) {
@@ -129,11 +164,12 @@ Result<void> create_schema(Connection& connection, const ExperienceSpace& space)
   if (!sized) return sized;
   auto transaction = Transaction::begin(connection, Transaction::Kind::write);
   if (!transaction) return tl::unexpected(transaction.error());
-  const auto kind = identify(connection);
-  if (!kind) return tl::unexpected(kind.error());
-  if (*kind == FileKind::database) return {};
-  return write_tables(connection)
+  const auto version = identify(connection);
+  if (!version) return tl::unexpected(version.error());
+  if (*version != 0) return {};
+  return create_tables(connection)
       .and_then([&] { return write_space(connection, space); })
+      .and_then([&] { return write_head(connection, StoreState{}); })
       .and_then([&] { return transaction->commit(); });
 }
 

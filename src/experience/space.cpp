@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/space.h"
 
+#include "experience/text_encoding.h"
 #include "primitive/decomposers.h"
 
 #include <fmt/format.h>
@@ -31,8 +32,8 @@ Result<ExperienceSpace> make_space(const Robot& robot, const std::string& decomp
   const std::string& name = decomposer.empty() ? default_decomposer(robot) : decomposer;
   return internal::find_decomposer(name).map([&](const internal::Decomposer* found) {
     const bool is_of_robot = found->key_size == internal::kSizeOfRobot;
-    return ExperienceSpace{robot.name(), robot.hash(), std::string(found->version),
-                           robot.joint_count(),
+    return ExperienceSpace{internal::storable_text(robot.name()), robot.hash(),
+                           std::string(found->version), robot.joint_count(),
                            is_of_robot ? query_key_size(robot) : found->key_size};
   });
 }

@@ -141,6 +141,7 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   Connection connection;
   connection.path_ = std::make_unique<const std::string>(path);
   connection.handle_.reset(handle);
+  connection.is_immutable_ = access == Access::immutable;
   if (status != SQLITE_OK) return sqlite_error(path, handle, status);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
@@ -187,6 +188,22 @@ Result<void> Connection::enter_wal_mode() {
 }
 
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_.get(), "main") == 1; }
+
+Result<void> Connection::copy_from(Connection& source) {
+  constexpr int kPauseMs = 10;
+  sqlite3_backup* backup = sqlite3_backup_init(handle_.get(), "main", source.handle_.get(), "main");
+  if (backup == nullptr) return sqlite_error(*path_, handle_.get(), sqlite3_errcode(handle_.get()));
+  int status = SQLITE_BUSY;
+  for (int waited_ms = 0; status == SQLITE_BUSY || status == SQLITE_LOCKED; waited_ms += kPauseMs) {
+    status = sqlite3_backup_step(backup, -1);
+    if (waited_ms >= kBusyTimeoutMs) break;
+    if (status == SQLITE_BUSY || status == SQLITE_LOCKED) sqlite3_sleep(kPauseMs);
+  }
+  const int finished = sqlite3_backup_finish(backup);
+  if (status != SQLITE_DONE) return sqlite_error(*path_, nullptr, status);
+  if (finished != SQLITE_OK) return sqlite_error(*path_, nullptr, finished);
+  return {};
+}
 
 Result<Transaction> Transaction::begin(Connection& connection, Kind kind) {
   const auto begun = connection.execute(kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");

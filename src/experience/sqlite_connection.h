@@ -68,6 +68,10 @@ class Connection {
   [[nodiscard]] Result<void> enter_wal_mode();
   /// True if the operating system lets this process only read the file.
   [[nodiscard]] bool is_read_only() const;
+  /// True if it was opened as `immutable`.
+  [[nodiscard]] bool is_immutable() const { return is_immutable_; }
+  /// Makes the file, in one transaction, a copy of what `source` holds, page by page.
+  [[nodiscard]] Result<void> copy_from(Connection& source);
 
  private:
   struct Close {
@@ -76,6 +80,7 @@ class Connection {
   // On the heap because statements keep pointing to it when the connection moves.
   std::unique_ptr<const std::string> path_;
   std::unique_ptr<sqlite3, Close> handle_;
+  bool is_immutable_ = false;
 };
 
 /// A transaction that rolls back unless it was committed.

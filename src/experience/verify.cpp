@@ -2,66 +2,123 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
-#include "experience/database_file.h"
-#include "experience/experience_table.h"
+#include "experience/open_store.h"
 #include "experience/schema.h"
+#include "experience/store_reads.h"
+#include "experience/store_writes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace mneme {
 namespace {
 
-using internal::Connection;
+using internal::Store;
 
-/// Takes what says that the file is damaged as a finding; anything else ends the verification.
-Result<void> note(const Error& error, std::vector<Damage>& damages) {
+/// Damage, and how deep it goes.
+struct Findings {
+  std::vector<Damage> damages;
+  bool is_structural = false;  ///< not only rows are damaged
+};
+
+/// Takes what says that the database is damaged as a finding; anything else ends the verification.
+Result<void> note(const Error& error, Findings& findings) {
   if (error.code != ErrorCode::corrupt) return tl::unexpected(error);
-  damages.push_back({0, error.message});
+  findings.damages.push_back({0, error.message, false});
   return {};
 }
 
-Result<void> verify_pages(Connection& connection, std::vector<Damage>& damages) {
-  auto statement = connection.prepare("PRAGMA integrity_check");
-  if (!statement) return note(statement.error(), damages);
-  for (;;) {
-    const auto has_row = statement->step();
-    if (!has_row) return note(has_row.error(), damages);
-    if (!*has_row) return {};
-    if (statement->text(0) != "ok") damages.push_back({0, std::string(statement->text(0))});
-  }
+Result<void> verify_structure(Store& store, Findings& findings) {
+  const auto checked = store.check_structure(findings.damages);
+  findings.is_structural = !checked || !findings.damages.empty();
+  return checked ? Result<void>() : note(checked.error(), findings);
 }
 
-Result<void> verify_rows(Connection& connection, std::vector<Damage>& damages) {
-  const auto space = internal::read_space(connection);
-  if (!space) return note(space.error(), damages);
-  const auto read = internal::read_rows(connection, [&](const internal::StoredRow& row) {
-    Experience experience;
-    if (const auto flaw = internal::decode(row.content, row.checksum, *space, experience)) {
-      damages.push_back({row.id, *flaw});
+Result<void> verify_rows(Store& store, const ExperienceSpace& space, Findings& findings) {
+  const auto read =
+      internal::read_changes(store, {}, internal::RowParts::all, [&](const auto& row) {
+        Experience experience;
+        if (const auto flaw = internal::decode(row, space, experience)) {
+          findings.damages.push_back({row.id, *flaw, false});
+        }
+        return Result<void>();
+      });
+  return read ? Result<void>() : note(read.error(), findings);
+}
+
+Result<void> verify_orphans(Store& store, Findings& findings) {
+  const auto transaction = store.begin(Store::Kind::read);
+  if (!transaction) return note(transaction.error(), findings);
+  const auto orphans = (*transaction)->find_orphans();
+  if (!orphans) return note(orphans.error(), findings);
+  for (const std::int64_t id : *orphans) {
+    findings.damages.push_back({id, "its key is missing", false});
+  }
+  return {};
+}
+
+/// A tombstone that changed could revive a row or hide one.
+Result<void> verify_tombstones(Store& store, Findings& findings) {
+  const auto transaction = store.begin(Store::Kind::read);
+  if (!transaction) return note(transaction.error(), findings);
+  const auto read = (*transaction)->read_tombstones(0, [&](const internal::Tombstone& tombstone) {
+    if (internal::checksum_of(tombstone) != tombstone.checksum) {
+      findings.damages.push_back({0, fmt::format("tombstone {} is damaged", tombstone.id), false});
+      findings.is_structural = true;
     }
     return Result<void>();
   });
-  return read ? Result<void>() : note(read.error(), damages);
+  return read ? Result<void>() : note(read.error(), findings);
 }
 
-Result<void> verify(Connection& connection, std::vector<Damage>& damages) {
-  auto transaction = internal::Transaction::begin(connection, internal::Transaction::Kind::read);
-  if (!transaction) return note(transaction.error(), damages);
-  const auto kind = internal::identify(connection);
-  if (!kind) return note(kind.error(), damages);
-  if (*kind == internal::FileKind::empty) return {};
-  return verify_pages(connection, damages).and_then([&] {
-    return verify_rows(connection, damages);
-  });
+Result<Findings> verify(const std::string& url) {
+  Findings findings;
+  const auto opened = internal::inspect_store(url);
+  if (!opened) {
+    findings.is_structural = true;
+    return note(opened.error(), findings).map([&] { return findings; });
+  }
+  if (opened->schema_version == 0) return findings;
+  Store& store = *opened->store;
+  return verify_structure(store, findings)
+      .and_then([&] { return verify_rows(store, opened->space, findings); })
+      .and_then([&] { return verify_orphans(store, findings); })
+      .and_then([&] { return verify_tombstones(store, findings); })
+      .map([&] { return findings; });
+}
+
+/// Leaves a store that can be used. Names in `findings` also what was found only by then.
+Result<void> cure(const std::string& url, Findings& findings) {
+  const auto opened = internal::inspect_store(url);
+  if (!opened) return tl::unexpected(opened.error());
+  if (findings.is_structural || opened->schema_version != internal::kSchemaVersion) {
+    return opened->store->rebuild(findings.damages).map([](const std::string&) {});
+  }
+  const auto store = internal::open_store(url, OpenMode::read_write);
+  if (!store) return tl::unexpected(store.error());
+  std::vector<internal::Burial> burials;
+  for (const Damage& damage : findings.damages) {
+    if (damage.id != 0) burials.push_back({damage.id, "damaged: " + damage.what});
+  }
+  return internal::quarantine_rows(**store, burials);
 }
 
 }  // namespace
 
-Result<std::vector<Damage>> verify_database(const std::string& path) {
-  std::vector<Damage> damages;
-  auto connection = internal::open_for_reading(path);
-  const auto verified =
-      connection ? verify(*connection, damages) : note(connection.error(), damages);
-  if (!verified) return tl::unexpected(verified.error());
-  return damages;
+Result<std::vector<Damage>> verify_database(const std::string& url, VerifyMode mode) {
+  auto found = verify(url);
+  if (!found) return tl::unexpected(found.error());
+  if (found->damages.empty() || mode == VerifyMode::report) return found->damages;
+  const auto cured = cure(url, *found);
+  if (!cured) {
+    found->damages.push_back({0, "nothing was set aside: " + cured.error().message, false});
+    return found->damages;
+  }
+  const auto again = verify(url);
+  if (!again) return tl::unexpected(again.error());
+  for (Damage& damage : found->damages) damage.is_quarantined = again->damages.empty();
+  return found->damages;
 }
 
 }  // namespace mneme

@@ -29,11 +29,11 @@ TEST_SUITE("unit") {
       Database database = open_database(directory / "a.db");
       CHECK(database.size() == 0);
       CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7});
-      CHECK(database.insert({rows[0]}) == std::vector<std::int64_t>{8});
+      rows.push_back(random_experience(rng));
+      CHECK(database.insert({rows[7]}) == std::vector<std::int64_t>{8});
       CHECK(database.size() == 8);
     }
     rows[3].sampler.joint_count = 3;
-    rows.push_back(rows[0]);
     for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
       const Database database = open_database(directory / "a.db", mode);
       REQUIRE(database.size() == 8);
@@ -54,7 +54,9 @@ TEST_SUITE("unit") {
     CHECK(info.samplers == 3);
     CHECK(info.components == 15);
     CHECK(info.bytes > 8192);
-    CHECK(info.schema_version == 1);
+    CHECK(info.schema_version == 2);
+    CHECK(info.generation == 1);
+    CHECK(info.tombstones == 0);
     CHECK(info.space.robot_name == "arm");
   }
 
@@ -187,6 +189,113 @@ TEST_SUITE("unit") {
     LocalPrimitive primitive;
     primitive.key = {1, 2, 3};
     CHECK(database.find(primitive, 1e9, 0).empty());
+  }
+
+  TEST_CASE("what is there already is not added again, within a batch or later") {
+    const TemporaryDirectory directory;
+    Rng rng(64);
+    Database database = open_database(directory / "a.db");
+    auto rows = random_rows(rng, 2);
+    rows.push_back(rows[0]);
+    rows[2].provenance.time = "2021-01-01T00:00:00Z";
+    rows[2].provenance.tool = "another";
+    CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2, 1});
+    CHECK(database.insert({rows[1]}) == std::vector<std::int64_t>{2});
+    CHECK(database.size() == 2);
+    CHECK(database.info().generation == 1);
+    ++rows[1].provenance.seed;
+    CHECK(database.insert({rows[1]}) == std::vector<std::int64_t>{3});
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 3);
+  }
+
+  TEST_CASE("refresh reads what another process added, and only that") {
+    const TemporaryDirectory directory;
+    Rng rng(65);
+    Database writer = open_database(directory / "a.db");
+    Database reader = open_database(directory / "a.db", OpenMode::read_only);
+    CHECK(reader.refresh() == 0);
+    const auto rows = random_rows(rng, 5);
+    REQUIRE(writer.insert(rows));
+    CHECK(reader.size() == 0);
+    CHECK(reader.refresh() == 5);
+    CHECK(reader.refresh() == 0);
+    REQUIRE(reader.size() == 5);
+    for (int i = 0; i < 5; ++i) {
+      CHECK(is_same_content(reader.get(i), rows[static_cast<std::size_t>(i)]));
+      CHECK(reader.find(make_primitive(rows[static_cast<std::size_t>(i)].key), 1e-9, 1).size() ==
+            1);
+    }
+    CHECK(reader.info().generation == writer.info().generation);
+  }
+
+  TEST_CASE("a writer sees the rows of others once it inserts") {
+    const TemporaryDirectory directory;
+    Rng rng(66);
+    Database first = open_database(directory / "a.db");
+    Database second = open_database(directory / "a.db");
+    REQUIRE(first.insert(random_rows(rng, 2)));
+    CHECK(second.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{3});
+    REQUIRE(second.size() == 3);
+    for (int i = 0; i < 3; ++i) CHECK(second.get(i).id == i + 1);
+    CHECK(first.refresh() == 1);
+  }
+
+  TEST_CASE("rows that are set aside vanish at the next refresh, and matches stay valid") {
+    const TemporaryDirectory directory;
+    Rng rng(67);
+    Database writer = open_database(directory / "a.db");
+    const auto rows = random_rows(rng, 4);
+    REQUIRE(writer.insert(rows));
+    Database reader = open_database(directory / "a.db", OpenMode::read_only);
+    const auto matches = reader.find(make_primitive(rows[1].key), 1e-9, 1);
+    REQUIRE(matches.size() == 1);
+    run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
+    REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
+    CHECK(reader.refresh() == 0);
+    CHECK(reader.size() == 3);
+    CHECK(reader.find(make_primitive(rows[1].key), 1e-9, 1).empty());
+    CHECK(reader.find(make_primitive(rows[3].key), 1e-9, 1).size() == 1);
+    CHECK(is_same_content(*matches[0].experience, rows[1]));
+    CHECK(reader.info().components == 15);
+
+    // The same again after the rows are gone for good, and with the sound row back.
+    CHECK(writer.insert({rows[1]}) == std::vector<std::int64_t>{5});
+    REQUIRE(compact_database(directory / "a.db").has_value());
+    CHECK(reader.refresh() == 1);
+    CHECK(writer.refresh() == 0);
+    for (const Database* database : {&reader, &writer}) {
+      CHECK(database->size() == 4);
+      CHECK(database->info().tombstones == 0);
+      CHECK(database->find(make_primitive(rows[1].key), 1e-9, 0).size() == 1);
+    }
+  }
+
+  TEST_CASE("an empty database of another robot is refused once that robot fills it") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
+    Database reader = open_database(directory / "a.db", OpenMode::read_only);
+    CHECK(reader.refresh() == 0);
+    ExperienceSpace other = arm_space();
+    other.robot_hash = "other";
+    REQUIRE(Database::open(directory / "a.db", other, OpenMode::create).has_value());
+    const auto refreshed = reader.refresh();
+    REQUIRE(!refreshed.has_value());
+    CHECK(refreshed.error().code == ErrorCode::wrong_robot);
+  }
+
+  TEST_CASE("text that would be SQL elsewhere is stored as it is") {
+    const TemporaryDirectory directory;
+    const std::string attack = "x'); DROP TABLE experience; DELETE FROM mixture; --\"\\ $1 ?1";
+    Rng rng(68);
+    ExperienceSpace space{attack, attack, attack, 3, 6};
+    Experience row = random_experience(rng);
+    row.provenance = {attack, attack, 1, attack};
+    const std::string path = directory / "a'; DROP TABLE x; --.db";
+    REQUIRE(Database::open(path, space, OpenMode::create)->insert({row}).has_value());
+    const auto database = Database::open(path, space, OpenMode::read_only);
+    REQUIRE(database.has_value());
+    CHECK(is_same_content(database->get(0), row));
+    CHECK(database->space().robot_name == attack);
   }
 
   TEST_CASE("a database that is read while another writes shows what was complete by then") {

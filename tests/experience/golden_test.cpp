@@ -22,17 +22,48 @@ std::vector<Experience> golden_rows() {
 }  // namespace
 
 TEST_SUITE("flow") {
-  TEST_CASE("a database that the first version wrote can be read and added to for ever") {
+  TEST_CASE("a database that the first version wrote can be read, and added to once migrated") {
     const TemporaryDirectory directory;
     const std::string path = directory / "a.db";
     std::filesystem::copy_file(source_file("tests/experience/schema1.db"), path);
+    const auto rows = golden_rows();
+    {
+      const Database database = open_database(path, OpenMode::read_only);
+      REQUIRE(database.size() == 2);
+      CHECK(database.info().schema_version == 1);
+      CHECK(is_same_content(database.get(0), rows[0]));
+      CHECK(is_same_content(database.get(1), rows[1]));
+      CHECK(database.find(make_primitive(rows[0].key), 0.1, 1).size() == 1);
+    }
+    CHECK(verify_database(path)->empty());
+    const Error refused = open_error(path, OpenMode::read_write);
+    CHECK(refused.code == ErrorCode::unsupported);
+    CHECK(refused.message.find("mneme db migrate") != std::string::npos);
+
+    REQUIRE(migrate_database(path).has_value());
+    {
+      Rng rng(31);
+      Database database = open_database(path, OpenMode::read_write);
+      REQUIRE(database.size() == 2);
+      CHECK(is_same_content(database.get(0), rows[0]));
+      CHECK(is_same_content(database.get(1), rows[1]));
+      CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2});
+      CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{3});
+    }
+    CHECK(verify_database(path)->empty());
+  }
+
+  TEST_CASE("a database that the second version wrote can be read and added to for ever") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    std::filesystem::copy_file(source_file("tests/experience/schema2.db"), path);
     const auto rows = golden_rows();
     {
       Database database = open_database(path, OpenMode::read_write);
       REQUIRE(database.size() == 2);
       CHECK(is_same_content(database.get(0), rows[0]));
       CHECK(is_same_content(database.get(1), rows[1]));
-      CHECK(database.insert(rows) == std::vector<std::int64_t>{3, 4});
+      CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2});
     }
     CHECK(verify_database(path)->empty());
   }

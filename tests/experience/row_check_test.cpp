@@ -65,6 +65,17 @@ TEST_SUITE("unit") {
           "it refers to factor row -2 of 1");
   }
 
+  TEST_CASE("text that not every store can hold is a flaw") {
+    CHECK(flaw_after([](Experience& e) { e.provenance.tool = "caf\xe9"; }).find("tool") !=
+          std::string::npos);
+    CHECK(flaw_after([](Experience& e) {
+            e.provenance.settings = std::string("a\0b", 3);
+          }).find("settings") != std::string::npos);
+    CHECK(flaw_after([](Experience& e) {
+            e.provenance.settings = "'; DROP TABLE x; -- \u00e9";
+          }).empty());
+  }
+
   TEST_CASE("a number that is not finite is a flaw") {
     CHECK(flaw_after([](Experience& e) {
             e.sampler.means[4] = kNan;

@@ -9,6 +9,7 @@ namespace {
 
 using internal::checksum_of;
 using internal::decode;
+using internal::decode_columns;
 using internal::EncodedRow;
 
 Experience small_experience() {
@@ -43,28 +44,79 @@ TEST_SUITE("unit") {
     CHECK(internal::tally_mark(1, 2) == 571542372673154031);
   }
 
-  TEST_CASE("a row whose checksum does not fit is refused") {
+  TEST_CASE("the hashes that stand in a row never change either") {
     const Experience experience = small_experience();
     const EncodedRow row(experience);
-    const std::int64_t checksum = checksum_of(row.view());
-    Experience copy;
-    CHECK(!decode(row.view(), checksum, arm_space(), copy).has_value());
-    const auto flaw = decode(row.view(), checksum + 1, arm_space(), copy);
-    REQUIRE(flaw.has_value());
-    CHECK(flaw->find("checksum") != std::string::npos);
+    CHECK(internal::to_hex(row.content()) == "7b2dfe67b446fe07227aab256fbb5775");
+    CHECK(row.stored(1, 2).cell == 3478204592965225839);
+    CHECK(row.stored(1, 2).key_checksum == 1070493748339149471);
+    CHECK(row.stored(1, 2).mixture_checksum == 4749367856041309744);
   }
 
-  TEST_CASE("a row of another shape is refused even if its checksum fits") {
+  TEST_CASE("a row whose checksums do not fit, or whose parts are of two rows, is refused") {
+    const Experience experience = small_experience();
+    const EncodedRow row(experience);
+    const internal::StoredRow sound = row.stored(5, 1);
+    Experience copy;
+    CHECK(!decode(sound, arm_space(), copy).has_value());
+    CHECK(copy.id == 5);
+    const std::vector<std::function<void(internal::StoredRow&)>> changes = {
+        [](auto& r) { ++r.id; },
+        [](auto& r) { ++r.generation; },
+        [](auto& r) { ++r.cell; },
+        [](auto& r) { ++r.components; },
+        [](auto& r) { ++r.key_checksum; },
+        [](auto& r) { ++r.mixture_checksum; },
+        [](auto& r) { ++r.columns.seed; },
+        [](auto& r) { r.columns.time = "later"; },
+        [](auto& r) { r.content = r.content.first(15); },
+        [](auto& r) { r.flaw = "known before"; }};
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      INFO("change " << i);
+      internal::StoredRow changed = sound;
+      changes[i](changed);
+      CHECK(decode(changed, arm_space(), copy).has_value());
+    }
+    // Each record is sound, but they do not belong together.
+    Experience other = experience;
+    other.sampler.means[0] = 3;
+    const EncodedRow other_row(other);
+    internal::StoredRow mixed = sound;
+    mixed.columns.means = other_row.view().means;
+    mixed.mixture_checksum = internal::mixture_checksum(mixed);
+    CHECK(decode(mixed, arm_space(), copy).value_or("").find("another row") != std::string::npos);
+  }
+
+  TEST_CASE("a key can be decoded without its mixture") {
+    const Experience experience = small_experience();
+    const EncodedRow row(experience);
+    internal::StoredRow key = row.stored(5, 1);
+    key.columns.means = {};
+    Experience copy;
+    CHECK(!internal::decode_key(key, arm_space(), copy).has_value());
+    CHECK(copy.id == 5);
+    CHECK(copy.key == experience.key);
+    ExperienceSpace space = arm_space();
+    space.key_size = 5;
+    CHECK(internal::decode_key(key, space, copy).has_value());
+  }
+
+  TEST_CASE("columns of another shape are refused") {
     const Experience experience = small_experience();
     const EncodedRow row(experience);
     ExperienceSpace space = arm_space();
     space.joint_count = 2;
     Experience copy;
-    CHECK(decode(row.view(), checksum_of(row.view()), space, copy).has_value());
+    CHECK(decode_columns(row.view(), space, copy).has_value());
     internal::RowView cut = row.view();
     cut.means = cut.means.first(11);
-    CHECK(decode(cut, checksum_of(cut), arm_space(), copy) ==
-          "a column ends in the middle of a number");
+    CHECK(decode_columns(cut, arm_space(), copy) == "a column ends in the middle of a number");
+  }
+
+  TEST_CASE("keys within a metre share a cell, and those beyond do not") {
+    CHECK(internal::cell_of({0.1, 5, -0.2}) == internal::cell_of({0.9, 5.5, -0.9}));
+    CHECK(internal::cell_of({0.1, 5, -0.2}) != internal::cell_of({0.1, 5, 0.2}));
+    CHECK(internal::cell_of({1, 2}) != internal::cell_of({2, 1}));
   }
 }
 
@@ -75,7 +127,7 @@ TEST_SUITE("law") {
       const Experience experience = random_experience(rng, static_cast<int>(rng.index(20)));
       const EncodedRow row(experience);
       Experience copy;
-      const auto flaw = decode(row.view(), checksum_of(row.view()), arm_space(), copy);
+      const auto flaw = decode(row.stored(i + 1, 1), arm_space(), copy);
       REQUIRE_MESSAGE(!flaw.has_value(), flaw.value_or(""));
       REQUIRE(is_same_content(experience, copy));
     }
@@ -103,9 +155,26 @@ TEST_SUITE("law") {
       INFO("change " << i);
       CHECK(checksum_of(EncodedRow(changed).view()) != checksum);
     }
-    Experience renumbered = original;
-    renumbered.id = 99;
-    CHECK(checksum_of(EncodedRow(renumbered).view()) == checksum);
+  }
+
+  TEST_CASE("the content hash is that of key, mixture, settings and seed, and of nothing else") {
+    const Experience original = small_experience();
+    const auto hash = EncodedRow(original).content();
+    const auto hash_after = [&](const std::function<void(Experience&)>& change) {
+      Experience changed = original;
+      change(changed);
+      return EncodedRow(changed).content();
+    };
+    CHECK(hash == hash_after([](Experience& e) { e.id = 7; }));
+    CHECK(hash == hash_after([](Experience& e) { e.provenance.tool = "mneme 9"; }));
+    CHECK(hash == hash_after([](Experience& e) { e.provenance.time = "2030"; }));
+    CHECK(hash != hash_after([](Experience& e) { e.key[2] += 1e-12; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler.means[0] = -1; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler.factor_rows.clear(); }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler.factors[1] = 2; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler.origins[0] = 0; }));
+    CHECK(hash != hash_after([](Experience& e) { e.provenance.settings += "x"; }));
+    CHECK(hash != hash_after([](Experience& e) { ++e.provenance.seed; }));
   }
 }
 

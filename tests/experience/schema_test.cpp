@@ -8,7 +8,6 @@ namespace mneme::test {
 namespace {
 
 using internal::Connection;
-using internal::FileKind;
 
 Connection connect(const std::string& path) {
   auto connection = Connection::open(path, Connection::Access::create);
@@ -22,7 +21,7 @@ void create(const std::string& path) {
 }
 
 /// What becomes of a database when `sql` is done to it.
-Result<FileKind> kind_after(const std::string& sql) {
+Result<int> kind_after(const std::string& sql) {
   const TemporaryDirectory directory;
   create(directory / "a.db");
   run_sql(directory / "a.db", sql);
@@ -44,9 +43,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a file is empty before its schema is created and a database after") {
     const TemporaryDirectory directory;
     Connection connection = connect(directory / "a.db");
-    CHECK(internal::identify(connection) == FileKind::empty);
+    CHECK(internal::identify(connection) == 0);
     REQUIRE(internal::create_schema(connection, arm_space()));
-    CHECK(internal::identify(connection) == FileKind::database);
+    CHECK(internal::identify(connection) == internal::kSchemaVersion);
     const auto space = internal::read_space(connection);
     REQUIRE(space.has_value());
     CHECK(space->robot_name == "arm");
@@ -71,13 +70,13 @@ TEST_SUITE("unit") {
     create(directory / "a.db");
     Connection connection = connect(directory / "a.db");
     CHECK(connection.integer("PRAGMA application_id") == 0x6d6e656d);
-    CHECK(connection.integer("PRAGMA user_version") == 1);
+    CHECK(connection.integer("PRAGMA user_version") == 2);
     CHECK(connection.integer("PRAGMA page_size") == 8192);
   }
 
   TEST_CASE("a database of a newer schema is refused as such") {
     check_refused("PRAGMA user_version = 7", ErrorCode::unsupported,
-                  "written by a newer mneme (schema 7; this one reads up to 1)");
+                  "written by a newer mneme (schema 7; this one reads up to 2)");
   }
 
   TEST_CASE("a file that is no database of ours is refused") {
@@ -87,16 +86,27 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("tables that are not as they were created are damage") {
-    check_refused("DROP TABLE tally", ErrorCode::corrupt, "table 'tally' is missing");
+    check_refused("DROP INDEX tombstone_row", ErrorCode::corrupt,
+                  "table 'tombstone_row' is missing");
     check_refused("CREATE TABLE more (a)", ErrorCode::corrupt, "'more' is not one");
     check_refused("CREATE TRIGGER t AFTER INSERT ON experience BEGIN DELETE FROM experience; END",
                   ErrorCode::corrupt, "'t' is not one");
-    check_refused("ALTER TABLE experience RENAME COLUMN means TO means2", ErrorCode::corrupt,
+    check_refused("ALTER TABLE experience RENAME COLUMN key TO key2", ErrorCode::corrupt,
                   "'experience' is not one");
   }
 
+  TEST_CASE("the first version's tables are known, but not under another number") {
+    const TemporaryDirectory directory;
+    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), directory / "a.db");
+    Connection connection = connect(directory / "a.db");
+    CHECK(internal::identify(connection) == 1);
+    check_refused("PRAGMA user_version = 1", ErrorCode::corrupt, "is not one");
+    CHECK(internal::refuse_older("a.db", 1).value().message.find("mneme db migrate a.db") !=
+          std::string::npos);
+  }
+
   TEST_CASE("statistics that SQLite keeps for itself are no damage") {
-    CHECK(kind_after("ANALYZE") == FileKind::database);
+    CHECK(kind_after("ANALYZE") == internal::kSchemaVersion);
   }
 
   TEST_CASE("a changed or missing space is damage, not another robot") {

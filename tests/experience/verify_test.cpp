@@ -26,7 +26,7 @@ TEST_SUITE("unit") {
   TEST_CASE("every damaged row is listed with its id, and opening names the first") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    run_sql(directory / "a.db", "UPDATE experience SET seed = seed + 1 WHERE id IN (2, 5)");
+    run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id IN (2, 5)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(damages.has_value());
     REQUIRE(damages->size() == 2);
@@ -41,16 +41,72 @@ TEST_SUITE("unit") {
           std::string::npos);
   }
 
-  TEST_CASE("a missing row is damage to the file itself") {
+  TEST_CASE("rows that lost a part are named, and one that lost both is counted") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    run_sql(directory / "a.db", "DELETE FROM experience WHERE id = 6");
+    run_sql(directory / "a.db",
+            "DELETE FROM experience WHERE id IN (3, 6); DELETE FROM mixture WHERE id IN (4, 6)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 1);
-    CHECK(damages->at(0).id == 0);
-    CHECK(damages->at(0).what.find("holds 5 rows, but 6 were inserted") != std::string::npos);
+    REQUIRE(damages->size() == 3);
+    CHECK(damages->at(0).id == 4);
+    CHECK(damages->at(0).what.find("mixture is missing") != std::string::npos);
+    CHECK(damages->at(1).id == 0);
+    CHECK(damages->at(1).what.find("holds 4 rows, but 6 were inserted") != std::string::npos);
+    CHECK(damages->at(2).id == 3);
     CHECK(open_error(directory / "a.db").code == ErrorCode::corrupt);
+  }
+
+  TEST_CASE("reporting changes nothing, quarantine leaves what can be used") {
+    const TemporaryDirectory directory;
+    create(directory / "a.db");
+    run_sql(directory / "a.db",
+            "UPDATE mixture SET seed = seed + 1 WHERE id = 2;"
+            "UPDATE experience SET cell = cell + 1 WHERE id = 5");
+    CHECK(verify_database(directory / "a.db")->size() == 2);
+    // A changed checksum or key also changes what the head counts.
+    const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
+    REQUIRE(damages->size() == 2);
+    for (const Damage& damage : *damages) CHECK(damage.is_quarantined);
+    CHECK(verify_database(directory / "a.db")->empty());
+    Database database = open_database(directory / "a.db", OpenMode::read_write);
+    REQUIRE(database.size() == 4);
+    CHECK(database.get(1).id == 3);
+    CHECK(database.info().tombstones == 2);
+    Rng rng(73);
+    CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{7});
+  }
+
+  TEST_CASE("a head that does not fit the rows is written anew") {
+    for (const std::string change :
+         {"DELETE FROM head", "UPDATE head SET row_count = 7", "DELETE FROM mixture WHERE id = 6",
+          "UPDATE experience SET checksum = 5 WHERE id = 6", "UPDATE tombstone SET row = 1",
+          "DELETE FROM tombstone"}) {
+      const TemporaryDirectory directory;
+      create(directory / "a.db");
+      run_sql(directory / "a.db", "DELETE FROM mixture WHERE id = 1");
+      REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
+      run_sql(directory / "a.db", change);
+      INFO(change);
+      REQUIRE(!verify_database(directory / "a.db", VerifyMode::quarantine)->empty());
+      CHECK(verify_database(directory / "a.db")->empty());
+      Rng rng(74);
+      Database database = open_database(directory / "a.db", OpenMode::read_write);
+      CHECK(database.size() >= 4);
+      CHECK(database.get(0).id == 2);
+      CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{7});
+    }
+  }
+
+  TEST_CASE("what cannot be cured says why") {
+    const TemporaryDirectory directory;
+    create(directory / "a.db");
+    run_sql(directory / "a.db", "UPDATE space SET robot_hash = 'other'");
+    const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
+    REQUIRE(damages->size() == 2);
+    CHECK(!damages->at(0).is_quarantined);
+    CHECK(damages->at(0).what.find("names the robot is damaged") != std::string::npos);
+    CHECK(damages->at(1).what.find("nothing was set aside") == 0);
   }
 
   TEST_CASE("a file that is no database is damaged, and one that is not there is an error") {
@@ -81,7 +137,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a database of a newer mneme is refused rather than judged") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    run_sql(directory / "a.db", "PRAGMA user_version = 2");
+    run_sql(directory / "a.db", "PRAGMA user_version = 3");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(!damages.has_value());
     CHECK(damages.error().code == ErrorCode::unsupported);

@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "db_upkeep.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "mneme/experience.h"
+
+#include "console.h"
+#include "options.h"
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct UpkeepOptions {
+  std::string url;
+  std::vector<std::string> sources;
+  std::string file;
+  bool is_json = false;
+  bool is_report = false;
+};
+
+// verify
+
+ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages) {
+  Json rows = Json::array();
+  for (const Damage& damage : damages) {
+    if (!options.is_json) {
+      fmt::print("{}: {}{}\n", damage.id == 0 ? "database" : fmt::format("row {}", damage.id),
+                 damage.what, damage.is_quarantined ? " (set aside)" : "");
+    }
+    rows.push_back(
+        {{"id", damage.id}, {"what", damage.what}, {"is_quarantined", damage.is_quarantined}});
+  }
+  if (options.is_json) {
+    print_json({{"is_clean", damages.empty()}, {"damages", rows}});
+  } else if (damages.empty()) {
+    fmt::print("{} is sound\n", options.url);
+  } else if (damages.front().is_quarantined) {
+    fmt::print("what is left is sound\n");
+  }
+  return damages.empty() ? ExitCode::done : ExitCode::bad_database;
+}
+
+Result<ExitCode> run_verify(const UpkeepOptions& options) {
+  return verify_database(options.url,
+                         options.is_report ? VerifyMode::report : VerifyMode::quarantine)
+      .map([&](const std::vector<Damage>& damages) { return report(options, damages); });
+}
+
+// merge, export, import
+
+Json to_json(const MergeSummary& summary) {
+  return {{"read", summary.read}, {"added", summary.added}, {"replaced", summary.replaced}};
+}
+
+void print_summary(const UpkeepOptions& options, const MergeSummary& summary) {
+  if (options.is_json) return print_json(to_json(summary));
+  fmt::print("{} read, {} added, {} replaced by earlier ones\n",
+             counted(static_cast<std::size_t>(summary.read), "row", "rows"), summary.added,
+             summary.replaced);
+}
+
+Result<ExitCode> run_merge(const UpkeepOptions& options) {
+  MergeSummary total;
+  for (const std::string& source : options.sources) {
+    const Result<MergeSummary> summary = merge_databases(options.url, source);
+    if (!summary) return tl::unexpected(summary.error());
+    total.read += summary->read;
+    total.added += summary->added;
+    total.replaced += summary->replaced;
+  }
+  print_summary(options, total);
+  return ExitCode::done;
+}
+
+Result<ExitCode> run_export(const UpkeepOptions& options) {
+  return export_database(options.url, options.file).map([&](std::int64_t rows) {
+    if (options.is_json) {
+      print_json({{"rows", rows}, {"file", options.file}});
+    } else {
+      fmt::print("{} written to {}\n", counted(static_cast<std::size_t>(rows), "row", "rows"),
+                 options.file);
+    }
+    return ExitCode::done;
+  });
+}
+
+Result<ExitCode> run_import(const UpkeepOptions& options) {
+  return import_database(options.url, options.file).map([&](const MergeSummary& summary) {
+    print_summary(options, summary);
+    return ExitCode::done;
+  });
+}
+
+// compact, migrate
+
+Result<ExitCode> run_compact(const UpkeepOptions& options) {
+  return compact_database(options.url).map([&](const CompactSummary& summary) {
+    if (options.is_json) {
+      print_json({{"removed", summary.removed},
+                  {"bytes_before", summary.bytes_before},
+                  {"bytes_after", summary.bytes_after}});
+    } else {
+      fmt::print("{} removed, {} bytes before, {} bytes after\n",
+                 counted(static_cast<std::size_t>(summary.removed), "row", "rows"),
+                 summary.bytes_before, summary.bytes_after);
+    }
+    return ExitCode::done;
+  });
+}
+
+void print_migration(const MigrateSummary& summary) {
+  if (summary.from == summary.to) {
+    fmt::print("schema version {}: nothing to do\n", summary.to);
+    return;
+  }
+  fmt::print("schema version {} to {}: {} moved, the file as it was is {}\n", summary.from,
+             summary.to, counted(static_cast<std::size_t>(summary.rows), "row", "rows"),
+             summary.copy);
+  if (summary.duplicates > 0) fmt::print("{} repetitions left out\n", summary.duplicates);
+  for (const Damage& damage : summary.left_out) {
+    fmt::print("row {} left out: {}\n", damage.id, damage.what);
+  }
+}
+
+Result<ExitCode> run_migrate(const UpkeepOptions& options) {
+  return migrate_database(options.url).map([&](const MigrateSummary& summary) {
+    if (!options.is_json) {
+      print_migration(summary);
+      return ExitCode::done;
+    }
+    Json left_out = Json::array();
+    for (const Damage& damage : summary.left_out) {
+      left_out.push_back({{"id", damage.id}, {"what", damage.what}});
+    }
+    print_json({{"from", summary.from},
+                {"to", summary.to},
+                {"copy", summary.copy},
+                {"rows", summary.rows},
+                {"duplicates", summary.duplicates},
+                {"left_out", left_out}});
+    return ExitCode::done;
+  });
+}
+
+/// Adds subcommands that share their options.
+class Upkeep {
+ public:
+  Upkeep(CLI::App& group, Action& action) : group_(group), action_(action) {}
+
+  CLI::App& add(const std::string& name, const std::string& description, const std::string& example,
+                Result<ExitCode> (*run)(const UpkeepOptions&)) {
+    CLI::App* command = group_.add_subcommand(name, description);
+    command->footer("Example:\n  mneme db " + name + " " + example);
+    command->add_option("URL", options_->url, "SQLite file, or postgresql://...")->required();
+    add_json(*command, options_->is_json);
+    command->callback([options = options_, run, &action = action_] {
+      action = [options, run] { return run(*options); };
+    });
+    return *command;
+  }
+
+  void add_file(CLI::App& command) {
+    command.add_option("FILE", options_->file, "JSON lines (.jsonl) or NumPy arrays (.npz)")
+        ->required();
+  }
+  UpkeepOptions& options() { return *options_; }
+
+ private:
+  CLI::App& group_;
+  Action& action_;
+  std::shared_ptr<UpkeepOptions> options_ = std::make_shared<UpkeepOptions>();
+};
+
+}  // namespace
+
+void add_db_upkeep(CLI::App& group, Action& action) {
+  Upkeep upkeep(group, action);
+  upkeep
+      .add("verify", "Check structure and checksums; name damaged rows and set them aside",
+           "planar.db", run_verify)
+      .add_flag("--report", upkeep.options().is_report, "only report: change nothing");
+  upkeep
+      .add("merge", "Add the rows of other databases: a union of sets", "all.db part1.db part2.db",
+           run_merge)
+      .add_option("FROM", upkeep.options().sources, "databases to add to URL")
+      ->required();
+  upkeep.add_file(
+      upkeep.add("export", "Write all rows to a file", "planar.db planar.npz", run_export));
+  upkeep.add_file(
+      upkeep.add("import", "Add the rows of a file", "planar.db planar.npz", run_import));
+  upkeep.add("compact", "Remove what was set aside and give its space back", "planar.db",
+             run_compact);
+  upkeep.add("migrate", "Bring an older database to the present schema, after a copy", "planar.db",
+             run_migrate);
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,234 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/experience.h"
+
+#include "experience/json_rows.h"
+#include "experience/merge_rows.h"
+#include "experience/new_file.h"
+#include "experience/npz_rows.h"
+#include "experience/open_store.h"
+#include "experience/row_check.h"
+#include "experience/store_reads.h"
+#include "experience/zip_file.h"
+#include "scene/text_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <system_error>
+
+namespace mneme {
+namespace {
+
+enum class Format { json_lines, npz };
+
+Result<Format> format_of(const std::string& path) {
+  if (path.ends_with(".npz")) return Format::npz;
+  if (path.ends_with(".jsonl") || path == "/dev/stdout" || path == "/dev/stdin") {
+    return Format::json_lines;
+  }
+  return fail(
+      ErrorCode::invalid,
+      fmt::format("{}: expected a name that ends in .jsonl (JSON lines) or .npz (NumPy)", path));
+}
+
+// export
+
+using Visitor = std::function<Result<void>(std::span<const Experience>)>;
+
+Result<void> write_json_lines(internal::NewFile& file, const ExperienceSpace& space,
+                              const std::function<Result<void>(const Visitor&)>& visit_all) {
+  return file.write(internal::json_of(space) + "\n").and_then([&] {
+    return visit_all([&](std::span<const Experience> rows) -> Result<void> {
+      for (const Experience& row : rows) {
+        const auto written = file.write(internal::json_of(row) + "\n");
+        if (!written) return written;
+      }
+      return {};
+    });
+  });
+}
+
+Result<void> write_npz(internal::NewFile& file, const ExperienceSpace& space,
+                       const std::function<Result<void>(const Visitor&)>& visit_all) {
+  internal::NpzColumns columns(space);
+  const auto visited = visit_all([&](std::span<const Experience> rows) {
+    for (const Experience& row : rows) columns.add(row);
+    return Result<void>();
+  });
+  if (!visited) return visited;
+  internal::ZipWriter zip(file);
+  for (const auto& [name, array] : columns.arrays()) {
+    const auto added = zip.add(name + ".npy", internal::npy_header(array), array.bytes);
+    if (!added) return added;
+  }
+  return zip.finish();
+}
+
+// import
+
+/// Rows on their way into a database.
+class Import {
+ public:
+  Import(const std::string& url, const std::string& path) : url_(url), path_(path) {}
+
+  Result<void> open(const ExperienceSpace& space) {
+    auto opened = internal::open_store_of(url_, space, OpenMode::create);
+    if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url_));
+    opened_ = std::move(*opened);
+    return {};
+  }
+
+  /// `where` names the row in messages.
+  Result<void> add(Experience row, const std::string& where) {
+    if (const auto flaw = internal::describe_flaw(row, opened_.space)) {
+      return fail(ErrorCode::parse, fmt::format("{}: {}: {}", path_, where, *flaw));
+    }
+    row.sampler.joint_count = opened_.space.joint_count;
+    rows_.push_back(std::move(row));
+    constexpr std::size_t kRowsAtOnce = 500;
+    return rows_.size() < kRowsAtOnce ? Result<void>() : flush();
+  }
+
+  Result<MergeSummary> finish() {
+    return flush().map([&] { return summary_; });
+  }
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  Result<void> flush() {
+    const auto merged = internal::merge_rows(*opened_.store, rows_, summary_);
+    rows_.clear();
+    return merged;
+  }
+
+  std::string url_;
+  std::string path_;
+  internal::OpenedStore opened_;
+  std::vector<Experience> rows_;
+  MergeSummary summary_;
+};
+
+/// Lines of a file one by one.
+class LineReader {
+ public:
+  static Result<LineReader> open(const std::string& path) {
+    LineReader reader;
+    reader.file_.reset(std::fopen(path.c_str(), "rb"));
+    if (reader.file_ != nullptr) return reader;
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path,
+                                           std::generic_category().message(errno)));
+  }
+  /// False at the end.
+  bool next(std::string& line) {
+    char* text = nullptr;
+    std::size_t capacity = 0;
+    const ssize_t size = ::getline(&text, &capacity, file_.get());
+    if (size >= 0) line.assign(text, static_cast<std::size_t>(size));
+    std::free(text);
+    if (line.ends_with('\n')) line.pop_back();
+    ++number_;
+    return size >= 0;
+  }
+  [[nodiscard]] bool has_failed() const { return std::ferror(file_.get()) != 0; }
+  [[nodiscard]] std::int64_t number() const { return number_; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> file_;
+  std::int64_t number_ = 0;
+};
+
+tl::unexpected<Error> at_line(const Import& import, std::int64_t line, const Error& error) {
+  return fail(error.code, fmt::format("{}:{}: {}", import.path(), line, error.message));
+}
+
+Result<MergeSummary> import_json_lines(Import& import) {
+  auto lines = LineReader::open(import.path());
+  if (!lines) return tl::unexpected(lines.error());
+  std::string line;
+  (void)lines->next(line);
+  const auto space = internal::parse_space(line);
+  if (!space) return at_line(import, 1, space.error());
+  const auto opened = import.open(*space);
+  if (!opened) return tl::unexpected(opened.error());
+  while (lines->next(line)) {
+    if (line.empty()) continue;
+    auto row = internal::parse_row(line);
+    if (!row) return at_line(import, lines->number(), row.error());
+    const auto added = import.add(std::move(*row), fmt::format("line {}", lines->number()));
+    if (!added) return tl::unexpected(added.error());
+  }
+  if (lines->has_failed()) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read to its end", import.path()));
+  }
+  return import.finish();
+}
+
+Result<MergeSummary> import_npz(Import& import) {
+  constexpr std::size_t kMostBytes = std::size_t{64} << 30;
+  const auto bytes = internal::read_text_file(import.path(), kMostBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const auto members = internal::read_zip(import.path(), *bytes);
+  if (!members) return tl::unexpected(members.error());
+  std::map<std::string, internal::NpyArray> arrays;
+  for (const auto& [name, member] : *members) {
+    auto array = internal::parse_npy(member);
+    if (!array) {
+      return fail(ErrorCode::parse,
+                  fmt::format("{}: '{}' {}", import.path(), name, array.error().message));
+    }
+    arrays.emplace(name.substr(0, name.rfind(".npy")), std::move(*array));
+  }
+  auto rows = internal::rows_of(arrays);
+  if (!rows) {
+    return fail(rows.error().code, fmt::format("{}: {}", import.path(), rows.error().message));
+  }
+  const auto opened = import.open(rows->space);
+  if (!opened) return tl::unexpected(opened.error());
+  for (std::size_t i = 0; i < rows->rows.size(); ++i) {
+    const auto added = import.add(std::move(rows->rows[i]), fmt::format("row {}", i));
+    if (!added) return tl::unexpected(added.error());
+  }
+  return import.finish();
+}
+
+}  // namespace
+
+Result<std::int64_t> export_database(const std::string& url, const std::string& path) {
+  const auto format = format_of(path);
+  if (!format) return tl::unexpected(format.error());
+  const auto opened = internal::inspect_store(url);
+  if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
+  if (opened->schema_version == 0) {
+    return fail(ErrorCode::invalid,
+                fmt::format("{}: is empty, and of no robot yet", opened->store->name()));
+  }
+  const auto list = internal::list_by_content(*opened->store, opened->space);
+  if (!list) return tl::unexpected(internal::with_advice(list.error(), url));
+  auto file = internal::NewFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  const auto visit_all = [&](const Visitor& visit) {
+    return internal::visit_rows(*opened->store, opened->space, *list, visit);
+  };
+  const auto written = *format == Format::npz ? write_npz(*file, opened->space, visit_all)
+                                              : write_json_lines(*file, opened->space, visit_all);
+  if (!written) return tl::unexpected(internal::with_advice(written.error(), url));
+  return file->finish().map([&] { return static_cast<std::int64_t>(list->size()); });
+}
+
+Result<MergeSummary> import_database(const std::string& url, const std::string& path) {
+  return format_of(path).and_then([&](Format format) {
+    Import import(url, path);
+    return format == Format::npz ? import_npz(import) : import_json_lines(import);
+  });
+}
+
+}  // namespace mneme

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/open_store.h"
+
+#include "experience/schema.h"
+#include "experience/space.h"
+#include "experience/sqlite_store.h"
+#include "experience/store_url.h"
+#ifdef MNEME_HAS_POSTGRESQL
+#include "experience/postgres_store.h"
+#endif
+
+#include <fmt/format.h>
+
+namespace mneme::internal {
+namespace {
+
+/// Reads what the store is of.
+Result<OpenedStore> identified(std::unique_ptr<Store> store) {
+  OpenedStore opened;
+  const auto version = store->schema_version();
+  if (!version) return tl::unexpected(version.error());
+  opened.schema_version = *version;
+  if (*version > 0) {
+    const auto space = store->space();
+    if (!space) return tl::unexpected(space.error());
+    opened.space = *space;
+  }
+  opened.store = std::move(store);
+  return opened;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode) {
+  const auto engine = engine_of(url);
+  if (!engine) return tl::unexpected(engine.error());
+  if (*engine == Engine::sqlite) return open_sqlite_store(url, mode);
+#ifdef MNEME_HAS_POSTGRESQL
+  return open_postgres_store(url, mode);
+#else
+  return fail(
+      ErrorCode::unsupported,
+      fmt::format("{}: this mneme was built without PostgreSQL; build it where libpq-dev is "
+                  "installed",
+                  without_password(url)));
+#endif
+}
+
+Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace& space,
+                                  OpenMode mode) {
+  if (space.joint_count < 1 || space.key_size < 1) {
+    return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
+                                                without_password(url), describe(space)));
+  }
+  auto opened = open_store(url, mode).and_then(identified);
+  if (!opened) return opened;
+  if (opened->schema_version == 0) {
+    if (mode == OpenMode::read_only) {
+      opened->space = space;
+      return opened;
+    }
+    const auto created = opened->store->create(space);
+    if (!created) return tl::unexpected(created.error());
+    opened = identified(std::move(opened->store));
+    if (!opened) return opened;
+  }
+  if (!is_same_space(opened->space, space)) {
+    return refuse_space(opened->store->name(), opened->space, space);
+  }
+  if (mode != OpenMode::read_only && opened->schema_version != kSchemaVersion) {
+    return refuse_older(opened->store->name(), opened->schema_version);
+  }
+  return opened;
+}
+
+Result<OpenedStore> inspect_store(const std::string& url) {
+  return open_store(url, OpenMode::read_only).and_then(identified);
+}
+
+Error with_advice(Error error, const std::string& url) {
+  if (error.code == ErrorCode::corrupt) {
+    error.message += fmt::format("; `mneme db verify {}` lists all damage and sets it aside",
+                                 without_password(url));
+  }
+  return error;
+}
+
+}  // namespace mneme::internal

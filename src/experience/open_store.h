@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The engine that a URL asks for.
+#pragma once
+
+#include "experience/store.h"
+
+#include <string>
+
+namespace mneme::internal {
+
+/// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
+[[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
+
+/// Opens a store that must hold experience of `space`, and creates it if `mode` says so; returns it
+/// with its schema version. Errors: wrong_robot; unsupported if it is to be written but is older.
+struct OpenedStore {
+  std::unique_ptr<Store> store;
+  ExperienceSpace space;
+  int schema_version = 0;
+};
+[[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
+                                                const ExperienceSpace& space, OpenMode mode);
+/// Opens a store for reading, whatever space it is of; the space of an empty one has no keys.
+[[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
+
+/// A command that may help whoever is told that `url` is damaged.
+[[nodiscard]] Error with_advice(Error error, const std::string& url);
+
+}  // namespace mneme::internal

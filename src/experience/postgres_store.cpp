@@ -1,0 +1,310 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/postgres_store.h"
+
+#include "experience/binary_copy.h"
+#include "experience/postgres_connection.h"
+#include "experience/postgres_schema.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+constexpr const char* kSelectKeys =
+    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum "
+    "FROM mneme_experience e WHERE e.id > $1::bigint ORDER BY e.id";
+constexpr const char* kSelectRows =
+    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum, m.means, "
+    "m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum "
+    "FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell "
+    "WHERE e.id > $1::bigint ORDER BY e.id";
+constexpr const char* kSelectRowsById =
+    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum, m.means, "
+    "m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum "
+    "FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell "
+    "WHERE e.id = ANY($1::bigint[])";
+
+StoredRow stored_row(const PostgresAnswer& answer, RowParts parts) {
+  StoredRow row;
+  row.id = answer.integer(0, 0);
+  row.generation = answer.integer(0, 1);
+  row.cell = answer.integer(0, 2);
+  row.content = answer.blob(0, 3);
+  row.components = answer.integer(0, 4);
+  row.columns.key = answer.blob(0, 5);
+  row.key_checksum = answer.integer(0, 6);
+  row.tally_checksum = row.key_checksum;
+  if (parts == RowParts::keys) return row;
+  row.columns.means = answer.blob(0, 7);
+  row.columns.factor_rows = answer.blob(0, 8);
+  row.columns.factors = answer.blob(0, 9);
+  row.columns.origins = answer.blob(0, 10);
+  row.columns.tool = answer.text(0, 11);
+  row.columns.settings = answer.text(0, 12);
+  row.columns.seed = answer.integer(0, 13);
+  row.columns.time = answer.text(0, 14);
+  row.mixture_checksum = answer.integer(0, 15);
+  if (answer.is_null(0, 15)) row.flaw = "its mixture is missing";
+  return row;
+}
+
+/// The text of an array parameter.
+std::string array_of(std::span<const std::int64_t> numbers) {
+  std::string text = "{";
+  for (const std::int64_t number : numbers) {
+    if (text.size() > 1) text += ',';
+    text += std::to_string(number);
+  }
+  return text + "}";
+}
+
+std::string array_of(std::span<const ContentHash> contents) {
+  std::string text = "{";
+  for (const ContentHash& content : contents) {
+    if (text.size() > 1) text += ',';
+    text += "\"\\\\x" + to_hex(content) + "\"";
+  }
+  return text + "}";
+}
+
+class PostgresTransaction final : public StoreTransaction {
+ public:
+  PostgresTransaction(PostgresConnection& connection, Store::Kind kind, bool is_empty)
+      : connection_(connection), kind_(kind), is_empty_(is_empty) {}
+  PostgresTransaction(const PostgresTransaction&) = delete;
+  PostgresTransaction& operator=(const PostgresTransaction&) = delete;
+  ~PostgresTransaction() override {
+    if (!is_over_) (void)connection_.query("ROLLBACK");
+  }
+
+  Result<StoreState> head() override {
+    if (is_empty_) return StoreState{};
+    return read_postgres_head(connection_, kind_ == Store::Kind::write);
+  }
+
+  Result<void> read_tombstones(std::int64_t after, const TombstoneVisitor& visit) override {
+    if (is_empty_) return {};
+    const auto visit_row = [&](const PostgresAnswer& answer) {
+      return visit({answer.integer(0, 0), answer.integer(0, 1), answer.integer(0, 2),
+                    std::string(answer.text(0, 3)), std::string(answer.text(0, 4)),
+                    answer.integer(0, 5)});
+    };
+    return connection_.stream(
+        "SELECT id, row_id, generation, reason, time, checksum FROM mneme_tombstone "
+        "WHERE id > $1::bigint ORDER BY id",
+        {std::to_string(after)}, visit_row);
+  }
+
+  Result<void> read_rows(std::int64_t after, RowParts parts, const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    return connection_.stream(
+        parts == RowParts::keys ? kSelectKeys : kSelectRows, {std::to_string(after)},
+        [&](const PostgresAnswer& answer) { return visit(stored_row(answer, parts)); });
+  }
+
+  Result<void> read_rows_by_id(std::span<const std::int64_t> ids,
+                               const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    return connection_.stream(kSelectRowsById, {array_of(ids)}, [&](const PostgresAnswer& answer) {
+      return visit(stored_row(answer, RowParts::all));
+    });
+  }
+
+  Result<std::vector<KnownRow>> find_contents(std::span<const ContentHash> contents) override {
+    std::vector<KnownRow> known;
+    const auto found = connection_.stream(
+        "SELECT e.content, e.id, coalesce(m.time, ''), coalesce(m.tool, '') FROM mneme_experience "
+        "e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell "
+        "WHERE e.content = ANY($1::bytea[]) "
+        "AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id) "
+        "ORDER BY e.id DESC",
+        {array_of(contents)}, [&](const PostgresAnswer& answer) {
+          KnownRow& row = known.emplace_back();
+          const auto content = answer.blob(0, 0);
+          std::copy_n(content.begin(), std::min(content.size(), row.content.size()),
+                      row.content.begin());
+          row.id = answer.integer(0, 1);
+          row.time = answer.text(0, 2);
+          row.tool = answer.text(0, 3);
+          return Result<void>();
+        });
+    if (!found) return tl::unexpected(found.error());
+    return known;
+  }
+
+  Result<std::vector<std::int64_t>> find_orphans() override {
+    std::vector<std::int64_t> ids;
+    if (is_empty_) return ids;
+    const auto found = connection_.stream(
+        "SELECT m.id FROM mneme_mixture m LEFT JOIN mneme_experience e ON e.id = m.id AND e.cell = "
+        "m.cell WHERE e.id IS NULL AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id "
+        "= m.id) ORDER BY m.id",
+        {}, [&](const PostgresAnswer& answer) {
+          ids.push_back(answer.integer(0, 0));
+          return Result<void>();
+        });
+    if (!found) return tl::unexpected(found.error());
+    return ids;
+  }
+
+  Result<void> add_rows(std::span<const StoredRow> rows) override {
+    BinaryCopy keys;
+    BinaryCopy mixtures;
+    for (const StoredRow& row : rows) {
+      keys.row(7).add(row.id).add(row.generation).add(row.cell).add(row.content);
+      keys.add(row.components).add(row.columns.key).add(row.key_checksum);
+      const RowView& columns = row.columns;
+      mixtures.row(11).add(row.id).add(row.cell).add(columns.means).add(columns.factor_rows);
+      mixtures.add(columns.factors).add(columns.origins).add(columns.tool).add(columns.settings);
+      mixtures.add(columns.seed).add(columns.time).add(row.mixture_checksum);
+    }
+    if (rows.empty()) return {};
+    return connection_
+        .copy_in("COPY mneme_experience FROM STDIN WITH (FORMAT binary)", keys.finish())
+        .and_then([&] {
+          return connection_.copy_in("COPY mneme_mixture FROM STDIN WITH (FORMAT binary)",
+                                     mixtures.finish());
+        });
+  }
+
+  Result<void> add_tombstones(std::span<const Tombstone> tombstones) override {
+    if (tombstones.empty()) return {};
+    BinaryCopy copy;
+    for (const Tombstone& tombstone : tombstones) {
+      copy.row(6).add(tombstone.id).add(tombstone.row).add(tombstone.generation);
+      copy.add(std::string_view(tombstone.reason)).add(std::string_view(tombstone.time));
+      copy.add(tombstone.checksum);
+    }
+    return connection_.copy_in("COPY mneme_tombstone FROM STDIN WITH (FORMAT binary)",
+                               copy.finish());
+  }
+
+  Result<void> set_head(const StoreState& state) override {
+    return write_postgres_head(connection_, state);
+  }
+
+  Result<void> remove_dead() override {
+    for (const char* sql :
+         {"DELETE FROM mneme_mixture WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+          "DELETE FROM mneme_experience WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+          "DELETE FROM mneme_tombstone"}) {
+      const auto removed = connection_.query(sql);
+      if (!removed) return tl::unexpected(removed.error());
+    }
+    return {};
+  }
+
+  Result<void> commit() override {
+    const auto committed = connection_.query("COMMIT");
+    is_over_ = true;
+    if (!committed) return tl::unexpected(committed.error());
+    if (committed->command() == "COMMIT") return {};
+    return fail(ErrorCode::io,
+                fmt::format("{}: the transaction was rolled back", connection_.name()));
+  }
+
+ private:
+  PostgresConnection& connection_;
+  Store::Kind kind_;
+  bool is_empty_;
+  bool is_over_ = false;
+};
+
+class PostgresStore final : public Store {
+ public:
+  PostgresStore(PostgresConnection connection, OpenMode mode)
+      : connection_(std::move(connection)), mode_(mode) {}
+
+  const std::string& name() const override { return connection_.name(); }
+
+  Result<int> schema_version() override {
+    if (version_ > 0) return version_;
+    return connection_.revive()
+        .and_then([&] { return read_postgres_version(connection_); })
+        .map([&](int version) { return version_ = version; });
+  }
+
+  Result<ExperienceSpace> space() override { return read_postgres_space(connection_); }
+
+  Result<void> create(const ExperienceSpace& space) override {
+    return create_postgres_schema(connection_, space);
+  }
+
+  Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
+    if (kind == Kind::write && mode_ == OpenMode::read_only) {
+      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+    }
+    const auto version = connection_.revive().and_then([&] { return schema_version(); });
+    if (!version) return tl::unexpected(version.error());
+    const auto begun =
+        connection_.query(kind == Kind::read ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
+                                             : "BEGIN ISOLATION LEVEL READ COMMITTED");
+    if (!begun) return tl::unexpected(begun.error());
+    auto transaction = std::make_unique<PostgresTransaction>(connection_, kind, *version == 0);
+    if (kind == Kind::write) {
+      const auto prepared = prepare_writing();
+      if (!prepared) return tl::unexpected(prepared.error());
+    }
+    return transaction;
+  }
+
+  Result<std::int64_t> bytes() override {
+    const auto size = connection_.revive().and_then([&] {
+      return connection_.query(
+          "SELECT coalesce(sum(pg_total_relation_size(to_regclass(name))), 0)::bigint FROM "
+          "unnest(ARRAY['mneme_space', 'mneme_head', 'mneme_experience', 'mneme_mixture', "
+          "'mneme_tombstone']) AS name");
+    });
+    if (!size) return tl::unexpected(size.error());
+    return size->integer(0, 0);
+  }
+
+  /// A server looks after its own files.
+  Result<void> check_structure(std::vector<Damage>&) override { return {}; }
+
+  Result<std::string> rebuild(std::vector<Damage>&) override {
+    return fail(
+        ErrorCode::unsupported,
+        fmt::format("{}: what stands beneath the rows can only be repaired on the server", name()));
+  }
+
+  Result<void> reclaim() override {
+    for (const char* sql :
+         {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
+      const auto vacuumed = connection_.query(sql);
+      if (!vacuumed) return tl::unexpected(vacuumed.error());
+    }
+    return {};
+  }
+
+ private:
+  /// Locks the head, whether or not it is sound, and makes a commit wait for the disk even where
+  /// the server's settings do not.
+  Result<void> prepare_writing() {
+    for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
+                            "SELECT set_config('synchronous_commit', 'on', true) WHERE "
+                            "current_setting('synchronous_commit') = 'off'"}) {
+      const auto done = connection_.query(sql);
+      if (!done) return tl::unexpected(done.error());
+    }
+    return {};
+  }
+
+  PostgresConnection connection_;
+  OpenMode mode_;
+  int version_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
+  auto connection = PostgresConnection::open(url);
+  if (!connection) return tl::unexpected(connection.error());
+  return std::make_unique<PostgresStore>(std::move(*connection), mode);
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/json_rows.h"
+
+#include "experience/fixtures.h"
+
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+using internal::json_of;
+using internal::parse_row;
+using internal::parse_space;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a space and a row are lines that others can read") {
+    CHECK(json_of(arm_space()) ==
+          R"({"format":"mneme experience 1","robot_name":"arm","robot_hash":"0123456789abcdef",)"
+          R"("decomposer":"pairs/1","joint_count":3,"key_size":6})");
+    Experience row;
+    row.key = {1, 0.1};
+    row.sampler = {2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}};
+    row.provenance = {"mneme", "say \"hi\"", std::numeric_limits<std::uint64_t>::max(), "2020"};
+    const std::string line = json_of(row);
+    CHECK(line.substr(line.find("\"key\"")) ==
+          R"("key":[1,0.1],"means":[[0.1,-1],[2,3]],"factor_rows":[-1,0],"factors":[[1,0,1]],)"
+          R"("origins":[],"settings":"say \"hi\"","seed":18446744073709551615,"tool":"mneme",)"
+          R"("time":"2020"})");
+  }
+
+  TEST_CASE("a line that is not as expected is refused with the field's name") {
+    Rng rng(8);
+    const Experience row = random_experience(rng);
+    const std::string sound = json_of(row);
+    const auto error_of = [](const std::string& line) {
+      const auto parsed = parse_row(line);
+      return parsed ? std::string() : parsed.error().message;
+    };
+    CHECK(error_of(sound).empty());
+    CHECK(error_of("[1]").find("no JSON object") != std::string::npos);
+    CHECK(error_of(sound.substr(1)).find("no JSON object") != std::string::npos);
+    for (const std::string name : {"key", "means", "factor_rows", "factors", "origins", "settings",
+                                   "seed", "tool", "time"}) {
+      CHECK(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")).find("'" + name + "'") !=
+            std::string::npos);
+      const std::size_t value = sound.find("\"" + name + "\":") + name.size() + 3;
+      CHECK(!error_of(sound.substr(0, value) + "{}," + sound.substr(value)).empty());
+    }
+    CHECK(error_of(replaced(sound, "\"seed\":", "\"seed\":-")).find("'seed'") != std::string::npos);
+    CHECK(
+        error_of(replaced(sound, "\"origins\":[0", "\"origins\":[5000000000")).find("'origins'") !=
+        std::string::npos);
+    CHECK(error_of(replaced(sound, "\"origins\":[0", "\"origins\":[1")).find("'content'") !=
+          std::string::npos);
+    CHECK(error_of("{" + sound.substr(sound.find("\"key\""))).empty());
+  }
+
+  TEST_CASE("a first line of another kind is refused") {
+    const std::string sound = json_of(arm_space());
+    CHECK(parse_space(sound).has_value());
+    CHECK(parse_space(replaced(sound, "experience 1", "experience 2"))
+              .error()
+              .message.find("expected 'mneme experience 1'") != std::string::npos);
+    CHECK(!parse_space("").has_value());
+    CHECK(!parse_space(replaced(sound, "\"key_size\":6", "\"key_size\":6e99")).has_value());
+    CHECK(!parse_space(replaced(sound, "\"format\"", "\"f\"")).has_value());
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("every number comes back to its last bit") {
+    Rng rng(9);
+    for (int i = 0; i < 300; ++i) {
+      Experience row = random_experience(rng, static_cast<int>(rng.index(6)));
+      for (float& mean : row.sampler.means)
+        mean *= std::exp2(static_cast<float>(rng.index(60)) - 40);
+      const auto parsed = parse_row(json_of(row));
+      REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
+      REQUIRE(parsed->key == row.key);
+      REQUIRE(parsed->sampler.means == row.sampler.means);
+      REQUIRE(parsed->sampler.factors == row.sampler.factors);
+      REQUIRE(parsed->provenance.seed == row.provenance.seed);
+    }
+  }
+}
+
+}  // namespace mneme::test
