@@ -134,7 +134,7 @@ void add_name_list(CLI::App& command, const std::string& flag, const std::string
     if (values.empty())
       throw CLI::ValidationError(flag, fmt::format("needs at least one {}", what));
   };
-  add_text(command, flag, read, fmt::format("{}: {}", help, fmt::join(names, ",")))
+  add_text(command, flag, read, fmt::format("{}: {}", help, fmt::join(names, ", ")))
       ->type_name("NAME,..");
 }
 

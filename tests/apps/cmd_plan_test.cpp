@@ -176,7 +176,7 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
         {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
         {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0 to 1000"}},
-        {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
+        {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "-1 to 1"}},
         {{"plan", problem, "--lambda", "nan"}, 2, {"--lambda", "'nan'"}},
         {{"plan", problem, "--timeout", "1s"}, 2, {"--timeout", "'1s'", "a number"}},
         {{"plan", problem, "--timeout", "-1"}, 2, {"--timeout", "'-1'"}},
@@ -255,7 +255,8 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--db", files / "missing.db"}, 1, {"missing.db"}},
         {{"plan", problem, "--db", files / "text.db"}, 5, {"text.db"}},
         {{"plan", problem, "--db", files / "half.db"}, 5, {"half.db"}},
-        {{"plan", problem, "--db", "postgresql://host/x"}, 1, {"postgresql", "not supported"}},
+        {{"plan", problem, "--db", "postgresql://127.0.0.1:1/x"}, 1, {"postgresql"}},
+        {{"plan", problem, "--db", "mysql://127.0.0.1/x"}, 1, {"mysql"}},
         {{"plan", files.short_arm_problem(), "--db", files.database()}, 5, {"planar8", "short"}},
     });
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));

@@ -61,7 +61,7 @@ TEST_SUITE("flow") {
     REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
     const Json summary = Json::parse(learned.out);
     CHECK(summary["learned"] == 2);
-    CHECK(summary["rows"] == 2);
+    CHECK(summary["rows"] == 4);
     CHECK(summary["components"] > 0);
 
     const ProgramRun bench = run_program(
@@ -78,7 +78,7 @@ TEST_SUITE("flow") {
     const Json again = Json::parse(posts.learn("1/1", database).out);
     CHECK(again["skipped"] == 2);
     CHECK(again["learned"] == 2);
-    CHECK(again["samplers"] == 4);
+    CHECK(again["samplers"] == 8);
   }
 
   TEST_CASE("wrong parts and patterns are refused") {

@@ -47,7 +47,7 @@ TEST_SUITE("unit") {
     const ProgramRun run = run_program({"plan", "--help"});
     CHECK(has_text(run.out, "--lambda"));
     CHECK(has_text(run.out, "probability of drawing from the retrieved samplers"));
-    CHECK(has_text(run.out, "(default 0.5; 0 to 1)"));
+    CHECK(has_text(run.out, "(default 0.05; 0 to 1)"));
     CHECK(has_text(run.out, "--no-simplify"));
     CHECK(has_text(run.out, "--starts-per-link"));
     CHECK(has_text(run.out, "--max-gap"));
