@@ -10,15 +10,16 @@
 
 #include "mneme/ompl.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 3) return 2;
   const auto problem = mneme::load_problem(arguments[1]).value();
   const auto checker = mneme::CollisionChecker::make(problem.robot, problem.scene).value();
   const auto space = mneme::make_space(problem.robot).value();
   auto memory = mneme::Database::open(arguments[2], space, mneme::OpenMode::read_only).value();
 
-  ompl::geometric::SimpleSetup setup(mneme::ompl::make_space_information(checker));      // mneme
-  setup.getStateSpace()->setStateSamplerAllocator(                                       // mneme
-      mneme::ompl::gl_sampler_allocator(problem.robot, problem.scene, memory).value());  // mneme
+  ompl::geometric::SimpleSetup setup(mneme::ompl::make_space_information(checker));  // mneme
+  setup.getStateSpace()->setStateSamplerAllocator(                                   // mneme
+      mneme::ompl::gl_sampler_allocator(problem, memory).value());                   // mneme
   ompl::base::ScopedState<> start(setup.getStateSpace()), goal(setup.getStateSpace());
   start = problem.start;
   goal = problem.goals.front();

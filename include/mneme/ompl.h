@@ -43,6 +43,7 @@ class JointStateSpace final : public ::ompl::base::RealVectorStateSpace {
   [[nodiscard]] bool equalStates(const ::ompl::base::State* a,
                                  const ::ompl::base::State* b) const override;
   [[nodiscard]] ::ompl::base::StateSamplerPtr allocDefaultStateSampler() const override;
+  void registerProjections() override;
 
  private:
   Robot robot_;
@@ -86,6 +87,10 @@ struct WorkCounters {
 /// Errors: those of create_gl_sampler and CollisionChecker::make.
 [[nodiscard]] Result<::ompl::base::StateSamplerAllocator> gl_sampler_allocator(
     const Robot& robot, const Scene& scene, Database& database, const SolveSettings& settings = {});
+
+/// The same for a problem: a memory of whole paths needs its start and goals.
+[[nodiscard]] Result<::ompl::base::StateSamplerAllocator> gl_sampler_allocator(
+    const Problem& problem, Database& database, const SolveSettings& settings = {});
 
 /// Length of the path, as ompl::base::PathLengthOptimizationObjective, for planners that sample
 /// through an informed sampler (BIT*, Informed RRT*): theirs draws from the space's allocator and

@@ -35,6 +35,8 @@ class ExperiencePlanner final : public ob::Planner {
   void setProblemDefinition(const ob::ProblemDefinitionPtr& definition) override {
     Planner::setProblemDefinition(definition);
     for (const ob::PlannerPtr& planner : planners_) planner->setProblemDefinition(definition);
+    // Its search asks the problem's goal.
+    if (roadmap_) roadmap_->setProblemDefinition(definition);
   }
   void clear() override {
     Planner::clear();
@@ -48,6 +50,7 @@ class ExperiencePlanner final : public ob::Planner {
 
  private:
   std::array<ob::PlannerPtr, 2> planners_;
+  ob::PlannerPtr roadmap_;
 };
 
 std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& information) {
@@ -62,21 +65,25 @@ std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& infor
   return database;
 }
 
-/// A planner that knows what the file says; no planner if OMPL cannot read it.
-ob::PlannerPtr make_repair(std::string_view name, const ob::SpaceInformationPtr& information,
-                           const std::string& file, const ob::PlannerPtr& helper) {
+struct Repair {
+  ob::PlannerPtr planner;  ///< null if OMPL cannot read the file
+  ob::PlannerPtr roadmap;
+};
+
+Repair make_repair(std::string_view name, const ob::SpaceInformationPtr& information,
+                   const std::string& file, const ob::PlannerPtr& helper) {
   if (name == kThunder) {
     const auto database = make_thunder(information);
-    if (!file.empty() && !database->load(file)) return nullptr;
+    if (!file.empty() && !database->load(file)) return {};
     auto planner = std::make_shared<og::ThunderRetrieveRepair>(information, database);
     planner->setRepairPlanner(helper);
-    return planner;
+    return {planner, database->getSPARSdb()};
   }
   const auto database = std::make_shared<ot::LightningDB>(information->getStateSpace());
-  if (!file.empty() && !database->load(file)) return nullptr;
+  if (!file.empty() && !database->load(file)) return {};
   auto planner = std::make_shared<og::LightningRetrieveRepair>(information, database);
   planner->setRepairPlanner(helper);
-  return planner;
+  return {planner, nullptr};
 }
 
 template <class ExperienceDatabase>
@@ -87,7 +94,9 @@ bool write(ExperienceDatabase& database, const ob::SpaceInformationPtr& informat
     double insertion_time = 0;
     database.addPath(states, insertion_time);
   }
-  return database.save(file);
+  // OMPL says that it saved where nothing could be written.
+  return database.save(file) && std::filesystem::exists(file) &&
+         std::filesystem::file_size(file) > 0;
 }
 
 }  // namespace
@@ -102,12 +111,12 @@ Result<ob::PlannerPtr> make_experience_planner(std::string_view name,
   const auto helper = std::make_shared<og::RRTConnect>(information);
   set_range(*scratch, range);
   set_range(*helper, range);
-  ob::PlannerPtr repair = make_repair(name, information, file, helper);
-  if (!repair) {
+  const Repair repair = make_repair(name, information, file, helper);
+  if (!repair.planner) {
     return fail(ErrorCode::corrupt,
                 "'" + file + "': OMPL cannot read it as experience of " + std::string(name));
   }
-  return std::make_shared<ExperiencePlanner>(information, std::move(repair), scratch);
+  return std::make_shared<ExperiencePlanner>(information, repair.planner, scratch, repair.roadmap);
 }
 
 }  // namespace ompl

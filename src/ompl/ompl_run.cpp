@@ -93,8 +93,9 @@ Result<PlanResult> OmplRun::plan(double spent_s) {
   if (!made) return tl::unexpected(made.error());
   const ob::PlannerPtr& planner = *made;
   planner->setProblemDefinition(definition_);
-  const auto limit = limits(settings_.plan.timeout_s - spent_s);
-  while (!limit) {
+  const double timeout_s = settings_.plan.timeout_s - spent_s;
+  // One per attempt, because parallel planners end theirs when they have a path.
+  for (auto limit = limits(timeout_s); !limit; limit = limits(timeout_s)) {
     planner->solve(limit);
     if (!definition_->hasExactSolution()) break;
     const Path path = solution();

@@ -88,11 +88,11 @@ ob::StateSamplerAllocator sampler_allocator(std::shared_ptr<const Sampler> sampl
   };
 }
 
-Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Robot& robot, const Scene& scene,
-                                                       Database& database,
-                                                       const SolveSettings& asked) {
-  const SolveSettings settings = internal::complete_settings(asked, robot, &database);
-  auto gl = create_gl_sampler(robot, scene, database, settings);
+namespace {
+
+/// Algorithm 1 with what was recalled. The settings are complete.
+Result<ob::StateSamplerAllocator> allocate_from(Result<GlSampler> gl, const Robot& robot,
+                                                const Scene& scene, const SolveSettings& settings) {
   if (!gl) return tl::unexpected(gl.error());
   if (settings.drop_invalid_means) {
     const auto checker = CollisionChecker::make(robot, scene, {settings.resolution});
@@ -106,6 +106,22 @@ Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Robot& robot, const
                                 [rest = std::move(sampler)] { return rest; });
   }
   return sampler_allocator(std::move(sampler), settings.plan.seed);
+}
+
+}  // namespace
+
+Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Robot& robot, const Scene& scene,
+                                                       Database& database,
+                                                       const SolveSettings& asked) {
+  const SolveSettings settings = internal::complete_settings(asked, robot, &database);
+  return allocate_from(create_gl_sampler(robot, scene, database, settings), robot, scene, settings);
+}
+
+Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Problem& problem, Database& database,
+                                                       const SolveSettings& asked) {
+  const SolveSettings settings = internal::complete_settings(asked, problem.robot, &database);
+  return allocate_from(create_gl_sampler(problem, database, settings), problem.robot, problem.scene,
+                       settings);
 }
 
 }  // namespace mneme::ompl

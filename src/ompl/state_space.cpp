@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include <ompl/base/spaces/RealVectorStateProjections.h>
 
 #include "mneme/ompl.h"
 
@@ -105,6 +108,15 @@ void JointStateSpace::enforceBounds(ob::State* state) const {
 
 bool JointStateSpace::equalStates(const ob::State* a, const ob::State* b) const {
   return distance(a, b) < 1e-12;
+}
+
+void JointStateSpace::registerProjections() {
+  // What OMPL 1.5 takes for spaces of one or two dimensions fails an assertion of Eigen.
+  if (dimension_ > 2) return RealVectorStateSpace::registerProjections();
+  std::vector<unsigned> components(dimension_);
+  std::iota(components.begin(), components.end(), 0u);
+  registerDefaultProjection(
+      std::make_shared<ob::RealVectorOrthogonalProjectionEvaluator>(this, components));
 }
 
 ob::StateSamplerPtr JointStateSpace::allocDefaultStateSampler() const {

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "ompl/silence.h"
 #include "ompl/small_problems.h"
 
 namespace mneme::test {
@@ -27,6 +28,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a range is set where the planner has one, and 0 leaves OMPL's") {
+    const mneme::ompl::Silence silence;
     const auto information = mneme::ompl::make_space_information(checker_of(gap_problem()));
     const auto connect = mneme::ompl::find_ompl_planner("RRTConnect")->make(information);
     const auto range = [&] { return std::stod(connect->params()["range"].getValue()); };

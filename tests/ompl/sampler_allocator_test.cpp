@@ -129,8 +129,8 @@ TEST_SUITE("unit") {
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     for (const double lambda : {0.0, 0.5, 1.0}) {
       settings.lambda = lambda;
-      const auto allocator = mneme::ompl::gl_sampler_allocator(
-          world.problem.robot, world.problem.scene, world.database, settings);
+      const auto allocator =
+          mneme::ompl::gl_sampler_allocator(world.problem, world.database, settings);
       REQUIRE(allocator.has_value());
       const auto sampler = (*allocator)(information->getStateSpace().get());
       // Sigma is 0.05 for each of eight joints; uniform samples are several radians away.
