@@ -39,6 +39,8 @@ struct Part {
 };
 constexpr Part kParts[] = {
     {"OMPL adapter", MNEME_HAS_OMPL, "script/setup --all installs OMPL; then build again"},
+    {"PostgreSQL", MNEME_HAS_POSTGRESQL, "script/setup --all installs libpq; then build again"},
+    {"train_cvae (torch)", MNEME_HAS_TORCH, "needs libtorch; configure with -DMNEME_WITH_TORCH=ON"},
     {"Python module", MNEME_HAS_PYTHON, "script/setup --all installs pybind11; then build again"},
 };
 
