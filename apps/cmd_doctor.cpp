@@ -27,7 +27,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kProblem = "planar/threaded_b2.yaml";
+constexpr const char* kProblem = "planar/scenario1.yaml";
+/// Emulated processors are slow.
+constexpr double kTimeout = 100;
 
 /// Something that a build may have or lack.
 struct Part {
@@ -37,6 +39,8 @@ struct Part {
 };
 constexpr Part kParts[] = {
     {"OMPL adapter", MNEME_HAS_OMPL, "script/setup --all installs OMPL; then build again"},
+    {"PostgreSQL", MNEME_HAS_POSTGRESQL, "script/setup --all installs libpq; then build again"},
+    {"train_cvae (torch)", MNEME_HAS_TORCH, "needs libtorch; configure with -DMNEME_WITH_TORCH=ON"},
     {"Python module", MNEME_HAS_PYTHON, "script/setup --all installs pybind11; then build again"},
 };
 
@@ -55,6 +59,7 @@ Result<std::string> try_planning(const Problem& problem, Isa isa) {
   SolveSettings settings;
   settings.sampler = "uniform";
   settings.isa = isa;
+  settings.plan.timeout_s = kTimeout;
   const Result<SolveResult> result = solve(problem, nullptr, settings);
   if (!result) return tl::unexpected(result.error());
   if (!result->plan.is_solved()) return fail(ErrorCode::invalid, result->plan.message);
@@ -96,7 +101,8 @@ Result<std::string> try_memory(const Problem& problem) {
   Result<Database> database = open_database(file.path(), problem.robot, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   SolveSettings settings;
-  settings.learn_budget_s = 5;
+  settings.plan.timeout_s = kTimeout;
+  settings.learn_budget_s = kTimeout;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
   const Result<SolveResult> result = solve(problem, &*database, settings);

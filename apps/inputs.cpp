@@ -3,6 +3,8 @@
 
 #include "inputs.h"
 
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "mneme/covering.h"
@@ -10,6 +12,13 @@
 #include "console.h"
 
 namespace mneme::app {
+
+Result<std::string> robot_file(const std::string& robot) {
+  std::error_code ignored;
+  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(".urdf");
+  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
+  return find_robot(robot);
+}
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
   const Result<CoveredRobot> loaded = robot_file(robot).and_then(

@@ -12,11 +12,10 @@
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
 
-#include "robot_file.h"
-
 namespace mneme::app {
 
-/// What robot_file() finds, with notes and warnings on standard error.
+/// The URDF file that `robot`, a file or the name of a known robot, stands for.
+[[nodiscard]] Result<std::string> robot_file(const std::string& robot);
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,
                                              const RobotOptions& options = {});
 /// What is said of a problem's robot on the command line; an empty `robot` leaves it to the

@@ -25,6 +25,7 @@ struct Plan {
   Problem problem;
   std::shared_ptr<Database> database;
   SolveSettings settings;
+  std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
   SolveResult result;
 };
 
@@ -44,21 +45,24 @@ SolveSettings read_settings(const std::string& planner, const std::string& sampl
 }
 
 Plan plan(const Problem& problem, const Memory* memory, const std::string& planner,
-          const std::optional<std::string>& sampler, const std::string& isa,
+          const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
           const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
   Plan made{problem,
             memory == nullptr ? nullptr : memory->get(),
             read_settings(planner, source, isa, arguments),
+            is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
   if (made.settings.learn_budget_s > 0 && made.database == nullptr) {
     raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
   }
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
+  made.settings.plan.observer = made.recorder.get();
   auto result = run_interruptible(
       cancel, [&] { return solve(made.problem, made.database.get(), made.settings); });
   made.settings.plan.cancel = nullptr;
+  made.settings.plan.observer = nullptr;
   made.result = unwrap(std::move(result));
   return made;
 }
@@ -106,6 +110,13 @@ std::string svg_of(const Plan& plan) {
       plan.result.sampler, to_string(plan.result.plan.status), 1e3 * plan.result.planning_time_s);
   return unwrap(to_svg(picture));
 }
+
+std::string trace_of(const Plan& plan) {
+  const py::gil_scoped_release released;
+  return to_json(unwrap(make_trace(plan.problem, plan.result, plan.recorder.get(), 0)));
+}
+
+std::string page_of(const Plan& plan) { return unwrap(to_page(trace_of(plan), plan.problem.name)); }
 
 BenchmarkRow row_of(const Plan& plan, const std::string& set) {
   CheckerSettings checking;
@@ -202,7 +213,9 @@ void bind_rows(py::module_& module) {
 std::string plan_help() {
   return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
          "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
-         "database, 'uniform' without. isa: instruction set of the kernels.\n\n" +
+         "database, 'uniform' without. isa: instruction set of the kernels.\n"
+         "record: keep some of the samples and edges, to be seen in view(); costs a little "
+         "time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
          describe_keywords<DecomposeSettings>() + describe_keywords<LearnSettings>();
 }
@@ -218,6 +231,9 @@ void bind_pipeline(py::module_& module) {
           "to_json", [](const Plan& self) { return to_json(self.problem, self.result, 0); },
           "The text that `mneme plan --json` prints.")
       .def("to_svg", &svg_of, "A picture of a planar robot's plan, as SVG text.")
+      .def("to_trace", &trace_of,
+           "The plan as geometry, JSON that `mneme view` shows (docs/file_formats.md).")
+      .def("to_page", &page_of, "A page that shows the plan, HTML that needs no network.")
       .def("to_row", &row_of, py::arg("set") = "",
            "The row of a benchmark; the path is checked again by independent code.")
       .def("__repr__", [](const Plan& self) {
@@ -227,7 +243,7 @@ void bind_pipeline(py::module_& module) {
       });
   module.def("plan", &plan, py::arg("problem"), py::arg("database") = py::none(), py::kw_only(),
              py::arg("planner") = "rrt_connect", py::arg("sampler") = py::none(),
-             py::arg("isa") = "automatic", plan_help().c_str());
+             py::arg("isa") = "automatic", py::arg("record") = false, plan_help().c_str());
   module.def(
       "planner_names",
       [] {

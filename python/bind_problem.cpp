@@ -13,7 +13,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
-#include "robot_file.h"
+#include "inputs.h"
 
 namespace mneme::python {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "inputs.h"
 #include "keywords.h"
-#include "robot_file.h"
 
 namespace mneme::python {
 namespace {

@@ -6,31 +6,21 @@ import os
 
 from . import _mneme
 
-_PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>{title}</title>
-<body style="margin:1em;font-family:sans-serif">{body}</body></html>
-"""
-
-
-def _summary(plan):
-    lines = [
-        f"{plan.problem.name}: {plan.status}",
-        f"{plan.planner}, sampler {plan.sampler}, seed {plan.seed}",
-        f"{1e3 * plan.planning_time_s:.3f} ms, {plan.iterations} samples",
-        f"{len(plan.path)} configurations, length {plan.path_length:.3f}",
-    ]
-    return "<pre>" + html.escape("\n".join(lines)) + "</pre>"
-
 
 def _repr_html(plan):
-    if plan.problem.robot.is_planar and plan.status not in ("invalid_start", "invalid_goal"):
-        return plan.to_svg()
-    return _summary(plan)
+    if plan.status in ("invalid_start", "invalid_goal"):
+        return f"<pre>{html.escape(plan.problem.name)}: {html.escape(plan.message)}</pre>"
+    # A frame of its own: the page has styles and scripts.
+    page = html.escape(plan.to_page(), quote=True)
+    return f'<iframe srcdoc="{page}" style="width:100%;height:600px;border:0"></iframe>'
 
 
 def view(plan, path):
-    """Writes a page that shows `plan` to the file `path`; it needs no network. Returns the path."""
-    page = _PAGE.format(title=html.escape(plan.problem.name), body=_repr_html(plan))
+    """Writes a page that shows `plan` to the file `path`; it needs no network. Returns the path.
+
+    With plan(..., record=True) it also shows samples and trees.
+    """
+    page = plan.to_page()
     temporary = f"{os.fspath(path)}.tmp"
     with open(temporary, "w", encoding="utf-8") as file:
         file.write(page)

@@ -137,14 +137,27 @@ def test_control_c_ends_a_plan(blocked):
     assert time.monotonic() - begin < 20
 
 
-def test_a_planar_plan_is_a_picture(problem, tmp_path):
-    plan = mneme.plan(problem)
-    assert plan.to_svg().lstrip().startswith("<svg") or "<svg" in plan.to_svg()
-    assert "<svg" in plan._repr_html_()
-    page = plan.view(tmp_path / "plan.html")
-    text = page.read_text()
-    assert text.lower().startswith("<!doctype html") and "http" not in text.replace(
-        "http://www.w3.org", "")
+def test_a_plan_is_a_picture_and_a_page(problem, tmp_path):
+    plan = mneme.plan(problem, record=True)
+    assert "<svg" in plan.to_svg()
+    assert plan._repr_html_().startswith("<iframe srcdoc=")
+    text = plan.view(tmp_path / "plan.html").read_text()
+    assert text.lower().startswith("<!doctype html")
+    assert text == plan.to_page()
+
+
+def test_a_recorded_plan_is_the_same_plan_with_samples(problem):
+    plain, recorded = mneme.plan(problem), mneme.plan(problem, record=True)
+    np.testing.assert_array_equal(plain.path, recorded.path)
+    assert json.loads(recorded.to_trace())["samples"]["shown"]
+    assert not json.loads(plain.to_trace())["samples"]["shown"]
+
+
+def test_what_cannot_be_shown_says_why(problem):
+    inside = mneme.Problem(problem.robot, problem.scene, problem.start, np.full(8, 9.0))
+    plan = mneme.plan(inside)
+    assert "<pre>" in plan._repr_html_()
+    assert raised(plan.to_page)[0] == "invalid"
 
 
 def test_a_plan_in_space_has_a_page_too(tmp_path):
