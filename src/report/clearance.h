@@ -13,8 +13,9 @@
 namespace mneme::internal {
 
 struct Clearance {
-  double distance =
-      0;              ///< metres between surfaces, negative in contact; infinite without obstacles
+  /// Metres between surfaces; in contact negative, by at most the radius of the link's shape;
+  /// infinite without obstacles.
+  double distance = 0;
   int link = -1;      ///< index into the robot's links
   int obstacle = -1;  ///< index into the scene
 };

@@ -44,8 +44,9 @@ TEST_SUITE("unit") {
     Cylinder cylinder;
     cylinder.radius = 0.5;
     cylinder.length = 4;
-    plan.problem.scene.obstacles = {{"all", {box, cylinder, Capsule{Vec3::Zero(), Vec3(0, 0, 1), 0.1}}},
-                                    {"far", {Sphere{Vec3(9, 9, 9), 1}}}};
+    plan.problem.scene.obstacles = {
+        {"all", {box, cylinder, Capsule{Vec3::Zero(), Vec3(0, 0, 1), 0.1}}},
+        {"far", {Sphere{Vec3(9, 9, 9), 1}}}};
     const Json json = Json::parse(to_json(plan.trace()));
     const Json& shapes = json.at("obstacles")[0].at("shapes");
     CHECK(shapes[0].at("size") == Json({2.0, 4.0, 6.0}));
