@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "soak/campaign.h"
+
+#include "soak/fcl_oracle.h"
+#include "soak/memory.h"
+#include "soak/random_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace mneme::soak {
+namespace {
+
+constexpr double kRefusalClearance = 1e-4;
+constexpr double kLimitTolerance = 1e-9;
+
+/// What is wrong with the path apart from contact.
+std::optional<std::string> flaw_of(const Problem& problem, const Path& path) {
+  if (path.size() < 2) return "fewer than two waypoints";
+  if (path.front() != problem.robot.normalized(problem.start)) return "another start";
+  if (path.back() != problem.robot.normalized(problem.goals[0])) return "another goal";
+  for (const Configuration& q : path) {
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const Joint& joint = problem.robot.group_joint(static_cast<int>(i));
+      const bool is_inside =
+          q[i] >= joint.lower - kLimitTolerance && q[i] <= joint.upper + kLimitTolerance;
+      if (!is_inside) return fmt::format("{} is at {}, outside its limits", joint.name, q[i]);
+    }
+  }
+  return std::nullopt;
+}
+
+SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robot& robot) {
+  const auto number = static_cast<std::size_t>(plan);
+  SolveSettings settings;
+  settings.planner = planners()[number % planners().size()].name;
+  settings.sampler = sampler_names()[number / planners().size() % sampler_names().size()];
+  settings.retrieve_after = 0;
+  settings.learn_budget_s = robot.is_planar() ? 0.01 : 0;
+  settings.learn.starts_per_link = 1;
+  settings.learn.paths_per_start = 1;
+  settings.plan.seed = derive_seed(campaign.seed, number);
+  settings.plan.timeout_s = 5;
+  settings.plan.max_iterations = campaign.max_iterations;
+  settings.plan.verify = campaign.verify;
+  return settings;
+}
+
+class Campaign {
+ public:
+  Campaign(const Robot& robot, Memory memory, const CampaignSettings& settings)
+      : robot_(robot), memory_(std::move(memory)), settings_(settings) {
+    const CheckerSettings defaults;
+    const auto checker = CollisionChecker::make(robot, {}, defaults);
+    resolution_ = checker ? checker->resolution() : 0.02;
+  }
+
+  Result<void> run(int plan) {
+    Rng rng(derive_seed(settings_.seed ^ 0x50a1, static_cast<std::uint64_t>(plan)));
+    const Problem problem = random_problem(robot_, settings_.margin, rng);
+    const SolveSettings settings = settings_of(plan, settings_, robot_);
+    auto solved = solve(problem, &memory_.database(plan), settings);
+    if (!solved) return tl::unexpected(solved.error());
+    Tally& tally = result_.tallies[fmt::format("{:8} {:12} {}", robot_.name(), settings.planner,
+                                               settings.sampler)];
+    ++tally.plans;
+    where_ = fmt::format("{} plan {} ({} {}, seed {})", robot_.name(), plan, settings.planner,
+                         settings.sampler, settings_.seed);
+    if (!solved->plan.is_solved()) {
+      judge_refusal(problem, solved->plan, tally);
+      return {};
+    }
+    ++tally.solved;
+    judge_path(problem, solved->plan.path, tally);
+    return memory_.remember(problem, solved->plan.path);
+  }
+
+  CampaignResult take() { return std::move(result_); }
+
+ private:
+  void judge_refusal(const Problem& problem, const PlanResult& plan, Tally& tally) {
+    const bool is_start = plan.status == PlanStatus::invalid_start;
+    if (!is_start && plan.status != PlanStatus::invalid_goal) return;
+    FclOracle oracle(robot_, problem.scene, settings_.margin);
+    const double clearance = oracle.clearance(is_start ? problem.start : problem.goals[0]);
+    if (clearance < kRefusalClearance) return;
+    ++tally.refused;
+    result_.findings.push_back(
+        fmt::format("{}: {}, but FCL sees {:.6f} m", where_, plan.message, clearance));
+  }
+
+  void judge_path(const Problem& problem, const Path& path, Tally& tally) {
+    FclOracle oracle(robot_, problem.scene, settings_.margin);
+    std::optional<std::string> flaw = flaw_of(problem, path);
+    if (const auto worst = oracle.deepest(path, resolution_ / settings_.refinement)) {
+      tally.deepest = std::max(tally.deepest, worst->depth);
+      flaw = fmt::format("{} overlap by {:.3g} m", worst->what, worst->depth);
+    }
+    if (!flaw) return;
+    ++tally.invalid;
+    result_.findings.push_back(where_ + ": " + *flaw);
+  }
+
+  const Robot& robot_;
+  Memory memory_;
+  const CampaignSettings& settings_;
+  double resolution_ = 0;
+  std::string where_;
+  CampaignResult result_;
+};
+
+}  // namespace
+
+Result<CampaignResult> run_campaign(const Robot& robot, const std::string& directory,
+                                    const CampaignSettings& settings) {
+  auto memory = Memory::create(robot, directory);
+  if (!memory) return tl::unexpected(memory.error());
+  Campaign campaign(robot, std::move(*memory), settings);
+  for (int plan = 0; plan < settings.plans; ++plan) {
+    if (auto done = campaign.run(plan); !done) return tl::unexpected(done.error());
+  }
+  return campaign.take();
+}
+
+}  // namespace mneme::soak

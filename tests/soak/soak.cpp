@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Plans at random for all robots, planners and samplers, and has FCL look at every path again.
+/// Succeeds if nothing was wrong with any of them.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "soak/campaign.h"
+
+namespace {
+
+using mneme::soak::CampaignResult;
+using mneme::soak::CampaignSettings;
+using mneme::soak::Tally;
+
+struct Options {
+  std::vector<std::string> robots = {"planar8", "fetch", "panda", "ur5"};
+  double plans_per_spatial = 5;  ///< a planar plan is so many times cheaper
+  CampaignSettings settings;
+};
+
+std::string make_directory() {
+  std::string name = (std::filesystem::temp_directory_path() / "mneme-soak-XXXXXX").string();
+  return ::mkdtemp(name.data());
+}
+
+std::string line_of(const std::string& name, const Tally& tally) {
+  return fmt::format("{:32} {:7} {:7} {:7} {:7} {:10.3g}", name, tally.plans, tally.solved,
+                     tally.invalid, tally.refused, tally.deepest);
+}
+
+Tally print(const CampaignResult& result) {
+  Tally sum;
+  for (const auto& [name, tally] : result.tallies) {
+    fmt::print("{}\n", line_of(name, tally));
+    sum.plans += tally.plans;
+    sum.solved += tally.solved;
+    sum.invalid += tally.invalid;
+    sum.refused += tally.refused;
+    sum.deepest = std::max(sum.deepest, tally.deepest);
+  }
+  for (const std::string& finding : result.findings) fmt::print("  WRONG: {}\n", finding);
+  return sum;
+}
+
+mneme::Result<Tally> run(const std::string& name, const std::string& directory,
+                         const Options& options) {
+  const auto path = mneme::find_robot(name);
+  if (!path) return tl::unexpected(path.error());
+  const auto robot = mneme::load_robot(*path);
+  if (!robot) return tl::unexpected(robot.error());
+  CampaignSettings settings = options.settings;
+  if (!robot->is_planar()) {
+    settings.plans = std::max(1, static_cast<int>(settings.plans / options.plans_per_spatial));
+  }
+  const auto result = mneme::soak::run_campaign(*robot, directory, settings);
+  if (!result) return tl::unexpected(result.error());
+  return print(*result);
+}
+
+int run_all(const Options& options) {
+  fmt::print("{:32} {:>7} {:>7} {:>7} {:>7} {:>10}\n", "robot, planner, sampler", "plans", "solved",
+             "invalid", "refused", "deepest m");
+  const std::string directory = make_directory();
+  Tally all;
+  bool has_failed = false;
+  for (const std::string& name : options.robots) {
+    const auto tally = run(name, directory, options);
+    if (!tally) {
+      fmt::print(stderr, "soak: {}\n", tally.error().message);
+      has_failed = true;
+      continue;
+    }
+    all.plans += tally->plans;
+    all.solved += tally->solved;
+    all.invalid += tally->invalid;
+    all.refused += tally->refused;
+    all.deepest = std::max(all.deepest, tally->deepest);
+    std::fflush(stdout);
+  }
+  std::filesystem::remove_all(directory);
+  fmt::print("{}\n", line_of("all", all));
+  return has_failed || all.invalid > 0 || all.refused > 0 || all.solved == 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CampaignSettings& settings = options.settings;
+  CLI::App app("Plans at random and has FCL look at every path again.");
+  app.add_option("--robots", options.robots, "names of robots")->delimiter(',');
+  app.add_option("--plans", settings.plans, "plans for each planar robot")
+      ->check(CLI::Range(1, 100000000));
+  app.add_option("--ratio", options.plans_per_spatial, "planar plans per plan of other robots")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", settings.seed, "seed of everything");
+  app.add_option("--max-iterations", settings.max_iterations, "iteration limit of each plan");
+  app.add_option("--margin", settings.margin, "metres added to the robot's shapes");
+  app.add_option("--refinement", settings.refinement, "FCL's states per state of the planner")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("!--no-verify", settings.verify, "return paths without verification");
+  CLI11_PARSE(app, argc, argv);
+  return run_all(options);
+}
