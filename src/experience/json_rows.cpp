@@ -191,7 +191,7 @@ Result<Experience> parse_row(std::string_view line) {
   row.provenance.tool = fields.text("tool");
   row.provenance.time = fields.text("time");
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
-  if (triangle != 0 && triangle != joints * (joints + 1) / 2) {
+  if (joints != 0 && triangle != 0 && triangle != joints * (joints + 1) / 2) {
     return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
                                               triangle, joints * (joints + 1) / 2));
   }

@@ -119,7 +119,7 @@ TEST_SUITE("flow") {
       INFO("seed " << seed << ", round " << round);
       // The damage above may not have been set aside yet; nothing else may be wrong.
       for (const Damage& damage : *verify_database(path, VerifyMode::quarantine)) {
-        REQUIRE(damage.id % 37 == 3);
+        REQUIRE_MESSAGE(damage.id % 37 == 3, damage.what);
       }
       REQUIRE(verify_database(path)->empty());
     }

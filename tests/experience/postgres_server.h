@@ -28,7 +28,7 @@ class PostgresServer {
   }
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
-  ~PostgresServer() { run({"pg_ctl", "-D", data(), "-m", "immediate", "-w", "stop"}); }
+  ~PostgresServer() { (void)run({"pg_ctl", "-D", data(), "-m", "immediate", "-w", "stop"}); }
 
   /// The URL of a schema of its own for each call.
   std::string new_url() {

@@ -76,7 +76,7 @@ TEST_SUITE("unit") {
     CHECK(store->check_structure(damages));
     CHECK(damages.empty());
     CHECK(store->reclaim());
-    CHECK(store->bytes() > 8192);
+    CHECK(*store->bytes() > 8192);
   }
 }
 

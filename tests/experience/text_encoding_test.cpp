@@ -21,7 +21,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be made storable") {
-    for (const std::string bad :
+    for (const std::string& bad :
          {std::string("\0", 1), std::string("\x80"), std::string("\xc0\x80"), std::string("\xc3"),
           std::string("\xed\xa0\x80"), std::string("\xf4\x90\x80\x80"), std::string("\xff"),
           std::string("\xe0\x80\x80"), std::string("\xe2\x82")}) {

@@ -80,7 +80,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a head that does not fit the rows is written anew") {
     for (const std::string change :
          {"DELETE FROM head", "UPDATE head SET row_count = 7", "DELETE FROM mixture WHERE id = 6",
-          "UPDATE experience SET checksum = 5 WHERE id = 6", "UPDATE tombstone SET row = 1",
+          "UPDATE experience SET checksum = 5 WHERE id = 6", "UPDATE tombstone SET row = 3",
           "DELETE FROM tombstone"}) {
       const TemporaryDirectory directory;
       create(directory / "a.db");
