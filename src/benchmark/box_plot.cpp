@@ -15,7 +15,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr double kLeft = 66;
+constexpr double kLeft = 84;
 constexpr double kRight = 16;
 constexpr double kTop = 58;
 constexpr double kPlotHeight = 300;
@@ -28,6 +28,8 @@ constexpr int kNameLength = 24;
 constexpr double kLabelAngle = 38;  // degrees
 constexpr double kCharacter = 6.2;  // pixels, about
 constexpr double kShortest = 1e-6;  // seconds
+constexpr int kFailureRows = 3;
+constexpr double kCrossPitch = 8;
 
 struct Place {
   double x = 0;     ///< middle of the box
@@ -108,7 +110,13 @@ class BoxPlot {
       if (!series.limits.empty()) most = std::max(most, series.limits.back());
     }
     least = std::max(least, kShortest);
-    axis_ = {least / 1.5, std::max(most, 3 * least) * 1.25, kTop + kPlotHeight, kTop};
+    const double room = has_failures() ? kFailureRows * kCrossPitch : 0;
+    most = std::max(most, 3 * least) * (has_failures() ? 1 : 1.25);
+    axis_ = {least / 1.5, most, kTop + kPlotHeight, kTop + room};
+  }
+
+  [[nodiscard]] bool has_failures() const {
+    return std::ranges::any_of(panel_.series, [](const Series& s) { return !s.limits.empty(); });
   }
 
   [[nodiscard]] double label_height() const {
@@ -120,7 +128,7 @@ class BoxPlot {
   }
 
   void draw_axis(double bottom) {
-    draw_text(svg_, "head", {kLeft - 50, 20}, "start", single_line(panel_.name));
+    draw_text(svg_, "head", {kLeft - 68, 20}, "start", single_line(panel_.name));
     draw_text(svg_, "soft", {width_ - kRight, 20}, "end", "planning time, retrieval included");
     for (const Tick& tick : ticks_of(axis_)) {
       const double y = axis_.at(tick.seconds);
@@ -128,6 +136,11 @@ class BoxPlot {
       if (!tick.label.empty()) draw_text(svg_, "soft", {kLeft - 8, y + 4}, "end", tick.label);
     }
     draw_line(svg_, "frame", {kLeft, bottom}, {width_ - kRight, bottom});
+    if (!has_failures()) return;
+    const double y = axis_.at(panel_.longest_limit);
+    draw_line(svg_, "limit", {kLeft, y}, {width_ - kRight, y});
+    draw_text(svg_, "bad", {kLeft - 8, y - 8}, "end",
+              "limit " + format_duration(panel_.longest_limit));
   }
 
   void draw_series(const Series& series, const Place& place, double bottom) {
@@ -192,15 +205,24 @@ class BoxPlot {
                               {"cy", short_number(axis_.at(times[i]))},
                               {"r", "1.8"}});
     }
-    for (std::size_t i = 0; i < series.limits.size(); ++i) {
-      const double side =
-          (static_cast<double>(i) + 0.5) / static_cast<double>(series.limits.size());
-      draw_cross({place.x + (side - 0.5) * 2.2 * place.half, axis_.at(series.limits[i])});
+    draw_failures(series, place);
+  }
+
+  /// Crosses at the limit, in rows above each other if there are many.
+  void draw_failures(const Series& series, const Place& place) {
+    const std::size_t count = series.limits.size();
+    const std::size_t columns = (count + kFailureRows - 1) / kFailureRows;
+    const double pitch = std::min(kCrossPitch, 3 * place.half / static_cast<double>(columns));
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = static_cast<double>(i / columns);
+      const std::size_t in_row = std::min(columns, count - i / columns * columns);
+      const double column = static_cast<double>(i % columns) - static_cast<double>(in_row - 1) / 2;
+      draw_cross({place.x + column * pitch, axis_.at(series.limits[i]) - kCrossPitch * row});
     }
   }
 
   void draw_cross(Point at) {
-    constexpr double kArm = 3.5;
+    constexpr double kArm = 2.8;
     svg_.element("path",
                  {{"class", "out"},
                   {"d", fmt::format("M{0} {1}l{2} {2}m0 -{2}l-{2} {2}", short_number(at.x - kArm),

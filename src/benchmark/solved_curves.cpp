@@ -46,7 +46,7 @@ class Curves {
     const std::vector<const Series*> legend = legend_entries();
     const auto rows = static_cast<double>((planners_.size() + kColumns - 1) / kColumns);
     const auto lines = static_cast<double>((legend.size() + kLegendColumns - 1) / kLegendColumns);
-    const double legend_top = kTop + rows * kRowPitch - 6;
+    const double legend_top = kTop + rows * kRowPitch - 26;
     const double height = legend_top + lines * kLegendLine + 8;
     svg_.open("svg", {{"class", "plot curves"},
                       {"xmlns", "http://www.w3.org/2000/svg"},

@@ -30,7 +30,7 @@ inline std::vector<BenchmarkRow> suite_rows() {
         row.setting = "tuned";
         row.settings = "range=0.5 memory=grid";
         row.machine = "a machine";
-        row.version = "mneme 1, g++ 12";
+        row.version = "mneme 1 with g++ 12";
         row.isa = "avx2";
         row.started = "2026-01-31T12:00:00Z";
         rows.push_back(row);

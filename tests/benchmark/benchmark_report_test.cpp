@@ -35,6 +35,7 @@ std::vector<std::map<std::string, std::string>> split_csv(const std::string& csv
       names = values;
       continue;
     }
+    REQUIRE(values.size() == names.size());
     auto& row = rows.emplace_back();
     for (std::size_t i = 0; i < values.size(); ++i) row[names[i]] = values[i];
   }
@@ -107,7 +108,7 @@ TEST_SUITE("unit") {
     const std::string html = make_benchmark_report(test::suite_rows(), {}, {}).html;
     CHECK(html.find("180 runs: 173 solved, 6 without a path, 1 with a path that did not survive") !=
           std::string::npos);
-    CHECK(html.find("Machine: a machine. Kernels: avx2. Built: mneme 1, g++ 12.") !=
+    CHECK(html.find("Machine: a machine. Kernels: avx2. Built: mneme 1 with g++ 12.") !=
           std::string::npos);
     CHECK(html.find("started 2026-01-31T12:00:00Z") != std::string::npos);
   }

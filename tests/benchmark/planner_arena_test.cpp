@@ -83,7 +83,7 @@ TEST_SUITE("oracle") {
     const std::string path = directory / "arena.db", log = directory / "more.log";
     REQUIRE(write_planner_arena(path, test::suite_rows()).has_value());
     test::write_file(log, to_ompl_logs(test::suite_rows())[0].text);
-    const std::string command = "ompl_benchmark_statistics -d " + path + " " + log;
+    const std::string command = "ompl_benchmark_statistics -a -d " + path + " " + log;
     REQUIRE(std::system((command + " > /dev/null 2>&1").c_str()) == 0);
     CHECK(ask(path, "SELECT count(*) FROM runs") == "360|\n");
     CHECK(ask(path, "SELECT count(*) FROM plannerConfigs") == "9|\n");

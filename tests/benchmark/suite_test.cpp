@@ -97,11 +97,12 @@ settings:
     const auto setting = [](const std::string& text) {
       return failure(std::string(kHead) + "settings:\n  s: {memory: m, " + text + "}\n");
     };
-    CHECK(setting("lambda: 2")
-              .find("small.yaml:5: key settings.s.lambda: expected a number from 0 to 1, got 2") ==
-          0);
-    CHECK(setting("lambda: .nan").find("expected a number from 0 to 1") != std::string::npos);
-    CHECK(setting("max-matches: 1.5").find("expected a whole number from 0") != std::string::npos);
+    CHECK(
+        setting("goal-bias: 2")
+            .find("small.yaml:5: key settings.s.goal-bias: expected a number from 0 to 1, got 2") ==
+        0);
+    CHECK(setting("goal-bias: .nan").find("expected a number from 0 to 1") != std::string::npos);
+    CHECK(setting("neighbours: 1.5").find("expected a whole number from 1") != std::string::npos);
     CHECK(setting("verify: 1").find("expected true or false") != std::string::npos);
     CHECK(setting("timeout: -1").find("expected a number from 0") != std::string::npos);
     CHECK(failure("problems: [a.yaml]\nseeds: 0\n").find("expected a whole number from 1") !=
@@ -131,11 +132,11 @@ settings:
   }
 
   TEST_CASE("The suites that come with mneme are sound, and their files are there") {
-    SuiteNames names = {{"rrt_connect", "rrt", "prm"},
-                        {"gl", "uniform", "halton", "gaussian", "obstacle_based", "bridge_test",
-                         "max_clearance"}};
-    for (const char* planner : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST",
-                                "STRIDE", "SBL", "BITstar"}) {
+    SuiteNames names = {
+        {"rrt_connect", "rrt", "prm"},
+        {"gl", "uniform", "halton", "gaussian", "obstacle_based", "bridge_test", "max_clearance"}};
+    for (const char* planner :
+         {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
       names.planners.push_back(std::string("ompl:") + planner);
     }
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
