@@ -77,25 +77,14 @@ TEST_SUITE("flow") {
     CHECK(has_text(words.out, "id 1, similarity error 0.0000"));
   }
 
-  TEST_CASE("verify passes a sound database and reports damage") {
+  TEST_CASE("query takes another robot than the problem's, and refuses one that does not fit") {
     const PlanarFiles files;
-    CHECK(run_json({"db", "verify", files.database()})["is_clean"] == true);
-    CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
-
-    std::string bytes = read_file(files.database());
-    const Json key = run_json({"db", "list", files.database()})["rows"][0]["key"];
-    // The row's key as it stands in the file, whichever width its numbers have.
-    const double first = key[0].get<double>();
-    const std::string stored(reinterpret_cast<const char*>(&first), sizeof first);
-    const std::size_t at = bytes.find(stored);
-    REQUIRE(at != std::string::npos);
-    bytes[at] = static_cast<char>(bytes[at] ^ 1);
-    write_file(files / "damaged.db", bytes);
-    const Json damage = run_json({"db", "verify", files / "damaged.db"}, 5);
-    CHECK(damage["is_clean"] == false);
-    REQUIRE(damage["damages"].size() == 1);
-    CHECK(damage["damages"][0]["id"] == 1);
-    CHECK(has_text(run_program({"db", "verify", files / "damaged.db"}).out, "row 1: "));
+    const Json json = run_json(
+        {"db", "query", files.database(), "--problem", files.problem(), "--robot", "planar8"});
+    CHECK(json["primitives"][0]["matches"].size() == 1);
+    CHECK(run_program({"db", "query", files.database(), "--problem", files.problem(), "--robot",
+                       files / "none.urdf"})
+              .exit_code == 1);
   }
 }
 
@@ -114,12 +103,13 @@ TEST_SUITE("unit") {
          {"--similarity", "'-1'"}},
         {{"db", "list", database, "--limit", "-1"}, 2, {"--limit"}},
         {{"db", "info", files / "missing.db"}, 1, {"missing.db"}},
-        {{"db", "verify", files / "missing.db"}, 1, {"missing.db"}},
+        {{"db", "info", files / "text.db", "--json"}, 5, {"mneme db verify"}},
         {{"db", "info", files / ""}, 1, {"directory"}},
         {{"db", "info", files / "text.db"}, 5, {"text.db"}},
         {{"db", "query", database, "--problem", files / "none.yaml"}, 1, {"none.yaml"}},
         {{"db", "query", database, "--problem", files.short_arm_problem()}, 5, {"short"}},
-        {{"db", "info", "postgresql://host/x"}, 1, {"not supported"}},
+        {{"db", "info", "mysql://me:secret@host/x"}, 1, {"'mysql'", "not supported"}},
+        {{"db", "info", "postgresql://127.0.0.1:1/x"}, 1, {"postgresql://127.0.0.1:1/x"}},
     });
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
   }

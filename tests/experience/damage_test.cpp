@@ -95,7 +95,7 @@ TEST_SUITE("law") {
     Rng rng(seed);
     std::int64_t lost = 0;
     int opened = 0;
-    const int count = rounds(120);
+    const int count = rounds(100);
     for (int i = 0; i < count; ++i) {
       const std::size_t position = i < 100 && i % 2 == 0
                                        ? static_cast<std::size_t>(i)
@@ -122,7 +122,7 @@ TEST_SUITE("law") {
     const Database sound = open_database(directory / "sound.db", OpenMode::read_only);
     Rng rng(seed);
     int refused = 0;
-    for (int i = 0; i < rounds(300); ++i) {
+    for (int i = 0; i < rounds(250); ++i) {
       // Half of the flips hit the first pages, where the file is described.
       const std::size_t range = i % 2 == 0 ? bytes.size() : 4 * 8192;
       const std::size_t position = i < 100 ? static_cast<std::size_t>(i) : rng.index(range);

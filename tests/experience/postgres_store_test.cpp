@@ -89,7 +89,9 @@ TEST_SUITE("flow") {
     run_on_server(url, "DELETE FROM mneme_experience WHERE id = 8");
     CHECK(open_error(url).code == ErrorCode::corrupt);
     std::set<std::int64_t> named;
-    for (const Damage& damage : *verify_database(url, VerifyMode::quarantine)) {
+    const auto damages = verify_database(url, VerifyMode::quarantine);
+    REQUIRE(damages.has_value());
+    for (const Damage& damage : *damages) {
       named.insert(damage.id);
       CHECK_MESSAGE(damage.is_quarantined, damage.what);
     }

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json run_json(std::vector<std::string> arguments, int exit_code = 0) {
+  arguments.emplace_back("--json");
+  const ProgramRun run = run_program(arguments);
+  REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
+  return Json::parse(run.out);
+}
+
+/// A copy of the database with a bit of its row's key flipped.
+std::string damaged_copy(const PlanarFiles& files) {
+  std::string bytes = read_file(files.database());
+  const Json key = run_json({"db", "list", files.database()})["rows"][0]["key"];
+  const double first = key[0].get<double>();
+  const std::string stored(reinterpret_cast<const char*>(&first), sizeof first);
+  const std::size_t at = bytes.find(stored);
+  REQUIRE(at != std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  write_file(files / "damaged.db", bytes);
+  return files / "damaged.db";
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("verify passes a sound database, reports damage and sets it aside") {
+    const PlanarFiles files;
+    CHECK(run_json({"db", "verify", files.database()})["is_clean"] == true);
+    CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
+
+    const std::string damaged = damaged_copy(files);
+    const Json report = run_json({"db", "verify", damaged, "--report"}, 5);
+    CHECK(report["is_clean"] == false);
+    REQUIRE(report["damages"].size() == 1);
+    CHECK(report["damages"][0]["id"] == 1);
+    CHECK(report["damages"][0]["is_quarantined"] == false);
+    CHECK(run_program({"db", "info", damaged}).exit_code == 5);
+
+    const ProgramRun cured = run_program({"db", "verify", damaged});
+    CHECK(cured.exit_code == 5);
+    CHECK(has_text(cured.out, "row 1: "));
+    CHECK(has_text(cured.out, "(set aside)"));
+    CHECK(run_json({"db", "verify", damaged})["is_clean"] == true);
+    CHECK(run_json({"db", "info", damaged})["tombstones"] == 1);
+
+    CHECK(run_json({"db", "merge", damaged, files.database()})["added"] == 1);
+    CHECK(run_json({"db", "compact", damaged})["removed"] == 1);
+    CHECK(run_json({"db", "info", damaged})["samplers"] == 1);
+  }
+
+  TEST_CASE("merging, exporting and importing give the same set") {
+    const PlanarFiles files;
+    const Json merged =
+        run_json({"db", "merge", files / "all.db", files.database(), files.database()});
+    CHECK(merged["read"] == 2);
+    CHECK(merged["added"] == 1);
+    for (const std::string format : {".jsonl", ".npz"}) {
+      const std::string file = files / ("rows" + format);
+      CHECK(run_json({"db", "export", files.database(), file})["rows"] == 1);
+      CHECK(run_json({"db", "import", files / ("new" + format + ".db"), file})["added"] == 1);
+      CHECK(run_json({"db", "import", files / "all.db", file})["added"] == 0);
+      const std::string again = files / ("again" + format);
+      CHECK(run_program({"db", "export", files / ("new" + format + ".db"), again}).exit_code == 0);
+      CHECK(read_file(file) == read_file(again));
+    }
+    const ProgramRun lines = run_program({"db", "export", files.database(), "/dev/stdout"});
+    CHECK(has_text(lines.out, "mneme experience 1"));
+  }
+
+  TEST_CASE("migrate moves an old database, and says when there is nothing to do") {
+    const PlanarFiles files;
+    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), files / "old.db");
+    const Json migrated = run_json({"db", "migrate", files / "old.db"});
+    CHECK(migrated["from"] == 1);
+    CHECK(migrated["to"] == 2);
+    CHECK(migrated["rows"] == 2);
+    CHECK(std::filesystem::exists(migrated["copy"].get<std::string>()));
+    CHECK(has_text(run_program({"db", "migrate", files / "old.db"}).out, "nothing to do"));
+    CHECK(run_json({"db", "info", files / "old.db"})["schema_version"] == 2);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("wrong upkeep ends with a message and an exit code") {
+    const PlanarFiles files;
+    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), files / "other.db");
+    const std::string database = files.database();
+    check_bad_inputs({
+        {{"db", "merge", database}, 2, {"FROM is required"}},
+        {{"db", "export", database}, 2, {"FILE is required"}},
+        {{"db", "export", database, files / "rows.csv"}, 1, {".jsonl", ".npz"}},
+        {{"db", "import", database, files / "none.npz"}, 1, {"none.npz"}},
+        {{"db", "merge", database, files / "other.db"}, 5, {"'arm'"}},
+        {{"db", "verify", files / "missing.db"}, 1, {"missing.db"}},
+        {{"db", "compact", files / "other.db"}, 1, {"mneme db migrate"}},
+        {{"db", "migrate", files / "missing.db"}, 1, {"missing.db"}},
+    });
+    CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
