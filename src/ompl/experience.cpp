@@ -29,8 +29,10 @@ namespace ot = ::ompl::tools;
 class ExperiencePlanner final : public ob::Planner {
  public:
   ExperiencePlanner(const ob::SpaceInformationPtr& information, ob::PlannerPtr repair,
-                    ob::PlannerPtr scratch)
-      : Planner(information, repair->getName()), planners_{std::move(repair), std::move(scratch)} {}
+                    ob::PlannerPtr scratch, ob::PlannerPtr roadmap)
+      : Planner(information, repair->getName()),
+        planners_{std::move(repair), std::move(scratch)},
+        roadmap_(std::move(roadmap)) {}
 
   void setProblemDefinition(const ob::ProblemDefinitionPtr& definition) override {
     Planner::setProblemDefinition(definition);
@@ -50,7 +52,7 @@ class ExperiencePlanner final : public ob::Planner {
 
  private:
   std::array<ob::PlannerPtr, 2> planners_;
-  ob::PlannerPtr roadmap_;
+  ob::PlannerPtr roadmap_;  ///< Thunder's, otherwise null
 };
 
 std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& information) {
@@ -67,7 +69,7 @@ std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& infor
 
 struct Repair {
   ob::PlannerPtr planner;  ///< null if OMPL cannot read the file
-  ob::PlannerPtr roadmap;
+  ob::PlannerPtr roadmap;  ///< Thunder's, otherwise null
 };
 
 Repair make_repair(std::string_view name, const ob::SpaceInformationPtr& information,
