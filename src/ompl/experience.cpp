@@ -28,6 +28,7 @@ namespace ot = ::ompl::tools;
 /// What ompl::tools::Lightning and Thunder do around their planners, as one planner.
 class ExperiencePlanner final : public ob::Planner {
  public:
+  /// `roadmap`, if any, belongs to the experience.
   ExperiencePlanner(const ob::SpaceInformationPtr& information, ob::PlannerPtr repair,
                     ob::PlannerPtr scratch, ob::PlannerPtr roadmap)
       : Planner(information, repair->getName()),
