@@ -114,8 +114,9 @@ class RunQueue {
     settings.plan.seed = run.seed;
     settings.plan.cancel = interrupt_flag();
     const auto memory = plan_.memories.find({run.bench_case->memory, problem.robot.hash()});
-    Database* database =
-        settings.sampler == "gl" && memory != plan_.memories.end() ? &memory->second : nullptr;
+    Database* database = needs_memory(settings.sampler) && memory != plan_.memories.end()
+                             ? &memory->second
+                             : nullptr;
     const std::string started = current_time();
     const Result<SolveResult> result =
         solve_with_any(problem, database, settings, run.bench_case->is_ompl_as_in_paper);
@@ -161,6 +162,10 @@ std::size_t BenchPlan::run_count() const {
         cases.begin(), cases.end(), [&](const BenchCase& c) { return is_of_set(c, loaded.set); }));
   }
   return count * static_cast<std::size_t>(seed_count);
+}
+
+bool learns_while_planning(const SolveSettings& settings) {
+  return settings.learn_budget_s > 0 || settings.remember_after >= 0;
 }
 
 void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,

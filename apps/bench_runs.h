@@ -42,6 +42,9 @@ struct BenchPlan {
   [[nodiscard]] std::size_t run_count() const;
 };
 
+/// True if runs change the memory, so that later ones depend on earlier ones.
+[[nodiscard]] bool learns_while_planning(const SolveSettings& settings);
+
 /// Appends a case for each of `planners` with each of `samplers`.
 void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,
                   const std::vector<std::string>& samplers, std::vector<BenchCase>& cases);

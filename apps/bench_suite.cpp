@@ -73,9 +73,14 @@ Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::strin
   lesson.paths = memory.paths;
   lesson.timeout_s = memory.path_timeout_s;
   lesson.seed = memory.seed;
-  Result<Database> database = open_database(path, problems->front().robot, OpenMode::create);
+  const Robot& robot = problems->front().robot;
+  DecomposeSettings decompose;
+  decompose.decomposer = memory.decomposer;
+  // Solved problems teach arms in space most as whole paths.
+  if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
+  Result<Database> database = open_database(path, robot, OpenMode::create, decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
-  const auto summary = learn_from_problems(*problems, lesson, {}, *database);
+  const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
   if (!summary) return tl::unexpected(summary.error());
   return LearnedMemory{summary->time_s, summary->is_cancelled};
 }
@@ -157,7 +162,7 @@ Result<void> add_setting(const SuiteSetting& setting, ReadySuite& ready) {
 
 bool learns_online(const Suite& suite, const std::string& memory) {
   return std::any_of(suite.settings.begin(), suite.settings.end(), [&](const SuiteSetting& s) {
-    return s.memory == memory && s.solve.learn_budget_s > 0;
+    return s.memory == memory && learns_while_planning(s.solve);
   });
 }
 

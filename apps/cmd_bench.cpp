@@ -61,8 +61,7 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
-  const bool has_gl = std::count(options.samplers.begin(), options.samplers.end(), "gl") > 0;
-  if (options.db.empty() || !has_gl) return {};
+  if (options.db.empty() || std::ranges::none_of(options.samplers, needs_memory)) return {};
   for (const LoadedProblem& loaded : plan.problems) {
     const Robot& robot = loaded.problem.robot;
     const std::pair key{options.db, robot.hash()};
@@ -198,17 +197,19 @@ void check_problem_flags(BenchOptions& options) {
     options.samplers = options.db.empty() ? std::vector<std::string>{"uniform"}
                                           : std::vector<std::string>{"gl", "uniform"};
   }
-  const bool has_gl = std::count(options.samplers.begin(), options.samplers.end(), "gl") > 0;
-  if (has_gl && options.db.empty()) {
-    throw CLI::ValidationError("--samplers", "gl needs --db, the memory that it draws from");
+  const auto drawing = std::ranges::find_if(options.samplers, needs_memory);
+  if (drawing != options.samplers.end() && options.db.empty()) {
+    throw CLI::ValidationError("--samplers",
+                               *drawing + " needs --db, the memory that it draws from");
   }
   if (options.is_resumed && options.csv.empty()) {
     throw CLI::ValidationError("--resume", "needs --csv, the rows that are there already");
   }
-  if (options.jobs > 1 && options.settings.learn_budget_s > 0) {
-    throw CLI::ValidationError("--jobs",
-                               "must be 1 with --learn-budget, whose runs follow from "
-                               "each other");
+  if (options.jobs > 1 && learns_while_planning(options.settings)) {
+    throw CLI::ValidationError(
+        "--jobs",
+        "must be 1 with --learn-budget or --remember-after, whose runs follow from "
+        "each other");
   }
   for (const auto& [flag, value] :
        {std::pair("--out", &options.out), std::pair("--memories", &options.memories)}) {

@@ -26,7 +26,7 @@ Result<Suite> read_suite(const SuiteRun& run) {
   for (SuiteSetting& setting : suite->settings) {
     double& timeout_s = setting.solve.plan.timeout_s;
     timeout_s = run.timeout_s.value_or(timeout_s);
-    if (run.jobs > 1 && setting.solve.learn_budget_s > 0) {
+    if (run.jobs > 1 && learns_while_planning(setting.solve)) {
       return fail(ErrorCode::invalid,
                   fmt::format("--jobs must be 1: setting {} learns while it plans", setting.name));
     }

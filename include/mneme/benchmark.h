@@ -33,6 +33,7 @@ struct SuiteMemory {
   std::string primitives;    ///< a grid to cover (see load_grid)
   std::optional<int> count;  ///< at least this many primitives instead of the grid's number
   std::vector<SuiteProblems> problems;  ///< to be solved with uniform samples and learned from
+  std::string decomposer;               ///< with `problems`; empty for the default of mneme learn
   int paths = 5;                        ///< per problem
   double path_timeout_s = 10;           ///< per path
   std::uint64_t seed = 1;
@@ -66,8 +67,11 @@ struct SuiteNames {
 };
 
 /// Reads a suite. Errors name file, line and key: unknown keys and names, values out of range, a
-/// setting that draws from gl without a memory.
+/// setting that draws from a memory and names none.
 [[nodiscard]] Result<Suite> load_suite(const std::string& path, const SuiteNames& known);
+
+/// True for samplers that draw from a database: "gl" and the baselines on the same memory.
+[[nodiscard]] bool needs_memory(std::string_view sampler);
 
 /// The settings that differ from the defaults, such as "range=3.55 similarity=3"; names in order of
 /// declaration; without time limit and seed.

@@ -3,6 +3,7 @@
 
 #include "benchmark/suite_settings.h"
 #include "mneme/benchmark.h"
+#include "pipeline/recall.h"
 #include "scene/text_file.h"
 #include "scene/yaml_input.h"
 
@@ -100,8 +101,8 @@ class SuiteReader {
 
   [[nodiscard]] SuiteMemory read_memory(const std::string& name, const Input& input) const {
     std::vector<std::string_view> keys = internal::setting_names<LearnSettings>();
-    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "paths",
-                             "path-timeout", "seed"});
+    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "decomposer",
+                             "paths", "path-timeout", "seed"});
     input.allow_keys(keys);
     SuiteMemory memory;
     memory.name = name;
@@ -114,6 +115,12 @@ class SuiteReader {
       memory.robot = input.at("robot").text();
     }
     if (const auto problems = input.find("problems")) memory.problems = read_problems(*problems);
+    if (const auto decomposer = input.find("decomposer")) {
+      memory.decomposer = decomposer->text();
+      if (const auto known = decomposer_version(memory.decomposer); !known) {
+        decomposer->fail(ErrorCode::parse, known.error().message);
+      }
+    }
     if (input.find("count")) read_number(input, "count", memory.count.emplace(), 0, 1e8);
     read_number(input, "paths", memory.paths, 1, 1000);
     read_number(input, "path-timeout", memory.path_timeout_s, 0, 1e6);
@@ -167,11 +174,11 @@ class SuiteReader {
   }
 
   static void check_memory(const Input& input, const Suite& suite, const SuiteSetting& setting) {
-    const bool has_gl =
-        std::find(setting.samplers.begin(), setting.samplers.end(), "gl") != setting.samplers.end();
-    if (setting.memory.empty() && !has_gl) return;
+    const auto drawing = std::ranges::find_if(setting.samplers, needs_memory);
+    if (setting.memory.empty() && drawing == setting.samplers.end()) return;
     if (setting.memory.empty()) {
-      input.fail(ErrorCode::parse, "the sampler gl needs the key memory in its setting");
+      input.fail(ErrorCode::parse,
+                 fmt::format("the sampler {} needs the key memory in its setting", *drawing));
     }
     const bool is_known =
         std::any_of(suite.memories.begin(), suite.memories.end(),
@@ -186,6 +193,8 @@ class SuiteReader {
 };
 
 }  // namespace
+
+bool needs_memory(std::string_view sampler) { return internal::is_memory_sampler(sampler); }
 
 Result<Suite> load_suite(const std::string& path, const SuiteNames& known) {
   return internal::without_throwing([&] {

@@ -4,6 +4,7 @@
 #include "benchmark/solved_curves.h"
 
 #include "benchmark/bench_support.h"
+#include "report/svg_writer.h"
 
 #include <sstream>
 

@@ -132,13 +132,14 @@ settings:
   }
 
   TEST_CASE("The suites that come with mneme are sound, and their files are there") {
-    SuiteNames names = {
-        {"rrt_connect", "rrt", "prm"},
-        {"gl", "uniform", "halton", "gaussian", "obstacle_based", "bridge_test", "max_clearance"}};
+    SuiteNames names = {{"rrt_connect", "rrt", "prm"},
+                        {"gl", "pooled", "nearest_scenes", "cvae", "uniform", "halton", "gaussian",
+                         "obstacle_based", "bridge_test", "max_clearance"}};
     for (const char* planner :
          {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
       names.planners.push_back(std::string("ompl:") + planner);
     }
+    setenv("MEMORY", "memory.db", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
     int count = 0;
     for (const auto& entry :
