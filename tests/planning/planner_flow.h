@@ -430,8 +430,12 @@ inline void check_can_be_watched(Planner plan, int last_graph) {
   // Start, goals and isolated milestones are nodes without an edge.
   CHECK(watcher.edges.size() > 5);
   CHECK(watcher.edges.size() <= watched.nodes);
-  CHECK(watcher.last_graph == last_graph);
   for (const auto& [from, to] : watcher.edges) CHECK(checker.is_motion_valid(from, to));
+  // Nothing grows from a goal in a box.
+  for (const World& open : small_worlds()) {
+    CHECK(run(plan, open, settings).iterations <= settings.max_iterations);
+  }
+  CHECK(watcher.last_graph == last_graph);
 }
 
 }  // namespace mneme::test

@@ -44,7 +44,8 @@ export class Dock {
   }
 
   toggle(): void {
-    this.isPlaying = !this.isPlaying && !this.motion.isEmpty;
+    if (this.motion.isEmpty) return;
+    this.isPlaying = !this.isPlaying;
     if (this.isPlaying && this.fraction >= 1) this.fraction = 0;
     this.show();
   }
@@ -86,7 +87,6 @@ export class Dock {
 
   private drag(event: PointerEvent): void {
     event.preventDefault();
-    this.slider.focus({ preventScroll: true });
     const go = (at: PointerEvent) => {
       const box = this.slider.getBoundingClientRect();
       this.seek((at.clientX - box.left) / box.width);

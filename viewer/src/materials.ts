@@ -57,7 +57,12 @@ export function flat(color: string): ShaderMaterial {
   return new ShaderMaterial({
     glslVersion: GLSL3,
     uniforms: { color: { value: new Color(color) } },
-    vertexShader: /* glsl */ `void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
+    // In the same order as in clay(), whose depths a mask must meet exactly.
+    vertexShader: /* glsl */ `
+      void main() {
+        vec4 at = modelMatrix * vec4(position, 1.0);
+        gl_Position = projectionMatrix * viewMatrix * at;
+      }`,
     fragmentShader: /* glsl */ `
       uniform vec3 color;
       out vec4 pixel;

@@ -53,7 +53,7 @@ export function makeSamples(trace: Trace, chosen: number | null): Object3D {
     positions.push(...sample.points.slice(-3));
     colors.push(...new Color(originColor(sample.origin)).toArray());
   }
-  return dots(positions, colors, 6, 0.8, 6);
+  return dots(positions, colors, 5, 0.6, 6);
 }
 
 /** The way of the end effector, blue to red. */

@@ -22,11 +22,21 @@ export interface Insets {
 
 /** A context on a graphics card, or one in software, which is too slow for smooth edges in motion. */
 function makeContext(canvas: HTMLCanvasElement): { context: WebGL2RenderingContext; isSoftware: boolean } {
-  const wishes = { stencil: true, powerPreference: "high-performance", alpha: false } as const;
-  const fast = canvas.getContext("webgl2", { ...wishes, antialias: true, failIfMajorPerformanceCaveat: true });
-  const context = fast ?? canvas.getContext("webgl2", { ...wishes, antialias: false });
+  const isSoftware = isDrawnInSoftware();
+  const context = canvas.getContext("webgl2", {
+    stencil: true, powerPreference: "high-performance", alpha: false, antialias: !isSoftware,
+  });
   if (!context) throw new Error("this browser has no WebGL 2");
-  return { context, isSoftware: fast === null };
+  return { context, isSoftware };
+}
+
+/** Asks a context of its own, because smooth edges must be decided on before there is one. */
+function isDrawnInSoftware(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const names = probe?.getExtension("WEBGL_debug_renderer_info");
+  const name = probe && names ? String(probe.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
 /** Milliseconds without a change before a picture in software is drawn again with smooth edges. */
