@@ -72,8 +72,10 @@ class Viewer {
     const isPlanar = trace.is_planar;
     this.motion = new Motion(trace);
     this.shape = new RobotShape(isPlanar ? [] : trace.links, movingLinks(trace));
+    // In the plane remembered arms and search at once would be too much, unless search is all there is.
+    const isSearchShown = !isPlanar || this.motion.isEmpty;
     this.shown = {
-      ends: true, tip: true, memory: true, components: isPlanar, samples: !isPlanar, trees: !isPlanar,
+      ends: true, tip: true, memory: true, components: isPlanar, samples: isSearchShown, trees: isSearchShown,
     };
     this.scene = new SceneView(trace.obstacles, isPlanar, this.shade);
     this.stage = this.makeStage();
@@ -146,7 +148,7 @@ class Viewer {
   private makeStage(): Stage {
     const { trace } = this;
     const box = robotBox(trace);
-    const around = box.clone().expandByScalar(trace.is_planar ? 0.4 : 0.15);
+    const around = box.clone().expandByScalar(trace.is_planar ? 1 : 0.15);
     // Obstacles that the robot does not come near may lie outside the picture, and large ones in part.
     trace.obstacles.forEach((_, i) => {
       const bounds = this.scene.bounds(i);
