@@ -87,5 +87,52 @@ TEST_SUITE("unit") {
   }
 }
 
+TEST_SUITE("flow") {
+  TEST_CASE("random scenes like a given one are written, the same for the same seed") {
+    const PlanarFiles files;
+    write_file(files / "v.yaml", "obstacles: {circle_*: {position: {uniform: [0.1, 0.1, 0]}}}\n");
+    const auto vary = [&](const std::string& directory, const std::string& seed) {
+      const ProgramRun run =
+          run_program({"scene", "vary", files.problem(), "--variations", files / "v.yaml", "-n",
+                       "3", "--seed", seed, "-o", files / directory, "--json"});
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      const Json json = Json::parse(run.out);
+      REQUIRE(json["files"].size() == 3);
+      return read_file(json["files"][1].get<std::string>());
+    };
+    const std::string once = vary("a", "5");
+    CHECK(once == vary("b", "5"));
+    CHECK(once != vary("c", "6"));
+    CHECK(parse_scene(once, "scene").has_value());
+  }
+
+  TEST_CASE("variations of obstacles that are not there are refused by name") {
+    const PlanarFiles files;
+    write_file(files / "v.yaml", "obstacles: {cup: {rpy: {uniform: [0, 0, 1]}}}\n");
+    const ProgramRun run = run_program(
+        {"scene", "vary", files.problem(), "--variations", files / "v.yaml", "-o", files / "out"});
+    CHECK(run.exit_code == 1);
+    CHECK(has_text(run.err, "'cup'"));
+    CHECK(has_text(run.err, "v.yaml"));
+  }
+
+  TEST_CASE("gaps of a shelf are learned from its scenes, and found again without being named") {
+    const PlanarFiles files;
+    const std::string shelf = source_file("scenes/shelf/thick.yaml");
+    const std::string memory = files / "shelf.db";
+    const ProgramRun learned =
+        run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--decomposer", "gaps", "--db",
+                     memory, "--starts-per-link", "1", "--paths-per-start", "1", "--jobs", "1",
+                     "--learn-iterations", "20000", "--json"});
+    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    CHECK(Json::parse(learned.out)["learned"].get<int>() >= 1);
+    CHECK(Json::parse(learned.out)["components"].get<int>() > 0);
+    const ProgramRun plan = run_program(
+        {"plan", shelf, "--db", memory, "--retrieve-after", "0", "--seed", "1", "--json"});
+    REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
+    CHECK(Json::parse(plan.out)["components"].get<int>() > 0);
+  }
+}
+
 }  // namespace
 }  // namespace mneme::test
