@@ -43,7 +43,7 @@ struct Contact {
 /// How finely a motion is checked, relative to the checker's settings.
 struct MotionDetail {
   double refinement = 1;  ///< divides the resolution; 10 for the verification of a final path
-  double margin = 0;      ///< metres added to the checker's own margin; >= 0
+  double margin = 0;      ///< metres added to the margin of links that move; >= 0
 };
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.

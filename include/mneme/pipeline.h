@@ -32,6 +32,7 @@ struct SolveSettings {
   double learn_budget_s = 0;
   int remember_after = -1;
   double resolution = 0;
+  double margin = 0;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
   DecomposeSettings decompose;
@@ -81,6 +82,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("resolution", s.resolution, 0.0, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
         "default");
+  visit("margin", s.margin, 0.0, 10.0,
+        "metres that the robot keeps away from obstacles, start and goal included; not from itself");
 }
 
 /// The default `similarity` for the keys of a decomposer, by its name or version.

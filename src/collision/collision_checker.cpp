@@ -115,7 +115,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const Tables& t = *tables_;
   ++counters.motions;
   const float margin = t.margin + static_cast<float>(detail.margin);
-  if (t.fixed_clearance < margin) return false;
+  // A base may stand on the floor: more margin would only say that it still does.
+  if (t.fixed_clearance < t.margin) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   if (!std::isfinite(length)) return false;

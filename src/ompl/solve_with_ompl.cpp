@@ -76,6 +76,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
   const SolveSettings settings = internal::complete_settings(asked, problem.robot, database);
   CheckerSettings checking;
   checking.resolution = settings.resolution;
+  checking.margin = settings.margin;
   checking.isa = settings.isa;
   const auto checker = CollisionChecker::make(problem.robot, problem.scene, checking);
   if (!checker) return tl::unexpected(checker.error());

@@ -60,7 +60,12 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   };
   // Local queries are made for arms threaded through pairs of circles only.
   const bool can_learn = robot.is_planar();
+  const auto is_over = [&] {
+    return (settings.plan.cancel != nullptr && settings.plan.cancel->load()) ||
+           stopwatch.elapsed_s() >= settings.plan.timeout_s;
+  };
   for (LocalPrimitive& primitive : *primitives) {
+    if (is_over()) break;
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = std::move(primitive);
     retrieval.matches = retrieve(retrieval.primitive);

@@ -63,6 +63,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   if (!planner) return tl::unexpected(planner.error());
   CheckerSettings checking;
   checking.resolution = settings.resolution;
+  checking.margin = settings.margin;
   checking.isa = settings.isa;
   const auto checker = CollisionChecker::make(problem.robot, problem.scene, checking);
   if (!checker) return tl::unexpected(checker.error());

@@ -6,17 +6,27 @@
 #include <limits>
 
 #include "planning/path_conversion.h"
+#include "planning/shortcut.h"
 
 namespace mneme::internal {
 namespace {
 
 /// Iterations and motions per look at the clock, which costs a tenth of a fast iteration.
 constexpr std::uint64_t kWorkPerClockCheck = 32;
+/// Shapes in a scene from which on a motion takes so long that the clock is looked at more often.
+constexpr std::uint64_t kManyShapes = 1000;
 /// Shorter steps round to no movement at all, or take longer to cross the space than a time limit.
 constexpr double kLeastRange = 1e-3;
 /// Radians of L2 joint distance.
 constexpr float kFirstDomainRadius = 4;
 constexpr int kShortcutAttempts = 100;
+
+std::uint64_t work_per_clock_check(const Scene& scene) {
+  std::uint64_t shapes = 0;
+  for (const Obstacle& obstacle : scene.obstacles) shapes += obstacle.shapes.size();
+  const std::uint64_t work = kWorkPerClockCheck * kManyShapes / std::max(shapes, kManyShapes);
+  return std::max(work, std::uint64_t{1});
+}
 
 }  // namespace
 
@@ -30,6 +40,7 @@ PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query,
                                                    : default_range(checker.robot()))),
       first_domain_(checker.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                 : kFirstDomainRadius * kFirstDomainRadius),
+      work_per_clock_check_(work_per_clock_check(checker.scene())),
       stream_(sampler.start(settings.seed)) {
   validate();
 }
@@ -70,8 +81,8 @@ bool PlannerRun::must_stop() {
   if (is_stopped_) return true;
   const std::uint64_t work = result_.iterations + counters_.motions;
   if (work < next_clock_check_) return false;
-  next_clock_check_ = work + kWorkPerClockCheck;
-  if (settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed)) {
+  next_clock_check_ = work + work_per_clock_check_;
+  if (is_cancelled()) {
     refuse(PlanStatus::cancelled, "cancelled");
     is_stopped_ = true;
   } else if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
@@ -79,6 +90,10 @@ bool PlannerRun::must_stop() {
     is_stopped_ = true;
   }
   return is_stopped_;
+}
+
+bool PlannerRun::is_cancelled() const {
+  return settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed);
 }
 
 int PlannerRun::find_direct_goal() {
@@ -113,14 +128,17 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
 
 void PlannerRun::simplify() {
   const Path planned = result_.path;
+  const auto must_stop = [&] {
+    return is_cancelled() || stopwatch_.elapsed_s() >= settings_.timeout_s;
+  };
   // Shortcuts at the planner's resolution nearly always survive verification as a whole, which
   // costs a tenth of verifying each one; cutting a motion moves the states that are looked at, so
   // even verified ones are verified.
   for (const bool is_each_verified : {false, true}) {
     const Stopwatch stopwatch;
     result_.path = planned;
-    shortcut(checker_, result_.path, derive_seed(settings_.seed, 1), kShortcutAttempts,
-             is_each_verified, counters_);
+    internal::shortcut_until(checker_, result_.path, derive_seed(settings_.seed, 1),
+                             kShortcutAttempts, is_each_verified, counters_, must_stop);
     result_.simplification_time_s += stopwatch.elapsed_s();
     if (!settings_.verify) return;
     const Stopwatch verification;

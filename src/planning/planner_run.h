@@ -72,6 +72,7 @@ class PlannerRun {
 
  private:
   void validate();
+  [[nodiscard]] bool is_cancelled() const;
   void simplify();
   void refuse(PlanStatus status, std::string message);
   [[nodiscard]] PlanResult take_result(int node_count);
@@ -85,6 +86,7 @@ class PlannerRun {
   float first_domain_;
   std::vector<float> start_;
   FloatPath goals_;
+  std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
   CheckCounters counters_;
   PlanResult result_;

@@ -4,6 +4,7 @@
 
 #include "mneme/planning.h"
 #include "planning/path_conversion.h"
+#include "planning/shortcut.h"
 #include "planning/verify.h"
 #include "robot/joint_space.h"
 
@@ -29,8 +30,8 @@ class Shortcutter {
   }
 
   /// Drops every waypoint that a straight motion between its neighbours can replace.
-  void drop_waypoints() {
-    for (std::size_t i = 1; i + 1 < nodes_.size();) {
+  void drop_waypoints(const std::function<bool()>& must_stop) {
+    for (std::size_t i = 1; i + 1 < nodes_.size() && !must_stop();) {
       const bool is_at_end = i == 1 || i + 2 == nodes_.size();
       if (is_free(nodes_[i - 1], nodes_[i + 1], is_at_end)) {
         erase_between(i - 1, i + 1);
@@ -133,15 +134,21 @@ double path_length(const Robot& robot, const Path& path) {
   return length;
 }
 
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
-              bool verify, CheckCounters& counters) {
+void internal::shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+                              int attempts, bool verify, CheckCounters& counters,
+                              const std::function<bool()>& must_stop) {
   if (path.size() < 3) return;
   Shortcutter shortcutter(checker, path, verify, counters);
-  shortcutter.drop_waypoints();
+  shortcutter.drop_waypoints(must_stop);
   Rng rng(seed);
-  for (int i = 0; i < attempts; ++i) shortcutter.attempt(rng);
-  shortcutter.drop_waypoints();
+  for (int i = 0; i < attempts && !must_stop(); ++i) shortcutter.attempt(rng);
+  shortcutter.drop_waypoints(must_stop);
   shortcutter.store();
+}
+
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
+              bool verify, CheckCounters& counters) {
+  internal::shortcut_until(checker, path, seed, attempts, verify, counters, [] { return false; });
 }
 
 }  // namespace mneme

@@ -10,6 +10,7 @@
 
 #include "mneme/primitive.h"
 #include "primitive/decomposers.h"
+#include "primitive/near_pairs.h"
 #include "primitive/passage.h"
 
 namespace mneme {
@@ -133,16 +134,18 @@ Result<std::vector<LocalPrimitive>> internal::decompose_into_body_pairs(
   const SymmetricJoints joints = find_symmetric_joints(robot);
   std::vector<Body> bodies;
   for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
+  const auto pairs = find_near_pairs(scene, settings.max_gap);
+  if (!pairs) return tl::unexpected(pairs.error());
   std::vector<LocalPrimitive> primitives;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      const double gap =
-          closest_shapes(scene.obstacles[i], scene.obstacles[j], settings.max_gap).distance;
-      if (gap > settings.max_gap) continue;
-      primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
-      primitives.back().obstacles = {static_cast<int>(i), static_cast<int>(j)};
-      primitives.back().gap = gap;
-    }
+  for (const auto& [first, second] : *pairs) {
+    const auto i = static_cast<std::size_t>(first);
+    const auto j = static_cast<std::size_t>(second);
+    const double gap =
+        closest_shapes(scene.obstacles[i], scene.obstacles[j], settings.max_gap).distance;
+    if (gap > settings.max_gap) continue;
+    primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
+    primitives.back().obstacles = {first, second};
+    primitives.back().gap = gap;
   }
   return primitives;
 }

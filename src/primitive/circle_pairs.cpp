@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/decomposers.h"
+#include "primitive/near_pairs.h"
 
 #include <fmt/format.h>
 
@@ -137,17 +138,17 @@ Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(const Robot& rob
     if (!circle) return tl::unexpected(circle.error());
     circles.push_back(*circle);
   }
+  const auto pairs = find_near_pairs(scene, settings.max_gap);
+  if (!pairs) return tl::unexpected(pairs.error());
   const double farthest = reach(robot);
   std::vector<LocalPrimitive> primitives;
-  for (std::size_t i = 0; i < circles.size(); ++i) {
-    for (std::size_t j = i + 1; j < circles.size(); ++j) {
-      const Circle& a = circles[i];
-      const Circle& b = circles[j];
-      const double gap = std::hypot(b[0] - a[0], b[1] - a[1]) - a[2] - b[2];
-      if (gap <= 0 || gap > settings.max_gap || gap_distance(a, b) > farthest) continue;
-      primitives.push_back(make_primitive({a[0], a[1], a[2], b[0], b[1], b[2]}));
-      primitives.back().obstacles = {static_cast<int>(i), static_cast<int>(j)};
-    }
+  for (const auto& [i, j] : *pairs) {
+    const Circle& a = circles[static_cast<std::size_t>(i)];
+    const Circle& b = circles[static_cast<std::size_t>(j)];
+    const double gap = std::hypot(b[0] - a[0], b[1] - a[1]) - a[2] - b[2];
+    if (gap <= 0 || gap > settings.max_gap || gap_distance(a, b) > farthest) continue;
+    primitives.push_back(make_primitive({a[0], a[1], a[2], b[0], b[1], b[2]}));
+    primitives.back().obstacles = {i, j};
   }
   return primitives;
 }

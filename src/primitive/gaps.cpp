@@ -8,6 +8,7 @@
 
 #include "mneme/primitive.h"
 #include "primitive/decomposers.h"
+#include "primitive/near_pairs.h"
 #include "primitive/passage.h"
 
 namespace mneme {
@@ -40,15 +41,14 @@ class GapFinder {
         max_gap_(max_gap),
         thinnest_(thinnest(robot)) {}
 
-  std::vector<LocalPrimitive> find() const {
+  Result<std::vector<LocalPrimitive>> find() const {
+    const auto pairs = internal::find_near_pairs(scene_, max_gap_);
+    if (!pairs) return tl::unexpected(pairs.error());
     std::vector<LocalPrimitive> primitives;
-    const int count = static_cast<int>(scene_.obstacles.size());
-    for (int i = 0; i < count; ++i) {
-      for (int j = i + 1; j < count; ++j) {
-        const auto passage = internal::find_passage(obstacle(i), obstacle(j), max_gap_);
-        if (!passage || passage->width() < thinnest_ || is_blocked(*passage, i, j)) continue;
-        primitives.push_back(make_primitive(*passage, i, j));
-      }
+    for (const auto& [i, j] : *pairs) {
+      const auto passage = internal::find_passage(obstacle(i), obstacle(j), max_gap_);
+      if (!passage || passage->width() < thinnest_ || is_blocked(*passage, i, j)) continue;
+      primitives.push_back(make_primitive(*passage, i, j));
     }
     return primitives;
   }

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitive/near_pairs.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace mneme::internal {
+namespace {
+
+/// The axis-aligned box around the bounding spheres of an obstacle's shapes.
+struct Bounds {
+  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 upper = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  int index = 0;
+};
+
+std::vector<Bounds> bound_all(const Scene& scene) {
+  std::vector<Bounds> result;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    Bounds bounds;
+    bounds.index = static_cast<int>(result.size());
+    for (const Shape& shape : obstacle.shapes) {
+      const Sphere ball = bounding_sphere(shape);
+      bounds.lower = bounds.lower.cwiseMin(ball.center - Vec3::Constant(ball.radius));
+      bounds.upper = bounds.upper.cwiseMax(ball.center + Vec3::Constant(ball.radius));
+    }
+    result.push_back(bounds);
+  }
+  return result;
+}
+
+/// The axis along which lower bounds differ most: few boxes share a place on it.
+Eigen::Index longest_axis(const std::vector<Bounds>& all) {
+  Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 most = -least;
+  for (const Bounds& bounds : all) {
+    least = least.cwiseMin(bounds.lower);
+    most = most.cwiseMax(bounds.lower);
+  }
+  Eigen::Index axis = 0;
+  (most - least).maxCoeff(&axis);
+  return axis;
+}
+
+bool are_near(const Bounds& a, const Bounds& b, double gap) {
+  return (a.lower.array() <= b.upper.array() + gap).all() &&
+         (b.lower.array() <= a.upper.array() + gap).all();
+}
+
+}  // namespace
+
+Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, double gap,
+                                                         std::size_t most) {
+  std::vector<std::pair<int, int>> pairs;
+  if (scene.obstacles.empty()) return pairs;
+  std::vector<Bounds> all = bound_all(scene);
+  const Eigen::Index axis = longest_axis(all);
+  std::ranges::sort(all, {}, [&](const Bounds& bounds) { return bounds.lower[axis]; });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double end = all[i].upper[axis] + gap;
+    for (std::size_t j = i + 1; j < all.size() && all[j].lower[axis] <= end; ++j) {
+      if (!are_near(all[i], all[j], gap)) continue;
+      pairs.emplace_back(std::minmax(all[i].index, all[j].index));
+      if (pairs.size() > most) {
+        return fail(ErrorCode::unsupported,
+                    fmt::format("scene '{}': of its {} obstacles more than {} pairs are within {} "
+                                "m of each other; expected fewer: lower the max-gap, or plan "
+                                "without memory",
+                                scene.name, scene.obstacles.size(), most, gap));
+      }
+    }
+  }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+}  // namespace mneme::internal

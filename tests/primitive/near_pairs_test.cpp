@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitive/near_pairs.h"
+
+#include "geometry/random_shapes.h"
+#include "mneme/primitive.h"
+#include "primitive/passage.h"
+#include "support/support.h"
+
+#include <algorithm>
+
+namespace mneme::test {
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+Pairs near_pairs(const Scene& scene, double gap) {
+  const auto pairs = internal::find_near_pairs(scene, gap);
+  REQUIRE_MESSAGE(pairs.has_value(), (pairs ? "" : pairs.error().message));
+  return *pairs;
+}
+
+Scene row_of_balls(int count, double spacing, double radius) {
+  Scene scene{"row", {}};
+  for (int i = 0; i < count; ++i) {
+    scene.obstacles.push_back({"ball" + std::to_string(i), {Sphere{{i * spacing, 0, 0}, radius}}});
+  }
+  return scene;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("neighbours are near and others are not") {
+    CHECK(near_pairs(row_of_balls(4, 1, 0.4), 0.3) == Pairs{{0, 1}, {1, 2}, {2, 3}});
+    CHECK(near_pairs(row_of_balls(4, 1, 0.4), 0.1).empty());
+    CHECK(near_pairs(row_of_balls(1, 1, 0.4), 1).empty());
+    CHECK(near_pairs({}, 1).empty());
+  }
+
+  TEST_CASE("all shapes of an obstacle count") {
+    Scene scene = row_of_balls(2, 10, 0.4);
+    scene.obstacles[0].shapes.push_back(Sphere{{9, 0, 0}, 0.4});
+    CHECK(near_pairs(scene, 0.3) == Pairs{{0, 1}});
+  }
+
+  TEST_CASE("too many pairs are refused with the scene's name and a way out") {
+    const auto refused = internal::find_near_pairs(row_of_balls(100, 0.01, 1), 0.1, 1000);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::unsupported);
+    for (const char* word : {"'row'", "100 obstacles", "1000 pairs", "max-gap"}) {
+      CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
+                    refused.error().message);
+    }
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("no pair within the gap is missed, and the order is that of the scene") {
+    Rng rng(5);
+    int found = 0;
+    for (int round = 0; round < 30; ++round) {
+      CAPTURE(round);
+      Scene scene{"random", {}};
+      for (int i = 0; i < 30; ++i) {
+        const Shape shape = random_shape(static_cast<int>(rng.index(kShapeKinds)), rng);
+        const Transform away{Eigen::Matrix3d::Identity(), random_vector(rng, 5)};
+        scene.obstacles.push_back({std::to_string(i), {transformed(away, shape)}});
+      }
+      const double gap = rng.uniform(0.0, 1.0);
+      const Pairs pairs = near_pairs(scene, gap);
+      CHECK(std::ranges::is_sorted(pairs));
+      for (int i = 0; i < 30; ++i) {
+        for (int j = i + 1; j < 30; ++j) {
+          const auto& a = scene.obstacles[static_cast<std::size_t>(i)];
+          const auto& b = scene.obstacles[static_cast<std::size_t>(j)];
+          if (internal::closest_shapes(a, b, gap).distance > gap) continue;
+          ++found;
+          CHECK(std::ranges::count(pairs, std::pair(i, j)) == 1);
+        }
+      }
+    }
+    CHECK(found > 100);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a hundred thousand obstacles far apart have few pairs, found without all looks") {
+    CHECK(near_pairs(row_of_balls(100000, 1, 0.4), 0.3).size() == 99999);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
