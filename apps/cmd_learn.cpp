@@ -20,6 +20,7 @@
 #include "learn_from_problems.h"
 #include "learning_run.h"
 #include "options.h"
+#include "shard.h"
 
 namespace mneme::app {
 namespace {
@@ -35,6 +36,9 @@ struct LearnOptions {
   std::optional<int> count;
   std::optional<double> similarity_error;
   bool is_json = false;
+  Fraction shard;
+  bool is_worker = false;
+  double lease_s = SharedWork().lease_s;
   LearnJob job;
   ProblemLesson lesson;
   DecomposeSettings decompose;
@@ -171,7 +175,9 @@ Json to_json(const Coverage& coverage, double threshold) {
 void print_summary(const LearnSummary& summary, const Database& database) {
   fmt::print("learned {} primitives ({} of them are impassable) in {:.1f} s, {} components\n",
              summary.learned, summary.empty, summary.time_s, summary.components);
-  if (summary.skipped > 0) fmt::print("skipped {}: learned before\n", summary.skipped);
+  if (summary.skipped > 0) {
+    fmt::print("skipped {}: learned before or by other processes\n", summary.skipped);
+  }
   const DatabaseInfo info = database.info();
   fmt::print("{} now holds {} samplers with {} components in {} bytes\n", info.url, info.samplers,
              info.components, info.bytes);
@@ -243,6 +249,24 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   return ExitCode::interrupted;
 }
 
+/// Learns a shard of the lesson, and of what covers the grid.
+Result<LearnSummary> learn_lesson(Lesson lesson, const std::optional<PrimitiveGrid>& grid,
+                                  const Fraction& shard, Database& database, const LearnJob& job) {
+  if (!lesson.robot.is_planar()) {
+    if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
+    const auto mine = take_shard(std::move(lesson.primitives), shard);
+    return learn_with_progress(lesson.robot, std::span(mine), database, job);
+  }
+  std::vector<PrimitiveKey> keys;
+  for (const LocalProblem& known : lesson.primitives) keys.push_back(known.primitive.key);
+  if (grid) {
+    const std::vector<PrimitiveKey> covering = cover_grid(*grid, job.seed);
+    keys.insert(keys.end(), covering.begin(), covering.end());
+  }
+  const auto mine = take_shard(std::move(keys), shard);
+  return learn_with_progress(lesson.robot, std::span(mine), database, job);
+}
+
 Result<ExitCode> run_learn(const LearnOptions& options) {
   if (!options.lesson.problems.empty()) return run_problem_lesson(options);
   Result<Lesson> lesson = prepare(options);
@@ -257,23 +281,46 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
-  Result<LearnSummary> summary = LearnSummary();
-  if (!robot.is_planar()) {
-    if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
-    summary = learn_with_progress(robot, std::span<const LocalProblem>(lesson->primitives),
-                                  *database, options.job);
-  } else {
-    std::vector<PrimitiveKey> keys;
-    for (const LocalProblem& known : lesson->primitives) keys.push_back(known.primitive.key);
-    if (grid) {
-      const std::vector<PrimitiveKey> covering = cover_grid(*grid, options.job.seed);
-      keys.insert(keys.end(), covering.begin(), covering.end());
-    }
-    summary =
-        learn_with_progress(robot, std::span<const PrimitiveKey>(keys), *database, options.job);
-  }
+  LearnJob job = options.job;
+  if (options.is_worker) job.shared = SharedWork{options.db, options.lease_s};
+  const Result<LearnSummary> summary =
+      learn_lesson(std::move(*lesson), grid, options.shard, *database, job);
   if (!summary) return tl::unexpected(summary.error());
+  // What one shard covers says nothing about the whole.
+  if (options.shard.count > 1) grid.reset();
   return report(options, *summary, *database, grid);
+}
+
+/// The flags for learning on many machines.
+void add_sharing(CLI::App& command, LearnOptions& options) {
+  const auto read_shard = [&options](const std::string& text) {
+    const Result<Fraction> shard = parse_shard(text);
+    if (!shard) throw CLI::ValidationError("--shard", shard.error().message);
+    options.shard = *shard;
+  };
+  add_text(command, "--shard", read_shard,
+           "every N-th primitive beginning with the I-th, each shard into a database of its own; "
+           "merged by `mneme db merge` they are what one process learns. I counts from 1 or from "
+           "0: shards 0 and N are the same")
+      ->type_name("I/N");
+  command.add_flag("--worker", options.is_worker,
+                   "share the primitives with all processes that were given the same command "
+                   "line and a database on a PostgreSQL server; ends when all are learned");
+  add_number(command, "--lease", options.lease_s, 0.1, 86400.0,
+             "with --worker: seconds without a sign of life after which a process's primitives go "
+             "to others");
+}
+
+void check_sharing(const CLI::App& command, const LearnOptions& options) {
+  const bool has_shard = command.count("--shard") > 0;
+  if (!options.lesson.problems.empty()) {
+    if (has_shard) throw CLI::ExcludesError("--shard", "--problems, whose shards are --part");
+    if (options.is_worker) throw CLI::ExcludesError("--worker", "--problems");
+  }
+  if (options.is_worker && has_shard) throw CLI::ExcludesError("--worker", "--shard");
+  if (options.is_worker && !options.db.starts_with("postgres")) {
+    throw CLI::ValidationError("--worker", "needs a database on a server: --db postgresql://...");
+  }
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
@@ -293,7 +340,9 @@ void add_flags(CLI::App& command, LearnOptions& options) {
              "with --problems: paths per problem");
   add_number(command, "--path-timeout", options.lesson.timeout_s, 0.0, 1e6,
              "with --problems: seconds per path");
-  command.add_option("--db", options.db, "SQLite file to add to; made if missing")->required();
+  command
+      .add_option("--db", options.db, "SQLite file to add to, made if missing, or postgresql://...")
+      ->required();
   add_jobs(command, options.job.jobs);
   add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
              "seed; another one adds other primitives to the same database");
@@ -302,6 +351,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   add_number(command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
              "every primitive of the range gets a match closer than this, m^2, instead of the "
              "grid's value");
+  add_sharing(command, options);
   add_settings(command, options.job.settings);
   add_decompose_settings(command, options.decompose);
 }
@@ -313,16 +363,20 @@ void add_learn(CLI::App& program, Action& action) {
       program.add_subcommand("learn", "Learn local samplers into a database; resumable");
   command->footer(
       "Example:\n  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml "
-      "--db planar.db --jobs 2\n  mneme learn --problems problems/ --part 1/2 --db arm.db");
+      "--db planar.db --jobs 2\n  mneme learn --problems problems/ --part 1/2 --db arm.db\n"
+      "On a cluster, as an array of jobs:\n  mneme learn --robot planar8 --primitives grid.yaml "
+      "--shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT --db shard$SLURM_ARRAY_TASK_ID.db\n"
+      "  mneme db merge planar.db shard*.db");
   const auto options = std::make_shared<LearnOptions>();
   add_flags(*command, *options);
   add_isa(*command);
   add_json(*command, options->is_json);
-  command->callback([options, &action] {
+  command->callback([options, command, &action] {
     const bool has_primitives = !options->grid.empty() || !options->scenes.empty();
     if (has_primitives == !options->lesson.problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
+    check_sharing(*command, *options);
     if (has_primitives && options->robot.empty()) throw CLI::RequiredError("--robot");
     action = [options] { return run_learn(*options); };
   });

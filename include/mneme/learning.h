@@ -163,6 +163,13 @@ struct LearnProgress {
   double elapsed_s = 0;
 };
 
+/// What makes a process one of several that share a job's primitives as they go.
+struct SharedWork {
+  std::string url;  ///< of the job's database, which must be on a PostgreSQL server
+  /// Seconds without a sign of life after which a process's primitives go to others, 0.1 to 86400.
+  double lease_s = 30;
+};
+
 struct LearnJob {
   LearnSettings settings;
   std::uint64_t seed = 1;
@@ -170,11 +177,13 @@ struct LearnJob {
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(const LearnProgress&)>
       on_progress;  ///< called about once a second, from one thread
+  std::optional<SharedWork> shared;
 };
 
 struct LearnSummary {
   std::int64_t learned = 0;  ///< primitives learned now
-  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings
+  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings, or shared
+                             ///< work that other processes did
   std::int64_t empty = 0;    ///< of those learned: no query was solved
   std::int64_t components = 0;
   bool is_cancelled = false;
@@ -183,7 +192,11 @@ struct LearnSummary {
 
 /// Learns `keys` into `database`, in parallel; rows are inserted as they come, in key order, so
 /// that a job that is killed can be run again and goes on where it was. The database's contents do
-/// not depend on `jobs`.
+/// not depend on `jobs`. With `shared`, any number of processes that are given the same arguments
+/// learn each primitive once between them, in any order, whichever of them are killed on the way;
+/// each returns when all primitives are learned. A lost connection is made again for as long as a
+/// lease lasts. Errors: unsupported if the database is not on a PostgreSQL server; those of
+/// Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
                                                     std::span<const PrimitiveKey> keys,
                                                     Database& database, const LearnJob& job);

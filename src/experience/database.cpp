@@ -4,7 +4,6 @@
 
 #include "experience/experience_index.h"
 #include "experience/open_store.h"
-#include "experience/row_check.h"
 #include "experience/space.h"
 #include "experience/store_reads.h"
 #include "experience/store_writes.h"
@@ -65,23 +64,6 @@ struct Database::State {
   std::unique_ptr<ExperienceIndex> index;  // its positions are those of `live`
   std::int64_t components = 0;
 };
-
-namespace {
-
-/// Completes rows for storage. Errors: invalid, naming the row.
-Result<void> prepare(std::vector<Experience>& rows, const ExperienceSpace& space) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (const auto flaw = internal::describe_flaw(rows[i], space)) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("row {} of {} cannot be inserted: {}", i, rows.size(), *flaw));
-    }
-    rows[i].sampler.joint_count = space.joint_count;
-    if (rows[i].provenance.time.empty()) rows[i].provenance.time = internal::current_time();
-  }
-  return {};
-}
-
-}  // namespace
 
 void Database::State::append(std::vector<Experience> fresh) {
   const auto lock = lock_to_write();
@@ -221,7 +203,7 @@ std::vector<Match> Database::find(const LocalPrimitive& primitive, double thresh
 }
 
 Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows) {
-  const auto prepared = prepare(rows, state_->space);
+  const auto prepared = internal::prepare_rows(rows, state_->space);
   if (!prepared) return tl::unexpected(prepared.error());
   const std::lock_guard writing(state_->writing);
   auto appended = internal::append_rows(*state_->store, rows, internal::Duplicates::keep_first);

@@ -8,12 +8,23 @@
 #include "experience/store_url.h"
 #ifdef MNEME_HAS_POSTGRESQL
 #include "experience/postgres_store.h"
+#include "experience/postgres_tasks.h"
 #endif
 
 #include <fmt/format.h>
 
 namespace mneme::internal {
 namespace {
+
+#ifndef MNEME_HAS_POSTGRESQL
+tl::unexpected<Error> refuse_postgres(const std::string& url) {
+  return fail(
+      ErrorCode::unsupported,
+      fmt::format("{}: this mneme was built without PostgreSQL; build it where libpq-dev is "
+                  "installed",
+                  without_password(url)));
+}
+#endif
 
 /// Reads what the store is of.
 Result<OpenedStore> identified(std::unique_ptr<Store> store) {
@@ -39,11 +50,7 @@ Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode)
 #ifdef MNEME_HAS_POSTGRESQL
   return open_postgres_store(url, mode);
 #else
-  return fail(
-      ErrorCode::unsupported,
-      fmt::format("{}: this mneme was built without PostgreSQL; build it where libpq-dev is "
-                  "installed",
-                  without_password(url)));
+  return refuse_postgres(url);
 #endif
 }
 
@@ -76,6 +83,25 @@ Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace&
 
 Result<OpenedStore> inspect_store(const std::string& url) {
   return open_store(url, OpenMode::read_only).and_then(identified);
+}
+
+Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const ExperienceSpace& space,
+                                              TaskOwner owner) {
+  const auto engine = engine_of(url);
+  if (!engine) return tl::unexpected(engine.error());
+  if (*engine == Engine::sqlite) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: workers share tasks on a PostgreSQL server only; for a file, "
+                            "learn in shards and merge them",
+                            url));
+  }
+#ifdef MNEME_HAS_POSTGRESQL
+  return open_postgres_tasks(url, space, std::move(owner));
+#else
+  (void)space;
+  (void)owner;
+  return refuse_postgres(url);
+#endif
 }
 
 Error with_advice(Error error, const std::string& url) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "experience/store.h"
+#include "experience/task_queue.h"
 
 #include <string>
 
@@ -24,6 +25,12 @@ struct OpenedStore {
                                                 const ExperienceSpace& space, OpenMode mode);
 /// Opens a store for reading, whatever space it is of; the space of an empty one has no keys.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
+
+/// The tasks that processes share beside the database of `space` at `url`. Errors: unsupported if
+/// it is not on a PostgreSQL server.
+[[nodiscard]] Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
+                                                            const ExperienceSpace& space,
+                                                            TaskOwner owner);
 
 /// A command that may help whoever is told that `url` is damaged.
 [[nodiscard]] Error with_advice(Error error, const std::string& url);

@@ -68,6 +68,15 @@ std::span<const std::byte> PostgresAnswer::blob(int row, int column) const {
   return std::as_bytes(std::span(text(row, column)));
 }
 
+std::string array_of(std::span<const std::int64_t> numbers) {
+  std::string text = "{";
+  for (const std::int64_t number : numbers) {
+    if (text.size() > 1) text += ',';
+    text += std::to_string(number);
+  }
+  return text + "}";
+}
+
 void PostgresConnection::Finish::operator()(pg_conn* connection) const { PQfinish(connection); }
 
 Result<PostgresConnection> PostgresConnection::open(const std::string& url) {

@@ -43,6 +43,9 @@ class PostgresAnswer {
   std::unique_ptr<pg_result, Clear> result_;
 };
 
+/// The text of an array parameter.
+[[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
+
 /// One connection to a server. Not thread-safe. Errors name the URL without its password; `corrupt`
 /// stands for damage that the server reports and for tables that are not as we created them, `io`
 /// for everything else.

@@ -52,16 +52,6 @@ StoredRow stored_row(const PostgresAnswer& answer, RowParts parts) {
   return row;
 }
 
-/// The text of an array parameter.
-std::string array_of(std::span<const std::int64_t> numbers) {
-  std::string text = "{";
-  for (const std::int64_t number : numbers) {
-    if (text.size() > 1) text += ',';
-    text += std::to_string(number);
-  }
-  return text + "}";
-}
-
 std::string array_of(std::span<const ContentHash> contents) {
   std::string text = "{";
   for (const ContentHash& content : contents) {
@@ -216,8 +206,8 @@ class PostgresTransaction final : public StoreTransaction {
 
 class PostgresStore final : public Store {
  public:
-  PostgresStore(PostgresConnection connection, OpenMode mode)
-      : connection_(std::move(connection)), mode_(mode) {}
+  PostgresStore(std::shared_ptr<PostgresConnection> connection, OpenMode mode)
+      : owner_(std::move(connection)), connection_(*owner_), mode_(mode) {}
 
   const std::string& name() const override { return connection_.name(); }
 
@@ -294,7 +284,8 @@ class PostgresStore final : public Store {
     return {};
   }
 
-  PostgresConnection connection_;
+  std::shared_ptr<PostgresConnection> owner_;
+  PostgresConnection& connection_;
   OpenMode mode_;
   int version_ = 0;
 };
@@ -304,7 +295,12 @@ class PostgresStore final : public Store {
 Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
   auto connection = PostgresConnection::open(url);
   if (!connection) return tl::unexpected(connection.error());
-  return std::make_unique<PostgresStore>(std::move(*connection), mode);
+  return make_postgres_store(std::make_shared<PostgresConnection>(std::move(*connection)), mode);
+}
+
+std::unique_ptr<Store> make_postgres_store(std::shared_ptr<PostgresConnection> connection,
+                                           OpenMode mode) {
+  return std::make_unique<PostgresStore>(std::move(connection), mode);
 }
 
 }  // namespace mneme::internal

@@ -4,6 +4,7 @@
 /// A store on a PostgreSQL server.
 #pragma once
 
+#include "experience/postgres_connection.h"
 #include "experience/store.h"
 
 namespace mneme::internal {
@@ -12,5 +13,8 @@ namespace mneme::internal {
 /// created the tables.
 [[nodiscard]] Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url,
                                                                  OpenMode mode);
+/// The same over a connection that its owner may also use, inside the store's transactions too.
+[[nodiscard]] std::unique_ptr<Store> make_postgres_store(
+    std::shared_ptr<PostgresConnection> connection, OpenMode mode);
 
 }  // namespace mneme::internal

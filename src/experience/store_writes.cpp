@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/store_writes.h"
 
+#include "experience/row_check.h"
 #include "experience/store_reads.h"
 
 #include <fmt/chrono.h>
@@ -51,14 +52,14 @@ class Append {
         [&] { return transaction_.add_tombstones(superseded); });
   }
 
-  /// Writes the head, unless nothing was added.
+  /// Leaves the head alone if nothing was added.
   Result<Appended> finish() {
-    if (result_.state.last_row == result_.before.last_row) {
-      result_.state = result_.before;
-      return std::move(result_);
-    }
+    const bool has_changed = result_.state.last_row != result_.before.last_row;
+    if (!has_changed) result_.state = result_.before;
     const auto done =
-        transaction_.set_head(result_.state).and_then([&] { return transaction_.commit(); });
+        (has_changed ? transaction_.set_head(result_.state) : Result<void>()).and_then([&] {
+          return transaction_.commit();
+        });
     if (!done) return tl::unexpected(done.error());
     return std::move(result_);
   }
@@ -136,14 +137,34 @@ std::string current_time() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
 }
 
+Result<void> prepare_rows(std::vector<Experience>& rows, const ExperienceSpace& space) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (const auto flaw = describe_flaw(rows[i], space)) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("row {} of {} cannot be inserted: {}", i, rows.size(), *flaw));
+    }
+    rows[i].sampler.joint_count = space.joint_count;
+    if (rows[i].provenance.time.empty()) rows[i].provenance.time = current_time();
+  }
+  return {};
+}
+
 Result<Appended> append_rows(Store& store, std::span<const Experience> rows, Duplicates rule) {
+  const auto all = [&](const StoreState&) { return Result<std::span<const Experience>>(rows); };
+  return append_rows_of(store, all, rule);
+}
+
+Result<Appended> append_rows_of(Store& store, const RowSource& source, Duplicates rule) {
   constexpr std::size_t kRowsAtOnce = 2000;
   const auto transaction = store.begin(Store::Kind::write);
   if (!transaction) return tl::unexpected(transaction.error());
   const auto head = (*transaction)->head();
   if (!head) return tl::unexpected(head.error());
+  const auto chosen = source(*head);
+  if (!chosen) return tl::unexpected(chosen.error());
   Append append(**transaction, *head, rule);
-  for (; !rows.empty(); rows = rows.subspan(std::min(kRowsAtOnce, rows.size()))) {
+  for (auto rows = *chosen; !rows.empty();
+       rows = rows.subspan(std::min(kRowsAtOnce, rows.size()))) {
     const auto added = append.add(rows.first(std::min(kRowsAtOnce, rows.size())));
     if (!added) return tl::unexpected(added.error());
   }

@@ -23,10 +23,20 @@ struct Appended {
   StoreState state;
 };
 
+/// Completes rows for storage. Errors: invalid, naming the row.
+[[nodiscard]] Result<void> prepare_rows(std::vector<Experience>& rows,
+                                        const ExperienceSpace& space);
+
 /// Appends all rows or none; what the store holds already is not added again. The rows must be
-/// sound.
+/// prepared.
 [[nodiscard]] Result<Appended> append_rows(Store& store, std::span<const Experience> rows,
                                            Duplicates rule);
+
+/// Says within a transaction, with the head that is locked, which rows to append; what else it
+/// changes is committed with them, and undone if it fails.
+using RowSource = std::function<Result<std::span<const Experience>>(const StoreState& head)>;
+[[nodiscard]] Result<Appended> append_rows_of(Store& store, const RowSource& source,
+                                              Duplicates rule);
 
 /// A row to set aside, and why.
 struct Burial {

@@ -2,37 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <condition_variable>
-#include <cstring>
 #include <map>
 #include <mutex>
 #include <set>
 #include <thread>
 
 #include "base/stopwatch.h"
+#include "learning/lesson.h"
+#include "learning/shared_run.h"
 #include "mneme/learning.h"
 
 namespace mneme {
 namespace {
 
+using internal::Lesson;
+
 /// Rows that wait for one transaction: a commit costs a few milliseconds, a killed job loses at
 /// most these.
 constexpr std::size_t kRowsPerTransaction = 32;
-
-/// Seed of one primitive: depends on the primitive, not on its place in a list.
-std::uint64_t task_seed(std::uint64_t seed, const PrimitiveKey& key) {
-  for (const double value : key) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof(bits));
-    seed = derive_seed(seed, bits);
-  }
-  return seed;
-}
-
-/// What to learn; without a problem, the pair of circles that the key describes.
-struct Lesson {
-  const PrimitiveKey* key = nullptr;
-  const LocalProblem* problem = nullptr;
-};
 
 class LearnRun {
  public:
@@ -45,7 +32,7 @@ class LearnRun {
       if (provenance.settings == settings_text_) known.insert(provenance.seed);
     }
     for (const Lesson& lesson : lessons) {
-      const std::uint64_t seed = task_seed(job.seed, *lesson.key);
+      const std::uint64_t seed = lesson_seed(job.seed, *lesson.key);
       if (known.insert(seed).second) tasks_.push_back({lesson, seed});
     }
     summary_.skipped = static_cast<std::int64_t>(lessons.size() - tasks_.size());
@@ -57,7 +44,7 @@ class LearnRun {
     store_results();
     workers.clear();
     if (error_) return tl::unexpected(*error_);
-    summary_.is_cancelled = is_cancelled();
+    summary_.is_cancelled = internal::is_cancelled(job_);
     summary_.time_s = stopwatch_.elapsed_s();
     return summary_;
   }
@@ -68,28 +55,17 @@ class LearnRun {
     std::uint64_t seed = 0;
   };
 
-  [[nodiscard]] bool is_cancelled() const { return job_.cancel != nullptr && job_.cancel->load(); }
-
   void work() {
     for (;;) {
       const std::size_t task = next_task_.fetch_add(1);
-      if (task >= tasks_.size() || has_failed_.load() || is_cancelled()) return;
-      auto learned = learn(tasks_[task]);
+      if (task >= tasks_.size() || has_failed_.load() || internal::is_cancelled(job_)) return;
+      auto learned = internal::learn(robot_, tasks_[task].lesson, job_, tasks_[task].seed);
       // What a cancellation cut short is not what the arguments say.
-      if (is_cancelled()) return;
+      if (internal::is_cancelled(job_)) return;
       const std::lock_guard lock(mutex_);
       finished_.emplace(task, std::move(learned));
       is_finished_.notify_one();
     }
-  }
-
-  [[nodiscard]] Result<LearnResult> learn(const Task& task) const {
-    if (task.lesson.problem == nullptr) {
-      return learn_local_sampler(robot_, *task.lesson.key, job_.settings, task.seed, 0,
-                                 job_.cancel);
-    }
-    return learn_local_sampler(robot_, *task.lesson.problem, job_.settings, task.seed, 0,
-                               job_.cancel);
   }
 
   /// Inserts results in the order of the keys, so that the file does not depend on the threads.
@@ -100,7 +76,9 @@ class LearnRun {
       auto learned = wait_for(task);
       if (!learned) break;
       if (!*learned) return stop_with(learned->error());
-      rows.push_back(make_row(tasks_[task], std::move((*learned)->sampler)));
+      rows.push_back(make_row(tasks_[task].lesson, std::move((*learned)->sampler), settings_text_,
+                              tasks_[task].seed));
+      count(rows.back(), summary_);
       if (rows.size() >= kRowsPerTransaction && !insert(rows)) return;
       if (job_.on_progress && stopwatch_.elapsed_s() - last_progress_s >= 1) {
         last_progress_s = stopwatch_.elapsed_s();
@@ -115,24 +93,11 @@ class LearnRun {
   std::optional<Result<LearnResult>> wait_for(std::size_t task) {
     std::unique_lock lock(mutex_);
     while (!finished_.contains(task)) {
-      if (is_cancelled()) return std::nullopt;
+      if (internal::is_cancelled(job_)) return std::nullopt;
       is_finished_.wait_for(lock, std::chrono::milliseconds(50));
     }
     auto node = finished_.extract(task);
     return std::move(node.mapped());
-  }
-
-  Experience make_row(const Task& task, LocalSampler sampler) {
-    ++summary_.learned;
-    summary_.components += sampler.component_count();
-    if (sampler.component_count() == 0) ++summary_.empty;
-    Experience row;
-    row.key = *task.lesson.key;
-    row.sampler = std::move(sampler);
-    row.provenance.tool = "mneme " + std::string(version());
-    row.provenance.settings = settings_text_;
-    row.provenance.seed = task.seed;
-    return row;
   }
 
   bool insert(std::vector<Experience>& rows) {
@@ -168,13 +133,19 @@ class LearnRun {
   LearnSummary summary_;
 };
 
+Result<LearnSummary> run(const Robot& robot, std::span<const Lesson> lessons, Database& database,
+                         const LearnJob& job) {
+  if (job.shared) return internal::learn_shared(robot, lessons, database, job);
+  return LearnRun(robot, lessons, database, job).run();
+}
+
 }  // namespace
 
 Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
                                       Database& database, const LearnJob& job) {
   std::vector<Lesson> lessons;
   for (const PrimitiveKey& key : keys) lessons.push_back({&key, nullptr});
-  return LearnRun(robot, lessons, database, job).run();
+  return run(robot, lessons, database, job);
 }
 
 Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const LocalProblem> problems,
@@ -183,7 +154,7 @@ Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const LocalP
   for (const LocalProblem& problem : problems) {
     lessons.push_back({&problem.primitive.key, &problem});
   }
-  return LearnRun(robot, lessons, database, job).run();
+  return run(robot, lessons, database, job);
 }
 
 }  // namespace mneme

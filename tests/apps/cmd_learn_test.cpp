@@ -43,6 +43,18 @@ void read_err_until(RunningProgram& program, const std::string& word) {
   }
 }
 
+/// What a database holds, but for the times: the lines of its export.
+std::string exported(const PlanarFiles& files, const std::string& database) {
+  const ProgramRun run = run_program({"db", "export", database, files / "export.jsonl"});
+  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+  std::string text = read_file(files / "export.jsonl");
+  for (std::size_t at = 0; (at = text.find("\"time\":\"", at)) != std::string::npos;) {
+    at += 8;
+    text.erase(at, text.find('"', at) - at);
+  }
+  return text;
+}
+
 std::vector<std::string> listed_keys(const std::string& database) {
   const ProgramRun run = run_program({"db", "list", database, "--json"});
   REQUIRE_MESSAGE(run.exit_code == 0, run.err);
@@ -90,6 +102,32 @@ TEST_SUITE("flow") {
     REQUIRE(run_program(small_learn(files, files / "one.db", {"--jobs", "1"})).exit_code == 0);
     REQUIRE(run_program(small_learn(files, files / "two.db", {"--jobs", "3"})).exit_code == 0);
     CHECK(listed_keys(files / "one.db") == listed_keys(files / "two.db"));
+  }
+
+  TEST_CASE("shards that are merged are what one process learns, however many there are") {
+    const PlanarFiles files;
+    const std::vector<std::string> grid = {"--count", "11"};
+    REQUIRE(run_program(small_learn(files, files / "whole.db", grid)).exit_code == 0);
+    const std::string whole = exported(files, files / "whole.db");
+    for (const auto& shards :
+         {std::vector<std::string>{"1/2", "2/2"}, std::vector<std::string>{"2/3", "0/3", "1/3"}}) {
+      const std::string merged = files / ("merged" + shards[0].substr(2));
+      std::size_t learned = 0;
+      for (std::size_t i = 0; i < shards.size(); ++i) {
+        const std::string part = merged + "_" + std::to_string(i);
+        const ProgramRun run = run_program(
+            small_learn(files, part, {"--count", "11", "--shard", shards[i], "--json"}));
+        REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        const Json json = Json::parse(run.out);
+        CHECK(json["learned"] >= 11 / shards.size());
+        CHECK(json["coverage"].is_null());
+        learned += json["learned"].get<std::size_t>();
+        const ProgramRun merge = run_program({"db", "merge", merged, part});
+        REQUIRE_MESSAGE(merge.exit_code == 0, merge.err);
+      }
+      CHECK(learned == listed_keys(files / "whole.db").size());
+      CHECK(exported(files, merged) == whole);
+    }
   }
 
   TEST_CASE("the primitives of scenes are learned once each") {
@@ -152,6 +190,20 @@ TEST_SUITE("unit") {
         {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--count", "a"},
          2,
          {"--count", "'a'"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--shard",
+          "5/4"},
+         2,
+         {"--shard", "'5/4'", "0 <= I <= N"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--shard",
+          "0/0"},
+         2,
+         {"--shard", "'0/0'"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--shard", "1"},
+         2,
+         {"--shard", "'1'"}},
+        {{"learn", "--problems", "x", "--db", "x.db", "--shard", "1/2"},
+         2,
+         {"--shard", "--problems", "--part"}},
         {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db",
           "--similarity-error", "0"},
          2,
