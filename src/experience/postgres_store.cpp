@@ -52,7 +52,7 @@ StoredRow stored_row(const PostgresAnswer& answer, RowParts parts) {
   return row;
 }
 
-std::string array_of(std::span<const ContentHash> contents) {
+std::string array_of_contents(std::span<const ContentHash> contents) {
   std::string text = "{";
   for (const ContentHash& content : contents) {
     if (text.size() > 1) text += ',';
@@ -112,7 +112,7 @@ class PostgresTransaction final : public StoreTransaction {
         "WHERE e.content = ANY($1::bytea[]) "
         "AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id) "
         "ORDER BY e.id DESC",
-        {array_of(contents)}, [&](const PostgresAnswer& answer) {
+        {array_of_contents(contents)}, [&](const PostgresAnswer& answer) {
           KnownRow& row = known.emplace_back();
           const auto content = answer.blob(0, 0);
           std::copy_n(content.begin(), std::min(content.size(), row.content.size()),

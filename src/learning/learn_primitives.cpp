@@ -32,7 +32,7 @@ class LearnRun {
       if (provenance.settings == settings_text_) known.insert(provenance.seed);
     }
     for (const Lesson& lesson : lessons) {
-      const std::uint64_t seed = lesson_seed(job.seed, *lesson.key);
+      const std::uint64_t seed = internal::lesson_seed(job.seed, *lesson.key);
       if (known.insert(seed).second) tasks_.push_back({lesson, seed});
     }
     summary_.skipped = static_cast<std::int64_t>(lessons.size() - tasks_.size());
@@ -76,9 +76,9 @@ class LearnRun {
       auto learned = wait_for(task);
       if (!learned) break;
       if (!*learned) return stop_with(learned->error());
-      rows.push_back(make_row(tasks_[task].lesson, std::move((*learned)->sampler), settings_text_,
+      rows.push_back(internal::make_row(tasks_[task].lesson, std::move((*learned)->sampler), settings_text_,
                               tasks_[task].seed));
-      count(rows.back(), summary_);
+      internal::count(rows.back(), summary_);
       if (rows.size() >= kRowsPerTransaction && !insert(rows)) return;
       if (job_.on_progress && stopwatch_.elapsed_s() - last_progress_s >= 1) {
         last_progress_s = stopwatch_.elapsed_s();
