@@ -29,8 +29,8 @@ int main(int argument_count, char** arguments) {
   if (!result) return fail_with(result.error());
   if (!result->plan.is_solved()) return std::puts(result->plan.message.c_str()), 3;
 
-  std::printf("%s: %zu configurations, %.2f ms\n", problem->name.c_str(),
-              result->plan.path.size(), 1e3 * result->planning_time_s);
+  std::printf("%s: %zu configurations, %.2f ms\n", problem->name.c_str(), result->plan.path.size(),
+              1e3 * result->planning_time_s);
   for (const mneme::Configuration& q : result->plan.path) {
     for (const double value : q) std::printf("%9.5f", value);
     std::printf("\n");

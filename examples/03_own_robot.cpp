@@ -33,8 +33,10 @@ int fail_with(const mneme::Error& error) {
 int main() {
   const auto robot = mneme::parse_robot(kArm, "arm3");
   if (!robot) return fail_with(robot.error());
-  mneme::Scene scene;
-  scene.obstacles.push_back({"post", {mneme::Box{{{}, {0.6, 0, 0.4}}, {0.05, 0.05, 0.4}}}});
+  mneme::Box post;
+  post.pose.translation = {0.6, 0, 0.4};
+  post.half_extents = {0.05, 0.05, 0.4};
+  const mneme::Scene scene{"post", {{"post", {post}}}};
   const mneme::Problem problem{"arm3", *robot, "", scene, {-1, 1.2, 0.3}, {{1, 1.2, 0.3}}, {}};
 
   const auto result = mneme::solve(problem, nullptr, {});

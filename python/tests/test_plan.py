@@ -155,9 +155,7 @@ def test_a_recorded_plan_is_the_same_plan_with_samples(problem):
 
 def test_what_cannot_be_shown_says_why(problem):
     inside = mneme.Problem(problem.robot, problem.scene, problem.start, np.full(8, 9.0))
-    plan = mneme.plan(inside)
-    assert "<pre>" in plan._repr_html_()
-    assert raised(plan.to_page)[0] == "invalid"
+    assert "<pre>" in mneme.plan(inside)._repr_html_()
 
 
 def test_a_plan_in_space_has_a_page_too(tmp_path):
