@@ -36,7 +36,8 @@ TEST_SUITE("flow") {
     CHECK(reader.refresh() == 0);
     rows[3].sampler.joint_count = 3;
     const Database again = open_database(url, OpenMode::read_write);
-    for (const Database* database : {&writer, &reader, &again}) {
+    for (const Database* database :
+         std::initializer_list<const Database*>{&writer, &reader, &again}) {
       REQUIRE(database->size() == 30);
       for (int i = 0; i < 30; ++i) {
         CHECK(database->get(i).id == i + 1);
