@@ -122,8 +122,8 @@ TEST_SUITE("flow") {
     const std::string memory = files / "shelf.db";
     const ProgramRun learned =
         run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--decomposer", "gaps", "--db",
-                     memory, "--starts-per-link", "1", "--paths-per-start", "1", "--jobs", "1",
-                     "--learn-iterations", "20000", "--json"});
+                     memory, "--starts-per-link", "10", "--paths-per-start", "1", "--jobs",
+                     "1", "--learn-iterations", "50000", "--json"});
     REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
     CHECK(Json::parse(learned.out)["learned"].get<int>() >= 1);
     CHECK(Json::parse(learned.out)["components"].get<int>() > 0);
