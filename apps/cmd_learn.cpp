@@ -18,9 +18,9 @@
 #include "console.h"
 #include "inputs.h"
 #include "learn_from_problems.h"
+#include "learn_sharing.h"
 #include "learning_run.h"
 #include "options.h"
-#include "shard.h"
 
 namespace mneme::app {
 namespace {
@@ -36,9 +36,7 @@ struct LearnOptions {
   std::optional<int> count;
   std::optional<double> similarity_error;
   bool is_json = false;
-  Fraction shard;
-  bool is_worker = false;
-  double lease_s = SharedWork().lease_s;
+  Sharing sharing;
   LearnJob job;
   ProblemLesson lesson;
   DecomposeSettings decompose;
@@ -282,45 +280,13 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
       open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
-  if (options.is_worker) job.shared = SharedWork{options.db, options.lease_s};
+  job.shared = options.sharing.work(options.db);
   const Result<LearnSummary> summary =
-      learn_lesson(std::move(*lesson), grid, options.shard, *database, job);
+      learn_lesson(std::move(*lesson), grid, options.sharing.shard, *database, job);
   if (!summary) return tl::unexpected(summary.error());
   // What one shard covers says nothing about the whole.
-  if (options.shard.count > 1) grid.reset();
+  if (options.sharing.shard.count > 1) grid.reset();
   return report(options, *summary, *database, grid);
-}
-
-/// The flags for learning on many machines.
-void add_sharing(CLI::App& command, LearnOptions& options) {
-  const auto read_shard = [&options](const std::string& text) {
-    const Result<Fraction> shard = parse_shard(text);
-    if (!shard) throw CLI::ValidationError("--shard", shard.error().message);
-    options.shard = *shard;
-  };
-  add_text(command, "--shard", read_shard,
-           "every N-th primitive beginning with the I-th, each shard into a database of its own; "
-           "merged by `mneme db merge` they are what one process learns. I counts from 1 or from "
-           "0: shards 0 and N are the same")
-      ->type_name("I/N");
-  command.add_flag("--worker", options.is_worker,
-                   "share the primitives with all processes that were given the same command "
-                   "line and a database on a PostgreSQL server; ends when all are learned");
-  add_number(command, "--lease", options.lease_s, 0.1, 86400.0,
-             "with --worker: seconds without a sign of life after which a process's primitives go "
-             "to others");
-}
-
-void check_sharing(const CLI::App& command, const LearnOptions& options) {
-  const bool has_shard = command.count("--shard") > 0;
-  if (!options.lesson.problems.empty()) {
-    if (has_shard) throw CLI::ExcludesError("--shard", "--problems, whose shards are --part");
-    if (options.is_worker) throw CLI::ExcludesError("--worker", "--problems");
-  }
-  if (options.is_worker && has_shard) throw CLI::ExcludesError("--worker", "--shard");
-  if (options.is_worker && !options.db.starts_with("postgres")) {
-    throw CLI::ValidationError("--worker", "needs a database on a server: --db postgresql://...");
-  }
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
@@ -351,7 +317,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   add_number(command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
              "every primitive of the range gets a match closer than this, m^2, instead of the "
              "grid's value");
-  add_sharing(command, options);
+  add_sharing(command, options.sharing);
   add_settings(command, options.job.settings);
   add_decompose_settings(command, options.decompose);
 }
@@ -376,7 +342,7 @@ void add_learn(CLI::App& program, Action& action) {
     if (has_primitives == !options->lesson.problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
-    check_sharing(*command, *options);
+    check_sharing(*command, options->sharing, options->db, !has_primitives);
     if (has_primitives && options->robot.empty()) throw CLI::RequiredError("--robot");
     action = [options] { return run_learn(*options); };
   });

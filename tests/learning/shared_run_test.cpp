@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "learning/shared_run.h"
+
+#include "support/exported.h"
+#include "support/planar_memory.h"
+
+#ifdef MNEME_HAS_POSTGRESQL
+#include "experience/postgres_server.h"
+#endif
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+namespace mneme::test {
+namespace {
+
+LearnJob shared_job(const std::string& url, int jobs = 1) {
+  LearnJob job;
+  job.settings = cheap_settings();
+  job.jobs = jobs;
+  job.shared = SharedWork{url, 0.5};
+  return job;
+}
+
+#ifdef MNEME_HAS_POSTGRESQL
+
+Result<LearnSummary> work(const std::string& url, const Robot& robot,
+                          const std::vector<PrimitiveKey>& keys, const LearnJob& job) {
+  const auto space = make_space(robot);
+  auto database = Database::open(url, *space, OpenMode::create);
+  if (!database) return tl::unexpected(database.error());
+  return learn_primitives(robot, keys, *database, job);
+}
+
+LearnSummary work_well(const std::string& url, const Robot& robot,
+                       const std::vector<PrimitiveKey>& keys, const LearnJob& job) {
+  const auto summary = work(url, robot, keys, job);
+  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+  return *summary;
+}
+
+/// What one process learns of the same in a file.
+std::string learned_alone(const Robot& robot, const std::vector<PrimitiveKey>& keys) {
+  const TemporaryDirectory directory;
+  Database database = make_database(directory / "a.db", robot);
+  learn_into(database, robot, keys);
+  return exported(directory / "a.db");
+}
+
+std::int64_t ask(const std::string& url, const char* sql) {
+  auto connection = connect_to(url);
+  const auto answer = connection.query(sql);
+  REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
+  return answer->integer(0, 0);
+}
+
+/// A process that works on a job, and ends with 0 if all went well.
+pid_t start_worker(const std::string& url, const Robot& robot,
+                   const std::vector<PrimitiveKey>& keys) {
+  return start_child([&] { return work(url, robot, keys, shared_job(url)) ? 0 : 1; });
+}
+
+/// True if more tasks are done than `done`, which it updates, or all of them.
+bool has_progress(const std::string& url, std::int64_t& done) {
+  const std::int64_t before = done;
+  done = ask(url, "SELECT count(done_generation) FROM mneme_task");
+  return done > before || ask(url, "SELECT count(*) - count(done_generation) FROM mneme_task") == 0;
+}
+
+#endif
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("work in a file cannot be shared") {
+    const TemporaryDirectory directory;
+    const Robot robot = planar8();
+    Database database = make_database(directory / "a.db", robot);
+    const auto keys = random_keys(2, 1);
+    const auto refused = learn_primitives(robot, keys, database, shared_job(directory / "a.db"));
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::unsupported);
+    CHECK(refused.error().message.find("a.db") != std::string::npos);
+    CHECK(database.size() == 0);
+  }
+
+  TEST_CASE("a lease that cannot be kept is refused") {
+    const TemporaryDirectory directory;
+    const Robot robot = planar8();
+    Database database = make_database(directory / "a.db", robot);
+    for (const double lease_s : {0.0, -1.0, 1e6, std::nan("")}) {
+      LearnJob job = shared_job("postgresql://nowhere.invalid/x");
+      job.shared->lease_s = lease_s;
+      const auto refused = learn_primitives(robot, random_keys(1, 1), database, job);
+      REQUIRE(!refused.has_value());
+      CHECK(refused.error().code == ErrorCode::invalid);
+    }
+  }
+}
+
+#ifdef MNEME_HAS_POSTGRESQL
+
+TEST_SUITE("flow") {
+  TEST_CASE("a process that works alone learns what it would in a file, and nothing twice") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    auto keys = random_keys(12, 61);
+    keys.push_back(keys[3]);
+    std::vector<LearnProgress> progress;
+    LearnJob job = shared_job(url, 3);
+    job.on_progress = [&](const LearnProgress& latest) { progress.push_back(latest); };
+    const LearnSummary summary = work_well(url, robot, keys, job);
+    CHECK(summary.learned == 12);
+    CHECK(summary.skipped == 1);
+    CHECK(!summary.is_cancelled);
+    REQUIRE(!progress.empty());
+    CHECK(progress.back().done == 13);
+    CHECK(progress.back().total == 13);
+    CHECK(exported(url) == learned_alone(robot, keys));
+
+    const LearnSummary again = work_well(url, robot, keys, shared_job(url));
+    CHECK(again.learned == 0);
+    CHECK(again.skipped == 13);
+    CHECK(ask(url, "SELECT max(attempt) FROM mneme_task") == 1);
+  }
+
+  TEST_CASE("what was learned before is not learned again, and what was lost is") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    const auto keys = random_keys(6, 62);
+    {
+      Database database = make_database(url, robot);
+      learn_into(database, robot, {keys[0], keys[4]});
+    }
+    CHECK(work_well(url, robot, keys, shared_job(url)).learned == 4);
+    const std::string whole = exported(url);
+    CHECK(ask(url, "UPDATE mneme_mixture SET seed = 1 WHERE id = 5 RETURNING 1") == 1);
+    REQUIRE(verify_database(url, VerifyMode::quarantine)->size() == 1);
+    const LearnSummary summary = work_well(url, robot, keys, shared_job(url));
+    CHECK(summary.learned == 1);
+    CHECK(summary.skipped == 5);
+    CHECK(exported(url) == whole);
+  }
+
+  TEST_CASE("a cancelled process saves what it has and gives the rest back") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    const auto keys = random_keys(300, 63);
+    std::atomic<bool> is_cancelled = false;
+    LearnJob job = shared_job(url, 2);
+    job.shared->lease_s = 3600;
+    job.cancel = &is_cancelled;
+    job.settings.paths_per_start = 20;
+    job.on_progress = [&](const LearnProgress&) { is_cancelled = true; };
+    const LearnSummary summary = work_well(url, robot, keys, job);
+    CHECK(summary.is_cancelled);
+    CHECK(summary.learned == make_database(url, robot, OpenMode::read_only).size());
+    CHECK(summary.learned < 300);
+    CHECK(ask(url, "SELECT count(leased_until) FROM mneme_task") == 0);
+  }
+
+  TEST_CASE("workers of which one is killed again and again do every task once in effect") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const char* soak = std::getenv("MNEME_SOAK");
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    const auto keys = random_keys(soak == nullptr ? 150 : 150 * std::max(1, std::atoi(soak)), 64);
+    std::array<pid_t, 4> workers{};
+    for (pid_t& worker : workers) worker = start_worker(url, robot, keys);
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (ask(url, "SELECT (to_regclass('mneme_task') IS NULL)::int") == 1) {
+      REQUIRE(std::chrono::steady_clock::now() < patience);
+    }
+    int killed = 0;
+    std::int64_t done = 0;
+    while (killed < 6 || ask(url, "SELECT count(*) - count(done_generation) FROM mneme_task") > 0) {
+      if (!has_progress(url, done)) continue;
+      pid_t& victim = workers[static_cast<std::size_t>(killed) % workers.size()];
+      ::kill(victim, SIGKILL);
+      killed += wait_for(victim) == -1 ? 1 : 0;
+      victim = start_worker(url, robot, keys);
+    }
+    for (const pid_t worker : workers) CHECK(wait_for(worker) == 0);
+    CHECK(ask(url, "SELECT max(attempt) FROM mneme_task") > 1);
+    const auto count = static_cast<std::int64_t>(keys.size());
+    CHECK(ask(url, "SELECT count(*) FROM mneme_task") == count);
+    CHECK(ask(url, "SELECT count(done_generation) FROM mneme_task") == count);
+    CHECK(ask(url, "SELECT count(*) FROM mneme_experience") == count);
+    CHECK(ask(url, "SELECT count(*) FROM mneme_tombstone") == 0);
+    CHECK(verify_database(url)->empty());
+    CHECK(exported(url) == learned_alone(robot, keys));
+  }
+}
+
+#endif
+
+}  // namespace mneme::test
