@@ -7,14 +7,18 @@
 #include "soak/random_problem.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
 namespace mneme::soak {
 namespace {
 
+/// Those that need no more than a database of any kind.
+constexpr std::array<std::string_view, 4> kSamplers = {"gl", "uniform", "halton", "pooled"};
 constexpr double kRefusalClearance = 1e-4;
 constexpr double kLimitTolerance = 1e-9;
 
@@ -38,7 +42,8 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   const auto number = static_cast<std::size_t>(plan);
   SolveSettings settings;
   settings.planner = planners()[number % planners().size()].name;
-  settings.sampler = sampler_names()[number / planners().size() % sampler_names().size()];
+  settings.sampler = kSamplers.at(number / planners().size() % kSamplers.size());
+  settings.margin = campaign.margin;
   settings.retrieve_after = 0;
   settings.learn_budget_s = robot.is_planar() ? 0.01 : 0;
   settings.learn.starts_per_link = 1;

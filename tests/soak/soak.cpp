@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "soak/campaign.h"
+#include "soak/sampling_limits.h"
 
 namespace {
 
@@ -25,7 +26,13 @@ struct Options {
   std::vector<std::string> robots = {"planar8", "fetch", "panda", "ur5"};
   double plans_per_spatial = 5;  ///< a planar plan is so many times cheaper
   CampaignSettings settings;
+  bool has_limits = false;
 };
+
+mneme::Result<mneme::Robot> load(const std::string& name) {
+  return mneme::find_robot(name).and_then(
+      [](const std::string& path) { return mneme::load_robot(path); });
+}
 
 std::string make_directory() {
   std::string name = (std::filesystem::temp_directory_path() / "mneme-soak-XXXXXX").string();
@@ -53,9 +60,7 @@ Tally print(const CampaignResult& result) {
 
 mneme::Result<Tally> run(const std::string& name, const std::string& directory,
                          const Options& options) {
-  const auto path = mneme::find_robot(name);
-  if (!path) return tl::unexpected(path.error());
-  const auto robot = mneme::load_robot(*path);
+  const auto robot = load(name);
   if (!robot) return tl::unexpected(robot.error());
   CampaignSettings settings = options.settings;
   if (!robot->is_planar()) {
@@ -91,6 +96,30 @@ int run_all(const Options& options) {
   return has_failed || all.invalid > 0 || all.refused > 0 || all.solved == 0 ? 1 : 0;
 }
 
+/// What lies between two states of a motion, at the resolution of planning and of verification.
+int print_limits(const Options& options) {
+  fmt::print("{:12} {:>8} {:>9} {:>8} {:>9} {:>8} {:>9}\n", "robot", "m/rad", "radius m", "plan m",
+             "cut m", "verify m", "cut m");
+  constexpr int kSamples = 20000;
+  for (const std::string& name : options.robots) {
+    const auto robot = load(name);
+    const auto checker =
+        robot.and_then([](const auto& model) { return mneme::CollisionChecker::make(model, {}); });
+    if (!checker) {
+      fmt::print(stderr, "soak: {}\n", checker.error().message);
+      return 1;
+    }
+    mneme::Rng rng(options.settings.seed);
+    const auto limits = mneme::soak::measure_limits(*robot, kSamples, rng);
+    const double planned = checker->resolution() * limits.speed;
+    const double verified = planned / mneme::kVerificationRefinement;
+    fmt::print("{:12} {:8.2f} {:9.4f} {:8.4f} {:9.2g} {:8.4f} {:9.2g}\n", name, limits.speed,
+               limits.thinnest, planned, mneme::soak::deepest_cut(limits.thinnest, planned),
+               verified, mneme::soak::deepest_cut(limits.thinnest, verified));
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -108,6 +137,8 @@ int main(int argc, char** argv) {
   app.add_option("--refinement", settings.refinement, "FCL's states per state of the planner")
       ->check(CLI::PositiveNumber);
   app.add_flag("!--no-verify", settings.verify, "return paths without verification");
+  app.add_flag("--limits", options.has_limits,
+               "print instead how deep contact between two checked states can be");
   CLI11_PARSE(app, argc, argv);
-  return run_all(options);
+  return options.has_limits ? print_limits(options) : run_all(options);
 }

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the fuzz targets share: the entry point, and input as a file for readers that want one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <unistd.h>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace mneme::fuzz {
+
+inline std::string_view as_text(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+/// A directory of this process, in memory where there is such a place.
+inline const std::string& scratch() {
+  static const std::string directory = [] {
+    std::string name = "/dev/shm/mneme-fuzz-XXXXXX";
+    if (::mkdtemp(name.data()) != nullptr) return name;
+    name = "/tmp/mneme-fuzz-XXXXXX";
+    if (::mkdtemp(name.data()) == nullptr) std::abort();
+    return name;
+  }();
+  return directory;
+}
+
+/// The input as a file; the same file for every input.
+inline std::string as_file(const std::uint8_t* data, std::size_t size, const std::string& name) {
+  const std::string path = scratch() + "/" + name;
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  return path;
+}
+
+/// An error must say something.
+template <class Result>
+void expect_message(const Result& result) {
+  if (!result && result.error().message.empty()) std::abort();
+}
+
+}  // namespace mneme::fuzz

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fuzz/fuzz_input.h"
+
+#include "mneme/problem.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string path = mneme::fuzz::as_file(data, size, "problems.json");
+  const auto names = mneme::list_problems(path);
+  mneme::fuzz::expect_message(names);
+  mneme::ProblemOptions options;
+  options.robot_path = "planar8";
+  mneme::fuzz::expect_message(mneme::load_problem(path + "#0", options));
+  mneme::fuzz::expect_message(mneme::extract_scene(path + "#0"));
+  return 0;
+}

@@ -1,0 +1,10 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fuzz/fuzz_input.h"
+
+#include "mneme/report.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  mneme::fuzz::expect_message(mneme::to_page(mneme::fuzz::as_text(data, size), "fuzz.json"));
+  return 0;
+}
