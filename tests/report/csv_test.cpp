@@ -50,7 +50,7 @@ TEST_SUITE("unit") {
           "\"a,\"\"b\"\"\nc\",s,rrt_connect,gl,3,solved,0,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,"
           "1.5,4,2,\"as, is\",range=3.55 memory=grid,0.75,avx2,a machine,mneme 1,"
           "2026-01-31T12:00:00Z\n");
-    CHECK(to_csv({}) == csv_header());
+    CHECK(to_csv(std::vector<BenchmarkRow>{}) == csv_header());
   }
 
   TEST_CASE("What was written reads back, and a broken last line is left aside") {
