@@ -105,6 +105,7 @@ Result<std::string> try_memory(const Problem& problem) {
   settings.learn_budget_s = kTimeout;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
+  settings.learn.max_iterations = 1000;
   const Result<SolveResult> result = solve(problem, &*database, settings);
   if (!result) return tl::unexpected(result.error());
   const Result<std::vector<Damage>> damage = verify_database(file.path());
