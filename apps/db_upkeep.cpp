@@ -82,11 +82,14 @@ Result<ExitCode> run_merge(const UpkeepOptions& options) {
 
 Result<ExitCode> run_export(const UpkeepOptions& options) {
   return export_database(options.url, options.file).map([&](std::int64_t rows) {
-    if (options.is_json) {
+    const std::string what = fmt::format(
+        "{} written to {}", counted(static_cast<std::size_t>(rows), "row", "rows"), options.file);
+    if (options.file == "/dev/stdout") {
+      print_note(what);
+    } else if (options.is_json) {
       print_json({{"rows", rows}, {"file", options.file}});
     } else {
-      fmt::print("{} written to {}\n", counted(static_cast<std::size_t>(rows), "row", "rows"),
-                 options.file);
+      fmt::print("{}\n", what);
     }
     return ExitCode::done;
   });

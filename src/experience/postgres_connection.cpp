@@ -25,6 +25,7 @@ ErrorCode code_of(std::string_view state) {
 std::string one_line(std::string_view message) {
   while (message.ends_with('\n')) message.remove_suffix(1);
   std::string line(message);
+  std::erase(line, '\t');
   std::replace(line.begin(), line.end(), '\n', ' ');
   return line;
 }
