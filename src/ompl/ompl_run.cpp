@@ -65,15 +65,15 @@ void OmplRun::define_problem() {
   definition_->setOptimizationObjective(objective);
 }
 
-ob::PlannerTerminationCondition OmplRun::limits(double timeout_s) const {
-  return ob::PlannerTerminationCondition([this, timeout_s] {
+ob::PlannerTerminationCondition OmplRun::limits() const {
+  return ob::PlannerTerminationCondition([this] {
     const PlanSettings& plan = settings_.plan;
     if (plan.cancel != nullptr && plan.cancel->load(std::memory_order_relaxed)) return true;
     if (plan.max_iterations > 0 &&
         counters_->samples.load(std::memory_order_relaxed) >= plan.max_iterations) {
       return true;
     }
-    return stopwatch_.elapsed_s() >= timeout_s;
+    return stopwatch_.elapsed_s() >= timeout_s_;
   });
 }
 
@@ -93,9 +93,9 @@ Result<PlanResult> OmplRun::plan(double spent_s) {
   if (!made) return tl::unexpected(made.error());
   const ob::PlannerPtr& planner = *made;
   planner->setProblemDefinition(definition_);
-  const double timeout_s = settings_.plan.timeout_s - spent_s;
+  timeout_s_ = settings_.plan.timeout_s - spent_s + stopwatch_.elapsed_s();
   // One per attempt, because parallel planners end theirs when they have a path.
-  for (auto limit = limits(timeout_s); !limit; limit = limits(timeout_s)) {
+  for (auto limit = limits(); !limit; limit = limits()) {
     planner->solve(limit);
     if (!definition_->hasExactSolution()) break;
     const Path path = solution();
@@ -161,7 +161,7 @@ void OmplRun::explain_failure() {
     result_.message = "no path within " + std::to_string(plan.max_iterations) + " iterations";
   } else {
     result_.status = PlanStatus::timeout;
-    result_.message = stopwatch_.elapsed_s() >= plan.timeout_s
+    result_.message = stopwatch_.elapsed_s() >= timeout_s_
                           ? "no path within the time limit"
                           : "the planner gave up before the time limit";
   }

@@ -28,7 +28,7 @@ class OmplRun {
   void set_up_information(const ::ompl::base::StateSamplerAllocator& allocator);
   void define_problem();
   [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
-  [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits(double timeout_s) const;
+  [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
   [[nodiscard]] Path solution() const;
   [[nodiscard]] bool is_free(const Path& path);
   void simplify();
@@ -43,6 +43,7 @@ class OmplRun {
   std::shared_ptr<::ompl::base::SpaceInformation> information_;
   ::ompl::base::ProblemDefinitionPtr definition_;
   internal::Stopwatch stopwatch_;
+  double timeout_s_ = 0;  ///< on the stopwatch
   CheckCounters checks_;  ///< of simplification and verification
   PlanResult result_;
 };
