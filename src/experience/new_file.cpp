@@ -14,8 +14,10 @@ namespace mneme::internal {
 Result<NewFile> NewFile::create(const std::string& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
+  // /dev/stdout is a link, whatever it leads to: a rename would replace the link itself.
+  const bool is_link = std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored));
   const bool is_special =
-      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+      is_link || (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status));
   NewFile file;
   file.path_ = path;
   file.written_path_ = is_special ? path : path + ".unfinished";

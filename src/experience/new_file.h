@@ -13,8 +13,8 @@
 
 namespace mneme::internal {
 
-/// Writes beside `path` and takes its name at the end; whatever is no regular file, such as
-/// /dev/stdout, is written directly. Errors name `path`.
+/// Writes beside `path` and takes its name at the end; a link, and whatever is no regular
+/// file, such as /dev/stdout, is written directly. Errors name `path`.
 class NewFile {
  public:
   [[nodiscard]] static Result<NewFile> create(const std::string& path);

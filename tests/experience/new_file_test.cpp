@@ -28,6 +28,18 @@ TEST_SUITE("unit") {
     CHECK(!std::filesystem::exists(path + ".unfinished"));
   }
 
+  TEST_CASE("a link is written through and stays a link") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a", "old");
+    std::filesystem::create_symlink(directory / "a", directory / "link");
+    auto file = NewFile::create(directory / "link");
+    REQUIRE(file.has_value());
+    REQUIRE(file->write("new"));
+    REQUIRE(file->finish());
+    CHECK(std::filesystem::is_symlink(directory / "link"));
+    CHECK(read_file(directory / "a") == "new");
+  }
+
   TEST_CASE("a place that cannot be written and a full disk are errors with the name") {
     const TemporaryDirectory directory;
     const auto missing = NewFile::create(directory / "none/a");
