@@ -97,6 +97,7 @@ TEST_SUITE("unit") {
         for (const PlannerEntry& planner : planners()) {
           SolveSettings settings = short_settings();
           settings.planner = planner.name;
+          settings.plan.max_iterations = 50;
           const SolveResult result = solve_or_fail(problem, nullptr, settings);
           INFO(planner.name, " to ", angle, ": ", result.plan.message);
           if (angle < 2) CHECK(result.plan.is_solved());
@@ -159,16 +160,17 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the margin keeps the whole path away from obstacles, its ends too") {
-    const Robot robot = lifting_arm();
-    const Problem problem = problem_of(robot, shelf_scene(), {0, 0, 0, 0}, {0, 0, 0.6, -0.4});
+    const Robot robot = planar_arm({1, 1});
+    const Scene scene = make_circle_scene("post", {{1.2, 1.2, 0.3}});
+    const Problem problem = problem_of(robot, scene, {-0.5, 0}, {2.2, 0});
     SolveSettings settings;
     settings.plan.timeout_s = 60;
-    settings.margin = 0.02;
+    settings.margin = 0.1;
     const SolveResult result = solve_or_fail(problem, nullptr, settings);
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
-    const CollisionChecker strict = make_checker(robot, problem.scene, settings.margin);
+    const CollisionChecker strict = make_checker(robot, scene, settings.margin);
     for (const Configuration& q : result.plan.path) CHECK(strict.contacts(q).empty());
-    settings.margin = 1;
+    settings.margin = 5;
     CHECK(solve_or_fail(problem, nullptr, settings).plan.status == PlanStatus::invalid_start);
   }
 }

@@ -3,7 +3,6 @@
 
 // Times are those of the thread that plans, on the processor: on a busy machine a thread may wait
 // for long, but it never works for longer than it would alone.
-#include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
 #include <atomic>
@@ -31,8 +30,7 @@ struct HardProblem {
   double learn_budget_s = 0;
 };
 
-/// A first link between posts all around it, and an arm in space whose elbow is in a box: nothing
-/// leads from start to goal.
+/// A first link between posts all around it: nothing leads from start to goal.
 std::vector<HardProblem> unsolvable_problems() {
   std::vector<std::array<double, 3>> ring;
   for (int i = 0; i < 18; ++i) {
@@ -43,13 +41,7 @@ std::vector<HardProblem> unsolvable_problems() {
   planar.scene = make_circle_scene("ring", ring);
   planar.start = {-kPi, 0.5, 0.2, -0.3, 0.4, -0.2, 0.3, 0.1};
   planar.goals = {{0, 0.3, 0.3, -0.3, 0.4, -0.2, 0.3, 0.1}};
-  Scene cage{"cage", {}};
-  for (const double side : {-1.0, 1.0}) {
-    cage.obstacles.push_back(
-        {"wall" + std::to_string(side), {box_at({0.9, 0.45 * side, 0.5}, {1, 0.02, 2})}});
-  }
-  const Problem spatial{"spatial", lifting_arm(), "", cage, {0, 0, 0, 0}, {{0, 2.4, 0, 0}}, {}};
-  return {{"planar", planar, 0}, {"planar that learns", planar, 10}, {"spatial", spatial, 0}};
+  return {{"planar", planar, 0}, {"planar that learns", planar, 10}};
 }
 
 SolveSettings settings_for(const HardProblem& hard, std::string_view planner,
