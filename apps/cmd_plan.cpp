@@ -12,13 +12,13 @@
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
+#include "bench_solve.h"
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
 #include "interrupt.h"
 #include "options.h"
 #include "plan_files.h"
-#include "solving.h"
 
 namespace mneme::app {
 namespace {
@@ -126,7 +126,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
-  const Result<SolveResult> result = solve_by_name(loaded->problem, database, settings);
+  const Result<SolveResult> result = solve_with_any(loaded->problem, database, settings, false);
   if (!result) return tl::unexpected(result.error());
 
   if (options.is_json) {
@@ -157,9 +157,10 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
   SolveSettings& settings = options.settings;
-  add_choice(command, "--planner", "planner", settings.planner, planner_names(),
+  const SuiteNames names = bench_names();
+  add_choice(command, "--planner", "planner", settings.planner, names.planners,
              fmt::format("planner (default {})", settings.planner));
-  add_choice(command, "--sampler", "sampler", settings.sampler, all_sampler_names(),
+  add_choice(command, "--sampler", "sampler", settings.sampler, names.samplers,
              "source of configurations (default gl with --db, uniform without)");
   add_settings(command, settings);
   add_settings(command, settings.plan);
