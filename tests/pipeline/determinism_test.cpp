@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The scalar kernels compute the same on every x86-64, so that a path is a matter of problem,
+// planner, sampler and seed alone. A hash that changes says that planners now find other paths:
+// intended, then the new one is put here; or not.
+#include "support/planar_memory.h"
+
+#include <bit>
+#include <map>
+
+namespace mneme::test {
+namespace {
+
+/// FNV-1a (Fowler, Noll and Vo) over the bits of all values.
+std::uint64_t hash_of(const Path& path) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const Configuration& q : path) {
+    for (const double value : q) {
+      const auto bits = std::bit_cast<std::uint64_t>(value);
+      for (int byte = 0; byte < 8; ++byte) {
+        hash = (hash ^ (bits >> (8 * byte) & 0xff)) * 0x100000001b3;
+      }
+    }
+  }
+  return hash;
+}
+
+SolveSettings scalar_settings() {
+  SolveSettings settings;
+  settings.isa = Isa::scalar;
+  settings.sampler = "uniform";
+  settings.retrieve_after = 0;
+  settings.plan.timeout_s = 600;
+  settings.plan.max_iterations = 200000;
+  return settings;
+}
+
+Path solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings) {
+  const auto result = solve(problem, database, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+  return result->plan.path;
+}
+
+/// Remembers one path of the problem.
+Database memory_of(const Problem& problem, const std::string& path) {
+  Database database = make_database(path, problem.robot);
+  const Path solved = solve_or_fail(problem, nullptr, scalar_settings());
+  auto rows = learn_from_paths(problem.robot, problem.scene, std::vector<Path>{solved}, {}, 0.3);
+  REQUIRE(rows.has_value());
+  REQUIRE(!rows->empty());
+  REQUIRE(database.insert(std::move(*rows)).has_value());
+  return database;
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("the scalar build finds these paths, on every machine and for ever") {
+    // By planner: with the samplers gl, uniform and halton, with the seeds 1 and 2.
+    const std::map<std::string, std::array<std::uint64_t, 6>> pinned = {
+        {"rrt_connect",
+         {12162973021609699247u, 9135148678087751993u, 1109775406553461058u, 17884383557604097326u,
+          15782725352953902658u, 6328261380644571451u}},
+        {"rrt",
+         {14631608631517692532u, 17376522084962073745u, 12178700042580338410u, 8265411583201759327u,
+          6667121015114152386u, 10973105964472221524u}},
+    };
+    const Problem problem = planar_problem("scenario1");
+    const TemporaryDirectory directory;
+    Database database = memory_of(problem, directory / "a.db");
+    for (const auto& [planner, expected] : pinned) {
+      std::array<std::uint64_t, 6> hashes{};
+      SolveSettings settings = scalar_settings();
+      settings.planner = planner;
+      for (std::size_t i = 0; i < hashes.size(); ++i) {
+        settings.sampler = std::array{"gl", "uniform", "halton"}.at(i / 2);
+        settings.plan.seed = 1 + i % 2;
+        hashes.at(i) = hash_of(solve_or_fail(problem, &database, settings));
+      }
+      std::string text = planner + ":";
+      for (const std::uint64_t hash : hashes) text += " " + std::to_string(hash) + "u,";
+      CHECK_MESSAGE(hashes == expected, text);
+    }
+  }
+
+  TEST_CASE("what one, two and eight threads learn leads to the same path") {
+    const Problem problem = planar_problem("threaded_b2");
+    const auto primitives = decompose(problem.robot, problem.scene);
+    REQUIRE(primitives.has_value());
+    const std::vector<PrimitiveKey> keys = keys_near((*primitives)[0].key, 12, 0.1, 4);
+    const TemporaryDirectory directory;
+    std::vector<std::uint64_t> hashes;
+    for (const int jobs : {1, 2, 8}) {
+      Database database = make_database(directory / (std::to_string(jobs) + ".db"), problem.robot);
+      LearnJob job;
+      job.settings = cheap_settings();
+      job.jobs = jobs;
+      REQUIRE(learn_primitives(problem.robot, keys, database, job).has_value());
+      SolveSettings settings = scalar_settings();
+      settings.sampler = "gl";
+      settings.plan.max_iterations = 1000000;
+      hashes.push_back(hash_of(solve_or_fail(problem, &database, settings)));
+    }
+    CHECK(hashes[0] == hashes[1]);
+    CHECK(hashes[0] == hashes[2]);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
