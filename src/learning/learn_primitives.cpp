@@ -76,8 +76,8 @@ class LearnRun {
       auto learned = wait_for(task);
       if (!learned) break;
       if (!*learned) return stop_with(learned->error());
-      rows.push_back(internal::make_row(tasks_[task].lesson, std::move((*learned)->sampler), settings_text_,
-                              tasks_[task].seed));
+      rows.push_back(internal::make_row(tasks_[task].lesson, std::move((*learned)->sampler),
+                                        settings_text_, tasks_[task].seed));
       internal::count(rows.back(), summary_);
       if (rows.size() >= kRowsPerTransaction && !insert(rows)) return;
       if (job_.on_progress && stopwatch_.elapsed_s() - last_progress_s >= 1) {

@@ -56,7 +56,9 @@ class SharedRun {
     threads.clear();
     leave();
     if (!served) return tl::unexpected(served.error());
-    const auto refreshed = database_.refresh();
+    // A connection that was lost long ago is noticed by the first call, and made again by the next.
+    const auto refreshed =
+        database_.refresh().or_else([&](const Error&) { return database_.refresh(); });
     if (!refreshed) return tl::unexpected(refreshed.error());
     summary_.is_cancelled = is_cancelled(job_);
     summary_.skipped = lesson_count_ - open_count_ - summary_.learned;

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "apps/planar_files.h"
+#include "support/exported.h"
+#ifdef MNEME_HAS_POSTGRESQL
+#include "experience/postgres_server.h"
+#endif
 
 #include <sys/stat.h>
 
@@ -41,18 +45,6 @@ void read_err_until(RunningProgram& program, const std::string& word) {
     REQUIRE_MESSAGE(!piece.empty(), text);
     text += piece;
   }
-}
-
-/// What a database holds, but for the times: the lines of its export.
-std::string exported(const PlanarFiles& files, const std::string& database) {
-  const ProgramRun run = run_program({"db", "export", database, files / "export.jsonl"});
-  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
-  std::string text = read_file(files / "export.jsonl");
-  for (std::size_t at = 0; (at = text.find("\"time\":\"", at)) != std::string::npos;) {
-    at += 8;
-    text.erase(at, text.find('"', at) - at);
-  }
-  return text;
 }
 
 std::vector<std::string> listed_keys(const std::string& database) {
@@ -108,7 +100,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::vector<std::string> grid = {"--count", "11"};
     REQUIRE(run_program(small_learn(files, files / "whole.db", grid)).exit_code == 0);
-    const std::string whole = exported(files, files / "whole.db");
+    const std::string whole = exported(files / "whole.db");
     for (const auto& shards :
          {std::vector<std::string>{"1/2", "2/2"}, std::vector<std::string>{"2/3", "0/3", "1/3"}}) {
       const std::string merged = files / ("merged" + shards[0].substr(2));
@@ -126,9 +118,34 @@ TEST_SUITE("flow") {
         REQUIRE_MESSAGE(merge.exit_code == 0, merge.err);
       }
       CHECK(learned == listed_keys(files / "whole.db").size());
-      CHECK(exported(files, merged) == whole);
+      CHECK(exported(merged) == whole);
     }
   }
+
+#ifdef MNEME_HAS_POSTGRESQL
+  TEST_CASE("workers with the same command line learn between them what one process does") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const PlanarFiles files;
+    const std::string url = server->new_url();
+    REQUIRE(run_program(small_learn(files, files / "whole.db")).exit_code == 0);
+    const auto command = small_learn(files, url, {"--worker", "--lease", "5", "--json"});
+    RunningProgram first(command);
+    RunningProgram second(command);
+    std::int64_t learned = 0;
+    for (RunningProgram* program : {&first, &second}) {
+      const ProgramRun run = program->wait();
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      const Json json = Json::parse(run.out);
+      CHECK(json["coverage"]["max"] < 3.0);
+      learned += json["learned"].get<std::int64_t>();
+      CHECK(json["learned"].get<std::int64_t>() + json["skipped"].get<std::int64_t>() ==
+            json["samplers"].get<std::int64_t>());
+    }
+    CHECK(exported(url) == exported(files / "whole.db"));
+    CHECK(static_cast<std::size_t>(learned) == listed_keys(url).size());
+  }
+#endif
 
   TEST_CASE("the primitives of scenes are learned once each") {
     const PlanarFiles files;
@@ -201,6 +218,20 @@ TEST_SUITE("unit") {
         {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--shard", "1"},
          2,
          {"--shard", "'1'"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "x.db", "--worker"},
+         2,
+         {"--worker", "postgresql://"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "postgresql://h/x",
+          "--worker", "--shard", "1/2"},
+         2,
+         {"--worker", "--shard"}},
+        {{"learn", "--robot", "planar8", "--primitives", "g.yaml", "--db", "postgresql://h/x",
+          "--worker", "--lease", "0"},
+         2,
+         {"--lease", "'0'"}},
+        {{"learn", "--problems", "x", "--db", "postgresql://h/x", "--worker"},
+         2,
+         {"--worker", "--problems"}},
         {{"learn", "--problems", "x", "--db", "x.db", "--shard", "1/2"},
          2,
          {"--shard", "--problems", "--part"}},

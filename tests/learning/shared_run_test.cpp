@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -167,6 +168,28 @@ TEST_SUITE("flow") {
     CHECK(summary.learned == make_database(url, robot, OpenMode::read_only).size());
     CHECK(summary.learned < 300);
     CHECK(ask(url, "SELECT count(leased_until) FROM mneme_task") == 0);
+  }
+
+  TEST_CASE("a server that is killed and started again is waited for") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    const auto keys = random_keys(60, 65);
+    LearnJob job = shared_job(url);
+    job.shared->lease_s = 60;
+    Result<LearnSummary> summary = LearnSummary();
+    {
+      (void)make_database(url, robot);
+      const std::jthread worker([&] { summary = work(url, robot, keys, job); });
+      while (ask(url, "SELECT count(*) FROM mneme_experience") == 0) {
+      }
+      server->kill_postmaster();
+      REQUIRE(server->start());
+    }
+    REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+    CHECK(verify_database(url)->empty());
+    CHECK(exported(url) == learned_alone(robot, keys));
   }
 
   TEST_CASE("workers of which one is killed again and again do every task once in effect") {
