@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 namespace mneme::soak {
 namespace {
 
