@@ -296,6 +296,7 @@ def plan(
     learn_budget: float = 0.0,
     remember_after: int = -1,
     resolution: float = 0.0,
+    margin: float = 0.0,
     range: float = 0.0,
     timeout: float = 10.0,
     max_iterations: int = 0,
