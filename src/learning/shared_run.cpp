@@ -12,7 +12,6 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <thread>
 
@@ -127,18 +126,15 @@ class SharedRun {
 
   /// Speaks with the server until all is done. An error of it is borne for as long as a lease.
   Result<void> serve() {
-    std::optional<double> down_since;
+    double sound_s = stopwatch_.elapsed_s();
     while (!is_cancelled(job_)) {
       wait_for_news();
       const Result<bool> is_done = serve_once();
       if (is_done && *is_done) return {};
+      const double now_s = stopwatch_.elapsed_s();
       if (is_done) {
-        down_since.reset();
-        continue;
-      }
-      if (is_done.error().code != ErrorCode::io) return tl::unexpected(is_done.error());
-      down_since = down_since.value_or(stopwatch_.elapsed_s());
-      if (stopwatch_.elapsed_s() - *down_since > job_.shared->lease_s) {
+        sound_s = now_s;
+      } else if (is_done.error().code != ErrorCode::io || now_s - sound_s > job_.shared->lease_s) {
         return tl::unexpected(is_done.error());
       }
     }

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// mneme_index_scale [KEYS KEY_SIZE...]: how the index in memory and a database in a file do with
+// many keys. Keys are uniform in a cube that holds 50 of them, on average, within the threshold of
+// a query. Times are those of the processor.
+#include "experience/experience_index.h"
+#include "mneme/experience.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+#include <malloc.h>
+#include <unistd.h>
+
+namespace mneme::bench {
+namespace {
+
+constexpr int kQueries = 1000;
+constexpr int kMatches = 50;
+constexpr int kMeans = 24;
+constexpr int kJoints = 8;
+constexpr std::size_t kRowsPerInsert = 10000;
+constexpr double kThreshold = 1;
+
+/// Of this thread: other programs on the machine do not count, nor does waiting for the disk.
+double processor_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double allocated_bytes() {
+  const auto info = ::mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+}
+
+/// The edge of a cube in which `count` points leave kMatches in a ball of squared radius
+/// kThreshold.
+double cube_edge(std::int64_t count, int size) {
+  const double ball =
+      std::pow(std::numbers::pi * kThreshold, 0.5 * size) / std::tgamma(0.5 * size + 1);
+  return std::pow(static_cast<double>(count) * ball / kMatches, 1.0 / size);
+}
+
+PrimitiveKey random_key(int size, double edge, Rng& rng) {
+  PrimitiveKey key(static_cast<std::size_t>(size));
+  for (double& number : key) number = rng.uniform(0, edge);
+  return key;
+}
+
+/// Seconds of a single image's query, sorted, and the mean number of matches.
+struct Latencies {
+  std::vector<double> seconds;
+  double matches = 0;
+};
+
+Latencies measure_queries(const internal::ExperienceIndex& index, int size, double edge, Rng& rng) {
+  Latencies latencies;
+  for (int i = 0; i < kQueries; ++i) {
+    const std::vector<KeyImage> query = {{random_key(size, edge, rng), false}};
+    const auto begin = processor_seconds();
+    const auto found = index.find(query, kThreshold, kMatches);
+    latencies.seconds.push_back(processor_seconds() - begin);
+    latencies.matches += static_cast<double>(found.size()) / kQueries;
+  }
+  std::sort(latencies.seconds.begin(), latencies.seconds.end());
+  return latencies;
+}
+
+void measure_index(std::int64_t count, int size) {
+  Rng rng(1);
+  const double edge = cube_edge(count, size);
+  const double before = allocated_bytes();
+  internal::ExperienceIndex index(size);
+  const auto begin = processor_seconds();
+  for (std::int64_t i = 0; i < count; ++i) index.append(random_key(size, edge, rng));
+  index.refresh();
+  const double build_s = processor_seconds() - begin;
+  const double bytes = (allocated_bytes() - before) / static_cast<double>(count);
+  const Latencies found = measure_queries(index, size, edge, rng);
+  std::printf(
+      "index: %lld keys of %d numbers: built in %.2f s, %.0f bytes per key, %.1f matches, "
+      "p50 %.3f ms, p99 %.3f ms\n",
+      static_cast<long long>(count), size, build_s, bytes, found.matches,
+      1e3 * found.seconds[kQueries / 2], 1e3 * found.seconds[kQueries * 99 / 100]);
+}
+
+Experience make_row(int size, double edge, Rng& rng) {
+  Experience row;
+  row.key = random_key(size, edge, rng);
+  row.sampler.joint_count = kJoints;
+  for (int i = 0; i < kMeans * kJoints; ++i) {
+    row.sampler.means.push_back(static_cast<float>(rng.uniform(-3, 3)));
+  }
+  row.provenance = {"index_scale", "random", rng.next(), "2020-01-02T03:04:05Z"};
+  return row;
+}
+
+bool measure_database(std::int64_t count, int size) {
+  const std::string path = std::filesystem::temp_directory_path() /
+                           ("mneme_scale_" + std::to_string(::getpid()) + ".db");
+  const ExperienceSpace space{"scale", "0123456789abcdef", "scale/1", kJoints, size};
+  Rng rng(1);
+  const double edge = cube_edge(count, size);
+  double insert_s = 0;
+  {
+    auto database = Database::open(path, space, OpenMode::create);
+    for (std::int64_t done = 0; database && done < count;) {
+      std::vector<Experience> rows;
+      for (; rows.size() < kRowsPerInsert && done < count; ++done) {
+        rows.push_back(make_row(size, edge, rng));
+      }
+      const auto begin = processor_seconds();
+      if (!database->insert(std::move(rows))) return false;
+      insert_s += processor_seconds() - begin;
+    }
+  }
+  const double before = allocated_bytes();
+  const auto begin = processor_seconds();
+  const auto opened = Database::open(path, space, OpenMode::read_only);
+  const double open_s = processor_seconds() - begin;
+  const double bytes = (allocated_bytes() - before) / static_cast<double>(count);
+  const double file_bytes = static_cast<double>(std::filesystem::file_size(path));
+  std::printf(
+      "database: %lld keys of %d numbers: %.0f rows/s inserted, opened in %.2f s, %.0f bytes "
+      "per row in memory, %.0f in the file\n",
+      static_cast<long long>(count), size, static_cast<double>(count) / insert_s, open_s, bytes,
+      file_bytes / static_cast<double>(count));
+  std::filesystem::remove(path);
+  return opened.has_value();
+}
+
+}  // namespace
+}  // namespace mneme::bench
+
+int main(int argc, char** argv) {
+  const std::int64_t count = argc > 1 ? std::atoll(argv[1]) : 100000;
+  std::vector<int> sizes;
+  for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
+  if (sizes.empty()) sizes = {6, 12, 20};
+  for (const int size : sizes) {
+    mneme::bench::measure_index(count, size);
+    if (!mneme::bench::measure_database(count, size)) return 1;
+  }
+  return 0;
+}
