@@ -24,7 +24,9 @@ int main(int count, char** arguments) {
   start = problem.start;
   goal = problem.goals.front();
   setup.setStartAndGoalStates(start, goal);
-  setup.setPlanner(std::make_shared<ompl::geometric::RRTConnect>(setup.getSpaceInformation()));
+  const auto planner = std::make_shared<ompl::geometric::RRTConnect>(setup.getSpaceInformation());
+  planner->setRange(0.4);
+  setup.setPlanner(planner);
   if (setup.solve(20.0) != ompl::base::PlannerStatus::EXACT_SOLUTION) return 1;
   setup.getSolutionPath().printAsMatrix(std::cout);
 }

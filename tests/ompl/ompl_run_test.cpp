@@ -74,22 +74,29 @@ TEST_SUITE("unit") {
     CHECK(run(gap_problem(), "RRTConnect", settings).status == PlanStatus::timeout);
   }
 
-  TEST_CASE("simplification shortens the path, between the same ends") {
+  TEST_CASE("simplification shortens paths, between the same ends") {
     const Problem problem = gap_problem();
-    SolveSettings settings;
-    settings.plan.simplify = false;
-    const PlanResult planned = run(problem, "PRM", settings);
-    settings.plan.simplify = true;
-    const PlanResult shortened = run(problem, "PRM", settings);
-    REQUIRE(planned.is_solved());
-    REQUIRE(shortened.is_solved());
-    CHECK(planned.simplification_time_s == 0);
-    CHECK(shortened.simplification_time_s > 0);
-    CHECK(path_length(problem.robot, shortened.path) < path_length(problem.robot, planned.path));
-    for (const Path& path : {planned.path, shortened.path}) {
-      CHECK(path.front() == problem.robot.normalized(problem.start));
-      CHECK(path.back() == problem.robot.normalized(problem.goals[0]));
+    // Roadmaps differ from run to run.
+    double planned_length = 0, shortened_length = 0;
+    for (int i = 0; i < 5; ++i) {
+      SolveSettings settings;
+      settings.plan.seed = static_cast<std::uint64_t>(i + 1);
+      settings.plan.simplify = false;
+      const PlanResult planned = run(problem, "PRM", settings);
+      settings.plan.simplify = true;
+      const PlanResult shortened = run(problem, "PRM", settings);
+      REQUIRE(planned.is_solved());
+      REQUIRE(shortened.is_solved());
+      CHECK(planned.simplification_time_s == 0);
+      CHECK(shortened.simplification_time_s > 0);
+      planned_length += path_length(problem.robot, planned.path);
+      shortened_length += path_length(problem.robot, shortened.path);
+      for (const Path& path : {planned.path, shortened.path}) {
+        CHECK(path.front() == problem.robot.normalized(problem.start));
+        CHECK(path.back() == problem.robot.normalized(problem.goals[0]));
+      }
     }
+    CHECK(shortened_length < planned_length);
   }
 
   TEST_CASE("the path ends at the goal that it reached") {
