@@ -16,7 +16,6 @@ int main(int count, char** arguments) {
   const auto checker = mneme::CollisionChecker::make(problem.robot, problem.scene).value();
   const auto space = mneme::make_space(problem.robot).value();
   auto memory = mneme::Database::open(arguments[2], space, mneme::OpenMode::read_only).value();
-
   ompl::geometric::SimpleSetup setup(mneme::ompl::make_space_information(checker));  // mneme
   setup.getStateSpace()->setStateSamplerAllocator(                                   // mneme
       mneme::ompl::gl_sampler_allocator(problem, memory).value());                   // mneme
@@ -24,9 +23,8 @@ int main(int count, char** arguments) {
   start = problem.start;
   goal = problem.goals.front();
   setup.setStartAndGoalStates(start, goal);
-  const auto planner = std::make_shared<ompl::geometric::RRTConnect>(setup.getSpaceInformation());
-  planner->setRange(0.4);
-  setup.setPlanner(planner);
+  setup.setPlanner(std::make_shared<ompl::geometric::RRTConnect>(setup.getSpaceInformation()));
+  setup.getPlanner()->params().setParam("range", "0.4");
   if (setup.solve(20.0) != ompl::base::PlannerStatus::EXACT_SOLUTION) return 1;
   setup.getSolutionPath().printAsMatrix(std::cout);
 }
