@@ -101,8 +101,9 @@ TEST_SUITE("flow") {
     const Problem problem = gap_problem();
     for (const std::string_view name : ompl_planner_names()) {
       CAPTURE(name);
-      const SolveResult result =
-          solve_or_fail(problem, nullptr, settings_for("ompl:" + std::string(name)));
+      SolveSettings settings = settings_for("ompl:" + std::string(name));
+      settings.plan.timeout_s = 60;
+      const SolveResult result = solve_or_fail(problem, nullptr, settings);
       check_path(problem, result);
       CHECK(result.planner == "ompl:" + std::string(name));
       CHECK(result.total_time_s >= result.planning_time_s);
