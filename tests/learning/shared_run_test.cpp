@@ -175,7 +175,7 @@ TEST_SUITE("flow") {
     if (server == nullptr) return;
     const std::string url = server->new_url();
     const Robot robot = planar8();
-    const auto keys = random_keys(60, 65);
+    const auto keys = random_keys(24, 65);
     LearnJob job = shared_job(url);
     job.shared->lease_s = 60;
     Result<LearnSummary> summary = LearnSummary();
@@ -198,7 +198,7 @@ TEST_SUITE("flow") {
     const char* soak = std::getenv("MNEME_SOAK");
     const std::string url = server->new_url();
     const Robot robot = planar8();
-    const auto keys = random_keys(soak == nullptr ? 150 : 150 * std::max(1, std::atoi(soak)), 64);
+    const auto keys = random_keys(soak == nullptr ? 100 : 100 * std::max(1, std::atoi(soak)), 64);
     std::array<pid_t, 4> workers{};
     for (pid_t& worker : workers) worker = start_worker(url, robot, keys);
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
