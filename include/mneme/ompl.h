@@ -72,7 +72,7 @@ struct WorkCounters {
     std::shared_ptr<WorkCounters> counters = nullptr);
 [[nodiscard]] ::ompl::base::MotionValidatorPtr make_motion_validity(
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
-    std::shared_ptr<WorkCounters> counters = nullptr);
+    std::shared_ptr<WorkCounters> counters = nullptr, const MotionDetail& detail = {});
 
 /// For StateSpace::setStateSamplerAllocator: sampleUniform draws from `sampler`; sampleUniformNear
 /// and sampleGaussian are those of the space. The n-th state sampler that is allocated draws from
@@ -113,8 +113,9 @@ struct OmplSettings {
   /// OMPL's defaults: range of a fifth of the extent, motions checked state by state at a hundredth
   /// of the extent, path returned without verification or repair. Planners may then tunnel through
   /// obstacles: check the path (is_path_free). Otherwise tuned: range 0.4 rad, motions on the
-  /// kernels at mneme's resolution, paths verified, and planned again within the limits if they
-  /// fail. A range or resolution above 0 in the settings counts in both.
+  /// kernels at mneme's resolution, paths verified; one that fails is planned again within the
+  /// limits, with motions checked as finely as verification does. A range or resolution above 0 in
+  /// the settings counts in both.
   bool as_in_paper = false;
   /// What train_ompl_experience wrote, for Lightning and Thunder; without it they know nothing.
   std::string experience_path;

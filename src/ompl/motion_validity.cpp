@@ -16,12 +16,13 @@ namespace ob = ::ompl::base;
 class MotionValidity final : public ob::MotionValidator {
  public:
   MotionValidity(const ob::SpaceInformationPtr& information, const CollisionChecker& checker,
-                 std::shared_ptr<WorkCounters> counters)
+                 std::shared_ptr<WorkCounters> counters, const MotionDetail& detail)
       : MotionValidator(information),
         checker_(checker),
         space_(checker.robot()),
         values_(information->getStateSpace().get()),
-        counters_(std::move(counters)) {}
+        counters_(std::move(counters)),
+        detail_(detail) {}
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     const bool is_valid = is_motion_valid(from, to);
@@ -49,7 +50,7 @@ class MotionValidity final : public ob::MotionValidator {
     values_.read(from, a);
     values_.read(to, b);
     CheckCounters work;
-    const bool is_valid = si_->satisfiesBounds(to) && checker_.is_motion_valid(a, b, work);
+    const bool is_valid = si_->satisfiesBounds(to) && checker_.is_motion_valid(a, b, work, detail_);
     count_motion(counters_, work.states);
     return is_valid;
   }
@@ -62,7 +63,8 @@ class MotionValidity final : public ob::MotionValidator {
     const std::size_t joints = from.size();
     std::vector<float> delta(joints), states(kBatch * joints);
     const float length = space_.difference(from.data(), to.data(), delta.data());
-    const int count = std::max(1, static_cast<int>(std::ceil(length / checker_.resolution())));
+    const int count = std::max(
+        1, static_cast<int>(std::ceil(length * detail_.refinement / checker_.resolution())));
     std::array<std::uint8_t, kBatch> is_valid;
     for (int first = 1; first <= count; first += kBatch) {
       const int size = std::min(kBatch, count - first + 1);
@@ -88,14 +90,16 @@ class MotionValidity final : public ob::MotionValidator {
   internal::JointSpace space_;
   JointValues values_;
   std::shared_ptr<WorkCounters> counters_;
+  MotionDetail detail_;
 };
 
 }  // namespace
 
 ob::MotionValidatorPtr make_motion_validity(const ob::SpaceInformationPtr& information,
                                             const CollisionChecker& checker,
-                                            std::shared_ptr<WorkCounters> counters) {
-  return std::make_shared<MotionValidity>(information, checker, std::move(counters));
+                                            std::shared_ptr<WorkCounters> counters,
+                                            const MotionDetail& detail) {
+  return std::make_shared<MotionValidity>(information, checker, std::move(counters), detail);
 }
 
 std::shared_ptr<ob::SpaceInformation> make_space_information(

@@ -106,6 +106,9 @@ Result<PlanResult> OmplRun::plan(double spent_s) {
     }
     planner->clear();
     definition_->clearSolutionPaths();
+    information_->setMotionValidator(
+        make_motion_validity(information_, checker_, counters_, {kVerificationRefinement, 0}));
+    information_->setup();
   }
   if (result_.is_solved() && settings_.plan.simplify) simplify();
   if (!result_.is_solved()) explain_failure();
