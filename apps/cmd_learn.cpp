@@ -276,6 +276,13 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
     if (!read) return tl::unexpected(read.error());
     grid = *read;
   }
+  if (lesson->primitives.empty() && !grid) {
+    print_note(
+        fmt::format("these scenes have no primitives: no obstacles {} within --max-gap of "
+                    "each other{}",
+                    robot.is_planar() ? "that the arm reaches are" : "are",
+                    robot.is_planar() ? "" : "; --problems learns whole paths"));
+  }
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
@@ -64,6 +65,10 @@ Result<LoadedPlan> load(const PlanOptions& options) {
 }
 
 void print_memory(const Problem& problem, const GlSampler& gl) {
+  if (gl.retrieval_time_s == 0) {
+    fmt::print("memory      not asked: it was over before (--retrieve-after 0 asks at once)\n");
+    return;
+  }
   std::size_t retrieved = 0;
   for (const PrimitiveRetrieval& found : gl.primitives) retrieved += found.matches.size();
   fmt::print("memory      {}, {} retrieved, {}\n",
@@ -106,7 +111,7 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
              1e3 * loaded.load_time_s);
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
-  if (loaded.database) print_memory(loaded.problem, result.gl);
+  if (loaded.database && needs_memory(result.sampler)) print_memory(loaded.problem, result.gl);
   if (result.remembered.rows > 0) {
     fmt::print("remembered  {} samplers in {:.3f} ms\n", result.remembered.rows,
                1e3 * result.remembered.time_s);

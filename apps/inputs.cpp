@@ -82,8 +82,14 @@ Result<Database> open_database(const std::string& url, const Robot& robot, OpenM
 Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
-  return open_database(url, robot, can_insert ? OpenMode::create : OpenMode::read_only,
-                       settings.decompose.decomposer);
+  const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
+  return open_database(url, robot, mode, settings.decompose.decomposer).map_error([&](Error error) {
+    std::error_code ignored;
+    if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
+      error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";
+    }
+    return error;
+  });
 }
 
 Result<Database> inspect_database(const std::string& url) { return Database::inspect(url); }

@@ -32,8 +32,13 @@ std::set<std::pair<std::string, std::uint64_t>> lessons_in(const Database& datab
   return lessons;
 }
 
-Result<std::vector<Path>> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
+struct RepeatedPlan {
   std::vector<Path> paths;
+  std::string message;  ///< why the last run without a path has none
+};
+
+Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
+  RepeatedPlan plan;
   for (int i = 0; i < lesson.paths && !interrupt_flag()->load(); ++i) {
     SolveSettings settings;
     settings.sampler = "uniform";
@@ -42,9 +47,13 @@ Result<std::vector<Path>> solve_repeatedly(const Problem& problem, const Problem
     settings.plan.cancel = interrupt_flag();
     Result<SolveResult> solved = solve(problem, nullptr, settings);
     if (!solved) return tl::unexpected(solved.error());
-    if (solved->plan.is_solved()) paths.push_back(std::move(solved->plan.path));
+    if (solved->plan.is_solved()) {
+      plan.paths.push_back(std::move(solved->plan.path));
+    } else {
+      plan.message = std::move(solved->plan.message);
+    }
   }
-  return paths;
+  return plan;
 }
 
 }  // namespace
@@ -89,14 +98,15 @@ Result<ProblemLessonSummary> learn_from_problems(std::span<const Problem> proble
       ++summary.skipped;
       continue;
     }
-    const Result<std::vector<Path>> paths = solve_repeatedly(problem, lesson);
-    if (!paths) return tl::unexpected(paths.error());
+    const Result<RepeatedPlan> plan = solve_repeatedly(problem, lesson);
+    if (!plan) return tl::unexpected(plan.error());
     if ((summary.is_cancelled = interrupt_flag()->load())) break;
-    if (paths->empty()) {
+    if (plan->paths.empty()) {
       ++summary.unsolved;
+      print_note(fmt::format("{}: not solved: {}", problem.name, plan->message));
       continue;
     }
-    auto rows = learn_from_paths(problem.robot, problem.scene, *paths, decompose);
+    auto rows = learn_from_paths(problem.robot, problem.scene, plan->paths, decompose);
     if (!rows) return tl::unexpected(rows.error());
     ++summary.learned;
     for (Experience& row : *rows) {

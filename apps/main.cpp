@@ -56,9 +56,9 @@ std::string full_name(const CLI::App& command) {
   return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
 }
 
-int report_usage_error(const CLI::App& program, const std::string& message) {
+int report_usage_error(const CLI::App& command, const std::string& message) {
   print_error(message);
-  print_note(fmt::format("see '{} --help'", full_name(chosen_command(program))));
+  print_note(fmt::format("see '{} --help'", full_name(command)));
   return static_cast<int>(ExitCode::usage);
 }
 
@@ -83,15 +83,15 @@ int run(int argument_count, char** arguments) {
   set_up(program, action);
   if (const auto complaint =
           unknown_command(program, {arguments + 1, arguments + argument_count})) {
-    return report_usage_error(program, *complaint);
+    return report_usage_error(*complaint->command, complaint->message);
   }
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::Success& request) {
     return program.exit(request);
   } catch (const CLI::ParseError& error) {
-    const auto unexpected = unexpected_argument(chosen_command(program));
-    return report_usage_error(program, unexpected.value_or(error.what()));
+    const CLI::App& command = chosen_command(program);
+    return report_usage_error(command, unexpected_argument(command).value_or(error.what()));
   }
   const char* isa = std::getenv("MNEME_ISA");
   const Result<Isa> parsed = parse_isa(isa == nullptr || *isa == '\0' ? "automatic" : isa);

@@ -29,6 +29,12 @@ Result<void> write_picture(const std::string& path, const Problem& problem,
   picture.title =
       fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
                   result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
+  if (!problem.robot.is_planar()) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("'{}' was not written: robot {} is not planar, which --svg is for; "
+                            "--view shows any robot",
+                            path, problem.robot.name()));
+  }
   return to_svg(picture).and_then([&](const std::string& svg) { return write_file(path, svg); });
 }
 
@@ -59,11 +65,13 @@ Result<void> write_plan_files(const PlanFiles& files, const Problem& problem,
     }
     return {};
   }
-  if (!files.svg.empty()) {
-    if (auto written = write_picture(files.svg, problem, result); !written) return written;
+  Result<void> written;
+  if (files.needs_recorder()) {
+    written = write_trace_and_page(files, problem, result, recorder, load_time_s);
   }
-  if (!files.needs_recorder()) return {};
-  return write_trace_and_page(files, problem, result, recorder, load_time_s);
+  if (files.svg.empty()) return written;
+  const Result<void> drawn = write_picture(files.svg, problem, result);
+  return written ? drawn : written;
 }
 
 }  // namespace mneme::app

@@ -57,17 +57,18 @@ std::vector<std::string> flag_names(const CLI::App& command) {
 
 }  // namespace
 
-std::optional<std::string> unknown_command(const CLI::App& program,
-                                           const std::vector<std::string>& words) {
+std::optional<Complaint> unknown_command(const CLI::App& program,
+                                         const std::vector<std::string>& words) {
   const CLI::App* command = &program;
   for (const std::string& word : words) {
     const std::vector<std::string> names = subcommand_names(*command);
     if (names.empty() || word.starts_with('-')) return std::nullopt;
     if (std::find(names.begin(), names.end(), word) == names.end()) {
       const std::string close = suggestion(word, names);
-      return fmt::format(
-          "unknown subcommand '{}'{}", word,
-          close.empty() ? fmt::format("; expected one of: {}", fmt::join(names, ", ")) : close);
+      return Complaint{command, fmt::format("unknown subcommand '{}'{}", word,
+                                            close.empty() ? fmt::format("; expected one of: {}",
+                                                                        fmt::join(names, ", "))
+                                                          : close)};
     }
     command = command->get_subcommand(word);
   }

@@ -12,10 +12,15 @@
 
 namespace mneme::app {
 
+struct Complaint {
+  const CLI::App* command;  ///< whose help tells what is right
+  std::string message;
+};
+
 /// The complaint about the first of the leading `words` that is no subcommand where one is
 /// expected, if there is one.
-[[nodiscard]] std::optional<std::string> unknown_command(const CLI::App& program,
-                                                         const std::vector<std::string>& words);
+[[nodiscard]] std::optional<Complaint> unknown_command(const CLI::App& program,
+                                                       const std::vector<std::string>& words);
 
 /// The complaint about what `command` was given but does not take, if there is such a thing.
 [[nodiscard]] std::optional<std::string> unexpected_argument(const CLI::App& command);

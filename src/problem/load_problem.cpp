@@ -28,6 +28,10 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
     input.fail(ErrorCode::invalid,
                "this is a planning scene without start and goal; expected its motion plan request");
   }
+  if (!input.find("scene") && (input.find("obstacles") || input.find("circles"))) {
+    input.fail(ErrorCode::invalid,
+               "this is a scene; expected a problem, which names robot, scene, start and goal");
+  }
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
                     "start", "goal", "goals"});
   const auto named = input.find("name");

@@ -38,7 +38,9 @@ constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
 
 Result<Json> parse_trace(std::string_view text, const std::string& source) {
   Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) return fail(ErrorCode::parse, source + ": no JSON");
+  if (json.is_discarded())
+    return fail(ErrorCode::parse,
+                source + ": no JSON: expected a trace, as 'mneme plan --trace' writes it");
   const auto format = json.is_object() ? json.find("format") : json.end();
   if (!json.is_object() || format == json.end() || *format != "mneme-trace") {
     return fail(ErrorCode::parse, source +

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace mneme {
 namespace {
@@ -31,6 +32,24 @@ std::vector<std::string> search_directories() {
   return directories;
 }
 
+/// The robots of a directory by name, in alphabetical order.
+std::vector<std::string> robot_names(const std::string& directory) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(directory, error), end; !error && at != end;
+       at.increment(error)) {
+    if (at->path().extension() == kExtension) names.push_back(at->path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string describe(const std::string& directory) {
+  const std::vector<std::string> names = robot_names(directory);
+  if (names.empty()) return directory;
+  return fmt::format("{} (which has {})", directory, fmt::join(names, ", "));
+}
+
 }  // namespace
 
 Result<std::string> find_robot(const std::string& name) {
@@ -44,7 +63,7 @@ Result<std::string> find_robot(const std::string& name) {
     std::string path = directory + "/" + file;
     std::error_code ignored;
     if (std::filesystem::is_regular_file(path, ignored)) return path;
-    tried += (tried.empty() ? "" : ", ") + directory;
+    tried += (tried.empty() ? "" : ", ") + describe(directory);
   }
   return fail(ErrorCode::io, fmt::format("there is no robot '{}': no {} in {}", name, file, tried));
 }

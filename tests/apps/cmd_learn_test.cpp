@@ -158,6 +158,16 @@ TEST_SUITE("flow") {
     CHECK(Json::parse(run.out)["coverage"].is_null());
   }
 
+  TEST_CASE("scenes without primitives are learned from with a note") {
+    const PlanarFiles files;
+    write_file(files / "far.yaml", "circles: {a: [-5, 0, 1], b: [5, 0, 1]}\n");
+    const ProgramRun run = run_program(
+        {"learn", "--robot", "planar8", "--scenes", files / "far.yaml", "--db", files / "new.db"});
+    CHECK(run.exit_code == 0);
+    CHECK(has_text(run.err, "no primitives"));
+    CHECK(has_text(run.err, "--max-gap"));
+  }
+
   TEST_CASE("an interrupt leaves a sound database, and the same command goes on") {
     const PlanarFiles files;
     const std::string database = files / "new.db";

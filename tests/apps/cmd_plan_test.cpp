@@ -252,7 +252,7 @@ TEST_SUITE("unit") {
     write_file(files / "half.db", text.substr(0, text.size() / 2));
     const std::string problem = files.problem();
     check_bad_inputs({
-        {{"plan", problem, "--db", files / "missing.db"}, 1, {"missing.db"}},
+        {{"plan", problem, "--db", files / "missing.db"}, 1, {"missing.db", "'mneme learn' makes"}},
         {{"plan", problem, "--db", files / "text.db"}, 5, {"text.db"}},
         {{"plan", problem, "--db", files / "half.db"}, 5, {"half.db"}},
         {{"plan", problem, "--db", "postgresql://127.0.0.1:1/x"}, 1, {"postgresql"}},
@@ -267,6 +267,29 @@ TEST_SUITE("unit") {
     const std::string unwritable = files / "no/such/directory/p.svg";
     check_bad_inputs({{{"plan", files.problem(), "--svg", unwritable}, 1, {unwritable}},
                       {{"plan", files.problem(), "--svg", files / ""}, 1, {"cannot write"}}});
+  }
+
+  TEST_CASE("a robot that no picture can show has a page none the less") {
+    const PlanarFiles files;
+    const std::string problem = source_file("scenes/shelf/thin.yaml");
+    check_bad_inputs({{{"plan", problem, "--max-iterations", "1", "--svg", files / "p.svg",
+                        "--view", files / "p.html"},
+                       1,
+                       {"p.svg", "fetch is not planar", "--view"}}});
+    CHECK(std::filesystem::exists(files / "p.html"));
+    CHECK_FALSE(std::filesystem::exists(files / "p.svg"));
+  }
+
+  TEST_CASE("a memory that was not asked says so") {
+    const PlanarFiles files;
+    const ProgramRun late = run_program(
+        {"plan", files.problem(), "--db", files.database(), "--retrieve-after", "1000000"});
+    REQUIRE_MESSAGE(late.exit_code == 0, late.err);
+    CHECK(has_text(late.out, "memory      not asked"));
+    const ProgramRun without =
+        run_program({"plan", files.problem(), "--db", files.database(), "--sampler", "uniform"});
+    REQUIRE_MESSAGE(without.exit_code == 0, without.err);
+    CHECK_FALSE(has_text(without.out, "memory"));
   }
 
   TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {

@@ -74,18 +74,20 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     test::write_file(files / "no.json", "{}");
     test::write_file(files / "empty.json", "");
-    check_bad_inputs({{{"view"}, 2, {"TRACE"}},
-                      {{"view", files / "no.json"}, 2, {"--output"}},
-                      {{"view", files / "no.json", "-o", files / "p.html"},
-                       1,
-                       {files / "no.json", "mneme-trace"}},
-                      {{"view", files / "empty.json", "-o", files / "p.html"}, 1, {"empty.json"}},
-                      {{"view", files / "missing.json", "-o", files / "p.html"},
-                       1,
-                       {files / "missing.json", "cannot be read"}},
-                      {{"plan", files.problem(), "--view", files / "no/such/p.html"},
-                       1,
-                       {files / "no/such/p.html"}}});
+    check_bad_inputs(
+        {{{"view"}, 2, {"TRACE"}},
+         {{"view", files / "no.json"}, 2, {"--output"}},
+         {{"view", files / "no.json", "-o", files / "p.html"},
+          1,
+          {files / "no.json", "mneme-trace"}},
+         {{"view", files.problem(), "-o", files / "p.html"}, 1, {"no JSON", "plan --trace"}},
+         {{"view", files / "empty.json", "-o", files / "p.html"}, 1, {"empty.json"}},
+         {{"view", files / "missing.json", "-o", files / "p.html"},
+          1,
+          {files / "missing.json", "cannot be read"}},
+         {{"plan", files.problem(), "--view", files / "no/such/p.html"},
+          1,
+          {files / "no/such/p.html"}}});
     CHECK_FALSE(std::filesystem::exists(files / "p.html"));
   }
 }

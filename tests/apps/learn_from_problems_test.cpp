@@ -81,6 +81,16 @@ TEST_SUITE("flow") {
     CHECK(again["samplers"] == 8);
   }
 
+  TEST_CASE("problems without a path are counted and named") {
+    const Posts posts;
+    const ProgramRun run = run_program(
+        posts.with_robot({"learn", "--problems", posts.directory / "posts.json#0", "--db",
+                          posts.directory / "bender.db", "--path-timeout", "0"}));
+    CHECK(run.exit_code == 0);
+    CHECK(Json::parse(run.out)["unsolved"] == 1);
+    CHECK(has_text(run.err, "0: not solved: no path within the time limit"));
+  }
+
   TEST_CASE("wrong parts and patterns are refused") {
     const Posts posts;
     const std::string database = posts.directory / "bender.db";

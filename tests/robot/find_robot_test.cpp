@@ -50,13 +50,14 @@ TEST_SUITE("unit") {
     CHECK(std::filesystem::equivalent(find_robot("planar8").value(), first / "planar8.urdf"));
   }
 
-  TEST_CASE("an unknown robot is an error that names the directories") {
+  TEST_CASE("an unknown robot is an error that names the directories and what is there") {
     const RobotPath path("/nowhere");
     const auto found = find_robot("no_such_robot");
     REQUIRE_FALSE(found.has_value());
     CHECK(found.error().code == ErrorCode::io);
     CHECK(test::contains(found.error().message, "'no_such_robot'"));
     CHECK(test::contains(found.error().message, "/nowhere, "));
+    CHECK(test::contains(found.error().message, "robots (which has fetch, panda, planar8, ur5)"));
   }
 
   TEST_CASE("a path is no name") {
