@@ -132,7 +132,7 @@ export class Dock {
   /** The square root lets small clearances, which matter, take more room. */
   private height(clearance: number): number {
     const most = Math.max(0.02, ...this.trace.waypoints.map((w) => w.clearance ?? 0));
-    return HEIGHT - 6 - (HEIGHT - 18) * Math.sqrt(Math.max(0, clearance) / most);
+    return HEIGHT - 6 - (HEIGHT - 36) * Math.sqrt(Math.max(0, clearance) / most);
   }
 
   private drawChart(): void {

@@ -237,12 +237,14 @@ class Viewer {
 
   private placeLabels(): void {
     const taken: { x: number; y: number }[] = [];
+    const covered = ["head", "tools"].map((id) => document.getElementById(id)!.getBoundingClientRect());
     this.frames.forEach((frame, i) => {
       const label = this.labels.children[i] as HTMLElement;
       const at = this.stage.project(frame.anchor);
-      label.style.visibility = at ? "visible" : "hidden";
+      if (at) while (taken.some((other) => Math.abs(other.x - at.x) < 64 && Math.abs(other.y - at.y) < 22)) at.y += 23;
+      const isCovered = covered.some((box) => at && at.x > box.left - 36 && at.x < box.right + 36 && at.y - 28 < box.bottom);
+      label.style.visibility = at && !isCovered ? "visible" : "hidden";
       if (!at) return;
-      while (taken.some((other) => Math.abs(other.x - at.x) < 64 && Math.abs(other.y - at.y) < 22)) at.y += 23;
       taken.push(at);
       label.style.transform = `translate(-50%,-120%) translate(${at.x.toFixed(1)}px,${at.y.toFixed(1)}px)`;
     });
@@ -292,7 +294,11 @@ function start(): void {
     redraw: () => viewer!.redraw(),
   };
   Object.assign(window, { mneme: handle });
-  requestAnimationFrame(() => requestAnimationFrame(() => document.body.classList.add("ready")));
+  // The second of these comes when the first picture has been drawn.
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    performance.mark("first-picture");
+    document.body.classList.add("ready");
+  }));
   // What moves by itself must move smoothly: otherwise a still picture of robot, start and goal.
   const isCalm = viewer.isSlow || window.matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (isCalm) dock.seek(STILL_FRACTION);

@@ -93,6 +93,9 @@ export class RobotShape {
   }
 }
 
+/** Where ghost and robot share a surface, the robot is seen: a lift that moved shows no stripes. */
+const BEHIND = { polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 16 };
+
 export class SolidRobot implements RobotView {
   readonly object = new Group();
   private readonly meshes: Mesh[][] = [];
@@ -102,9 +105,9 @@ export class SolidRobot implements RobotView {
     // Ghosts come after all that is solid, and hide nothing of it.
     if (opacity < 1) {
       const mask = flat(color);
-      Object.assign(mask, { colorWrite: false, transparent: true });
+      Object.assign(mask, { colorWrite: false, transparent: true }, BEHIND);
       this.add(shape.coarse, mask, 10, shape.moving);
-      this.add(shape.coarse, clay(color, opacity), 11, shape.moving);
+      this.add(shape.coarse, Object.assign(clay(color, opacity), BEHIND), 11, shape.moving);
     } else {
       this.add(shape.fine, clay(color), 0);
     }

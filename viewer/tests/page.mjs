@@ -5,6 +5,7 @@
 // a directory for screenshots), CHROMIUM (optional: the browser's file).
 import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
+import { availableParallelism, loadavg } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
@@ -55,6 +56,22 @@ export async function open(browser, file, { width = 1280, height = 800, theme = 
   await page.goto(address, { timeout: 120000 });
   await page.waitForSelector("body.ready", { timeout: 120000 });
   return { page, complaints, close: () => context.close() };
+}
+
+/** Milliseconds from opening a page to its first picture: the best of three, which others disturb least. */
+export async function timeToFirstPicture(browser, file) {
+  const times = [];
+  for (let i = 0; i < 3; ++i) {
+    const { page, close } = await open(browser, file);
+    times.push(await page.evaluate(() => performance.getEntriesByName("first-picture")[0].startTime));
+    await close();
+  }
+  return Math.min(...times);
+}
+
+/** True if other programs want the processors, so that times say little. */
+export function isBusy() {
+  return loadavg()[0] > availableParallelism() + 1;
 }
 
 export async function shoot(page, name) {

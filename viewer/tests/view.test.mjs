@@ -5,7 +5,9 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import { difference, launch, looks, mneme, open, reasonToSkip, root, shoot } from "./page.mjs";
+import {
+  difference, isBusy, launch, looks, mneme, open, reasonToSkip, root, shoot, timeToFirstPicture,
+} from "./page.mjs";
 
 const skip = await reasonToSkip();
 if (skip) console.log(`SKIPPED: ${skip}`);
@@ -118,14 +120,21 @@ describe("pages", { skip }, () => {
     await close();
   });
 
-  test("a plan of Fetch is below 2 MB, and its robot moves", { skip: noFetch }, async () => {
+  test("a plan of Fetch is below 2 MB, and its first picture comes within 2 s", async () => {
+    const file = join(directory, "shelf.html");
+    mneme("plan", join(root, "scenes/shelf/thin.yaml"), "--max-iterations", "200000", "--view", file);
+    assert.ok(statSync(file).size < 2e6);
+    const isSlow = isBusy();
+    const first = await timeToFirstPicture(browser, file);
+    console.log(`first picture of Fetch after ${first.toFixed(0)} ms${isSlow ? ", on a busy machine" : ""}`);
+    assert.ok(first < (isSlow ? 10000 : 2000), `${first} ms`);
+  });
+
+  test("the robot of a plan of Fetch moves, in the light and in the dark", { skip: noFetch }, async () => {
     const file = join(directory, "fetch.html");
     mneme("plan", `${fetchProblems}#3`, "--view", file);
-    assert.ok(statSync(file).size < 2e6);
     assert.ok(readFileSync(file, "utf8").includes('"solved":true'));
     const { page, complaints, close } = await open(browser, file);
-    const first = await page.evaluate(() => performance.getEntriesByType("paint")[0]?.startTime ?? performance.now());
-    console.log(`first picture of Fetch after ${first.toFixed(0)} ms`);
     await page.evaluate(() => window.mneme.seek(0.1));
     const early = await looks(page);
     assert.ok(early.share > 0.1);
