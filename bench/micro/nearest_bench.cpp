@@ -5,18 +5,21 @@
 #include "micro/suite.h"
 #include "mneme/sampling.h"
 #include "planning/configuration_set.h"
+#include "planning/nearest_tree.h"
 
 namespace mneme::bench {
 namespace {
 
 constexpr int kQueries = 200;
 
-struct Tree {
+/// What the benchmarks look into, and what they look for.
+template <class Set>
+struct Trial {
   internal::JointSpace space;
-  internal::ConfigurationSet set;
+  Set set;
   std::vector<float> queries;
 
-  Tree(const Robot& robot, int size, Isa isa) : space(robot), set(space, isa) {
+  Trial(const Robot& robot, int size, Isa isa) : space(robot), set(space, isa) {
     const auto sampler = make_uniform_sampler(robot);
     const auto stream = sampler->start(1);
     std::vector<float> q(static_cast<std::size_t>(robot.joint_count()));
@@ -31,22 +34,30 @@ struct Tree {
   }
 };
 
+template <class Set>
+void register_queries(const std::string& what, const Robot& robot, int size, Isa isa) {
+  const auto trial = std::make_shared<Trial<Set>>(robot, size, isa);
+  const auto joints = static_cast<std::size_t>(robot.joint_count());
+  const std::string name = what + "_of_" + std::to_string(size) + "/" + std::string(to_string(isa));
+  register_repeated(name, "query", [trial, joints] {
+    const std::span<const float> queries = trial->queries;
+    for (std::size_t i = 0; i < queries.size(); i += joints) {
+      benchmark::DoNotOptimize(trial->set.nearest(queries.subspan(i, joints)));
+    }
+    return std::uint64_t{kQueries};
+  });
+}
+
 }  // namespace
 
+/// Sets look into themselves by scan until they are large; the tree alone shows what that saves.
 void register_nearest(const Robot& robot) {
-  const auto joints = static_cast<std::size_t>(robot.joint_count());
   for (const Isa isa : measured_isas()) {
-    for (const int size : {100, 1000, 10000}) {
-      const auto tree = std::make_shared<Tree>(robot, size, isa);
-      const std::string name =
-          "nearest_of_" + std::to_string(size) + "/" + std::string(to_string(isa));
-      register_repeated(name, "query", [tree, joints] {
-        const std::span<const float> queries = tree->queries;
-        for (std::size_t i = 0; i < queries.size(); i += joints) {
-          benchmark::DoNotOptimize(tree->set.nearest(queries.subspan(i, joints)));
-        }
-        return std::uint64_t{kQueries};
-      });
+    for (const int size : {100, 1000, 2000, 10000}) {
+      register_queries<internal::ConfigurationSet>("nearest", robot, size, isa);
+    }
+    for (const int size : {500, 1000, 2000, 4000}) {
+      register_queries<internal::NearestTree>("nearest_in_tree", robot, size, isa);
     }
   }
 }

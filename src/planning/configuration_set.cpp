@@ -7,23 +7,27 @@
 
 namespace mneme::internal {
 
+namespace {
+
+/// Configurations from which on a query of the tree costs less than a scan.
+constexpr int kLeastForTree = 2048;
+
+}  // namespace
+
 int ConfigurationSet::add(std::span<const float> q) {
-  const int index = size_++;
-  const auto lane = static_cast<std::size_t>(index % kBlockSize);
   rows_.insert(rows_.end(), q.begin(), q.end());
-  if (lane == 0) {
-    blocks_.insert(blocks_.end(), kBlockSize * joints(), 0.0f);
-    blocks_.insert(blocks_.end(), kBlockSize, std::numeric_limits<float>::infinity());
+  if (size_ % kBlockSize == 0) blocks_.append();
+  blocks_.put(size_, q);
+  return size_++;
+}
+
+std::pair<int, float> ConfigurationSet::nearest(std::span<const float> q) const {
+  if (size_ < kLeastForTree) {
+    return kernels_.nearest(blocks_.data(), blocks_.count(), space_.joint_count(), q.data(),
+                            space_.periods().data());
   }
-  float* block =
-      blocks_.data() + static_cast<std::size_t>(index / kBlockSize) * kBlockSize * (joints() + 1);
-  float sum = 0;
-  for (std::size_t j = 0; j < joints(); ++j) {
-    block[j * kBlockSize + lane] = q[j];
-    sum += q[j] * q[j];
-  }
-  block[joints() * kBlockSize + lane] = 0.5f * sum;
-  return index;
+  while (tree_.size() < size_) tree_.add((*this)[tree_.size()]);
+  return tree_.nearest(q);
 }
 
 void ConfigurationSet::clear() {
@@ -31,12 +35,13 @@ void ConfigurationSet::clear() {
   measured_ = 0;
   rows_.clear();
   blocks_.clear();
+  tree_.clear();
 }
 
 void ConfigurationSet::measure(std::span<const float> q) {
   measured_ = size_;
-  distances_.resize(static_cast<std::size_t>(block_count()) * kBlockSize);
-  kernels_.distances(blocks_.data(), block_count(), space_.joint_count(), q.data(),
+  distances_.resize(static_cast<std::size_t>(blocks_.count()) * kBlockSize);
+  kernels_.distances(blocks_.data(), blocks_.count(), space_.joint_count(), q.data(),
                      space_.periods().data(), distances_.data());
 }
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A growing set of configurations with nearest-neighbour queries by linear scan.
+/// A growing set of configurations with nearest-neighbour queries: by linear scan while it is
+/// small, by a tree when it is not.
 #pragma once
 
 #include <span>
@@ -9,17 +10,22 @@
 #include <vector>
 
 #include "mneme/base.h"
+#include "planning/configuration_blocks.h"
 #include "planning/nearest_kernels.h"
+#include "planning/nearest_tree.h"
 #include "robot/joint_space.h"
 
 namespace mneme::internal {
 
-/// Not thread-safe while it grows.
+/// Not thread-safe, not even for queries alone.
 class ConfigurationSet {
  public:
   /// `space` must outlive the set.
   ConfigurationSet(const JointSpace& space, Isa isa)
-      : space_(space), kernels_(nearest_kernels(isa)) {}
+      : space_(space),
+        kernels_(nearest_kernels(isa)),
+        blocks_(space.joint_count()),
+        tree_(space, isa) {}
 
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] std::span<const float> operator[](int index) const {
@@ -30,11 +36,7 @@ class ConfigurationSet {
   void clear();
 
   /// Index and squared distance of the configuration nearest to `q`. The set must not be empty.
-  /// O(size).
-  [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const {
-    return kernels_.nearest(blocks_.data(), block_count(), space_.joint_count(), q.data(),
-                            space_.periods().data());
-  }
+  [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const;
   /// Measures the squared distances from `q` to all configurations, for the queries below. O(size).
   void measure(std::span<const float> q);
   /// Indices of the `count` configurations nearest to what was measured from, nearest first, fewer
@@ -47,14 +49,14 @@ class ConfigurationSet {
   [[nodiscard]] std::size_t joints() const {
     return static_cast<std::size_t>(space_.joint_count());
   }
-  [[nodiscard]] int block_count() const { return (size_ + kBlockSize - 1) / kBlockSize; }
 
   const JointSpace& space_;
   const NearestKernels& kernels_;
   int size_ = 0;
   std::vector<float> rows_;
-  std::vector<float> blocks_;  ///< as the kernels read them
-  int measured_ = 0;           ///< configurations that `distances_` speaks of
+  ConfigurationBlocks blocks_;
+  mutable NearestTree tree_;  ///< of the first configurations, maybe not all
+  int measured_ = 0;          ///< configurations that `distances_` speaks of
   std::vector<float> distances_;
   std::vector<std::pair<float, int>> heap_;
 };

@@ -5,6 +5,7 @@
 #include "planning/nearest_kernels.h"
 
 #include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "planning/nearest_kernels.cpp"
@@ -18,11 +19,13 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
+constexpr int kLanes = HWY_LANES(float);
+
 /// The query, one vector per joint, and which joints wrap.
 class Query {
  public:
   HWY_INLINE Query(int joint_count, const float* q, const float* periods)
-      : joint_count_(joint_count) {
+      : joint_count_(joint_count), periods_(periods) {
     float sum = 0;
     for (int j = 0; j < joint_count; ++j) {
       values_[j] = splat(q[j]);
@@ -47,12 +50,26 @@ class Query {
     for (int i = 0; i < wrapped_count_; ++i) {
       const auto [j, period] = wrapped_[i];
       const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
-      const V turns = hn::Round(hn::Mul(difference, splat(1.0f / period)));
-      const V shorter = hn::NegMulAdd(turns, splat(period), difference);
+      const V shorter = shortest(difference, period);
       const V change = hn::MulSub(shorter, shorter, hn::Mul(difference, difference));
       score = hn::MulAdd(splat(0.5f), change, score);
     }
     return score;
+  }
+
+  /// Squared distances from the boxes at `column`, one per lane.
+  template <int kJoints>
+  HWY_INLINE V squared_distance_to_boxes(const float* column) const {
+    const Tag d;
+    const int joint_count = kJoints > 0 ? kJoints : joint_count_;
+    V sum = hn::Zero(d);
+    for (int j = 0; j < joint_count; ++j, column += 2 * kBlockSize) {
+      const V difference = shortest(hn::Sub(hn::LoadU(d, column), values_[j]), periods_[j]);
+      const V beyond = hn::Sub(hn::Abs(difference), hn::LoadU(d, column + kBlockSize));
+      const V outside = hn::Max(beyond, hn::Zero(d));
+      sum = hn::MulAdd(outside, outside, sum);
+    }
+    return sum;
   }
 
   /// The squared distance that belongs to a score; rounding may leave it just below zero.
@@ -62,56 +79,142 @@ class Query {
   }
 
  private:
+  static HWY_INLINE V shortest(V difference, float period) {
+    if (period == 0) return difference;
+    const V turns = hn::Round(hn::Mul(difference, splat(1.0f / period)));
+    return hn::NegMulAdd(turns, splat(period), difference);
+  }
+
   struct Wrapped {
     int joint;
     float period;
   };
   int joint_count_;
+  const float* periods_;
   int wrapped_count_ = 0;
   float half_norm_;
   V values_[kMaxJoints];
   Wrapped wrapped_[kMaxJoints];
 };
 
+/// The least score so far and where it was found, in each lane.
+class Least {
+  using TagOfIndex = hn::RebindToSigned<Tag>;
+
+ public:
+  // A default member initialiser would be compiled for the baseline instruction set.
+  HWY_INLINE Least()
+      : score_(splat(std::numeric_limits<float>::infinity())), base_(hn::Zero(TagOfIndex())) {}
+
+  /// The index is that of the first lane.
+  HWY_INLINE void take(V score, int index) {
+    const TagOfIndex di;
+    const M is_less = hn::Lt(score, score_);
+    score_ = hn::IfThenElse(is_less, score, score_);
+    base_ = hn::IfThenElse(hn::RebindMask(di, is_less), hn::Set(di, index), base_);
+  }
+
+  template <int kJoints>
+  HWY_INLINE void look_into(const Query& query, const float* block, int index) {
+    for (int offset = 0; offset < kBlockSize; offset += kLanes) {
+      take(query.score<kJoints>(block + offset), index + offset);
+    }
+  }
+
+  HWY_INLINE V score() const { return hn::MinOfLanes(Tag(), score_); }
+
+  /// The lowest of the indices with the least score.
+  HWY_INLINE int index() const {
+    const TagOfIndex di;
+    const auto candidates =
+        hn::IfThenElse(hn::RebindMask(di, hn::Eq(score_, score())), hn::Add(base_, hn::Iota(di, 0)),
+                       hn::Set(di, std::numeric_limits<std::int32_t>::max()));
+    return hn::GetLane(hn::MinOfLanes(di, candidates));
+  }
+
+ private:
+  V score_;
+  hn::Vec<TagOfIndex> base_;
+};
+
 template <int kJoints>
 std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint_count,
                                  const Query& query) {
-  const Tag d;
-  const hn::RebindToSigned<Tag> di;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   const int stride = kBlockSize * (joint_count + 1);
-  V least = splat(std::numeric_limits<float>::infinity());
-  auto least_base = hn::Zero(di);
+  Least least;
   for (int block = 0; block < block_count; ++block, blocks += stride) {
-    for (int offset = 0; offset < kBlockSize; offset += lanes) {
-      const V score = query.score<kJoints>(blocks + offset);
-      const M is_less = hn::Lt(score, least);
-      least = hn::IfThenElse(is_less, score, least);
-      least_base = hn::IfThenElse(hn::RebindMask(di, is_less),
-                                  hn::Set(di, block * kBlockSize + offset), least_base);
+    least.look_into<kJoints>(query, blocks, block * kBlockSize);
+  }
+  return {least.index(), hn::GetLane(query.squared_distance(least.score()))};
+}
+
+template <int kJoints>
+std::pair<int, float> nearest_in_leaves_of(const LeafTable& leaves, const Query& query,
+                                           float* box_distances) {
+  const Tag d;
+  const int stride = kBlockSize * (leaves.joint_count + 1);
+  Least nearest_box, least;
+  const float* boxes = leaves.boxes;
+  for (int leaf = 0; leaf < leaves.leaf_count; leaf += kBlockSize) {
+    for (int offset = 0; offset < kBlockSize; offset += kLanes) {
+      const V distance = query.squared_distance_to_boxes<kJoints>(boxes + offset);
+      hn::StoreU(distance, d, box_distances + leaf + offset);
+      nearest_box.take(distance, leaf + offset);
+    }
+    boxes += 2 * kBlockSize * leaves.joint_count;
+  }
+  const auto look_into = [&](int leaf) {
+    const float* block = leaves.blocks + leaf * (kLeafSize / kBlockSize) * stride;
+    for (int i = 0; i < kLeafSize; i += kBlockSize, block += stride) {
+      least.look_into<kJoints>(query, block, leaf * kLeafSize + i);
+    }
+    return query.squared_distance(least.score());
+  };
+  const int first = nearest_box.index();
+  V bound = look_into(first);
+  box_distances[first] = std::numeric_limits<float>::infinity();
+  for (int begin = 0; begin < leaves.leaf_count; begin += kLanes) {
+    for (;;) {
+      const M is_near = hn::Lt(hn::LoadU(d, box_distances + begin), bound);
+      const auto lane = hn::FindFirstTrue(d, is_near);
+      if (lane < 0) break;
+      const int leaf = begin + static_cast<int>(lane);
+      box_distances[leaf] = std::numeric_limits<float>::infinity();
+      bound = look_into(leaf);
     }
   }
-  const V least_of_all = hn::MinOfLanes(d, least);
-  const auto index = hn::Add(least_base, hn::Iota(di, 0));
-  const auto candidates = hn::IfThenElse(hn::RebindMask(di, hn::Eq(least, least_of_all)), index,
-                                         hn::Set(di, std::numeric_limits<std::int32_t>::max()));
-  return {hn::GetLane(hn::MinOfLanes(di, candidates)),
-          hn::GetLane(query.squared_distance(least_of_all))};
+  return {least.index(), hn::GetLane(bound)};
+}
+
+/// Calls `function` with the number of joints as a constant if it is that of a common arm.
+template <class Function>
+auto with_joints(int joint_count, const Function& function) {
+  switch (joint_count) {
+    case 6:
+      return function(std::integral_constant<int, 6>());
+    case 7:
+      return function(std::integral_constant<int, 7>());
+    case 8:
+      return function(std::integral_constant<int, 8>());
+    default:
+      return function(std::integral_constant<int, 0>());
+  }
 }
 
 std::pair<int, float> nearest(const float* blocks, int block_count, int joint_count, const float* q,
                               const float* periods) {
   const Query query(joint_count, q, periods);
-  switch (joint_count) {
-    case 6:
-      return nearest_of<6>(blocks, block_count, joint_count, query);
-    case 7:
-      return nearest_of<7>(blocks, block_count, joint_count, query);
-    case 8:
-      return nearest_of<8>(blocks, block_count, joint_count, query);
-    default:
-      return nearest_of<0>(blocks, block_count, joint_count, query);
-  }
+  return with_joints(joint_count, [&](auto joints) {
+    return nearest_of<decltype(joints)::value>(blocks, block_count, joint_count, query);
+  });
+}
+
+std::pair<int, float> nearest_in_leaves(const LeafTable& leaves, const float* q,
+                                        float* box_distances) {
+  const Query query(leaves.joint_count, q, leaves.periods);
+  return with_joints(leaves.joint_count, [&](auto joints) {
+    return nearest_in_leaves_of<decltype(joints)::value>(leaves, query, box_distances);
+  });
 }
 
 void distances(const float* blocks, int block_count, int joint_count, const float* q,
@@ -129,7 +232,7 @@ void distances(const float* blocks, int block_count, int joint_count, const floa
 }
 
 const NearestKernels* kernels() {
-  static const NearestKernels table = {&nearest, &distances};
+  static const NearestKernels table = {&nearest, &distances, &nearest_in_leaves};
   return &table;
 }
 

@@ -20,6 +20,11 @@ constexpr double kLeastRange = 1e-3;
 /// Radians of L2 joint distance.
 constexpr float kFirstDomainRadius = 4;
 constexpr int kShortcutAttempts = 100;
+/// Shortening gives up after one attempt in vain per so many motions that planning checked, within
+/// the bounds below: it should take no longer than the planning.
+constexpr std::uint64_t kMotionsPerAttempt = 16;
+constexpr std::uint64_t kLeastPatience = 12, kMostPatience = 60;
+constexpr float kLeastShortcutGain = 0.01f;
 
 std::uint64_t work_per_clock_check(const Scene& scene) {
   std::uint64_t shapes = 0;
@@ -128,6 +133,8 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
 
 void PlannerRun::simplify() {
   const Path planned = result_.path;
+  const auto patience = static_cast<int>(
+      std::clamp(counters_.motions / kMotionsPerAttempt, kLeastPatience, kMostPatience));
   const auto must_stop = [&] {
     return is_cancelled() || stopwatch_.elapsed_s() >= settings_.timeout_s;
   };
@@ -138,7 +145,8 @@ void PlannerRun::simplify() {
     const Stopwatch stopwatch;
     result_.path = planned;
     internal::shortcut_until(checker_, result_.path, derive_seed(settings_.seed, 1),
-                             kShortcutAttempts, is_each_verified, counters_, must_stop);
+                             {kShortcutAttempts, patience, kLeastShortcutGain}, is_each_verified,
+                             counters_, must_stop);
     result_.simplification_time_s += stopwatch.elapsed_s();
     if (!settings_.verify) return;
     const Stopwatch verification;

@@ -42,18 +42,21 @@ class Shortcutter {
     measure();
   }
 
-  /// Tries one shortcut between two random points of the path.
-  void attempt(Rng& rng) {
+  /// Tries one shortcut between two random points of the path; true if that shortens it by at least
+  /// `least_gain` of its length.
+  bool attempt(Rng& rng, float least_gain) {
     float first = static_cast<float>(rng.uniform()) * total_;
     float second = static_cast<float>(rng.uniform()) * total_;
     if (first > second) std::swap(first, second);
     const PathPoint a = locate(first), b = locate(second);
-    if (a.motion == b.motion) return;
+    if (a.motion == b.motion) return false;
     const std::vector<float> q_a = point_at(a), q_b = point_at(b);
+    const float direct = space_.difference(q_a.data(), q_b.data(), delta_.data());
+    if (second - first - direct < least_gain * total_) return false;
     // Neither point is an end of the path but by rare chance, so both remaining halves keep their
     // margins.
     // A motion that was checked may touch something between the states that were looked at.
-    if (!is_state_free(q_a) || !is_free(q_a, q_b, false)) return;
+    if (!is_state_free(q_a) || !is_free(q_a, q_b, false)) return false;
     nodes_[a.motion + 1] = q_a;
     if (b.motion == a.motion + 1) {
       nodes_.insert(nodes_.begin() + static_cast<std::ptrdiff_t>(b.motion) + 1, q_b);
@@ -62,6 +65,7 @@ class Shortcutter {
       erase_between(a.motion + 1, b.motion);
     }
     measure();
+    return true;
   }
 
   void store() {
@@ -135,20 +139,23 @@ double path_length(const Robot& robot, const Path& path) {
 }
 
 void internal::shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-                              int attempts, bool verify, CheckCounters& counters,
+                              ShortcutEffort effort, bool verify, CheckCounters& counters,
                               const std::function<bool()>& must_stop) {
   if (path.size() < 3) return;
   Shortcutter shortcutter(checker, path, verify, counters);
   shortcutter.drop_waypoints(must_stop);
   Rng rng(seed);
-  for (int i = 0; i < attempts && !must_stop(); ++i) shortcutter.attempt(rng);
+  for (int i = 0, idle = 0; i < effort.attempts && idle < effort.patience && !must_stop(); ++i) {
+    idle = shortcutter.attempt(rng, effort.least_gain) ? 0 : idle + 1;
+  }
   shortcutter.drop_waypoints(must_stop);
   shortcutter.store();
 }
 
 void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
               bool verify, CheckCounters& counters) {
-  internal::shortcut_until(checker, path, seed, attempts, verify, counters, [] { return false; });
+  internal::shortcut_until(checker, path, seed, {attempts, attempts, 0}, verify, counters,
+                           [] { return false; });
 }
 
 }  // namespace mneme

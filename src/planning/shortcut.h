@@ -10,8 +10,15 @@
 
 namespace mneme::internal {
 
+struct ShortcutEffort {
+  int attempts = 0;
+  int patience = 0;      ///< so many attempts in vain, one after the other, end it
+  float least_gain = 0;  ///< of the path's length; motions that gain less are not looked at
+};
+
 /// shortcut() that leaves the rest undone once `must_stop` says so; it is asked before each motion.
-void shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
-                    bool verify, CheckCounters& counters, const std::function<bool()>& must_stop);
+void shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+                    ShortcutEffort effort, bool verify, CheckCounters& counters,
+                    const std::function<bool()>& must_stop);
 
 }  // namespace mneme::internal

@@ -8,9 +8,23 @@
 namespace mneme::internal {
 namespace {
 
-bool are_apart(const Vec3& a, double radius_a, const Vec3& b, double radius_b) {
-  const double reach = radius_a + radius_b;
-  return (a - b).squaredNorm() > reach * reach;
+bool are_apart(const Sphere& a, const Sphere& b) {
+  const double reach = a.radius + b.radius;
+  return (a.center - b.center).squaredNorm() > reach * reach;
+}
+
+Sphere moved(const Sphere& sphere, const Transform& X_WL) {
+  return {X_WL * sphere.center, sphere.radius};
+}
+
+Capsule moved(const Capsule& capsule, const Transform& X_WL) {
+  const Vec3 a = X_WL * capsule.a;
+  return {a, capsule.a == capsule.b ? a : X_WL * capsule.b, capsule.radius};
+}
+
+Sphere bound_of(const Capsule& capsule) {
+  if (capsule.a == capsule.b) return {capsule.a, capsule.radius};
+  return {0.5 * (capsule.a + capsule.b), 0.5 * (capsule.b - capsule.a).norm() + capsule.radius};
 }
 
 std::vector<Capsule> shapes_of(const Link& link) {
@@ -38,8 +52,10 @@ Sphere bound_of(const std::vector<Capsule>& shapes) {
   return bound;
 }
 
-double distance_to(const Vec3& a, const Vec3& b, const Shape& shape) {
-  return a == b ? distance(a, shape) : distance_to_segment(a, b, shape);
+/// Of the axis.
+double distance_to(const Capsule& capsule, const Shape& shape) {
+  return capsule.a == capsule.b ? distance(capsule.a, shape)
+                                : distance_to_segment(capsule.a, capsule.b, shape);
 }
 
 }  // namespace
@@ -68,15 +84,15 @@ bool ExactChecker::is_free(std::span<const double> q) const {
 }
 
 bool ExactChecker::touches_obstacle(std::size_t link, const Transform& X_WL) const {
-  const Vec3 center = X_WL * link_bounds_[link].center;
+  const Sphere bound = moved(link_bounds_[link], X_WL);
   for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
     for (std::size_t j = 0; j < shape_bounds_[i].size(); ++j) {
-      const Sphere& bound = shape_bounds_[i][j];
-      if (are_apart(center, link_bounds_[link].radius, bound.center, bound.radius)) continue;
+      const Sphere& other = shape_bounds_[i][j];
+      if (are_apart(bound, other)) continue;
       for (const Capsule& own : links_[link]) {
-        const Vec3 a = X_WL * own.a;
-        const Vec3 b = own.a == own.b ? a : X_WL * own.b;
-        if (distance_to(a, b, scene_.obstacles[i].shapes[j]) < own.radius) return true;
+        const Capsule posed = moved(own, X_WL);
+        if (are_apart(bound_of(posed), other)) continue;
+        if (distance_to(posed, scene_.obstacles[i].shapes[j]) < own.radius) return true;
       }
     }
   }
@@ -85,17 +101,17 @@ bool ExactChecker::touches_obstacle(std::size_t link, const Transform& X_WL) con
 
 bool ExactChecker::touch(std::size_t a, const Transform& X_WA, std::size_t b,
                          const Transform& X_WB) const {
-  const Sphere& bound_a = link_bounds_[a];
-  const Sphere& bound_b = link_bounds_[b];
-  if (are_apart(X_WA * bound_a.center, bound_a.radius, X_WB * bound_b.center, bound_b.radius)) {
-    return false;
-  }
+  const Sphere bound = moved(link_bounds_[a], X_WA), other_bound = moved(link_bounds_[b], X_WB);
+  if (are_apart(bound, other_bound)) return false;
   for (const Capsule& first : links_[a]) {
-    const Vec3 p = X_WA * first.a;
-    const Vec3 q = X_WA * first.b;
+    const Capsule posed = moved(first, X_WA);
+    if (are_apart(bound_of(posed), other_bound)) continue;
     for (const Capsule& second : links_[b]) {
-      const double gap = segment_distance(p, q, X_WB * second.a, X_WB * second.b);
-      if (gap < first.radius + second.radius) return true;
+      const Capsule other = moved(second, X_WB);
+      if (are_apart(bound_of(posed), bound_of(other))) continue;
+      if (segment_distance(posed.a, posed.b, other.a, other.b) < posed.radius + other.radius) {
+        return true;
+      }
     }
   }
   return false;

@@ -33,7 +33,7 @@ class JointSpace {
   /// `value` wrapped if the joint is continuous, clamped to its limits otherwise.
   [[nodiscard]] float into_limits(int joint, float value) const {
     const auto i = static_cast<std::size_t>(joint);
-    if (periods_[i] > 0) return value - kTurn * std::nearbyint(value / kTurn);
+    if (periods_[i] > 0) return wrapped(value);
     return value < lower_[i] ? lower_[i] : value > upper_[i] ? upper_[i] : value;
   }
 
@@ -42,7 +42,7 @@ class JointSpace {
     float sum = 0;
     for (std::size_t i = 0; i < lower_.size(); ++i) {
       delta[i] = b[i] - a[i];
-      if (periods_[i] > 0) delta[i] -= kTurn * std::nearbyint(delta[i] / kTurn);
+      if (periods_[i] > 0) delta[i] = wrapped(delta[i]);
       sum += delta[i] * delta[i];
     }
     return std::sqrt(sum);
@@ -50,6 +50,14 @@ class JointSpace {
 
  private:
   static constexpr float kTurn = 6.28318530718f;
+
+  /// Most values need no turn, and rounding is a call of a function where the compiler may use no
+  /// more than the baseline instruction set.
+  static float wrapped(float value) {
+    if (std::abs(value) <= kTurn / 2) return value;
+    return value - kTurn * std::nearbyint(value / kTurn);
+  }
+
   std::vector<float> lower_, upper_, periods_;
 };
 

@@ -97,7 +97,7 @@ TEST_SUITE("law") {
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, {near_pair()});
     const LocalSampler& stored = database.get(0).sampler;
-    REQUIRE(stored.component_count() > 5);
+    REQUIRE(stored.component_count() > 3);
     const CollisionChecker canonical = make_checker(robot, make_scene(near_pair()), 1e-4);
     Rng rng(3);
     for (int round = 0; round < 20; ++round) {

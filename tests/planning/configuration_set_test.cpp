@@ -30,6 +30,27 @@ std::vector<double> all_distances(const Robot& robot, const internal::Configurat
 }  // namespace
 
 TEST_SUITE("oracle") {
+  TEST_CASE("large sets find the nearest configuration while they grow, and after being cleared") {
+    const Robot robot = spatial_arm();
+    const internal::JointSpace space(robot);
+    internal::ConfigurationSet set(space, Isa::automatic);
+    Rng rng(5);
+    for (int round = 0; round < 2; ++round) {
+      for (int size = 1; size <= 3000; ++size) {
+        set.add(random_floats(robot, rng));
+        if (size % 499 != 0) continue;
+        const std::vector<float> q = random_floats(robot, rng);
+        const std::vector<double> distances = all_distances(robot, set, q);
+        const auto [index, squared] = set.nearest(q);
+        const double least = *std::min_element(distances.begin(), distances.end());
+        CHECK(distances.at(static_cast<std::size_t>(index)) ==
+              doctest::Approx(least).epsilon(1e-4));
+        CHECK(std::sqrt(squared) == doctest::Approx(least).epsilon(1e-4));
+      }
+      set.clear();
+    }
+  }
+
   TEST_CASE("sets of any size find the nearest configurations in order") {
     for (const Robot& robot : {planar8(), spatial_arm(), gantry(), planar_arm({1})}) {
       const internal::JointSpace space(robot);
