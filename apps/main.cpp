@@ -22,6 +22,7 @@ constexpr const char* kExamples = R"(Examples:
   mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db
   mneme plan scenes/planar/scenario1.yaml --db planar.db --view scenario1.html
   mneme db info planar.db
+Where mneme is installed, the scenes of the examples are in share/mneme: see 'mneme doctor'.
 
 Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit,
   4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";

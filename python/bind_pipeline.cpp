@@ -6,11 +6,13 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
 #include "arrays.h"
 #include "bench_row.h"
+#include "bench_solve.h"
 #include "bindings.h"
 #include "interruptible.h"
 #include "keywords.h"
@@ -59,8 +61,9 @@ Plan plan(const Problem& problem, const Memory* memory, const std::string& plann
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
-  auto result = run_interruptible(
-      cancel, [&] { return solve(made.problem, made.database.get(), made.settings); });
+  auto result = run_interruptible(cancel, [&] {
+    return app::solve_with_any(made.problem, made.database.get(), made.settings, false);
+  });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
   made.result = unwrap(std::move(result));
@@ -247,15 +250,16 @@ void bind_pipeline(py::module_& module) {
   module.def(
       "planner_names",
       [] {
-        std::vector<std::string> names;
-        for (const PlannerEntry& planner : planners()) names.emplace_back(planner.name);
+        std::vector<std::string> names = app::bench_names().planners;
+        std::erase_if(names, app::is_missing_planner);
         return names;
       },
-      "Names of all planners.");
+      "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
   module.def(
       "sampler_names",
       [] { return std::vector<std::string>(sampler_names().begin(), sampler_names().end()); },
       "Names of all sources of configurations.");
+  module.def("_needs_memory", &needs_memory);
 }
 
 }  // namespace mneme::python

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Debian packages, unpacked but not installed."""
 import json
+import re
 import shutil
+import subprocess
 
 import pytest
 from conftest import environment, run
@@ -33,8 +35,27 @@ def test_packages_say_what_they_need(packages):
     needs = run(["dpkg-deb", "--field", packages["mneme"], "Depends"])
     for library in ("libc6", "libsqlite3-0", "libyaml-cpp", "libassimp"):
         assert library in needs
-    assert "libeigen3-dev" in run(["dpkg-deb", "--field", packages["libmneme-dev"], "Depends"])
-    assert run(["dpkg-deb", "--field", packages["mneme"], "Description"]).strip()
+    needs = run(["dpkg-deb", "--field", packages["libmneme-dev"], "Depends"])
+    for package in ("libeigen3-dev", "zlib1g-dev"):
+        assert package in needs
+
+
+def test_packages_describe_themselves(packages):
+    for package in packages.values():
+        first, *rest = run(["dpkg-deb", "--field", package, "Description"]).splitlines()
+        assert first.startswith("Motion planning from memory")
+        assert rest and all(re.match(r" \S", line) and "Motion planning from memory" not in line for line in rest)
+
+
+@pytest.mark.skipif(shutil.which("apt-get") is None, reason="there is no apt-get")
+def test_apt_would_install_them(packages):
+    simulated = subprocess.run(["apt-get", "install", "--simulate", *packages.values()], capture_output=True,
+                               text=True, timeout=120, env=environment(LC_ALL="C"))
+    if "not installable" in simulated.stdout:
+        pytest.skip("apt knows no packages: apt-get update was never run")
+    assert simulated.returncode == 0, simulated.stdout + simulated.stderr
+    for name in packages:
+        assert f"Inst {name} " in simulated.stdout
 
 
 def test_every_file_belongs_to_one_package_and_to_root(packages):

@@ -45,8 +45,9 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     if samplers is None:
         samplers = ["uniform"] if database is None else ["gl", "uniform"]
     samplers = [samplers] if isinstance(samplers, str) else list(samplers)
-    if "gl" in samplers and database is None:
-        raise TypeError("bench: the sampler 'gl' needs a database, the memory that it draws from")
+    for sampler in samplers:
+        if database is None and _mneme._needs_memory(sampler):
+            raise TypeError(f"bench: the sampler '{sampler}' needs a database, the memory that it draws from")
     if not problems or not planners or not samplers or seeds < 1:
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
     rows = []
@@ -58,7 +59,7 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
             for problem in problems:
                 for planner in planners:
                     for sampler in samplers:
-                        memory = database if sampler == "gl" else None
+                        memory = database if _mneme._needs_memory(sampler) else None
                         plan = _mneme.plan(problem, memory, planner=planner, sampler=sampler,
                                            **settings)
                         rows.append(plan.to_row())

@@ -27,6 +27,8 @@ def test_memory_is_compared_with_none(robot, problem, memory):
     runs = mneme.bench(problem, memory, seeds=3)
     assert [row.sampler for row in runs.rows] == ["gl", "uniform"] * 3
     assert runs.rows[0].components > 0 and runs.rows[1].components == 0
+    others = mneme.bench(problem, memory, samplers=["pooled", "nearest_scenes"])
+    assert all(row.components > 0 for row in others.rows)
 
 
 def test_wrong_benchmarks_are_errors(problem):

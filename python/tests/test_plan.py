@@ -25,11 +25,25 @@ def test_a_plan_is_an_array_from_start_to_goal(problem):
 
 
 def test_the_same_seed_gives_the_same_path(problem):
-    for planner in mneme.planner_names():
+    own = [name for name in mneme.planner_names() if not name.startswith("ompl:")]
+    assert len(own) >= 3
+    for planner in own:
         first, second = (mneme.plan(problem, planner=planner, seed=5, timeout=1e6,
                                     max_iterations=300) for _ in range(2))
         np.testing.assert_array_equal(first.path, second.path)
         assert first.iterations == second.iterations
+
+
+def test_planners_of_ompl_plan_from_memory_too(problem, memory):
+    if "ompl:RRTConnect" not in mneme.planner_names():
+        pytest.skip("mneme was built without OMPL")
+    mneme.learn(problem.robot, memory, scenes=[problem], starts_per_link=1, paths_per_start=1, jobs=1)
+    plan = mneme.plan(problem, memory, planner="ompl:RRTConnect", timeout=60)
+    assert plan.is_solved and plan.planner == "ompl:RRTConnect" and plan.sampler == "gl"
+    assert plan.to_row().is_path_valid
+    assert len(plan.means) > 0
+    code, message = raised(mneme.plan, problem, planner="ompl:Best")
+    assert code == "invalid" and "RRTConnect" in message
 
 
 def test_json_is_that_of_the_command_line(problem):
