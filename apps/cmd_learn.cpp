@@ -219,8 +219,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
   const Robot& robot = problems->front().robot;
   DecomposeSettings decompose = options.decompose;
-  // Solved problems teach arms in space most as whole paths.
-  if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
+  if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, decompose.decomposer);
   if (!database) return tl::unexpected(database.error());

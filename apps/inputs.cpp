@@ -79,11 +79,18 @@ Result<Database> open_database(const std::string& url, const Robot& robot, OpenM
   return own ? open_database(url, robot, mode, *own) : std::move(database);
 }
 
+std::string decomposer_of_paths(const Robot& robot) { return robot.is_planar() ? "" : "paths"; }
+
 Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
-  return open_database(url, robot, mode, settings.decompose.decomposer).map_error([&](Error error) {
+  std::string decomposer = settings.decompose.decomposer;
+  const bool only_remembers = settings.remember_after >= 0 && settings.learn_budget_s == 0;
+  if (decomposer.empty() && only_remembers && !Database::inspect(url)) {
+    decomposer = decomposer_of_paths(robot);
+  }
+  return open_database(url, robot, mode, decomposer).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
       error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";

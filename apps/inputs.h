@@ -40,7 +40,11 @@ struct Workspace {
 /// database, or the robot's own if it is a new one.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
                                              OpenMode mode, const std::string& decomposer = "");
-/// Opens it for planning: for writing only if planning may add to it.
+/// What solved problems teach a robot most as: whole paths for arms in space, otherwise, empty, the
+/// robot's own.
+[[nodiscard]] std::string decomposer_of_paths(const Robot& robot);
+/// Opens it for planning: for writing only if planning may add to it. A new one that only remembers
+/// solved problems is of decomposer_of_paths().
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings);
 /// Opens the database at `url` to look at it.

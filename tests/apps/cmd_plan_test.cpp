@@ -292,6 +292,19 @@ TEST_SUITE("unit") {
     CHECK_FALSE(has_text(without.out, "memory"));
   }
 
+  TEST_CASE("a new memory of an arm in space remembers what was solved, and is found again") {
+    const PlanarFiles files;
+    const std::string problem = source_file("examples/own_robot/problem.yaml");
+    const ProgramRun first =
+        run_program({"plan", problem, "--db", files / "own.db", "--remember-after", "0", "--json"});
+    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+    CHECK(Json::parse(first.out)["remembered"] == 1);
+    const ProgramRun again =
+        run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0", "--json"});
+    REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+    CHECK(Json::parse(again.out)["retrieved"] > 0);
+  }
+
   TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {
     const PlanarFiles files;
     write_file(files / "p.svg", std::string(1 << 20, 'x'));
