@@ -70,7 +70,8 @@ def test_every_file_belongs_to_one_package_and_to_root(packages):
     for wanted in ("./usr/bin/mneme", "./usr/share/man/man1/mneme.1",
                    "./usr/share/bash-completion/completions/mneme",
                    "./usr/share/mneme/scenes/planar/grid.yaml",
-                   "./usr/share/mneme/schema/scene.schema.json", "./usr/include/mneme/mneme.h",
+                   "./usr/share/mneme/schema/scene.schema.json",
+                   "./usr/share/doc/mneme/examples/own_robot/arm.urdf", "./usr/include/mneme/mneme.h",
                    "./usr/lib/cmake/mneme/mneme-config.cmake"):
         assert wanted in seen
 
