@@ -112,6 +112,8 @@ class Robot {
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
   /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
+  /// The same for copies of a robot and for no other one, for as long as one of them lives.
+  [[nodiscard]] std::weak_ptr<const void> identity() const { return model_; }
   /// True if every shape stays in the plane z = 0: all joints of the group turn about the z axis.
   [[nodiscard]] bool is_planar() const { return model_->is_planar; }
 

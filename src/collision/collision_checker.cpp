@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/checked_robot.h"
 #include "collision/collision_kernels.h"
 #include "collision/contacts.h"
-#include "collision/robot_tables.h"
 #include "collision/scene_tables.h"
 #include "robot/joint_space.h"
 
@@ -46,7 +46,7 @@ struct CollisionChecker::Tables {
   float margin = 0;
   Isa isa = Isa::scalar;
   internal::JointSpace space;
-  internal::RobotTables robot_tables;
+  std::shared_ptr<const internal::CheckedRobot> checked_robot;
   internal::SceneTables scene_tables;
   const internal::CollisionKernels* kernels = nullptr;
   /// Of the links that no joint of the group moves: below the margin, no state is valid.
@@ -63,18 +63,19 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
     return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +
                                             std::string(to_string(settings.isa)));
   }
-  auto robot_tables = internal::make_robot_tables(robot);
-  if (!robot_tables) return tl::unexpected(robot_tables.error());
+  auto checked_robot = internal::share_checked_robot(robot);
+  if (!checked_robot) return tl::unexpected(checked_robot.error());
   auto scene_tables = internal::make_scene_tables(scene);
   if (!scene_tables) return tl::unexpected(scene_tables.error());
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
+  const double clearance = internal::least_distance((*checked_robot)->fixed_shapes, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, settings.resolution > 0 ? settings.resolution : preset,
              static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
-             std::move(*robot_tables), std::move(*scene_tables), &internal::collision_kernels(isa),
-             static_cast<float>(internal::fixed_clearance(robot, scene))});
+             std::move(*checked_robot), std::move(*scene_tables), &internal::collision_kernels(isa),
+             static_cast<float>(clearance)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -101,7 +102,7 @@ void CollisionChecker::check_states(std::span<const float> configurations,
     std::fill(is_valid.begin(), is_valid.end(), std::uint8_t{0});
     return;
   }
-  t.kernels->check_states(t.robot_tables, t.scene_tables, configurations.data(),
+  t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
   // Comparisons with a NaN find no contact.
   const std::size_t joints = static_cast<std::size_t>(t.space.joint_count());
@@ -124,8 +125,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   // limits.
   const double wanted = length * detail.refinement / t.resolution;
   const double states = std::min(std::ceil(wanted * (1 - kLengthTolerance)), 1e9);
-  return t.kernels->is_motion_free(t.robot_tables, t.scene_tables, from.data(), delta.data(),
-                                   static_cast<int>(states), margin, counters.states);
+  return t.kernels->is_motion_free(t.checked_robot->tables, t.scene_tables, from.data(),
+                                   delta.data(), static_cast<int>(states), margin, counters.states);
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

@@ -8,19 +8,6 @@
 namespace mneme::internal {
 namespace {
 
-/// A segment with a radius: a sphere is one of length zero.
-std::vector<Capsule> posed_shapes(const Link& link, const Transform& X_WL) {
-  std::vector<Capsule> shapes;
-  for (const Sphere& sphere : link.spheres) {
-    const Vec3 center = X_WL * sphere.center;
-    shapes.push_back({center, center, sphere.radius});
-  }
-  for (const Capsule& capsule : link.capsules) {
-    shapes.push_back({X_WL * capsule.a, X_WL * capsule.b, capsule.radius});
-  }
-  return shapes;
-}
-
 double distance_to_obstacle(const std::vector<Capsule>& link, const Obstacle& obstacle) {
   double least = std::numeric_limits<double>::infinity();
   for (const Capsule& own : link) {
@@ -51,6 +38,18 @@ void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string
 
 }  // namespace
 
+std::vector<Capsule> posed_shapes(const Link& link, const Transform& X_WL) {
+  std::vector<Capsule> shapes;
+  for (const Sphere& sphere : link.spheres) {
+    const Vec3 center = X_WL * sphere.center;
+    shapes.push_back({center, center, sphere.radius});
+  }
+  for (const Capsule& capsule : link.capsules) {
+    shapes.push_back({X_WL * capsule.a, X_WL * capsule.b, capsule.radius});
+  }
+  return shapes;
+}
+
 std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
                                    std::span<const double> q, double margin) {
   const std::vector<Transform> poses = robot.link_poses(q);
@@ -72,28 +71,17 @@ std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
   return contacts;
 }
 
-double fixed_clearance(const Robot& robot, const Scene& scene) {
-  std::vector<bool> is_moving(robot.joints().size(), false);
-  for (const int joint : robot.group()) is_moving[static_cast<std::size_t>(joint)] = true;
-  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
-    const auto& mimic = robot.joints()[i].mimic;
-    if (mimic && is_moving[static_cast<std::size_t>(mimic->joint)]) is_moving[i] = true;
-  }
-  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
-  const std::vector<Transform> poses = robot.link_poses(zero);
-  std::vector<bool> is_fixed(robot.links().size(), true);
+double least_distance(std::span<const Capsule> shapes, const Scene& scene) {
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    const Link& link = robot.links()[i];
-    if (link.parent_joint >= 0) {
-      const auto joint = static_cast<std::size_t>(link.parent_joint);
-      is_fixed[i] = !is_moving[joint] &&
-                    is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
-    }
-    if (!is_fixed[i]) continue;
-    const std::vector<Capsule> shapes = posed_shapes(link, poses[i]);
-    for (const Obstacle& obstacle : scene.obstacles) {
-      least = std::min(least, distance_to_obstacle(shapes, obstacle));
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      const Sphere bound = bounding_sphere(shape);
+      for (const Capsule& own : shapes) {
+        const double away = (0.5 * (own.a + own.b) - bound.center).norm() -
+                            0.5 * (own.b - own.a).norm() - own.radius - bound.radius;
+        if (away >= least) continue;
+        least = std::min(least, distance_to_segment(own.a, own.b, shape) - own.radius);
+      }
     }
   }
   return least;

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "collision/joint_reach.h"
 #include "collision/shape_groups.h"
 
 namespace mneme::internal {
@@ -32,6 +33,10 @@ Ball to_ball(const Sphere& sphere) {
   // Rounding to float must not shrink the bound.
   ball.radius = static_cast<float>(sphere.radius * (1 + 1e-6) + 1e-6);
   return ball;
+}
+
+Sphere to_sphere(const Ball& ball) {
+  return {Vec3(ball.center[0], ball.center[1], ball.center[2]), ball.radius};
 }
 
 /// A rotation that takes the z axis to the unit vector `axis`, or to its opposite if `is_reversed`
@@ -257,8 +262,16 @@ class RobotTablesBuilder {
       if (body_of_link_.at(a) > body_of_link_.at(b)) std::swap(a, b);
       const Range& first = groups_of_link_[as_index(a)];
       const Range& second = groups_of_link_[as_index(b)];
-      auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
-      for (int i = first.begin; i < first.end; ++i) rows.push_back({i, second.begin, second.end});
+      for (int i = first.begin; i < first.end; ++i) {
+        for (int k = second.begin; k < second.end; ++k) {
+          if (!can_groups_meet(a, i, b, k)) continue;
+          auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
+          if (rows.empty() || rows.back().first != i || rows.back().second_end != k) {
+            rows.push_back({i, k, k});
+          }
+          ++rows.back().second_end;
+        }
+      }
     }
     tables_.body_pairs.reserve(pairs.size());
     for (const auto& [bodies, rows] : pairs) {
@@ -271,6 +284,25 @@ class RobotTablesBuilder {
       row.is_single = rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
       tables_.body_pairs.push_back(row);
     }
+  }
+
+  [[nodiscard]] bool can_groups_meet(int link_a, int a, int link_b, int b) const {
+    const auto meet = [&](const Ball& first, const Ball& second) {
+      return can_meet(robot_, tables_, {placements_[as_index(link_a)].frame, to_sphere(first)},
+                      {placements_[as_index(link_b)].frame, to_sphere(second)});
+    };
+    const GroupRow& first = tables_.groups[as_index(a)];
+    const GroupRow& second = tables_.groups[as_index(b)];
+    if (!meet(first.ball, second.ball)) return false;
+    return std::ranges::any_of(balls_of(first), [&](const Ball& p) {
+      return std::ranges::any_of(balls_of(second), [&](const Ball& q) { return meet(p, q); });
+    });
+  }
+
+  /// Of a group's spheres, or the one around a capsule.
+  [[nodiscard]] std::span<const Ball> balls_of(const GroupRow& group) const {
+    if (group.is_capsule) return {&group.ball, 1};
+    return std::span(tables_.spheres).subspan(as_index(group.begin), as_index(kGroupSize));
   }
 
   const Robot& robot_;

@@ -86,7 +86,7 @@ struct FromSegment {
 }  // namespace
 
 double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape) {
-  return std::visit(FromSegment{a, b}, shape);
+  return a == b ? distance(a, shape) : std::visit(FromSegment{a, b}, shape);
 }
 
 }  // namespace mneme

@@ -24,9 +24,9 @@ inline constexpr float kNoBox = -1e18f;
 /// Configurations per leaf: fewer make more boxes, more are looked at in vain.
 inline constexpr int kLeafSize = 64;
 
-/// Leaf i has kLeafSize / kBlockSize blocks and lies in box i. Boxes are stored kBlockSize at a time: the centers of all
-/// in the first joint, half their widths in it, the centers in the second joint, and so on.
-/// Places for boxes behind the last have kNoBox for half of their widths.
+/// Leaf i has kLeafSize / kBlockSize blocks and lies in box i. Boxes are stored kBlockSize at a
+/// time: the centers of all in the first joint, half their widths in it, the centers in the second
+/// joint, and so on. Places for boxes behind the last have kNoBox for half of their widths.
 struct LeafTable {
   const float* blocks = nullptr;
   const float* boxes = nullptr;

@@ -43,6 +43,7 @@ PlannerRun::PlannerRun(const CollisionChecker& checker, const PlanQuery& query,
       space_(checker.robot()),
       range_(static_cast<float>(settings.range > 0 ? std::max(settings.range, kLeastRange)
                                                    : default_range(checker.robot()))),
+      long_range_(settings.range > 0 ? range_ : range_ / 2),
       first_domain_(checker.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                 : kFirstDomainRadius * kFirstDomainRadius),
       work_per_clock_check_(work_per_clock_check(checker.scene())),

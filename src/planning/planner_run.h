@@ -4,6 +4,8 @@
 /// What all planners do around their algorithm: validation, limits, verification, simplification.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,10 +29,16 @@ class PlannerRun {
 
   [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] const JointSpace& space() const { return space_; }
-  [[nodiscard]] float range() const { return range_; }
+  /// Length of a step; shorter in a long search unless the settings name it.
+  [[nodiscard]] float range() const { return is_long_search() ? long_range_ : range_; }
   /// Squared radius of a tree node's domain once it could not be extended; infinite for planar
   /// arms, whose passages are found sooner without.
   [[nodiscard]] float first_domain() const { return first_domain_; }
+  /// True once an arm in space has searched for so long that its passage must be narrow: domains no
+  /// longer count then, because what they keep out may be the way.
+  [[nodiscard]] bool is_long_search() const {
+    return result_.iterations > kLongSearch && std::isfinite(first_domain_);
+  }
   [[nodiscard]] const PlanSettings& settings() const { return settings_; }
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
@@ -71,6 +79,9 @@ class PlannerRun {
   [[nodiscard]] PlanResult give_up(int node_count);
 
  private:
+  /// Iterations. Ordinary problems take fewer.
+  static constexpr std::uint64_t kLongSearch = 300'000;
+
   void validate();
   [[nodiscard]] bool is_cancelled() const;
   void simplify();
@@ -83,6 +94,7 @@ class PlannerRun {
   const PlanSettings& settings_;
   JointSpace space_;
   float range_;
+  float long_range_;
   float first_domain_;
   std::vector<float> start_;
   FloatPath goals_;

@@ -28,7 +28,8 @@ int Tree::append(std::span<const float> q, int parent) {
 
 int Tree::nearest_in_domain(std::span<const float> q) const {
   const auto [node, squared_distance] = nodes_.nearest(q);
-  return squared_distance <= domains_[static_cast<std::size_t>(node)] ? node : -1;
+  const bool is_inside = squared_distance <= domains_[static_cast<std::size_t>(node)];
+  return is_inside || run_.is_long_search() ? node : -1;
 }
 
 void Tree::adapt_domain(int node, bool is_extended) {

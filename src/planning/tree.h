@@ -29,7 +29,7 @@ class Tree {
   /// Adds a node; `parent` is -1 for a root.
   int add(std::span<const float> q, int parent);
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
-  /// The nearest node, or -1 if `q` lies outside its domain.
+  /// The nearest node, or -1 if `q` lies outside its domain and the search is not long.
   [[nodiscard]] int nearest_in_domain(std::span<const float> q) const;
   /// Adapts the domain of `node` to whether a step from it was free: the first one that was not
   /// bounds the domain, further ones shrink it, success lets it grow. Dynamic-domain RRT: Jaillet,

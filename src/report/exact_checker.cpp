@@ -52,12 +52,6 @@ Sphere bound_of(const std::vector<Capsule>& shapes) {
   return bound;
 }
 
-/// Of the axis.
-double distance_to(const Capsule& capsule, const Shape& shape) {
-  return capsule.a == capsule.b ? distance(capsule.a, shape)
-                                : distance_to_segment(capsule.a, capsule.b, shape);
-}
-
 }  // namespace
 
 ExactChecker::ExactChecker(const Robot& robot, const Scene& scene) : robot_(robot), scene_(scene) {
@@ -92,7 +86,9 @@ bool ExactChecker::touches_obstacle(std::size_t link, const Transform& X_WL) con
       for (const Capsule& own : links_[link]) {
         const Capsule posed = moved(own, X_WL);
         if (are_apart(bound_of(posed), other)) continue;
-        if (distance_to(posed, scene_.obstacles[i].shapes[j]) < own.radius) return true;
+        if (distance_to_segment(posed.a, posed.b, scene_.obstacles[i].shapes[j]) < own.radius) {
+          return true;
+        }
       }
     }
   }

@@ -102,10 +102,10 @@ TEST_SUITE("unit") {
     const Scene scene = ball_scene({0.2, 0, -1}, 0.15);
     CHECK(named(internal::find_contacts(arm, scene, Configuration{1, 1, 1}, 0)) ==
           Names{"post cup"});
-    CHECK(internal::fixed_clearance(arm, scene) < 0);
-    CHECK(!(internal::fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0));
-    CHECK(internal::fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0.06);
-    CHECK(!(internal::fixed_clearance(arm, ball_scene({0.5, 0, 0}, 0.05)) < 0));
+    CHECK(fixed_clearance(arm, scene) < 0);
+    CHECK(!(fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0));
+    CHECK(fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0.06);
+    CHECK(!(fixed_clearance(arm, ball_scene({0.5, 0, 0}, 0.05)) < 0));
   }
 
   TEST_CASE("a link that is welded to a moving one does not stand still") {
@@ -126,13 +126,13 @@ TEST_SUITE("unit") {
     REQUIRE(robot.has_value());
     const Scene scene = ball_scene({1, 0, 0}, 0.1);
     CHECK(named(internal::find_contacts(*robot, scene, Configuration{0}, 0)) == Names{"tool cup"});
-    CHECK(!(internal::fixed_clearance(*robot, scene) < 0));
+    CHECK(!(fixed_clearance(*robot, scene) < 0));
   }
 
   TEST_CASE("an empty scene holds no contact") {
     const Robot arm = require_parsed(kArm);
     CHECK(internal::find_contacts(arm, {}, Configuration{0, 1, 1}, 0).empty());
-    CHECK(!(internal::fixed_clearance(arm, {}) < 1));
+    CHECK(!(fixed_clearance(arm, {}) < 1));
   }
 }
 

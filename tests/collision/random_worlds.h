@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "collision/clearance.h"
+#include "collision/checked_robot.h"
 #include "collision/contacts.h"
 #include "geometry/random_shapes.h"
 #include "mneme/collision.h"
@@ -163,6 +164,13 @@ inline Robot random_robot(Rng& rng) {
   }
 }
 
+/// Least distance between the scene and the links that no joint of the group moves.
+inline double fixed_clearance(const Robot& robot, const Scene& scene) {
+  const auto checked = internal::share_checked_robot(robot);
+  REQUIRE(checked.has_value());
+  return internal::least_distance((*checked)->fixed_shapes, scene);
+}
+
 /// `count` obstacles made by `make_shape(rng)` that leave links without a moving joint alone.
 template <class MakeShape>
 Scene random_scene(const Robot& robot, int count, Rng& rng, const MakeShape& make_shape) {
@@ -171,7 +179,7 @@ Scene random_scene(const Robot& robot, int count, Rng& rng, const MakeShape& mak
   for (int attempt = 0; attempt < 1000 && std::ssize(scene.obstacles) < count; ++attempt) {
     const std::string name = "obstacle" + std::to_string(scene.obstacles.size());
     const Obstacle obstacle{name, {transformed(random_pose(rng, 1.5), make_shape(rng))}};
-    if (internal::fixed_clearance(robot, Scene{"one", {obstacle}}) >= 0) {
+    if (fixed_clearance(robot, Scene{"one", {obstacle}}) >= 0) {
       scene.obstacles.push_back(obstacle);
     }
   }

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/joint_reach.h"
+
+#include <algorithm>
+
+#include "collision/random_worlds.h"
+#include "collision/robot_tables.h"
+
+namespace mneme::test {
+namespace {
+
+/// A row of links along x, joined at distances of 1 by joints of the given types about z (revolute
+/// ones within `limit` of 0), or along z within `limit`.
+Robot row_of_links(const std::vector<JointType>& types, double limit) {
+  Robot::Parts parts;
+  parts.name = "row";
+  parts.links.push_back({"link0", -1, {{{0, 0, 0}, 0.1}}, {}, {}});
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    parts.links.push_back({"link" + std::to_string(i + 1), -1, {{{0, 0, 0}, 0.1}}, {}, {}});
+    Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = types[i];
+    joint.parent_link = static_cast<int>(i);
+    joint.child_link = static_cast<int>(i) + 1;
+    joint.axis = Vec3::UnitZ();
+    joint.origin.translation = Vec3(1, 0, 0);
+    joint.lower = -limit;
+    joint.upper = limit;
+    parts.joints.push_back(joint);
+  }
+  auto robot = make_robot(parts);
+  REQUIRE(robot.has_value());
+  return *robot;
+}
+
+bool meet(const Robot& robot, const internal::CarriedSphere& a, const internal::CarriedSphere& b) {
+  const auto tables = internal::make_robot_tables(robot);
+  REQUIRE(tables.has_value());
+  const bool result = internal::can_meet(robot, *tables, a, b);
+  CHECK(result == internal::can_meet(robot, *tables, b, a));
+  return result;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("limits decide whether a joint can fold one sphere onto another") {
+    const internal::CarriedSphere base{0, {{0, 0, 0}, 0.1}}, tip{1, {{1, 0, 0}, 0.1}};
+    const auto revolute = JointType::revolute;
+    CHECK(meet(row_of_links({revolute}, 3.1), base, tip));
+    CHECK_FALSE(meet(row_of_links({revolute}, 2.8), base, tip));
+    CHECK(meet(row_of_links({JointType::continuous}, 0), base, tip));
+    // The same two links further along, where other joints move both.
+    const internal::CarriedSphere second{1, {{0, 0, 0}, 0.1}}, third{2, {{1, 0, 0}, 0.1}};
+    CHECK_FALSE(meet(row_of_links({revolute, revolute, revolute}, 2.8), second, third));
+  }
+
+  TEST_CASE("sliding joints reach as far as their limits") {
+    const internal::CarriedSphere base{0, {{1, 0, 1}, 0.1}}, slider{1, {{0, 0, 0}, 0.1}};
+    CHECK(meet(row_of_links({JointType::prismatic}, 0.9), base, slider));
+    CHECK_FALSE(meet(row_of_links({JointType::prismatic}, 0.7), base, slider));
+  }
+
+  TEST_CASE("spheres that nothing moves against each other either touch or never do") {
+    const Robot robot = row_of_links({JointType::revolute}, 1);
+    CHECK(meet(robot, {1, {{0, 0, 0}, 0.1}}, {1, {{0.15, 0, 0}, 0.1}}));
+    CHECK_FALSE(meet(robot, {1, {{0, 0, 0}, 0.1}}, {1, {{0.25, 0, 0}, 0.1}}));
+  }
+
+  TEST_CASE("more joints than are looked at rule nothing out") {
+    const Robot robot = row_of_links(std::vector(3, JointType::revolute), 0.01);
+    CHECK(meet(robot, {0, {{0, 0, 0}, 0.1}}, {3, {{1, 0, 0}, 0.1}}));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("spheres that cannot meet do not meet in any random configuration") {
+    Rng rng(11);
+    int apart = 0, together = 0;
+    for (int round = 0; round < 200; ++round) {
+      const double limit = rng.uniform(0.2, 3);
+      const std::array kinds = {JointType::revolute, JointType::continuous, JointType::prismatic};
+      const Robot robot = row_of_links({kinds.at(rng.index(3)), kinds.at(rng.index(3))}, limit);
+      const internal::CarriedSphere a{0, {random_vector(rng, 1), rng.uniform(0.05, 0.4)}};
+      const internal::CarriedSphere b{2, {random_vector(rng, 1), rng.uniform(0.05, 0.4)}};
+      const bool can_meet = meet(robot, a, b);
+      double least = 1e9;
+      for (int i = 0; i < 1000; ++i) {
+        const std::vector<Transform> poses = robot.link_poses(random_configuration(robot, rng));
+        const Vec3 p = poses[0] * a.sphere.center, q = poses[2] * b.sphere.center;
+        least = std::min(least, (p - q).norm() - a.sphere.radius - b.sphere.radius);
+      }
+      if (least < 0) CHECK(can_meet);
+      apart += !can_meet;
+      together += can_meet;
+    }
+    CHECK(apart > 30);
+    CHECK(together > 30);
+  }
+}
+
+}  // namespace mneme::test
