@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme view: makes a page of a trace.
+#include <array>
 #include <fstream>
 #include <memory>
-#include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -24,13 +25,18 @@ struct ViewOptions {
 
 Result<std::string> read_trace(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
+  std::string text;
+  std::array<char, 65536> block{};
+  while (text.size() <= kMaxTraceBytes &&
+         (file.read(block.data(), block.size()) || file.gcount() > 0)) {
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (text.empty()) {
     return fail(ErrorCode::io, path +
                                    ": cannot be read, or is empty: expected a trace of "
                                    "'mneme plan PROBLEM --trace FILE'");
   }
-  return text.str();
+  return text;
 }
 
 Result<ExitCode> run_view(const ViewOptions& options) {

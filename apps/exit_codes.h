@@ -30,6 +30,7 @@ enum class ExitCode {
       return ExitCode::done;
     case PlanStatus::timeout:
     case PlanStatus::iteration_limit:
+    case PlanStatus::node_limit:
       return ExitCode::no_path;
     case PlanStatus::cancelled:
       return ExitCode::interrupted;

@@ -138,7 +138,7 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly(
           "status",
           [](const Plan& self) { return std::string(to_string(self.result.plan.status)); },
-          "'solved', 'timeout', 'iteration_limit', 'cancelled', 'invalid_start' or "
+          "'solved', 'timeout', 'iteration_limit', 'node_limit', 'cancelled', 'invalid_start' or "
           "'invalid_goal'.")
       .def_property_readonly("is_solved",
                              [](const Plan& self) { return self.result.plan.is_solved(); })

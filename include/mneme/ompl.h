@@ -33,7 +33,13 @@ class JointStateSpace final : public ::ompl::base::RealVectorStateSpace {
   explicit JointStateSpace(const Robot& robot);
 
   [[nodiscard]] const Robot& robot() const { return robot_; }
+  /// States that are allocated and not yet freed. May be read while planners run.
+  [[nodiscard]] std::uint64_t state_count() const {
+    return state_count_.load(std::memory_order_relaxed);
+  }
 
+  [[nodiscard]] ::ompl::base::State* allocState() const override;
+  void freeState(::ompl::base::State* state) const override;
   [[nodiscard]] double getMaximumExtent() const override;
   [[nodiscard]] double distance(const ::ompl::base::State* a,
                                 const ::ompl::base::State* b) const override;
@@ -48,6 +54,7 @@ class JointStateSpace final : public ::ompl::base::RealVectorStateSpace {
  private:
   Robot robot_;
   std::vector<char> is_continuous_;  ///< per joint
+  mutable std::atomic<std::uint64_t> state_count_{0};
 };
 
 /// Work that planners of OMPL asked for. May be read while they run.
@@ -124,10 +131,11 @@ struct OmplSettings {
 /// Plans as solve() does, with a planner of OMPL. `settings.planner` is one of
 /// ompl_planner_names(), with or without "ompl:" before it. `settings.sampler` is one of
 /// sampler_names(), or, for planners that draw valid states (PRM), one of ompl_sampler_names().
-/// Stops at the first path. In the result, iterations are samples drawn, nodes are not counted;
-/// with `plan.simplify` the path is shortened as solve() does. One run at a time repeats itself for
-/// equal seeds, as far as the planner does (PRM starts a thread); runs in parallel threads of one
-/// process share OMPL's source of seeds. OMPL's log is silent meanwhile. Errors: those of solve().
+/// Stops at the first path. `plan.max_nodes` limits the states that OMPL holds. In the result,
+/// iterations are samples drawn, nodes are not counted; with `plan.simplify` the path is shortened
+/// as solve() does. One run at a time repeats itself for equal seeds, as far as the planner does
+/// (PRM starts a thread); runs in parallel threads of one process share OMPL's source of seeds.
+/// OMPL's log is silent meanwhile. Errors: those of solve().
 [[nodiscard]] Result<SolveResult> solve_with_ompl(const Problem& problem, Database* database,
                                                   const SolveSettings& settings,
                                                   const OmplSettings& ompl = {});

@@ -31,6 +31,7 @@ enum class PlanStatus {
   solved,
   timeout,          ///< the time limit was reached
   iteration_limit,  ///< the iteration limit was reached
+  node_limit,       ///< the limit on nodes, and so on memory, was reached
   cancelled,
   invalid_start,  ///< outside the limits, not a number, wrong count, or in contact: see `message`
   invalid_goal,   ///< the same of a goal
@@ -54,6 +55,7 @@ struct PlanSettings {
   double range = 0;
   double timeout_s = 10;
   std::uint64_t max_iterations = 0;
+  std::uint64_t max_nodes = 10000000;
   std::uint64_t seed = 1;
   bool simplify = true;
   bool verify = true;
@@ -79,6 +81,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
         "iteration limit, 0 for none; with a seed it makes a run repeatable whatever the machine's "
         "load");
+  visit(
+      "max-nodes", s.max_nodes, std::uint64_t{0}, ~std::uint64_t{0},
+      "most nodes of all trees or of the roadmap, which bounds memory: about 100 bytes each for 7 "
+      "joints, 300 with prm; 0 for no limit");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0},
         "seed of all random numbers: same seed, inputs and instruction set, same path");
   visit("simplify", s.simplify, false, true, "shorten the path by random shortcuts");
@@ -152,10 +158,10 @@ struct PlannerEntry {
 void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
               bool verify, CheckCounters& counters);
 
-/// The first motion of `path` that is in contact at ten times the checker's resolution, or -1 if
-/// none is. Motions are checked with a margin of kVerificationMargin, so that a path also survives
-/// a check at other states of the same density; only the first and the last one do without if their
-/// ends lie closer to contact.
+/// The first motion of `path` in contact at ten times the checker's resolution, or, of planar arms,
+/// anywhere on the way; -1 if none is. A margin of kVerificationMargin lets a path survive a check
+/// at other states of the same density, too; only the first and the last motion do without it if
+/// their ends lie closer to contact.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
                                       CheckCounters& counters);
 inline constexpr double kVerificationMargin = 1e-4;  ///< metres

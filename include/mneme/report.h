@@ -106,8 +106,8 @@ struct CsvRuns {
 /// messages.
 [[nodiscard]] Result<CsvRuns> parse_csv(std::string_view text, const std::string& source);
 
-/// All runs of one planner, sampler and setting on the problems of one set. Times are of the runs on valid
-/// problems; runs without a valid path count as longer than any other.
+/// All runs of one planner, sampler and setting on the problems of one set. Times are of the runs
+/// on valid problems; runs without a valid path count as longer than any other.
 struct SetSummary {
   std::string set;  ///< "all" for the sets together
   std::string planner;
@@ -120,8 +120,8 @@ struct SetSummary {
   std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
   double simplification_p50_s = 0;   ///< of solved runs
 };
-/// One per set, planner, sampler and setting in order of appearance; if there are several sets, those of all
-/// sets together follow.
+/// One per set, planner, sampler and setting in order of appearance; if there are several sets,
+/// those of all sets together follow.
 [[nodiscard]] std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows);
 /// A text table of them; ">" marks times of failures. Settings have a column if they have names.
 [[nodiscard]] std::string to_table(std::span<const SetSummary> summaries);
@@ -264,9 +264,12 @@ struct PlanTrace {
 /// The trace as a file: docs/schema/trace.schema.json.
 [[nodiscard]] std::string to_json(const PlanTrace& trace);
 
+/// Longest text of a trace that a page is made of.
+inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
+
 /// One page that shows a trace, without any other file and without a network. `json` is the text of
-/// a trace and `source` names it in messages. Errors: text that is no trace, or one of another
-/// version.
+/// a trace and `source` names it in messages. Errors: text that is no trace, too long, or of
+/// another version.
 [[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source);
 
 }  // namespace mneme

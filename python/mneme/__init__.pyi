@@ -300,6 +300,7 @@ def plan(
     range: float = 0.0,
     timeout: float = 10.0,
     max_iterations: int = 0,
+    max_nodes: int = 10000000,
     seed: int = 1,
     simplify: bool = True,
     verify: bool = True,

@@ -17,8 +17,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 namespace mneme {
@@ -124,26 +124,37 @@ class LineReader {
     return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path,
                                            std::generic_category().message(errno)));
   }
-  /// False at the end.
+  /// False at the end, and where a line cannot be read or is too long: see failure().
   bool next(std::string& line) {
-    char* text = nullptr;
-    std::size_t capacity = 0;
-    const ssize_t size = ::getline(&text, &capacity, file_.get());
-    if (size >= 0) line.assign(text, static_cast<std::size_t>(size));
-    std::free(text);
-    if (line.ends_with('\n')) line.pop_back();
+    line.clear();
     ++number_;
-    return size >= 0;
+    for (int c = ::getc_unlocked(file_.get()); c != EOF; c = ::getc_unlocked(file_.get())) {
+      if (c == '\n') return true;
+      is_too_long_ = line.size() == kMaxLineBytes;
+      if (is_too_long_) return false;
+      line += static_cast<char>(c);
+    }
+    return !line.empty() && std::ferror(file_.get()) == 0;
   }
-  [[nodiscard]] bool has_failed() const { return std::ferror(file_.get()) != 0; }
+  [[nodiscard]] std::optional<Error> failure() const {
+    if (is_too_long_) {
+      return Error{ErrorCode::unsupported,
+                   fmt::format("expected a line of at most {} bytes", kMaxLineBytes)};
+    }
+    if (std::ferror(file_.get()) != 0) return Error{ErrorCode::io, "cannot be read to its end"};
+    return std::nullopt;
+  }
   [[nodiscard]] std::int64_t number() const { return number_; }
 
  private:
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+  static constexpr std::size_t kMaxLineBytes = std::size_t{64} << 20;
+
   std::unique_ptr<std::FILE, Close> file_;
   std::int64_t number_ = 0;
+  bool is_too_long_ = false;
 };
 
 tl::unexpected<Error> at_line(const Import& import, std::int64_t line, const Error& error) {
@@ -155,6 +166,7 @@ Result<MergeSummary> import_json_lines(Import& import) {
   if (!lines) return tl::unexpected(lines.error());
   std::string line;
   (void)lines->next(line);
+  if (const auto failure = lines->failure()) return at_line(import, 1, *failure);
   const auto space = internal::parse_space(line);
   if (!space) return at_line(import, 1, space.error());
   const auto opened = import.open(*space);
@@ -166,9 +178,7 @@ Result<MergeSummary> import_json_lines(Import& import) {
     const auto added = import.add(std::move(*row), fmt::format("line {}", lines->number()));
     if (!added) return tl::unexpected(added.error());
   }
-  if (lines->has_failed()) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be read to its end", import.path()));
-  }
+  if (const auto failure = lines->failure()) return at_line(import, lines->number(), *failure);
   return import.finish();
 }
 

@@ -73,8 +73,15 @@ ob::PlannerTerminationCondition OmplRun::limits() const {
         counters_->samples.load(std::memory_order_relaxed) >= plan.max_iterations) {
       return true;
     }
+    if (is_full()) was_full_ = true;
+    if (was_full_) return true;
     return stopwatch_.elapsed_s() >= timeout_s_;
   });
+}
+
+bool OmplRun::is_full() const {
+  const auto& space = *information_->getStateSpace()->as<JointStateSpace>();
+  return settings_.plan.max_nodes > 0 && space.state_count() >= settings_.plan.max_nodes;
 }
 
 Result<ob::PlannerPtr> OmplRun::make_planner() const {
@@ -162,6 +169,9 @@ void OmplRun::explain_failure() {
   } else if (plan.max_iterations > 0 && counters_->samples.load() >= plan.max_iterations) {
     result_.status = PlanStatus::iteration_limit;
     result_.message = "no path within " + std::to_string(plan.max_iterations) + " iterations";
+  } else if (was_full_) {
+    result_.status = PlanStatus::node_limit;
+    result_.message = "no path within " + std::to_string(plan.max_nodes) + " nodes";
   } else {
     result_.status = PlanStatus::timeout;
     result_.message = stopwatch_.elapsed_s() >= timeout_s_

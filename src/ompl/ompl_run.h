@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+
 #include <ompl/base/PlannerTerminationCondition.h>
 #include <ompl/base/ProblemDefinition.h>
 
@@ -29,6 +31,7 @@ class OmplRun {
   void define_problem();
   [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
   [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
+  [[nodiscard]] bool is_full() const;
   [[nodiscard]] Path solution() const;
   [[nodiscard]] bool is_free(const Path& path);
   void simplify();
@@ -45,6 +48,8 @@ class OmplRun {
   internal::Stopwatch stopwatch_;
   double timeout_s_ = 0;  ///< on the stopwatch
   CheckCounters checks_;  ///< of simplification and verification
+  /// Planners free what they worked with when they end, and may ask from several threads.
+  mutable std::atomic<bool> was_full_{false};
   PlanResult result_;
 };
 

@@ -95,7 +95,8 @@ Result<ob::StateSamplerAllocator> allocate_from(Result<GlSampler> gl, const Robo
                                                 const Scene& scene, const SolveSettings& settings) {
   if (!gl) return tl::unexpected(gl.error());
   if (settings.drop_invalid_means) {
-    const auto checker = CollisionChecker::make(robot, scene, {settings.resolution});
+    const auto checker =
+        CollisionChecker::make(robot, scene, {settings.resolution, settings.margin, settings.isa});
     if (!checker) return tl::unexpected(checker.error());
     gl->mixture = std::make_shared<const GaussianMixture>(
         internal::keep_valid_components(*checker, *gl->mixture));

@@ -68,6 +68,16 @@ JointStateSpace::JointStateSpace(const Robot& robot)
   setBounds(bounds);
 }
 
+ob::State* JointStateSpace::allocState() const {
+  state_count_.fetch_add(1, std::memory_order_relaxed);
+  return RealVectorStateSpace::allocState();
+}
+
+void JointStateSpace::freeState(ob::State* state) const {
+  state_count_.fetch_sub(1, std::memory_order_relaxed);
+  RealVectorStateSpace::freeState(state);
+}
+
 double JointStateSpace::getMaximumExtent() const {
   double sum = 0;
   for (unsigned i = 0; i < dimension_; ++i) {

@@ -85,6 +85,12 @@ int PlannerRun::begin_iterations(int most) {
 
 bool PlannerRun::must_stop() {
   if (is_stopped_) return true;
+  if (is_full()) {
+    refuse(PlanStatus::node_limit,
+           "no path within " + std::to_string(settings_.max_nodes) + " nodes");
+    is_stopped_ = true;
+    return true;
+  }
   const std::uint64_t work = result_.iterations + counters_.motions;
   if (work < next_clock_check_) return false;
   next_clock_check_ = work + work_per_clock_check_;
@@ -100,6 +106,10 @@ bool PlannerRun::must_stop() {
 
 bool PlannerRun::is_cancelled() const {
   return settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed);
+}
+
+bool PlannerRun::is_full() const {
+  return settings_.max_nodes > 0 && static_cast<std::uint64_t>(node_count_) >= settings_.max_nodes;
 }
 
 int PlannerRun::find_direct_goal() {

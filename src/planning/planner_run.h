@@ -47,9 +47,11 @@ class PlannerRun {
   /// Counts iterations, `most` or what the limit leaves of them, and returns how many: 0 once a
   /// limit is reached or the run is cancelled.
   int begin_iterations(int most = 1);
-  /// True once the time is up or the run is cancelled. Cheap: for the loops within an iteration
-  /// too.
+  /// True once the time is up, the run is cancelled or there are as many nodes as may be. Cheap:
+  /// for the loops within an iteration too.
   [[nodiscard]] bool must_stop();
+  /// Counts nodes that trees or the roadmap gain, or lose: how many there may be is limited.
+  void count_nodes(int gained) { node_count_ += gained; }
   Origin sample(std::span<float> q) {
     const Origin origin = stream_->next(q);
     if (settings_.observer != nullptr) settings_.observer->on_sample(q, origin);
@@ -84,6 +86,7 @@ class PlannerRun {
 
   void validate();
   [[nodiscard]] bool is_cancelled() const;
+  [[nodiscard]] bool is_full() const;
   void simplify();
   void refuse(PlanStatus status, std::string message);
   [[nodiscard]] PlanResult take_result(int node_count);
@@ -104,6 +107,7 @@ class PlannerRun {
   PlanResult result_;
   bool is_ready_ = false;
   bool is_stopped_ = false;
+  std::int64_t node_count_ = 0;
   std::uint64_t next_clock_check_ = 0;  ///< in iterations and motions
 };
 

@@ -42,6 +42,8 @@ std::string_view to_string(PlanStatus status) {
       return "timeout";
     case PlanStatus::iteration_limit:
       return "iteration_limit";
+    case PlanStatus::node_limit:
+      return "node_limit";
     case PlanStatus::cancelled:
       return "cancelled";
     case PlanStatus::invalid_start:

@@ -64,6 +64,7 @@ class Prm {
     milestones_.measure(q);
     milestones_.find_nearest(kLookedAtPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);
+    run_.count_nodes(1);
     component_.push_back(milestone);
     members_.push_back({milestone});
     edges_.emplace_back();

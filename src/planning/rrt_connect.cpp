@@ -57,7 +57,7 @@ class RrtConnect {
     const int from = batch_.node(i);
     const bool is_free = batch_.is_end_valid(i) && run_.is_motion_valid(tree[from], batch_.end(i));
     tree.adapt_domain(from, is_free);
-    if (!is_free) return -1;
+    if (!is_free || run_.must_stop()) return -1;
     int last = tree.add(batch_.end(i), from);
     bool is_reached = batch_.is_sample_reached(i);
     for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {

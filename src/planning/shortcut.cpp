@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <optional>
 
 #include "mneme/planning.h"
 #include "planning/path_conversion.h"
@@ -20,11 +21,8 @@ struct PathPoint {
 class Shortcutter {
  public:
   Shortcutter(const CollisionChecker& checker, Path& path, bool verify, CheckCounters& counters)
-      : checker_(checker),
-        path_(path),
-        space_(checker.robot()),
-        verify_(verify),
-        counters_(counters) {
+      : checker_(checker), path_(path), space_(checker.robot()), counters_(counters) {
+    if (verify) verifier_.emplace(checker);
     for (const Configuration& q : path) nodes_.push_back(internal::to_floats(q));
     measure();
   }
@@ -79,7 +77,7 @@ class Shortcutter {
  private:
   bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end) {
     return checker_.is_motion_valid(from, to, counters_) &&
-           (!verify_ || internal::is_motion_verified(checker_, from, to, is_at_end, counters_));
+           (!verifier_ || verifier_->is_free(from, to, is_at_end, counters_));
   }
 
   bool is_state_free(std::span<const float> q) {
@@ -123,7 +121,7 @@ class Shortcutter {
   const CollisionChecker& checker_;
   Path& path_;
   internal::JointSpace space_;
-  bool verify_;
+  std::optional<internal::MotionVerifier> verifier_;
   CheckCounters& counters_;
   std::vector<std::vector<float>> nodes_;
   std::vector<float> lengths_, delta_;

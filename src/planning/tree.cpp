@@ -21,6 +21,7 @@ int Tree::add(std::span<const float> q, int parent) {
 }
 
 int Tree::append(std::span<const float> q, int parent) {
+  run_.count_nodes(1);
   parents_.push_back(parent);
   domains_.push_back(std::numeric_limits<float>::infinity());
   return nodes_.add(q);
@@ -108,6 +109,7 @@ void Tree::remove(int node) {
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] >= 0) domains.push_back(domains_[i]);
   }
+  run_.count_nodes(-size());
   nodes_.clear();
   parents_.clear();
   for (std::size_t i = 0; i < parents.size(); ++i)

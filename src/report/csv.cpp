@@ -15,8 +15,9 @@ namespace mneme {
 namespace {
 
 constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeout,
-                                  PlanStatus::iteration_limit, PlanStatus::cancelled,
-                                  PlanStatus::invalid_start,   PlanStatus::invalid_goal};
+                                  PlanStatus::iteration_limit, PlanStatus::node_limit,
+                                  PlanStatus::cancelled,       PlanStatus::invalid_start,
+                                  PlanStatus::invalid_goal};
 
 /// Files of older versions end before it.
 constexpr std::string_view kFirstNewColumn = ",setting,";

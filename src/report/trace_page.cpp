@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "mneme/report.h"
@@ -37,6 +38,10 @@ constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
 }};
 
 Result<Json> parse_trace(std::string_view text, const std::string& source) {
+  if (text.size() > kMaxTraceBytes) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: expected a trace of at most {} bytes", source, kMaxTraceBytes));
+  }
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded())
     return fail(ErrorCode::parse,

@@ -85,6 +85,9 @@ TEST_SUITE("unit") {
                "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>"
                "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>"
                "</robot>");
+    write_file(files / "stone.urdf",
+               "<robot name=\"stone\"><link name=\"a\"><collision><geometry>"
+               "<sphere radius=\"1\"/></geometry></collision></link></robot>");
     const std::string unwritable = files / "no/directory/arm.urdf";
     check_bad_inputs({
         {{"robot", "info"}, 2, {"ROBOT is required"}},
@@ -92,6 +95,10 @@ TEST_SUITE("unit") {
         {{"robot", "info", files / "missing.urdf"}, 1, {"missing.urdf"}},
         {{"robot", "info", files / "empty.urdf"}, 1, {"empty.urdf"}},
         {{"robot", "info", files / "loop.urdf"}, 1, {"loop.urdf"}},
+        {{"robot", "info", files / "stone.urdf"}, 1, {"stone", "no joint that can move"}},
+        {{"plan", files.problem(), "--robot", files / "stone.urdf"},
+         1,
+         {"stone", "no joint that can move"}},
         {{"robot", "check", "planar8"}, 2, {"--q is required"}},
         {{"robot", "check", "planar8", "--q", "1;2"}, 2, {"--q", "'1;2'"}},
         {{"robot", "check", "planar8", "--q", "0,0,0,0,0,0,0,0", "--scene", files / "none.yaml"},

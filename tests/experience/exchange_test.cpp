@@ -102,6 +102,24 @@ TEST_SUITE("unit") {
     CHECK(!std::filesystem::exists(directory / "c.db"));
   }
 
+  TEST_CASE("a line without end is refused, not held in memory") {
+    const TemporaryDirectory directory;
+    Rng rng(16);
+    fill(directory / "a.db", random_rows(rng, 3));
+    const std::string text = exported(directory / "a.db", directory / "a.jsonl");
+    constexpr std::uintmax_t kFarTooLong = std::uintmax_t{1} << 40;
+    for (const auto& [whole_lines, place] :
+         {std::pair(std::string(), "b.jsonl:1: "), std::pair(text, "b.jsonl:5: ")}) {
+      write_file(directory / "b.jsonl", whole_lines);
+      std::filesystem::resize_file(directory / "b.jsonl", kFarTooLong);  // zeros, not on the disk
+      const auto imported = import_database(directory / "b.db", directory / "b.jsonl");
+      REQUIRE(!imported.has_value());
+      CHECK(imported.error().code == ErrorCode::unsupported);
+      CHECK(imported.error().message.find(place) != std::string::npos);
+      CHECK(imported.error().message.find("at most 67108864 bytes") != std::string::npos);
+    }
+  }
+
   TEST_CASE("a wrong line is named, and what stood before it may be imported again") {
     const TemporaryDirectory directory;
     Rng rng(15);

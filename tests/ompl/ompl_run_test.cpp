@@ -42,6 +42,13 @@ TEST_SUITE("unit") {
     CHECK(drawn.status == PlanStatus::iteration_limit);
     CHECK(drawn.iterations >= 500);
     CHECK(drawn.iterations <= 502);
+    settings.plan.max_nodes = 300;
+    settings.plan.max_iterations = 0;
+    for (const char* planner : {"RRTConnect", "PRM", "BKPIECE1"}) {
+      const PlanResult full = run(problem, planner, settings);
+      CHECK_MESSAGE(full.status == PlanStatus::node_limit, planner);
+      CHECK(full.message == "no path within 300 nodes");
+    }
     const std::atomic<bool> cancel{true};
     settings.plan.cancel = &cancel;
     CHECK(run(problem, "RRTConnect", settings).status == PlanStatus::cancelled);

@@ -12,6 +12,7 @@
 
 #include "base/stopwatch.h"
 #include "ompl/silence.h"
+#include "pipeline/valid_components.h"
 
 namespace mneme::test {
 namespace {
@@ -158,6 +159,34 @@ TEST_SUITE("unit") {
     };
     CHECK(near() <= 5);
     CHECK(near() >= 95);
+  }
+
+  TEST_CASE("remembered means that come closer than the margin are not drawn around") {
+    Remembered world;
+    const Robot& robot = world.problem.robot;
+    SolveSettings settings;
+    settings.lambda = 1;
+    settings.sigma = 1e-4;
+    settings.margin = 0.01;
+    const auto gl = create_gl_sampler(robot, world.problem.scene, world.database, settings);
+    REQUIRE(gl.has_value());
+    const auto careful = CollisionChecker::make(robot, world.problem.scene, {0, settings.margin});
+    REQUIRE(careful.has_value());
+    const GaussianMixture kept = internal::keep_valid_components(*careful, *gl->mixture);
+    const GaussianMixture free =
+        internal::keep_valid_components(checker_of(world.problem), *gl->mixture);
+    REQUIRE(kept.component_count() < free.component_count());
+    const auto information = mneme::ompl::make_space_information(*careful);
+    const auto count_near_kept = [&] {
+      const auto allocator =
+          mneme::ompl::gl_sampler_allocator(world.problem, world.database, settings);
+      REQUIRE(allocator.has_value());
+      const auto sampler = (*allocator)(information->getStateSpace().get());
+      return count_near(robot, kept, *sampler, information, 200, 0.01);
+    };
+    CHECK(count_near_kept() == 200);
+    settings.margin = 0;
+    CHECK(count_near_kept() < 200);
   }
 
   TEST_CASE("a database of another robot is refused") {

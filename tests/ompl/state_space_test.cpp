@@ -33,6 +33,15 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("states that are held are counted") {
+    const TwoStates states;
+    const std::uint64_t before = states.space->state_count();
+    ob::State* state = states.space->allocState();
+    CHECK(states.space->state_count() == before + 1);
+    states.space->freeState(state);
+    CHECK(states.space->state_count() == before);
+  }
+
   TEST_CASE("a state outside the limits is wrapped where the joint turns, and clamped elsewhere") {
     TwoStates states;
     states.set({4, 4, -4, 0, 0, 0, 0, 0}, Configuration(8, 0.0));

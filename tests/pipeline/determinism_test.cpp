@@ -54,10 +54,50 @@ Database memory_of(const Problem& problem, const std::string& path) {
   return database;
 }
 
+using Hashes = std::vector<std::uint64_t>;
+
+/// Of each sampler with the seeds 1 and 2.
+Hashes hashes_of(const Problem& problem, Database* database, const std::string& planner,
+                 const std::vector<std::string>& samplers) {
+  Hashes hashes;
+  SolveSettings settings = scalar_settings();
+  settings.planner = planner;
+  for (const std::string& sampler : samplers) {
+    settings.sampler = sampler;
+    for (settings.plan.seed = 1; settings.plan.seed <= 2; ++settings.plan.seed) {
+      hashes.push_back(hash_of(solve_or_fail(problem, database, settings)));
+    }
+  }
+  return hashes;
+}
+
+void check_hashes(const std::string& planner, const Hashes& hashes, const Hashes& expected) {
+  std::string text = planner + ":";
+  for (const std::uint64_t hash : hashes) text += " " + std::to_string(hash) + "u,";
+  CHECK_MESSAGE(hashes == expected, text);
+}
+
+/// Two posts in the way of a stretched arm that turns.
+Problem posts_problem() {
+  const Robot robot = planar8();
+  Configuration goal(8, 0.0);
+  goal[0] = 2.2;
+  const Scene scene = make_circle_scene("posts", {{5, 3, 1.2}, {0, 5, 1}});
+  return {"posts", robot, "", scene, Configuration(8, 0.0), {goal}, {}};
+}
+
+Problem shelf_problem() {
+  ProblemOptions options;
+  options.robot_path = source_file("robots/fetch.urdf");
+  auto problem = load_problem(source_file("scenes/shelf/pair_1.yaml"), options);
+  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+  return std::move(*problem);
+}
+
 TEST_SUITE("law") {
   TEST_CASE("the scalar build finds these paths, on every machine and for ever") {
     // By planner: with the samplers gl, uniform and halton, with the seeds 1 and 2.
-    const std::map<std::string, std::array<std::uint64_t, 6>> pinned = {
+    const std::map<std::string, Hashes> pinned = {
         {"rrt_connect",
          {9707823293839357860u, 3475547949998867979u, 2843521465537429178u, 8962701455562085691u,
           14523998388561422792u, 9084233082443158208u}},
@@ -69,18 +109,23 @@ TEST_SUITE("law") {
     const TemporaryDirectory directory;
     Database database = memory_of(problem, directory / "a.db");
     for (const auto& [planner, expected] : pinned) {
-      std::array<std::uint64_t, 6> hashes{};
-      SolveSettings settings = scalar_settings();
-      settings.planner = planner;
-      for (std::size_t i = 0; i < hashes.size(); ++i) {
-        settings.sampler = std::array{"gl", "uniform", "halton"}.at(i / 2);
-        settings.plan.seed = 1 + i % 2;
-        hashes.at(i) = hash_of(solve_or_fail(problem, &database, settings));
-      }
-      std::string text = planner + ":";
-      for (const std::uint64_t hash : hashes) text += " " + std::to_string(hash) + "u,";
-      CHECK_MESSAGE(hashes == expected, text);
+      check_hashes(planner, hashes_of(problem, &database, planner, {"gl", "uniform", "halton"}),
+                   expected);
     }
+  }
+
+  TEST_CASE("the scalar build finds these roadmaps, and these paths into a shelf") {
+    const std::vector<std::string> samplers = {"uniform", "halton"};
+    check_hashes(
+        "prm among posts", hashes_of(posts_problem(), nullptr, "prm", samplers),
+        {15682133630039977250u, 336526451675448185u, 4539760915661824096u, 3834021986724065805u});
+    const Problem shelf = shelf_problem();
+    check_hashes("rrt_connect into the shelf", hashes_of(shelf, nullptr, "rrt_connect", samplers),
+                 {13148137472891793392u, 17853147257187122481u, 14421837460645296860u,
+                  9219658904367482216u});
+    check_hashes(
+        "prm into the shelf", hashes_of(shelf, nullptr, "prm", samplers),
+        {6989079337605003852u, 8600401947234141072u, 10996989474502860158u, 11745915414003331151u});
   }
 
   TEST_CASE("what one, two and eight threads learn leads to the same path") {

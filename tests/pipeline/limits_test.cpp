@@ -14,7 +14,7 @@
 namespace mneme::test {
 namespace {
 
-constexpr double kSlack = 0.010;
+constexpr double kSlack = 0.010 * kSlowdown;
 constexpr int kTries = 5;
 
 double seconds(clockid_t clock) {

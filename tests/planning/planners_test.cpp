@@ -36,7 +36,8 @@ TEST_SUITE("unit") {
     std::set<std::string_view> names;
     for (const PlanStatus status :
          {PlanStatus::solved, PlanStatus::timeout, PlanStatus::iteration_limit,
-          PlanStatus::cancelled, PlanStatus::invalid_start, PlanStatus::invalid_goal}) {
+          PlanStatus::node_limit, PlanStatus::cancelled, PlanStatus::invalid_start,
+          PlanStatus::invalid_goal}) {
       CHECK(names.insert(to_string(status)).second);
     }
     CHECK(to_string(PlanStatus::solved) == "solved");
@@ -60,7 +61,7 @@ TEST_SUITE("unit") {
                      CHECK(value <= most);
                      CHECK(std::string(sentence).size() > 10);
                    });
-    CHECK(names.size() == 8);
+    CHECK(names.size() == 9);
   }
 }
 

@@ -23,6 +23,9 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt_connect draws exactly as many configurations as it may") {
     check_iteration_limit_is_exact(rrt_connect);
   }
+  TEST_CASE("rrt_connect holds no more nodes than it may") {
+    check_node_limit_is_kept(rrt_connect);
+  }
   TEST_CASE("rrt_connect keeps its time limit") { check_time_limit_is_kept(rrt_connect); }
   TEST_CASE("rrt_connect keeps its time limit with steps of any length") {
     check_tiny_range_keeps_the_time_limit(rrt_connect);

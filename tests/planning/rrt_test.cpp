@@ -19,6 +19,7 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt draws exactly as many configurations as it may") {
     check_iteration_limit_is_exact(rrt);
   }
+  TEST_CASE("rrt holds no more nodes than it may") { check_node_limit_is_kept(rrt); }
   TEST_CASE("rrt keeps its time limit") { check_time_limit_is_kept(rrt); }
   TEST_CASE("rrt keeps its time limit with steps of any length") {
     check_tiny_range_keeps_the_time_limit(rrt);

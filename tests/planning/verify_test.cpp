@@ -89,12 +89,13 @@ TEST_SUITE("unit") {
 
   TEST_CASE("motions are judged alone as in a path") {
     const CollisionChecker checker = make_checker(table());
+    const internal::MotionVerifier verifier(checker);
     CheckCounters counters;
     const float close = static_cast<float>(0.1 + 0.5 * kVerificationMargin);
     const std::vector<float> low = {0, 0, close}, above = {0.5f, 0, 1};
-    CHECK(internal::is_motion_verified(checker, low, above, true, counters));
-    CHECK(!internal::is_motion_verified(checker, above, low, false, counters));
-    CHECK(internal::is_motion_verified(checker, above, above, false, counters));
+    CHECK(verifier.is_free(low, above, true, counters));
+    CHECK(!verifier.is_free(above, low, false, counters));
+    CHECK(verifier.is_free(above, above, false, counters));
   }
 }
 
@@ -103,6 +104,7 @@ TEST_SUITE("oracle") {
     Rng rng(21);
     World world{"", planar8(), make_circle_scene("", {{3, 3, 1.2}, {-4, 2, 1.5}, {1, -5, 2}}), {}};
     const CollisionChecker checker = make_checker(world);
+    const internal::MotionVerifier verifier(checker);
     int verified = 0;
     for (int i = 0; i < 150; ++i) {
       INFO("round ", i);
@@ -111,7 +113,7 @@ TEST_SUITE("oracle") {
       for (double& value : to) value = std::clamp(value + rng.uniform(-0.4, 0.4), -3.14, 3.14);
       const std::vector<float> a(from.begin(), from.end()), b(to.begin(), to.end());
       CheckCounters counters;
-      if (!internal::is_motion_verified(checker, a, b, false, counters)) continue;
+      if (!verifier.is_free(a, b, false, counters)) continue;
       ++verified;
       for (const double refinement : {9.7, 10.0}) {
         const auto flaw = motion_flaw(checker, from, to, refinement);

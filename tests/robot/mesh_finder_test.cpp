@@ -124,6 +124,31 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("symbolic links are followed, out of the package too, and lead nowhere or in circles") {
+    const Workspace w;
+    test::write_file(w / "shared.stl", "solid");
+    const fs::path package = w / "src/arm_description";
+    fs::create_symlink(w / "shared.stl", package / "meshes/linked.stl");
+    fs::create_directory_symlink(package / "meshes", package / "visual");
+    fs::create_symlink(w / "gone.stl", package / "meshes/dangling.stl");
+    fs::create_symlink(package / "meshes/circle.stl", package / "meshes/circle.stl");
+    fs::create_directory_symlink(package, w / "empty/arm_description");
+    const MeshFinder meshes(w / "arm.urdf", {w / "src"});
+    // colcon --symlink-install leaves packages of links to the sources.
+    CHECK(meshes.find("package://arm_description/meshes/linked.stl").has_value());
+    CHECK(meshes.find("package://arm_description/visual/a.stl").has_value());
+    CHECK(MeshFinder(w / "arm.urdf", {w / "empty"}).find(kMesh).has_value());
+    // A name is made normal before links are followed, so that `..` does not leave through one.
+    CHECK(meshes.find("package://arm_description/visual/../meshes/a.stl") == w.mesh());
+    for (const char* name : {"dangling", "circle"}) {
+      CAPTURE(name);
+      CHECK(
+          contains(refusal(meshes, "package://arm_description/meshes/" + std::string(name) + ".stl",
+                           ErrorCode::io),
+                   "no such file"));
+    }
+  }
+
   TEST_CASE("other places than files are not supported") {
     const MeshFinder meshes("arm.urdf", {});
     CHECK(contains(refusal(meshes, "http://host/a.stl", ErrorCode::unsupported), "package://"));

@@ -14,6 +14,13 @@
 
 namespace mneme::test {
 
+/// What tests of time allow for: sanitizers make code so many times slower.
+#ifdef MNEME_SANITIZED
+inline constexpr double kSlowdown = 20;
+#else
+inline constexpr double kSlowdown = 1;
+#endif
+
 /// A fresh directory that is removed with its contents.
 class TemporaryDirectory {
  public:

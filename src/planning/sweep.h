@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Contact anywhere along a motion, not only at states of it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
+namespace mneme::internal {
+
+/// Bounds how far the shapes of a robot move, and halves a motion until they are farther apart at
+/// the middle of each part than they can come within it, in double precision. After conservative
+/// advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012. Const and parallel-safe.
+class Sweep {
+ public:
+  /// Refers to its arguments.
+  Sweep(const Robot& robot, const Scene& scene);
+
+  /// True if nothing touches along the straight motion, ends included, by more than kTolerance.
+  [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to) const;
+
+  static constexpr double kTolerance = 1e-5;  ///< metres; the accuracy of the kernels
+
+ private:
+  /// A link and an obstacle's shape, or two links.
+  struct Pair {
+    std::size_t link = 0;
+    std::size_t other_link = 0;
+    const Shape* shape = nullptr;  ///< null for two links
+    std::size_t reaches = 0;       ///< index into reaches_
+  };
+  struct MovingPair {
+    const Pair* pair = nullptr;
+    double speed = 0;  ///< most metres that the two approach over the whole motion
+  };
+  class Motion;
+
+  [[nodiscard]] double clearance(const Pair& pair, std::span<const Transform> poses) const;
+
+  const Robot& robot_;
+  std::vector<std::vector<Capsule>> shapes_;  ///< of each link
+  std::vector<std::vector<double>> reaches_;  ///< metres per radian of each joint
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace mneme::internal
