@@ -39,8 +39,8 @@ void drop_equal(std::vector<Sphere>& balls) {
     return std::array{s.center.x(), s.center.y(), s.center.z(), s.radius};
   };
   std::ranges::sort(balls, {}, key);
-  const auto rest = std::ranges::unique(balls, {}, key);
-  balls.erase(rest.begin(), rest.end());
+  const auto are_equal = [&](const Sphere& a, const Sphere& b) { return key(a) == key(b); };
+  balls.erase(std::unique(balls.begin(), balls.end(), are_equal), balls.end());
 }
 
 void add_to(std::vector<Element>& elements, Groups groups) {

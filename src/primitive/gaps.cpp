@@ -101,8 +101,7 @@ class GapFinder {
       if (hit >= 0) bounds.push_back(hit);
     }
     std::ranges::sort(bounds);
-    const auto doubled = std::ranges::unique(bounds);
-    bounds.erase(doubled.begin(), doubled.end());
+    bounds.erase(std::unique(bounds.begin(), bounds.end()), bounds.end());
     bounds.insert(bounds.begin(), {a, b});
     return bounds;
   }

@@ -10,7 +10,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   mneme::fuzz::expect_message(names);
   mneme::ProblemOptions options;
   options.robot_path = "planar8";
-  mneme::fuzz::expect_message(mneme::load_problem(path + "#0", options));
-  mneme::fuzz::expect_message(mneme::extract_scene(path + "#0"));
+  if (!names || names->empty()) return 0;
+  const std::string address = path + "#" + names->front();
+  mneme::fuzz::expect_message(mneme::load_problem(address, options));
+  mneme::fuzz::expect_message(mneme::extract_scene(address));
   return 0;
 }

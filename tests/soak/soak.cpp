@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "soak/campaign.h"
+#include "soak/endurance.h"
 #include "soak/sampling_limits.h"
 
 namespace {
@@ -27,6 +28,7 @@ struct Options {
   double plans_per_spatial = 5;  ///< a planar plan is so many times cheaper
   CampaignSettings settings;
   bool has_limits = false;
+  double endurance_s = 0;
 };
 
 mneme::Result<mneme::Robot> load(const std::string& name) {
@@ -120,6 +122,39 @@ int print_limits(const Options& options) {
   return 0;
 }
 
+/// Succeeds if no robot's rounds grow or slow.
+int run_endurance(const Options& options) {
+  constexpr double kMostSlower = 1.25;
+  constexpr std::int64_t kMostGrown = 4 << 20;
+  fmt::print("{:12} {:>7} {:>7} {:>7} {:>10} {:>12} {:>10} {:>11}\n", "robot", "rounds", "plans",
+             "rows", "CPU s", "last / first", "bytes", "grown by");
+  const std::string directory = make_directory();
+  bool has_failed = false;
+  for (const std::string& name : options.robots) {
+    const auto rounds = load(name).and_then([&](const mneme::Robot& robot) {
+      return mneme::soak::endure(robot, directory,
+                                 options.endurance_s / static_cast<double>(options.robots.size()),
+                                 options.settings.seed);
+    });
+    if (!rounds) {
+      fmt::print(stderr, "soak: {}\n", rounds.error().message);
+      has_failed = true;
+      continue;
+    }
+    const mneme::soak::Drift drift = mneme::soak::drift_of(*rounds);
+    const auto count = static_cast<int>(rounds->size());
+    const mneme::soak::Round& last = rounds->back();
+    fmt::print("{:12} {:7} {:7} {:7} {:10.2f} {:12.2f} {:10} {:11}\n", name, count,
+               count * last.plans, count * last.rows, last.cpu_s, drift.time_ratio, last.rss,
+               drift.grown_bytes);
+    std::fflush(stdout);
+    has_failed |= drift.time_ratio > kMostSlower || drift.grown_bytes > kMostGrown ||
+                  drift.grown_files > 0 || last.rows == 0;
+  }
+  std::filesystem::remove_all(directory);
+  return has_failed ? 1 : 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -139,6 +174,11 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-verify", settings.verify, "return paths without verification");
   app.add_flag("--limits", options.has_limits,
                "print instead how deep contact between two checked states can be");
+  app.add_option("--endure", options.endurance_s,
+                 "instead plan, insert and refresh for so many seconds, and see that nothing grows "
+                 "or slows")
+      ->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
+  if (options.endurance_s > 0) return run_endurance(options);
   return options.has_limits ? print_limits(options) : run_all(options);
 }
