@@ -21,7 +21,7 @@ constexpr std::array kDefaults = {
     Defaults{"pairs", 0.5, 0.05, 0.5, 8, true, 0, 0},
     Defaults{"body_pairs", 0.5, 0.3, 0.05, 8, false, 1500, 20},
     Defaults{"gaps", 0.5, 0.07, 0.03, 8, true, 1500, 0},
-    Defaults{"paths", 0.7, 0.4, 1e9, 50, false, 800, 20},
+    Defaults{"paths", 0.7, 0.4, 1e9, 50, false, 2500, 20},
 };
 
 const Defaults& defaults_of(std::string_view decomposer) {
