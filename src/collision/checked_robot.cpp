@@ -6,38 +6,20 @@
 #include <mutex>
 #include <utility>
 
-#include "collision/contacts.h"
 #include "collision/robot_tables.h"
+#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
 
-/// Whether a joint follows a configuration.
-std::vector<bool> find_moving_joints(const Robot& robot) {
-  std::vector<bool> is_moving(robot.joints().size(), false);
-  for (const int joint : robot.group()) is_moving[static_cast<std::size_t>(joint)] = true;
-  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
-    const auto& mimic = robot.joints()[i].mimic;
-    if (mimic && is_moving[static_cast<std::size_t>(mimic->joint)]) is_moving[i] = true;
-  }
-  return is_moving;
-}
-
 std::vector<Capsule> find_fixed_shapes(const Robot& robot) {
-  const std::vector<bool> is_moving = find_moving_joints(robot);
+  const std::vector<bool> is_moving = find_moving_links(robot);
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const std::vector<Transform> poses = robot.link_poses(zero);
-  std::vector<bool> is_fixed(robot.links().size(), true);
   std::vector<Capsule> result;
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    const Link& link = robot.links()[i];
-    if (link.parent_joint >= 0) {
-      const auto joint = static_cast<std::size_t>(link.parent_joint);
-      is_fixed[i] = !is_moving[joint] &&
-                    is_fixed[static_cast<std::size_t>(robot.joints()[joint].parent_link)];
-    }
-    if (!is_fixed[i]) continue;
-    const std::vector<Capsule> shapes = posed_shapes(link, poses[i]);
+    if (is_moving[i]) continue;
+    const std::vector<Capsule> shapes = shapes_of(robot.links()[i], poses[i]);
     result.insert(result.end(), shapes.begin(), shapes.end());
   }
   return result;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "robot/link_shapes.h"
+
 namespace mneme::internal {
 namespace {
 
@@ -38,18 +40,6 @@ void add_obstacle_contacts(const std::vector<Capsule>& shapes, const std::string
 
 }  // namespace
 
-std::vector<Capsule> posed_shapes(const Link& link, const Transform& X_WL) {
-  std::vector<Capsule> shapes;
-  for (const Sphere& sphere : link.spheres) {
-    const Vec3 center = X_WL * sphere.center;
-    shapes.push_back({center, center, sphere.radius});
-  }
-  for (const Capsule& capsule : link.capsules) {
-    shapes.push_back({X_WL * capsule.a, X_WL * capsule.b, capsule.radius});
-  }
-  return shapes;
-}
-
 std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
                                    std::span<const double> q, double margin) {
   const std::vector<Transform> poses = robot.link_poses(q);
@@ -57,7 +47,7 @@ std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
   std::vector<Contact> contacts;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Link& link = robot.links()[i];
-    shapes.push_back(posed_shapes(link, poses[i]));
+    shapes.push_back(shapes_of(link, poses[i]));
     add_obstacle_contacts(shapes.back(), link.name, scene, margin, contacts);
   }
   for (const auto& [a, b] : robot.self_pairs()) {

@@ -15,9 +15,6 @@ namespace mneme::internal {
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const Scene& scene,
                                                  std::span<const double> q, double margin);
 
-/// The shapes of a link with pose X_WL, in the world; a sphere is a capsule of length 0.
-[[nodiscard]] std::vector<Capsule> posed_shapes(const Link& link, const Transform& X_WL);
-
 /// Least distance between obstacles and `shapes`; infinite without any.
 [[nodiscard]] double least_distance(std::span<const Capsule> shapes, const Scene& scene);
 

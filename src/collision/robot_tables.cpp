@@ -11,6 +11,7 @@
 
 #include "collision/joint_reach.h"
 #include "collision/shape_groups.h"
+#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
@@ -157,12 +158,8 @@ class RobotTablesBuilder {
 
   /// The shapes of a link in the coordinates of its frame.
   [[nodiscard]] std::vector<Capsule> shapes_of(int link_index) const {
-    const Link& link = robot_.links()[as_index(link_index)];
-    const Transform& X = placements_[as_index(link_index)].X_frame_link;
-    std::vector<Capsule> shapes;
-    for (const Sphere& s : link.spheres) shapes.push_back({X * s.center, X * s.center, s.radius});
-    for (const Capsule& c : link.capsules) shapes.push_back({X * c.a, X * c.b, c.radius});
-    return shapes;
+    return internal::shapes_of(robot_.links()[as_index(link_index)],
+                               placements_[as_index(link_index)].X_frame_link);
   }
 
   void add_bodies() {

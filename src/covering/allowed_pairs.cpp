@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "covering/touching.h"
+#include "robot/link_shapes.h"
 
 namespace mneme {
 namespace {
@@ -16,7 +17,6 @@ using Pair = std::pair<int, int>;
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
 
 /// The robot with all joints that have a value of their own.
 Result<Robot> make_whole(const Robot::Parts& parts) {
@@ -42,7 +42,7 @@ class Adjacency {
           joint.type == JointType::fixed ? bodies_[at(joint.parent_link)] : joint.child_link;
     }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
+      if (internal::has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
     }
     for (const Joint& joint : joints) {
       int above = bodies_[at(joint.parent_link)];
@@ -77,7 +77,7 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   const int count = static_cast<int>(robot.links().size());
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
-      if (has_shapes(robot.links()[at(i)]) && has_shapes(robot.links()[at(j)])) {
+      if (internal::has_shapes(robot.links()[at(i)]) && internal::has_shapes(robot.links()[at(j)])) {
         pairs.emplace_back(i, j);
       }
     }

@@ -3,27 +3,12 @@
 #include "covering/touching.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
-
-/// A sphere about the middle of the shapes' bounding box.
-Sphere bound(std::span<const Capsule> shapes) {
-  if (shapes.empty()) return {};
-  Vec3 low = shapes.front().a;
-  Vec3 high = low;
-  for (const Capsule& shape : shapes) {
-    low = low.cwiseMin(shape.a).cwiseMin(shape.b);
-    high = high.cwiseMax(shape.a).cwiseMax(shape.b);
-  }
-  Sphere sphere{0.5 * (low + high), 0};
-  for (const Capsule& shape : shapes) {
-    const double farthest =
-        std::max((shape.a - sphere.center).norm(), (shape.b - sphere.center).norm());
-    sphere.radius = std::max(sphere.radius, farthest + shape.radius);
-  }
-  return sphere;
-}
 
 bool are_overlapping(const Sphere& s, const Sphere& t) {
   const double reach = s.radius + t.radius;
@@ -39,11 +24,9 @@ bool are_overlapping(const Capsule& s, const Capsule& t) {
 
 PosedShapes::PosedShapes(const Robot& robot) : robot_(&robot) {
   for (const Link& link : robot.links()) {
-    Body body;
-    body.shapes = link.capsules;
-    for (const Sphere& s : link.spheres) body.shapes.push_back({s.center, s.center, s.radius});
-    body.bound = bound(body.shapes);
-    local_.push_back(std::move(body));
+    std::vector<Capsule> shapes = shapes_of(link);
+    const Sphere bound = bound_of(shapes);
+    local_.push_back({bound, std::move(shapes)});
   }
   posed_ = local_;
 }
@@ -53,9 +36,7 @@ void PosedShapes::pose(std::span<const double> q) {
   for (std::size_t i = 0; i < local_.size(); ++i) {
     posed_[i].bound.center = poses[i] * local_[i].bound.center;
     for (std::size_t j = 0; j < local_[i].shapes.size(); ++j) {
-      const Capsule& shape = local_[i].shapes[j];
-      posed_[i].shapes[j].a = poses[i] * shape.a;
-      posed_[i].shapes[j].b = poses[i] * shape.b;
+      posed_[i].shapes[j] = moved(local_[i].shapes[j], poses[i]);
     }
   }
 }

@@ -13,6 +13,7 @@
 #include "pipeline/check_settings.h"
 #include "pipeline/complete_settings.h"
 #include "pipeline/database_check.h"
+#include "pipeline/make_checker.h"
 #include "pipeline/recall.h"
 
 namespace mneme {
@@ -74,11 +75,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
     return tl::unexpected(checked.error());
   }
   const SolveSettings settings = internal::complete_settings(asked, problem.robot, database);
-  CheckerSettings checking;
-  checking.resolution = settings.resolution;
-  checking.margin = settings.margin;
-  checking.isa = settings.isa;
-  const auto checker = CollisionChecker::make(problem.robot, problem.scene, checking);
+  const auto checker = internal::make_checker(problem, settings);
   if (!checker) return tl::unexpected(checker.error());
 
   SolveResult result;

@@ -11,6 +11,7 @@
 #include "pipeline/check_settings.h"
 #include "pipeline/complete_settings.h"
 #include "pipeline/database_check.h"
+#include "pipeline/make_checker.h"
 #include "pipeline/recall.h"
 #include "pipeline/remember.h"
 
@@ -61,11 +62,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   const SolveSettings complete = internal::complete_settings(settings, problem.robot, database);
   const auto planner = choose_planner(settings.planner);
   if (!planner) return tl::unexpected(planner.error());
-  CheckerSettings checking;
-  checking.resolution = settings.resolution;
-  checking.margin = settings.margin;
-  checking.isa = settings.isa;
-  const auto checker = CollisionChecker::make(problem.robot, problem.scene, checking);
+  const auto checker = internal::make_checker(problem, settings);
   if (!checker) return tl::unexpected(checker.error());
 
   SolveResult result;

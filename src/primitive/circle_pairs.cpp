@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/decomposers.h"
 #include "primitive/near_pairs.h"
+#include "robot/link_shapes.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +17,6 @@ namespace {
 // Robot files give angles to about 1e-9 and lengths to a micrometre; anything larger is meant.
 constexpr double kTolerance = 1e-6;
 
-bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
 
 bool is_on_x_axis(const Link& link) {
   const auto is_off = [](const Vec3& point) { return std::abs(point.y()) > kTolerance; };

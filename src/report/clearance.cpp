@@ -6,35 +6,16 @@
 #include <algorithm>
 #include <limits>
 
+#include "robot/link_shapes.h"
+
 namespace mneme::internal {
-namespace {
-
-/// True per link if a joint of the group stands above it.
-std::vector<bool> moved_links(const Robot& robot) {
-  std::vector<bool> is_moved(robot.links().size(), false);
-  const std::span<const int> group = robot.group();
-  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
-    const Joint& joint = robot.joints()[i];
-    const auto is_in_group = [&](int index) { return std::ranges::count(group, index) > 0; };
-    const bool is_driven =
-        is_in_group(static_cast<int>(i)) || (joint.mimic && is_in_group(joint.mimic->joint));
-    is_moved[static_cast<std::size_t>(joint.child_link)] =
-        is_driven || is_moved[static_cast<std::size_t>(joint.parent_link)];
-  }
-  return is_moved;
-}
-
-}  // namespace
-
 ClearanceMeter::ClearanceMeter(const Robot& robot, const Scene& scene) {
-  const std::vector<bool> is_moved = moved_links(robot);
+  const std::vector<bool> is_moved = find_moving_links(robot);
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
     if (!is_moved[i]) continue;
-    const Link& link = robot.links()[i];
-    for (const Sphere& sphere : link.spheres) {
-      bodies_.push_back({static_cast<int>(i), {sphere.center, sphere.center, sphere.radius}});
+    for (const Capsule& shape : shapes_of(robot.links()[i])) {
+      bodies_.push_back({static_cast<int>(i), shape});
     }
-    for (const Capsule& capsule : link.capsules) bodies_.push_back({static_cast<int>(i), capsule});
   }
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     for (const Shape& shape : scene.obstacles[i].shapes) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "robot/link_shapes.h"
+
 namespace mneme::internal {
 namespace {
 
@@ -17,39 +19,9 @@ Sphere moved(const Sphere& sphere, const Transform& X_WL) {
   return {X_WL * sphere.center, sphere.radius};
 }
 
-Capsule moved(const Capsule& capsule, const Transform& X_WL) {
-  const Vec3 a = X_WL * capsule.a;
-  return {a, capsule.a == capsule.b ? a : X_WL * capsule.b, capsule.radius};
-}
-
 Sphere bound_of(const Capsule& capsule) {
   if (capsule.a == capsule.b) return {capsule.a, capsule.radius};
   return {0.5 * (capsule.a + capsule.b), 0.5 * (capsule.b - capsule.a).norm() + capsule.radius};
-}
-
-std::vector<Capsule> shapes_of(const Link& link) {
-  std::vector<Capsule> shapes = link.capsules;
-  for (const Sphere& sphere : link.spheres) {
-    shapes.push_back({sphere.center, sphere.center, sphere.radius});
-  }
-  return shapes;
-}
-
-/// A sphere about the middle of the box that holds both ends of all shapes.
-Sphere bound_of(const std::vector<Capsule>& shapes) {
-  if (shapes.empty()) return {};
-  Vec3 least = shapes.front().a;
-  Vec3 most = least;
-  for (const Capsule& shape : shapes) {
-    least = least.cwiseMin(shape.a).cwiseMin(shape.b);
-    most = most.cwiseMax(shape.a).cwiseMax(shape.b);
-  }
-  Sphere bound{0.5 * (least + most), 0};
-  for (const Capsule& shape : shapes) {
-    const double reach = std::max((shape.a - bound.center).norm(), (shape.b - bound.center).norm());
-    bound.radius = std::max(bound.radius, reach + shape.radius);
-  }
-  return bound;
 }
 
 }  // namespace

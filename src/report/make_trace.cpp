@@ -9,6 +9,7 @@
 #include "report/arms.h"
 #include "report/clearance.h"
 #include "report/skeleton.h"
+#include "robot/link_shapes.h"
 
 namespace mneme {
 namespace internal {
@@ -22,7 +23,7 @@ std::vector<int> links_with_shapes(const Robot& robot) {
   std::vector<int> links;
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
     const Link& link = robot.links()[i];
-    if (!link.spheres.empty() || !link.capsules.empty()) links.push_back(static_cast<int>(i));
+    if (has_shapes(link)) links.push_back(static_cast<int>(i));
   }
   return links;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "robot/link_shapes.h"
 #include "robot/mimic.h"
 
 namespace mneme::internal {
@@ -23,7 +24,6 @@ std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints
   return bodies;
 }
 
-bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
 
 }  // namespace
 

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/link_shapes.h"
+
+#include <algorithm>
+
+namespace mneme::internal {
+
+bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
+
+std::vector<Capsule> shapes_of(const Link& link) { return shapes_of(link, {}); }
+
+std::vector<Capsule> shapes_of(const Link& link, const Transform& X_WL) {
+  std::vector<Capsule> shapes;
+  shapes.reserve(link.spheres.size() + link.capsules.size());
+  for (const Sphere& sphere : link.spheres) {
+    shapes.push_back(moved({sphere.center, sphere.center, sphere.radius}, X_WL));
+  }
+  for (const Capsule& capsule : link.capsules) shapes.push_back(moved(capsule, X_WL));
+  return shapes;
+}
+
+Capsule moved(const Capsule& capsule, const Transform& X_WL) {
+  const Vec3 a = X_WL * capsule.a;
+  return {a, capsule.a == capsule.b ? a : X_WL * capsule.b, capsule.radius};
+}
+
+Sphere bound_of(std::span<const Capsule> shapes) {
+  if (shapes.empty()) return {};
+  Vec3 least = shapes.front().a;
+  Vec3 most = least;
+  for (const Capsule& shape : shapes) {
+    least = least.cwiseMin(shape.a).cwiseMin(shape.b);
+    most = most.cwiseMax(shape.a).cwiseMax(shape.b);
+  }
+  Sphere bound{0.5 * (least + most), 0};
+  for (const Capsule& shape : shapes) {
+    const double reach = std::max((shape.a - bound.center).norm(), (shape.b - bound.center).norm());
+    bound.radius = std::max(bound.radius, reach + shape.radius);
+  }
+  return bound;
+}
+
+std::vector<bool> find_moving_links(const Robot& robot) {
+  const auto is_in_group = [&](int joint) {
+    return std::ranges::find(robot.group(), joint) != robot.group().end();
+  };
+  std::vector<bool> is_moving(robot.links().size(), false);
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const Joint& joint = robot.joints()[i];
+    const bool is_driven =
+        is_in_group(static_cast<int>(i)) || (joint.mimic && is_in_group(joint.mimic->joint));
+    is_moving[static_cast<std::size_t>(joint.child_link)] =
+        is_driven || is_moving[static_cast<std::size_t>(joint.parent_link)];
+  }
+  return is_moving;
+}
+
+}  // namespace mneme::internal

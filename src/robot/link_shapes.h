@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The shapes of links as capsules: a sphere is one of length 0.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mneme/robot.h"
+
+namespace mneme::internal {
+
+[[nodiscard]] bool has_shapes(const Link& link);
+
+/// Spheres first, in the link's frame.
+[[nodiscard]] std::vector<Capsule> shapes_of(const Link& link);
+/// The same in the frame that X_WL takes the link to.
+[[nodiscard]] std::vector<Capsule> shapes_of(const Link& link, const Transform& X_WL);
+
+[[nodiscard]] Capsule moved(const Capsule& capsule, const Transform& X_WL);
+
+/// A sphere that holds all shapes, about the middle of the box that holds their axes; a point
+/// without any.
+[[nodiscard]] Sphere bound_of(std::span<const Capsule> shapes);
+
+/// Per link whether a joint of the group moves it, itself or by a joint that follows one.
+[[nodiscard]] std::vector<bool> find_moving_links(const Robot& robot);
+
+}  // namespace mneme::internal
