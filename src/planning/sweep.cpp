@@ -7,16 +7,10 @@
 #include <limits>
 #include <numeric>
 
+#include "robot/link_shapes.h"
+
 namespace mneme::internal {
 namespace {
-
-std::vector<Capsule> shapes_of(const Link& link) {
-  std::vector<Capsule> shapes = link.capsules;
-  for (const Sphere& sphere : link.spheres) {
-    shapes.push_back({sphere.center, sphere.center, sphere.radius});
-  }
-  return shapes;
-}
 
 /// How far the shapes of `link` can be from the axis of each joint that carries it; 0 for others.
 /// A sliding joint carries them as far as it moves itself.
