@@ -34,13 +34,12 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   row.planner = result.planner;
   row.sampler = result.sampler;
   row.seed = result.seed;
-  row.status = plan.status;
-  row.is_solved = plan.is_solved();
-  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, plan.path);
   row.timeout_s = settings.plan.timeout_s;
-  row.planning_time_s =
-      row.is_solved ? plan.planning_time_s + result.gl.retrieval_time_s + result.gl.learning_time_s
-                    : row.timeout_s;
+  const bool is_late = plan.is_solved() && plan.planning_time_s > row.timeout_s;
+  row.status = is_late ? PlanStatus::timeout : plan.status;
+  row.is_solved = plan.is_solved() && !is_late;
+  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, plan.path);
+  row.planning_time_s = row.is_solved ? plan.planning_time_s : row.timeout_s;
   row.total_time_s = result.total_time_s;
   row.retrieval_time_s = result.gl.retrieval_time_s;
   row.simplification_time_s = plan.simplification_time_s;
@@ -49,7 +48,7 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   row.states_checked = plan.states_checked;
   row.motions_checked = plan.motions_checked;
   row.nodes = plan.nodes;
-  row.path_length = path_length(problem.robot, plan.path);
+  row.path_length = row.is_solved ? path_length(problem.robot, plan.path) : 0;
   row.learning_time_s = result.gl.learning_time_s;
   row.isa = to_string(result.isa);
   row.components = result.gl.mixture ? result.gl.mixture->component_count() : 0;

@@ -10,7 +10,7 @@
 namespace mneme::app {
 
 /// The row of one call of solve() with `settings`; its path is checked again by `checker` without
-/// trusting anything that helped to find it.
+/// trusting anything that helped to find it. A path that came after the time limit is none.
 [[nodiscard]] BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
                                     const SolveResult& result, const CollisionChecker& checker);
 

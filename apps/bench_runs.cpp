@@ -4,6 +4,7 @@
 #include "bench_runs.h"
 
 #include <algorithm>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -65,15 +66,16 @@ void warm_up(const BenchRun& run) {
   static_cast<void>(solve(run.loaded->problem, nullptr, settings));
 }
 
-/// Hands the runs to threads and their rows to the caller.
+/// Hands the runs to threads and their rows to the caller. Planners of OMPL run one at a time: they
+/// draw from one sequence of random numbers, which repeats itself for none but a single run.
 class RunQueue {
  public:
   RunQueue(BenchPlan& plan, const std::vector<BenchRun>& runs, const OnRow& on_row)
-      : plan_(plan),
-        runs_(runs),
-        on_row_(on_row),
-        machine_(describe_machine()),
-        version_(describe_build()) {}
+      : plan_(plan), on_row_(on_row), machine_(describe_machine()), version_(describe_build()) {
+    for (const BenchRun& run : runs) {
+      (is_ompl_planner(run.bench_case->settings.planner) ? ompl_ : native_).push_back(&run);
+    }
+  }
 
   Result<bool> run() {
     std::vector<std::thread> threads;
@@ -85,16 +87,28 @@ class RunQueue {
   }
 
  private:
-  const BenchRun* take() {
+  /// The next run that may start; null if there is none, because whoever runs a planner of OMPL
+  /// goes on with the others. `last` is what the thread has just run.
+  const BenchRun* take(const BenchRun* last) {
     const std::lock_guard lock(mutex_);
-    const bool is_over = error_ || is_interrupted_ || next_ == runs_.size();
-    return is_over ? nullptr : &runs_[next_++];
+    if (last != nullptr && is_ompl_planner(last->bench_case->settings.planner))
+      is_ompl_free_ = true;
+    if (error_ || is_interrupted_) return nullptr;
+    const bool has_ompl = is_ompl_free_ && !ompl_.empty();
+    if (!has_ompl && native_.empty()) return nullptr;
+    // All of the runs were in one array, so that addresses tell their order.
+    const bool is_ompl = has_ompl && (native_.empty() || ompl_.front() < native_.front());
+    std::deque<const BenchRun*>& queue = is_ompl ? ompl_ : native_;
+    const BenchRun* run = queue.front();
+    queue.pop_front();
+    if (is_ompl) is_ompl_free_ = false;
+    return run;
   }
 
   void work() {
     std::optional<CollisionChecker> checker;
     std::pair<const LoadedProblem*, double> checked{nullptr, 0};
-    while (const BenchRun* run = take()) {
+    for (const BenchRun* run = take(nullptr); run != nullptr; run = take(run)) {
       CheckerSettings checking;
       checking.resolution = run->bench_case->settings.resolution;
       if (const std::pair key{run->loaded, checking.resolution}; key != checked) {
@@ -119,7 +133,8 @@ class RunQueue {
                              : nullptr;
     const std::string started = current_time();
     const Result<SolveResult> result =
-        solve_with_any(problem, database, settings, run.bench_case->is_ompl_as_in_paper);
+        solve_with_any(problem, database, settings, run.bench_case->is_ompl_as_in_paper,
+                       run.bench_case->ompl_experience);
     if (!result) return stop(result.error());
     if (result->plan.status == PlanStatus::cancelled) {
       const std::lock_guard lock(mutex_);
@@ -143,12 +158,12 @@ class RunQueue {
   }
 
   BenchPlan& plan_;
-  const std::vector<BenchRun>& runs_;
   const OnRow& on_row_;
+  std::deque<const BenchRun*> native_, ompl_;  ///< not started yet
+  bool is_ompl_free_ = true;
   std::string machine_;
   std::string version_;
   std::mutex mutex_;
-  std::size_t next_ = 0;
   std::optional<Error> error_;
   bool is_interrupted_ = false;
 };

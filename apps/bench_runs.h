@@ -27,7 +27,8 @@ struct BenchCase {
   std::vector<std::string> sets;  ///< of problems; empty for all
   SolveSettings settings;         ///< with planner and sampler
   bool is_ompl_as_in_paper = false;
-  std::string description;  ///< of the settings, for the rows
+  std::string ompl_experience;  ///< file of what Lightning or Thunder knows; may be empty
+  std::string description;      ///< of the settings, for the rows
 };
 
 struct BenchPlan {

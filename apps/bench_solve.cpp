@@ -3,6 +3,8 @@
 
 #include "bench_solve.h"
 
+#include <fmt/format.h>
+
 #ifdef MNEME_WITH_OMPL
 #include "mneme/ompl.h"
 #endif
@@ -22,9 +24,11 @@ void append_ompl_names(SuiteNames& names) {
 }
 
 Result<SolveResult> solve_ompl(const Problem& problem, Database* database,
-                               const SolveSettings& settings, bool is_as_in_paper) {
+                               const SolveSettings& settings, bool is_as_in_paper,
+                               const std::string& experience) {
   OmplSettings ompl;
   ompl.as_in_paper = is_as_in_paper;
+  ompl.experience_path = experience;
   return solve_with_ompl(problem, database, settings, ompl);
 }
 
@@ -32,8 +36,8 @@ Result<SolveResult> solve_ompl(const Problem& problem, Database* database,
 
 // The names that the suites of bench/suites use, so that they can be read.
 void append_ompl_names(SuiteNames& names) {
-  for (const char* name :
-       {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
+  for (const char* name : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE",
+                           "SBL", "BITstar", "Lightning", "Thunder"}) {
     names.planners.push_back(std::string(kOmplPrefix) + name);
   }
   for (const char* name : {"gaussian", "obstacle_based", "bridge_test", "max_clearance"}) {
@@ -41,7 +45,8 @@ void append_ompl_names(SuiteNames& names) {
   }
 }
 
-Result<SolveResult> solve_ompl(const Problem&, Database*, const SolveSettings& settings, bool) {
+Result<SolveResult> solve_ompl(const Problem&, Database*, const SolveSettings& settings, bool,
+                               const std::string&) {
   return fail(ErrorCode::unsupported, settings.planner + ": this mneme was built without OMPL");
 }
 
@@ -57,19 +62,38 @@ SuiteNames bench_names() {
   return names;
 }
 
+bool is_ompl_planner(std::string_view planner) { return planner.starts_with(kOmplPrefix); }
+
+bool is_experience_planner(std::string_view planner) {
+  return planner == "ompl:Lightning" || planner == "ompl:Thunder";
+}
+
+Result<void> train_experience(std::string_view planner, const Robot& robot,
+                              std::span<const Path> paths, const std::string& file) {
+#ifdef MNEME_WITH_OMPL
+  return train_ompl_experience(planner.substr(kOmplPrefix.size()), robot, paths, file);
+#else
+  static_cast<void>(robot);
+  static_cast<void>(paths);
+  return fail(ErrorCode::unsupported,
+              fmt::format("'{}': {} needs a mneme that was built with OMPL", file, planner));
+#endif
+}
+
 bool is_missing_planner(const std::string& planner) {
 #ifdef MNEME_WITH_OMPL
   static_cast<void>(planner);
   return false;
 #else
-  return planner.starts_with(kOmplPrefix);
+  return is_ompl_planner(planner);
 #endif
 }
 
 Result<SolveResult> solve_with_any(const Problem& problem, Database* database,
-                                   const SolveSettings& settings, bool is_ompl_as_in_paper) {
-  if (!settings.planner.starts_with(kOmplPrefix)) return solve(problem, database, settings);
-  return solve_ompl(problem, database, settings, is_ompl_as_in_paper);
+                                   const SolveSettings& settings, bool is_ompl_as_in_paper,
+                                   const std::string& ompl_experience) {
+  if (!is_ompl_planner(settings.planner)) return solve(problem, database, settings);
+  return solve_ompl(problem, database, settings, is_ompl_as_in_paper, ompl_experience);
 }
 
 }  // namespace mneme::app

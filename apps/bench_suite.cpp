@@ -13,100 +13,12 @@
 #include "bench_solve.h"
 #include "console.h"
 #include "inputs.h"
-#include "learn_from_problems.h"
-#include "learning_run.h"
 #include "output_file.h"
 #include "problem_part.h"
+#include "suite_memory.h"
 
 namespace mneme::app {
 namespace {
-
-struct LearnedMemory {
-  double time_s = 0;
-  bool is_cancelled = false;
-};
-
-Result<LearnedMemory> learn_grid(const SuiteMemory& memory, const std::string& path, int jobs) {
-  Result<PrimitiveGrid> grid = load_grid(memory.primitives);
-  if (!grid) return tl::unexpected(grid.error());
-  grid->count = memory.count.value_or(grid->count);
-  const Result<Robot> robot = load_named_robot(memory.robot);
-  if (!robot) return tl::unexpected(robot.error());
-  Result<Database> database = open_database(path, *robot, OpenMode::create);
-  if (!database) return tl::unexpected(database.error());
-  LearnJob job;
-  job.jobs = jobs;
-  job.seed = memory.seed;
-  job.settings = memory.learn;
-  std::vector<PrimitiveKey> keys = cover_grid(*grid, job.seed);
-  // A count that was asked for is a size to measure, also where more would complete the cover.
-  if (memory.count) keys.resize(std::min<std::size_t>(keys.size(), std::size_t(grid->count)));
-  const auto summary = learn_with_progress(*robot, keys, *database, job);
-  if (!summary) return tl::unexpected(summary.error());
-  if (!summary->is_cancelled && database->size() != static_cast<std::int64_t>(keys.size())) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' holds {} primitives instead of the {} of memory {}: expected a "
-                            "file that was learned with the same settings, or none",
-                            path, database->size(), keys.size(), memory.name));
-  }
-  return LearnedMemory{summary->time_s, summary->is_cancelled};
-}
-
-Result<std::vector<Problem>> load_lessons(const std::vector<SuiteProblems>& problems) {
-  std::vector<Problem> all;
-  for (const SuiteProblems& entry : problems) {
-    ProblemLesson lesson;
-    lesson.problems = {entry.where};
-    lesson.part = entry.part;
-    Result<std::vector<Problem>> loaded = load_lesson(lesson, {});
-    if (!loaded) return loaded;
-    std::move(loaded->begin(), loaded->end(), std::back_inserter(all));
-  }
-  return all;
-}
-
-Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::string& path) {
-  const Result<std::vector<Problem>> problems = load_lessons(memory.problems);
-  if (!problems) return tl::unexpected(problems.error());
-  if (problems->empty()) return fail(ErrorCode::invalid, memory.name + ": there are no problems");
-  ProblemLesson lesson;
-  lesson.paths = memory.paths;
-  lesson.timeout_s = memory.path_timeout_s;
-  lesson.seed = memory.seed;
-  const Robot& robot = problems->front().robot;
-  DecomposeSettings decompose;
-  decompose.decomposer = memory.decomposer;
-  // Solved problems teach arms in space most as whole paths.
-  if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
-  Result<Database> database = open_database(path, robot, OpenMode::create, decompose.decomposer);
-  if (!database) return tl::unexpected(database.error());
-  const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
-  if (!summary) return tl::unexpected(summary.error());
-  return LearnedMemory{summary->time_s, summary->is_cancelled};
-}
-
-/// Learns what is not there yet; `row` is told what it took and what there is now.
-Result<LearnedMemory> learn(const SuiteMemory& memory, const std::string& path, int jobs,
-                            const std::vector<MemoryRow>& known, MemoryRow& row) {
-  const auto before = std::find_if(known.begin(), known.end(),
-                                   [&](const MemoryRow& r) { return r.name == memory.name; });
-  LearnedMemory learned;
-  if (memory.file.empty()) {
-    print_note(fmt::format("memory {}", memory.name));
-    auto result =
-        memory.primitives.empty() ? learn_problems(memory, path) : learn_grid(memory, path, jobs);
-    if (!result) return result;
-    learned = *result;
-  }
-  const Result<Database> database = inspect_database(path);
-  if (!database) return tl::unexpected(database.error());
-  const DatabaseInfo info = database->info();
-  row = {memory.name, info.samplers, info.components, info.bytes, learned.time_s};
-  const bool is_same = before != known.end() && before->primitives == row.primitives &&
-                       before->components == row.components;
-  if (is_same) row.learning_time_s = before->learning_time_s;
-  return learned;
-}
 
 Result<void> open_for_robots(const std::string& name, const std::string& path, OpenMode mode,
                              BenchPlan& plan) {
@@ -204,14 +116,17 @@ Result<ReadySuite> make_ready(const Suite& suite, const std::string& directory,
   for (const SuiteMemory& memory : suite.memories) {
     const std::string path =
         memory.file.empty() ? fmt::format("{}/{}.db", directory, memory.name) : memory.file;
-    const auto learned = learn(memory, path, jobs, known, ready.memories.emplace_back());
+    const auto learned = learn_memory(memory, path, jobs, known, ready.memories.emplace_back());
     if (!learned) return tl::unexpected(learned.error());
-    if ((ready.is_interrupted = learned->is_cancelled)) return ready;
+    if ((ready.is_interrupted = !*learned)) return ready;
     const OpenMode mode =
         learns_online(suite, memory.name) ? OpenMode::read_write : OpenMode::read_only;
     const auto opened = open_for_robots(memory.name, path, mode, ready.plan);
     if (!opened) return tl::unexpected(opened.error());
   }
+  const auto trained = train_experiences(suite, directory, ready.plan.cases);
+  if (!trained) return tl::unexpected(trained.error());
+  ready.is_interrupted = !*trained;
   return ready;
 }
 

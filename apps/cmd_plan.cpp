@@ -131,7 +131,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
-  const Result<SolveResult> result = solve_with_any(loaded->problem, database, settings, false);
+  const Result<SolveResult> result = solve_with_any(loaded->problem, database, settings, false, {});
   if (!result) return tl::unexpected(result.error());
 
   if (options.is_json) {

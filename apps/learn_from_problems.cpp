@@ -32,30 +32,6 @@ std::set<std::pair<std::string, std::uint64_t>> lessons_in(const Database& datab
   return lessons;
 }
 
-struct RepeatedPlan {
-  std::vector<Path> paths;
-  std::string message;  ///< why the last run without a path has none
-};
-
-Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
-  RepeatedPlan plan;
-  for (int i = 0; i < lesson.paths && !interrupt_flag()->load(); ++i) {
-    SolveSettings settings;
-    settings.sampler = "uniform";
-    settings.plan.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
-    settings.plan.timeout_s = lesson.timeout_s;
-    settings.plan.cancel = interrupt_flag();
-    Result<SolveResult> solved = solve(problem, nullptr, settings);
-    if (!solved) return tl::unexpected(solved.error());
-    if (solved->plan.is_solved()) {
-      plan.paths.push_back(std::move(solved->plan.path));
-    } else {
-      plan.message = std::move(solved->plan.message);
-    }
-  }
-  return plan;
-}
-
 }  // namespace
 
 Result<std::vector<Problem>> load_lesson(const ProblemLesson& lesson,
@@ -79,6 +55,25 @@ Result<std::vector<Problem>> load_lesson(const ProblemLesson& lesson,
     problems.push_back(std::move(*problem));
   }
   return problems;
+}
+
+Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
+  RepeatedPlan plan;
+  for (int i = 0; i < lesson.paths && !interrupt_flag()->load(); ++i) {
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    settings.plan.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
+    settings.plan.timeout_s = lesson.timeout_s;
+    settings.plan.cancel = interrupt_flag();
+    Result<SolveResult> solved = solve(problem, nullptr, settings);
+    if (!solved) return tl::unexpected(solved.error());
+    if (solved->plan.is_solved()) {
+      plan.paths.push_back(std::move(solved->plan.path));
+    } else {
+      plan.message = std::move(solved->plan.message);
+    }
+  }
+  return plan;
 }
 
 Result<ProblemLessonSummary> learn_from_problems(std::span<const Problem> problems,

@@ -25,6 +25,15 @@ struct ProblemLesson {
 [[nodiscard]] Result<std::vector<Problem>> load_lesson(const ProblemLesson& lesson,
                                                        const ProblemOptions& overrides);
 
+struct RepeatedPlan {
+  std::vector<Path> paths;
+  std::string message;  ///< why the last run without a path has none
+};
+
+/// Solves the problem `lesson.paths` times with uniform samples; an interrupt ends it.
+[[nodiscard]] Result<RepeatedPlan> solve_repeatedly(const Problem& problem,
+                                                    const ProblemLesson& lesson);
+
 struct ProblemLessonSummary {
   int learned = 0;   ///< problems
   int skipped = 0;   ///< learned before with the same seed

@@ -48,6 +48,7 @@ int run(const Input& input) {
   register_collision(recorded);
   register_nearest(problems->front().robot);
   register_random();
+  register_cvae(problems->front());
 #ifdef MNEME_WITH_OMPL
   register_ompl(problems->front().robot);
 #endif

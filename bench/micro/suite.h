@@ -26,6 +26,7 @@ void register_repeated(const std::string& name, const std::string& per_item,
 void register_collision(const std::vector<Edges>& recorded);
 void register_nearest(const Robot& robot);
 void register_random();
+void register_cvae(const Problem& problem);
 #ifdef MNEME_WITH_OMPL
 void register_ompl(const Robot& robot);
 #endif

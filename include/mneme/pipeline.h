@@ -128,8 +128,8 @@ struct Remembered {
 };
 
 struct SolveResult {
-  PlanResult plan;
-  GlSampler gl;  ///< empty unless the sampler is "gl" and there is a database
+  PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
+  GlSampler gl;     ///< empty unless the sampler is "gl" and there is a database
   Remembered remembered;
   double total_time_s = 0;     ///< solve() from call to return
   double planning_time_s = 0;  ///< without simplification, verification and remembering

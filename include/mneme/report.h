@@ -43,7 +43,7 @@ struct BenchmarkRow {
   std::string sampler;
   std::uint64_t seed = 0;
   PlanStatus status = PlanStatus::timeout;
-  bool is_solved = false;  ///< what the planner says
+  bool is_solved = false;  ///< what the planner says, within the time limit
   bool is_path_valid =
       false;  ///< by an independent check at ten times the resolution, double precision
   /// The planner from call to return without simplification and verification, with retrieval and

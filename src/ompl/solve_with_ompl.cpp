@@ -82,6 +82,7 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
   if (auto refused = refuse_query(*checker, {problem.start, problem.goals})) {
     result.plan = *std::move(refused);
   } else {
+    const internal::Stopwatch recalling;
     const bool asks_memory = internal::is_memory_sampler(settings.sampler) && database != nullptr;
     std::optional<internal::Recall> recall;
     if (asks_memory) {
@@ -92,10 +93,12 @@ Result<SolveResult> solve_within(const Problem& problem, Database* database,
     seed_ompl(settings.plan.seed);
     const auto allocator = make_allocator(problem, settings, recall);
     if (!allocator) return tl::unexpected(allocator.error());
+    const double recall_time_s = recalling.elapsed_s();
     ompl::OmplRun run(problem, *checker, settings, ompl, **planner, *allocator);
     auto planned = run.plan(stopwatch.elapsed_s());
     if (!planned) return tl::unexpected(planned.error());
     result.plan = std::move(*planned);
+    result.plan.planning_time_s += recall_time_s;
     if (recall && recall->failure()) return tl::unexpected(*recall->failure());
     if (recall) result.gl = recall->take();
   }

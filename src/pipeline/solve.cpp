@@ -39,10 +39,12 @@ Result<void> plan_with_memory(const Problem& problem, Database& database,
   const internal::Stopwatch stopwatch;
   internal::Recall recall(problem, database, checker, settings);
   const std::shared_ptr<const Sampler> sampler = recall.make_sampler();
+  const double recall_time_s = stopwatch.elapsed_s();
   if (recall.failure()) return tl::unexpected(*recall.failure());
   PlanSettings rest = settings.plan;
-  rest.timeout_s = std::max(0.0, rest.timeout_s - spent_s - stopwatch.elapsed_s());
+  rest.timeout_s = std::max(0.0, rest.timeout_s - spent_s - recall_time_s);
   result.plan = plan(checker, {problem.start, problem.goals}, *sampler, rest);
+  result.plan.planning_time_s += recall_time_s;
   if (recall.failure()) return tl::unexpected(*recall.failure());
   result.gl = recall.take();
   return {};

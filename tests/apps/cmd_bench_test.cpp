@@ -108,6 +108,23 @@ TEST_SUITE("flow") {
     CHECK(json["sets"][0]["sampler"] == "gl");
   }
 
+  TEST_CASE("the parts of a run's time are no more than the whole, whenever memory is asked") {
+    const PlanarFiles files;
+    const std::string csv = files / "runs.csv";
+    for (const char* after : {"0", "1"}) {
+      CAPTURE(after);
+      const ProgramRun run = run_program({"bench", "run", files.problem(), "--db", files.database(),
+                                          "--csv", csv, "--seeds", "5", "--retrieve-after", after});
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      for (const BenchmarkRow& row : rows_of(csv)) {
+        CHECK((row.retrieval_time_s > 0) == (row.sampler == "gl"));
+        CHECK(row.retrieval_time_s <= row.planning_time_s);
+        CHECK(row.planning_time_s + row.simplification_time_s + row.verification_time_s <=
+              row.total_time_s);
+      }
+    }
+  }
+
   TEST_CASE("an interrupt leaves whole rows") {
     const PlanarFiles files;
     const std::string csv = files / "runs.csv";

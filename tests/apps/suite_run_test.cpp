@@ -72,6 +72,56 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("Planners of OMPL repeat themselves with several jobs, next to native ones") {
+    const PlanarFiles files;
+    write_file(files / "ompl.yaml",
+               "problems: [problem.yaml]\nseeds: 4\ntimeout: 20\n"
+               "settings: {a: {planners: [\"ompl:RRTConnect\", rrt_connect, \"ompl:RRT\"],\n"
+               "               samplers: [uniform], max-iterations: 3000}}\n");
+    const auto iterations = [&](const std::string& jobs) {
+      const ProgramRun run =
+          run_program({"bench", "run", files / "ompl.yaml", "--out", files / jobs, "--jobs", jobs});
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      std::set<std::string> names;
+      for (const BenchmarkRow& row : rows_of(files / jobs + "/runs.csv")) {
+        names.insert(row.planner + std::to_string(row.seed) + " " + std::to_string(row.iterations));
+      }
+      return names;
+    };
+    const auto one = iterations("1");
+    CHECK((one.size() == 12 || one.size() == 4));  // 4 without OMPL
+    CHECK(iterations("3") == one);
+  }
+
+  TEST_CASE("Lightning and Thunder know the paths that their memory is learned from") {
+    const PlanarFiles files;
+    const std::string out = files / "out";
+    const auto write = [&](const std::string& memory) {
+      write_file(files / "old.yaml",
+                 "problems: [problem.yaml]\nseeds: 1\ntimeout: 20\n"
+                 "memories: {m: {" +
+                     memory +
+                     "}}\nsettings: {a: {memory: m, samplers: [uniform],\n"
+                     "  planners: [\"ompl:Lightning\", \"ompl:Thunder\"]}}\n");
+    };
+    write("problems: [problem.yaml], paths: 2");
+    const ProgramRun run = run_program({"bench", "run", files / "old.yaml", "--out", out});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    if (has_text(run.err, "left out: ompl:Lightning")) {
+      MESSAGE("skipped: mneme was built without OMPL");
+      return;
+    }
+    CHECK(has_text(run.err, "experience of ompl:Lightning from the problems of memory m"));
+    CHECK(std::filesystem::file_size(out + "/memories/m.Lightning") > 1000);
+    CHECK(std::filesystem::file_size(out + "/memories/m.Thunder") > 1000);
+    CHECK(rows_of(out + "/runs.csv").size() == 2);
+    write("robot: planar8, count: 1, starts-per-link: 1, paths-per-start: 1, primitives: " +
+          source_file("scenes/planar/grid.yaml"));
+    check_bad_inputs({{{"bench", "run", files / "old.yaml", "--out", files / "other"},
+                       1,
+                       {"setting a", "ompl:Lightning", "learned from problems"}}});
+  }
+
   TEST_CASE("A suite that was killed goes on where it was") {
     const PlanarFiles files;
     const std::string out = files / "out", csv = out + "/runs.csv";
