@@ -3,11 +3,11 @@
 
 #include "bench_solve.h"
 
-#include <fmt/format.h>
-
 #ifdef MNEME_WITH_OMPL
 #include "mneme/ompl.h"
 #endif
+
+#include <fmt/format.h>
 
 namespace mneme::app {
 namespace {

@@ -59,7 +59,8 @@ std::string time_line(const Series& series) {
 
 std::string format_ratio(double ratio) {
   if (ratio >= 100) return fmt::format("{:.0f}", ratio);
-  return ratio >= 10 ? fmt::format("{:.1f}", ratio) : fmt::format("{:.2f}", ratio);
+  if (ratio >= 10) return fmt::format("{:.1f}", ratio);
+  return ratio >= 0.1 ? fmt::format("{:.2f}", ratio) : fmt::format("{:.2g}", ratio);
 }
 
 std::string series_name(const Series& series) {

@@ -30,6 +30,9 @@ TEST_SUITE("unit") {
     const auto bound = make_panels(rows, false);
     CHECK(has(ratio_table(compare_series(bound[0], "uniform")), "≥ 9.00"));
     CHECK(has(ratio_table(compare_series(bound[0], "gl")), "≤ 0.11"));
+    rows[0].planning_time_s = 0.009;
+    const auto far = make_panels(rows, false);
+    CHECK(has(ratio_table(compare_series(far[0], "gl")), "≤ 0.001<"));
     rows[0].is_solved = rows[0].is_path_valid = false;
     const auto open = make_panels(rows, false);
     CHECK(has(ratio_table(compare_series(open[0], "uniform")), ">open<"));

@@ -135,8 +135,8 @@ settings:
     SuiteNames names = {{"rrt_connect", "rrt", "prm"},
                         {"gl", "pooled", "nearest_scenes", "cvae", "uniform", "halton", "gaussian",
                          "obstacle_based", "bridge_test", "max_clearance"}};
-    for (const char* planner :
-         {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE", "SBL", "BITstar"}) {
+    for (const char* planner : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST",
+                                "STRIDE", "SBL", "BITstar", "Lightning", "Thunder"}) {
       names.planners.push_back(std::string("ompl:") + planner);
     }
     setenv("MEMORY", "memory.db", 1);
