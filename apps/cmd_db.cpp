@@ -3,6 +3,7 @@
 
 /// mneme db: looks into a database, and keeps it in order.
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -101,19 +102,32 @@ void print_row(const Experience& row) {
              row.sampler.component_count(), row.provenance.seed, row.provenance.time);
 }
 
+Result<void> visit_first(const Database& database, std::int64_t count,
+                         const std::function<void(const Experience&)>& visit) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    const Result<Experience> row = database.get(i);
+    if (!row) return tl::unexpected(row.error());
+    visit(*row);
+  }
+  return {};
+}
+
 Result<ExitCode> run_list(const DbOptions& options) {
   const Result<Database> database = inspect_database(options.url);
   if (!database) return tl::unexpected(database.error());
   const std::int64_t count = std::min(options.limit.value_or(database->size()), database->size());
   if (options.is_json) {
     Json rows = Json::array();
-    for (std::int64_t i = 0; i < count; ++i) rows.push_back(to_json(database->get(i)));
+    const auto listed =
+        visit_first(*database, count, [&](const Experience& row) { rows.push_back(to_json(row)); });
+    if (!listed) return tl::unexpected(listed.error());
     print_json({{"samplers", database->size()}, {"rows", rows}});
     return ExitCode::done;
   }
   fmt::print("{:>8}  {:<53}  {:>10}  {:>20}  {}\n", "id", "key (x y r x y r)", "components", "seed",
              "time");
-  for (std::int64_t i = 0; i < count; ++i) print_row(database->get(i));
+  const auto listed = visit_first(*database, count, print_row);
+  if (!listed) return tl::unexpected(listed.error());
   if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
   return ExitCode::done;
 }
@@ -170,11 +184,11 @@ Result<ExitCode> run_query(const DbOptions& options) {
   if (!primitives) return tl::unexpected(primitives.error());
   Json found = Json::array();
   for (const LocalPrimitive& primitive : *primitives) {
-    const std::vector<Match> matches =
-        database->find(primitive, similarity, options.settings.max_matches);
-    if (!options.is_json) print_matches(primitive, matches);
+    const auto matches = database->find(primitive, similarity, options.settings.max_matches);
+    if (!matches) return tl::unexpected(matches.error());
+    if (!options.is_json) print_matches(primitive, *matches);
     Json rows = Json::array();
-    for (const Match& match : matches) rows.push_back(to_json(match));
+    for (const Match& match : *matches) rows.push_back(to_json(match));
     found.push_back({{"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
   }
   if (options.is_json) print_json({{"primitives", found}});

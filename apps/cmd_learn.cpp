@@ -7,8 +7,6 @@
 #include <memory>
 #include <optional>
 
-#include <glob.h>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +16,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "learn_from_problems.h"
+#include "learn_primitive_lesson.h"
 #include "learn_sharing.h"
 #include "learning_run.h"
 #include "options.h"
@@ -28,10 +27,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct LearnOptions {
-  std::string robot;
-  RobotOptions robot_options;
+  LessonSource source;
   std::string grid;
-  std::vector<std::string> scenes;
   std::string db;
   std::optional<int> count;
   std::optional<double> similarity_error;
@@ -39,7 +36,6 @@ struct LearnOptions {
   Sharing sharing;
   LearnJob job;
   ProblemLesson lesson;
-  DecomposeSettings decompose;
 };
 
 Result<PrimitiveGrid> read_grid(const LearnOptions& options) {
@@ -48,110 +44,6 @@ Result<PrimitiveGrid> read_grid(const LearnOptions& options) {
     grid.max_similarity_error = options.similarity_error.value_or(grid.max_similarity_error);
     return grid;
   });
-}
-
-/// The files that a pattern stands for; a problem's "#NAME" is no part of the pattern.
-Result<std::vector<std::string>> expand(const std::string& pattern) {
-  const std::size_t json = pattern.find(".json#");
-  const std::size_t end = json == std::string::npos ? pattern.size() : json + 5;
-  glob_t found = {};
-  const int status = glob(pattern.substr(0, end).c_str(), 0, nullptr, &found);
-  std::vector<std::string> files;
-  for (std::size_t i = 0; i < found.gl_pathc; ++i) {
-    files.push_back(found.gl_pathv[i] + pattern.substr(end));
-  }
-  globfree(&found);
-  if (status == 0) return files;
-  return fail(ErrorCode::io, fmt::format("no file matches '{}'", pattern));
-}
-
-/// The scenes and problems that a pattern stands for: all problems of a compact file without
-/// "#NAME".
-Result<std::vector<std::string>> expand_problems(const std::string& pattern) {
-  const Result<std::vector<std::string>> files = expand(pattern);
-  if (!files) return files;
-  std::vector<std::string> problems;
-  for (const std::string& file : *files) {
-    if (!file.ends_with(".json")) {
-      problems.push_back(file);
-      continue;
-    }
-    const Result<std::vector<std::string>> names = list_problems(file);
-    if (!names) return names;
-    for (const std::string& name : *names) problems.push_back(file + "#" + name);
-  }
-  return problems;
-}
-
-/// A problem says itself which joints it plans for and where the others stand.
-Result<void> check_robot(const std::string& where, const Workspace& workspace, const Robot& robot) {
-  if (!workspace.problem || workspace.problem->robot.hash() == robot.hash()) return {};
-  return fail(ErrorCode::invalid,
-              fmt::format("'{}': its robot '{}' has other joints to plan for, fixed values or "
-                          "shapes than robot '{}' of the scenes before it",
-                          where, workspace.problem->robot.name(), robot.name()));
-}
-
-Result<void> append_primitives(const std::string& where, const Robot& robot,
-                               const ProblemOptions& overrides, const DecomposeSettings& settings,
-                               std::vector<LocalProblem>& primitives) {
-  const Result<Workspace> workspace = load_workspace(where, overrides);
-  if (!workspace) return tl::unexpected(workspace.error());
-  const Result<void> fits = check_robot(where, *workspace, robot);
-  if (!fits) return fits;
-  const Result<Scene> scene = in_root_frame(workspace->framed, robot);
-  if (!scene) return tl::unexpected(scene.error());
-  const auto found = decompose(robot, *scene, settings);
-  if (!found) return tl::unexpected(found.error());
-  for (LocalProblem& problem : local_problems(*scene, *found)) {
-    const bool is_known = std::ranges::any_of(primitives, [&](const LocalProblem& known) {
-      return known.primitive.key == problem.primitive.key;
-    });
-    if (!is_known) primitives.push_back(std::move(problem));
-  }
-  return {};
-}
-
-Result<std::vector<std::string>> all_problems(const LearnOptions& options) {
-  std::vector<std::string> all;
-  for (const std::string& pattern : options.scenes) {
-    const Result<std::vector<std::string>> problems = expand_problems(pattern);
-    if (!problems) return problems;
-    all.insert(all.end(), problems->begin(), problems->end());
-  }
-  return all;
-}
-
-/// What is to be learned, and for which robot: that of the problems, if there are any.
-struct Lesson {
-  Robot robot;
-  std::vector<LocalProblem> primitives;
-};
-
-Result<Robot> choose_robot(const LearnOptions& options, const ProblemOptions& overrides,
-                           const std::vector<std::string>& problems) {
-  if (!problems.empty()) {
-    const Result<Workspace> first = load_workspace(problems.front(), overrides);
-    if (!first) return tl::unexpected(first.error());
-    if (first->problem) return first->problem->robot;
-  }
-  return load_named_robot(options.robot, options.robot_options);
-}
-
-Result<Lesson> prepare(const LearnOptions& options) {
-  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const Result<std::vector<std::string>> problems = all_problems(options);
-  if (!problems) return tl::unexpected(problems.error());
-  const Result<Robot> robot = choose_robot(options, *overrides, *problems);
-  if (!robot) return tl::unexpected(robot.error());
-  Lesson lesson{*robot, {}};
-  for (const std::string& problem : *problems) {
-    const Result<void> added =
-        append_primitives(problem, *robot, *overrides, options.decompose, lesson.primitives);
-    if (!added) return tl::unexpected(added.error());
-  }
-  return lesson;
 }
 
 Json to_json(const LearnSummary& summary, const Database& database) {
@@ -192,10 +84,14 @@ void print_coverage(const Coverage& coverage, double threshold) {
              coverage.p95, coverage.max, threshold);
 }
 
-ExitCode report(const LearnOptions& options, const LearnSummary& summary, const Database& database,
-                const std::optional<PrimitiveGrid>& grid) {
+Result<ExitCode> report(const LearnOptions& options, const LearnSummary& summary,
+                        const Database& database, const std::optional<PrimitiveGrid>& grid) {
   std::optional<Coverage> coverage;
-  if (grid) coverage = measure_coverage(database, *grid);
+  if (grid) {
+    const auto measured = measure_coverage(database, *grid);
+    if (!measured) return tl::unexpected(measured.error());
+    coverage = *measured;
+  }
   if (options.is_json) {
     Json json = to_json(summary, database);
     json["coverage"] = coverage ? to_json(*coverage, grid->max_similarity_error) : Json();
@@ -210,7 +106,8 @@ ExitCode report(const LearnOptions& options, const LearnSummary& summary, const 
 }
 
 Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
-  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
+  const Result<ProblemOptions> overrides =
+      problem_options(options.source.robot, options.source.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
   ProblemLesson lesson = options.lesson;
   lesson.seed = options.job.seed;
@@ -218,7 +115,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   if (!problems) return tl::unexpected(problems.error());
   if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
   const Robot& robot = problems->front().robot;
-  DecomposeSettings decompose = options.decompose;
+  DecomposeSettings decompose = options.source.decompose;
   if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, decompose.decomposer);
@@ -247,7 +144,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
 }
 
 /// Learns a shard of the lesson, and of what covers the grid.
-Result<LearnSummary> learn_lesson(Lesson lesson, const std::optional<PrimitiveGrid>& grid,
+Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
                                   const Fraction& shard, Database& database, const LearnJob& job) {
   if (!lesson.robot.is_planar()) {
     if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
@@ -266,7 +163,7 @@ Result<LearnSummary> learn_lesson(Lesson lesson, const std::optional<PrimitiveGr
 
 Result<ExitCode> run_learn(const LearnOptions& options) {
   if (!options.lesson.problems.empty()) return run_problem_lesson(options);
-  Result<Lesson> lesson = prepare(options);
+  Result<PrimitiveLesson> lesson = load_primitive_lesson(options.source);
   if (!lesson) return tl::unexpected(lesson.error());
   const Robot& robot = lesson->robot;
   std::optional<PrimitiveGrid> grid;
@@ -283,7 +180,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                     robot.is_planar() ? "" : "; --problems learns whole paths"));
   }
   Result<Database> database =
-      open_database(options.db, robot, OpenMode::create, options.decompose.decomposer);
+      open_database(options.db, robot, OpenMode::create, options.source.decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   job.shared = options.sharing.work(options.db);
@@ -297,11 +194,11 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
 
 void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option(
-      "--robot", options.robot,
+      "--robot", options.source.robot,
       "URDF file or name of a robot; with --problems that of the problems if left out");
-  add_robot_flags(command, options.robot_options);
+  add_robot_flags(command, options.source.robot_options);
   command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
-  command.add_option("--scenes", options.scenes,
+  command.add_option("--scenes", options.source.scenes,
                      "scenes or problems whose primitives to learn: files or patterns");
   command.add_option("--problems", options.lesson.problems,
                      "problems to solve and to learn from their paths: files, FILE.json#NAME or "
@@ -325,7 +222,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
              "grid's value");
   add_sharing(command, options.sharing);
   add_settings(command, options.job.settings);
-  add_decompose_settings(command, options.decompose);
+  add_decompose_settings(command, options.source.decompose);
 }
 
 }  // namespace
@@ -344,12 +241,12 @@ void add_learn(CLI::App& program, Action& action) {
   add_isa(*command);
   add_json(*command, options->is_json);
   command->callback([options, command, &action] {
-    const bool has_primitives = !options->grid.empty() || !options->scenes.empty();
+    const bool has_primitives = !options->grid.empty() || !options->source.scenes.empty();
     if (has_primitives == !options->lesson.problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
     check_sharing(*command, options->sharing, options->db, !has_primitives);
-    if (has_primitives && options->robot.empty()) throw CLI::RequiredError("--robot");
+    if (has_primitives && options->source.robot.empty()) throw CLI::RequiredError("--robot");
     action = [options] { return run_learn(*options); };
   });
 }

@@ -23,13 +23,14 @@ std::string describe(const Problem& problem, const ProblemLesson& lesson) {
   return fmt::format("{} paths of problem {}", lesson.paths, problem.name);
 }
 
-std::set<std::pair<std::string, std::uint64_t>> lessons_in(const Database& database) {
-  std::set<std::pair<std::string, std::uint64_t>> lessons;
-  for (std::int64_t i = 0; i < database.size(); ++i) {
-    const Provenance& provenance = database.get(i).provenance;
-    lessons.emplace(provenance.settings, provenance.seed);
-  }
-  return lessons;
+using KnownLessons = std::set<std::pair<std::string, std::uint64_t>>;
+
+Result<KnownLessons> lessons_in(const Database& database) {
+  KnownLessons lessons;
+  return database
+      .for_each(
+          [&](const auto& row) { lessons.emplace(row->provenance.settings, row->provenance.seed); })
+      .map([&] { return std::move(lessons); });
 }
 
 }  // namespace
@@ -82,6 +83,7 @@ Result<ProblemLessonSummary> learn_from_problems(std::span<const Problem> proble
                                                  Database& database) {
   const auto begin = std::chrono::steady_clock::now();
   const auto known = lessons_in(database);
+  if (!known) return tl::unexpected(known.error());
   ProblemLessonSummary summary;
   Progress progress("learning");
   for (const Problem& problem : problems) {
@@ -89,7 +91,7 @@ Result<ProblemLessonSummary> learn_from_problems(std::span<const Problem> proble
                     static_cast<std::int64_t>(problems.size()),
                     fmt::format("{} components", summary.components));
     const std::string settings = describe(problem, lesson);
-    if (known.contains({settings, lesson.seed})) {
+    if (known->contains({settings, lesson.seed})) {
       ++summary.skipped;
       continue;
     }

@@ -50,10 +50,11 @@ Result<LearnSummary> learn_with_progress(const Robot& robot,
   return learn(robot, primitives, database, std::move(job));
 }
 
-Coverage measure_coverage(const Database& database, const PrimitiveGrid& grid) {
+Result<Coverage> measure_coverage(const Database& database, const PrimitiveGrid& grid) {
   std::vector<PrimitiveKey> keys;
-  for (std::int64_t i = 0; i < database.size(); ++i) keys.push_back(database.get(i).key);
-  return mneme::measure_coverage(grid, keys, kCoverageProbes, kCoverageSeed);
+  return database.for_each([&](const auto& row) { keys.push_back(row->key); }).map([&] {
+    return mneme::measure_coverage(grid, keys, kCoverageProbes, kCoverageSeed);
+  });
 }
 
 }  // namespace mneme::app

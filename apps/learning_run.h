@@ -26,6 +26,7 @@ namespace mneme::app {
 
 /// The similarity errors that random primitives of the grid meet in the database; infinite if it is
 /// empty.
-[[nodiscard]] Coverage measure_coverage(const Database& database, const PrimitiveGrid& grid);
+[[nodiscard]] Result<Coverage> measure_coverage(const Database& database,
+                                                const PrimitiveGrid& grid);
 
 }  // namespace mneme::app

@@ -64,7 +64,7 @@ py::dict get(const Memory& memory, std::int64_t position) {
   if (position < 0 || position >= database->size()) {
     throw py::index_error(fmt::format("the database has {} rows", database->size()));
   }
-  return to_dict(database->get(position));
+  return to_dict(unwrap(database->get(position)));
 }
 
 py::list find(const Memory& memory, const LocalPrimitive& primitive,
@@ -79,7 +79,7 @@ py::list find(const Memory& memory, const LocalPrimitive& primitive,
   if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
-  for (const Match& match : database->find(primitive, threshold, max_matches)) {
+  for (const Match& match : unwrap(database->find(primitive, threshold, max_matches))) {
     py::dict row = to_dict(*match.experience);
     row["similarity_error"] = match.similarity_error;
     rows.append(row);

@@ -14,6 +14,7 @@
 #include <ctime>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include <malloc.h>
@@ -80,8 +81,14 @@ void measure_index(std::int64_t count, int size) {
   const double before = allocated_bytes();
   internal::ExperienceIndex index(size);
   const auto begin = processor_seconds();
-  for (std::int64_t i = 0; i < count; ++i) index.append(random_key(size, edge, rng));
-  index.refresh();
+  internal::IndexRows rows;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const PrimitiveKey key = random_key(size, edge, rng);
+    rows.keys.insert(rows.keys.end(), key.begin(), key.end());
+    rows.ids.push_back(i + 1);
+    rows.components.push_back(kMeans);
+  }
+  index.append(std::move(rows));
   const double build_s = processor_seconds() - begin;
   const double bytes = (allocated_bytes() - before) / static_cast<double>(count);
   const Latencies found = measure_queries(index, size, edge, rng);
@@ -103,38 +110,77 @@ Experience make_row(int size, double edge, Rng& rng) {
   return row;
 }
 
-bool measure_database(std::int64_t count, int size) {
-  const std::string path = std::filesystem::temp_directory_path() /
-                           ("mneme_scale_" + std::to_string(::getpid()) + ".db");
-  const ExperienceSpace space{"scale", "0123456789abcdef", "scale/1", kJoints, size};
+/// Rows per second of the processor, or nothing if the disk is full.
+std::optional<double> fill(const std::string& path, const ExperienceSpace& space,
+                           std::int64_t count, double edge) {
   Rng rng(1);
-  const double edge = cube_edge(count, size);
-  double insert_s = 0;
-  {
-    auto database = Database::open(path, space, OpenMode::create);
-    for (std::int64_t done = 0; database && done < count;) {
-      std::vector<Experience> rows;
-      for (; rows.size() < kRowsPerInsert && done < count; ++done) {
-        rows.push_back(make_row(size, edge, rng));
-      }
-      const auto begin = processor_seconds();
-      if (!database->insert(std::move(rows))) return false;
-      insert_s += processor_seconds() - begin;
+  double seconds = 0;
+  auto database = Database::open(path, space, OpenMode::create);
+  if (!database) return std::nullopt;
+  for (std::int64_t done = 0; done < count;) {
+    std::vector<Experience> rows;
+    for (; rows.size() < kRowsPerInsert && done < count; ++done) {
+      rows.push_back(make_row(space.key_size, edge, rng));
     }
+    const auto begin = processor_seconds();
+    if (!database->insert(std::move(rows))) return std::nullopt;
+    seconds += processor_seconds() - begin;
   }
+  return static_cast<double>(count) / seconds;
+}
+
+/// Times the opening of a database, and queries of one image which find rows that were not asked
+/// for before.
+bool measure_opening(const std::string& path, const ExperienceSpace& space, double edge,
+                     const char* what) {
   const double before = allocated_bytes();
   const auto begin = processor_seconds();
   const auto opened = Database::open(path, space, OpenMode::read_only);
   const double open_s = processor_seconds() - begin;
-  const double bytes = (allocated_bytes() - before) / static_cast<double>(count);
-  const double file_bytes = static_cast<double>(std::filesystem::file_size(path));
+  if (!opened) return false;
+  const double bytes = (allocated_bytes() - before) / static_cast<double>(opened->size());
+  Rng rng(2);
+  Latencies found;
+  for (int i = 0; i < kQueries; ++i) {
+    LocalPrimitive primitive;
+    primitive.key = random_key(space.key_size, edge, rng);
+    const auto start = processor_seconds();
+    const auto matches = opened->find(primitive, kThreshold, kMatches);
+    found.seconds.push_back(processor_seconds() - start);
+    if (!matches) return false;
+    found.matches += static_cast<double>(matches->size()) / kQueries;
+  }
+  std::sort(found.seconds.begin(), found.seconds.end());
   std::printf(
-      "database: %lld keys of %d numbers: %.0f rows/s inserted, opened in %.2f s, %.0f bytes "
-      "per row in memory, %.0f in the file\n",
-      static_cast<long long>(count), size, static_cast<double>(count) / insert_s, open_s, bytes,
-      file_bytes / static_cast<double>(count));
+      "database: %s: opened in %.2f s, %.0f bytes per row in memory; find(): %.1f matches, "
+      "p50 %.3f ms, p99 %.3f ms\n",
+      what, open_s, bytes, found.matches, 1e3 * found.seconds[kQueries / 2],
+      1e3 * found.seconds[kQueries * 99 / 100]);
+  return true;
+}
+
+bool measure_database(std::int64_t count, int size) {
+  const std::string path = std::filesystem::temp_directory_path() /
+                           ("mneme_scale_" + std::to_string(::getpid()) + ".db");
+  const std::string index = path + ".index";
+  const ExperienceSpace space{"scale", "0123456789abcdef", "scale/1", kJoints, size};
+  const double edge = cube_edge(count, size);
+  const auto rows_per_s = fill(path, space, count, edge);
+  if (rows_per_s) {
+    std::printf("database: %lld keys of %d numbers: %.0f rows/s inserted, %.0f bytes per row\n",
+                static_cast<long long>(count), size, *rows_per_s,
+                static_cast<double>(std::filesystem::file_size(path)) / static_cast<double>(count));
+  }
+  const bool has_index = std::filesystem::exists(index);
+  bool is_sound = rows_per_s && measure_opening(path, space, edge,
+                                                has_index ? "with its index" : "all in memory");
+  if (is_sound && has_index) {
+    std::filesystem::remove(index);
+    is_sound = measure_opening(path, space, edge, "without its index");
+  }
   std::filesystem::remove(path);
-  return opened.has_value();
+  std::filesystem::remove(index);
+  return is_sound;
 }
 
 }  // namespace

@@ -55,9 +55,9 @@ struct ExperienceSpace {
 
 /// A stored experience that is similar to a query.
 struct Match {
-  const Experience* experience = nullptr;  ///< valid as long as the database
-  double similarity_error = 0;             ///< squared distance of the keys
-  Symmetry to_scene;                       ///< takes the stored means to the query's scene
+  std::shared_ptr<const Experience> experience;  ///< never null
+  double similarity_error = 0;                   ///< squared distance of the keys
+  Symmetry to_scene;                             ///< takes the stored means to the query's scene
 };
 
 struct DatabaseInfo {
@@ -80,11 +80,21 @@ struct Damage {
 
 enum class OpenMode { read_only, read_write, create };
 
+/// How a database is kept open.
+struct DatabaseSettings {
+  /// Bytes of rows in memory, without their keys; at least 0. A database whose file (or tables on a
+  /// server) is larger reads only the keys when it is opened, and a row when it first matches;
+  /// those that were not asked for the longest time are dropped again. A smaller one is in memory
+  /// as a whole, and all of it is checked when it is opened.
+  std::int64_t memory_bytes = std::int64_t{256} << 20;
+};
+
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server
 /// (docs/database.md). A URL is the path of a file or `postgresql://...`, as libpq reads it. All
-/// rows are in memory while it is open. find() and get() may run in parallel with each other;
-/// insert() and refresh() may run in parallel with them and with themselves. Another process may
-/// insert at the same time; its rows are seen after the next refresh(), insert() or opening.
+/// keys are in memory while it is open, and rows as far as the settings allow. Const is
+/// parallel-safe; insert() and refresh() may run in parallel with all of it and with themselves,
+/// and find() does not wait for them. Another process may insert at the same time; its rows are
+/// seen after the next refresh(), insert() or opening.
 class Database {
  public:
   /// Opens `url`. With `create`, a missing or empty file, or a server without our tables, becomes
@@ -94,9 +104,10 @@ class Database {
   /// mneme wrote it, if an older one did and it is to be written (migrate_database() helps), or if
   /// this mneme was built without the engine; io.
   [[nodiscard]] static Result<Database> open(const std::string& url, const ExperienceSpace& space,
-                                             OpenMode mode);
+                                             OpenMode mode, const DatabaseSettings& settings = {});
   /// Opens for reading whatever space it is of, to look at it.
-  [[nodiscard]] static Result<Database> inspect(const std::string& url);
+  [[nodiscard]] static Result<Database> inspect(const std::string& url,
+                                                const DatabaseSettings& settings = {});
 
   Database(Database&&) noexcept;
   Database& operator=(Database&&) noexcept;
@@ -105,13 +116,17 @@ class Database {
   [[nodiscard]] const ExperienceSpace& space() const;
   [[nodiscard]] DatabaseInfo info() const;
   [[nodiscard]] std::int64_t size() const;
-  /// Experience by position, 0 to size() - 1, in order of insertion.
-  [[nodiscard]] const Experience& get(std::int64_t position) const;
+  /// Experience by position, 0 to size() - 1, in order of insertion. Errors: as of find().
+  [[nodiscard]] Result<Experience> get(std::int64_t position) const;
+  /// Visits all experience in order of insertion. Errors: as of find().
+  [[nodiscard]] Result<void> for_each(
+      const std::function<void(const std::shared_ptr<const Experience>&)>& visit) const;
 
   /// The experiences whose similarity error to `primitive` is less than `threshold`, nearest first,
-  /// at most `max_matches` (0: all). Ties are broken by id. O(log size) for few matches.
-  [[nodiscard]] std::vector<Match> find(const LocalPrimitive& primitive, double threshold,
-                                        int max_matches) const;
+  /// at most `max_matches` (0: all). Ties are broken by id. O(log size) for few matches. Errors, of
+  /// rows that are not in memory: corrupt, naming a damaged one; io.
+  [[nodiscard]] Result<std::vector<Match>> find(const LocalPrimitive& primitive, double threshold,
+                                                int max_matches) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
   /// process and a loss of power. A row whose key, mixture, settings and seed are those of a row
@@ -129,7 +144,8 @@ class Database {
  private:
   struct State;
   explicit Database(std::unique_ptr<State> state);
-  static Result<Database> load(Result<internal::OpenedStore> opened, const std::string& url);
+  static Result<Database> load(Result<internal::OpenedStore> opened, const std::string& url,
+                               const DatabaseSettings& settings);
   std::unique_ptr<State> state_;
 };
 

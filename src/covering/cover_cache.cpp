@@ -77,16 +77,6 @@ std::string cover_key(const TriangleMesh& surface, const CoverSettings& settings
   return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
-std::string CoverCache::default_directory() {
-  const auto absolute = [](const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value == '/' ? std::string(value) : std::string();
-  };
-  if (const std::string cache = absolute("XDG_CACHE_HOME"); !cache.empty()) return cache + "/mneme";
-  const std::string home = absolute("HOME");
-  return home.empty() ? "" : home + "/.cache/mneme";
-}
-
 std::string CoverCache::path_of(const std::string& key) const {
   return fmt::format("{}/cover-{}.json", directory_, key);
 }

@@ -22,9 +22,6 @@ class CoverCache {
   /// In an empty `directory` nothing is found or stored.
   explicit CoverCache(std::string directory) : directory_(std::move(directory)) {}
 
-  /// $XDG_CACHE_HOME/mneme, or ~/.cache/mneme; empty if neither variable is an absolute path.
-  [[nodiscard]] static std::string default_directory();
-
   [[nodiscard]] const std::string& directory() const { return directory_; }
   /// The cover that was stored under `key`, without the link's name; nothing if there is none or
   /// its file is damaged.

@@ -8,6 +8,7 @@
 
 #include "covering/cover_robot.h"
 #include "covering/inseparable_pairs.h"
+#include "data/cache_directory.h"
 
 namespace mneme {
 namespace {
@@ -67,7 +68,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
   if (std::ranges::any_of(parts->links, has_solids)) {
-    const internal::CoverCache cache(internal::CoverCache::default_directory());
+    const internal::CoverCache cache(internal::cache_directory());
     auto made = internal::cover_robot(std::move(*parts), settings, cache);
     if (!made) {
       return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
-#include "experience/experience_index.h"
+#include "experience/index_file.h"
 #include "experience/open_store.h"
+#include "experience/row_loader.h"
 #include "experience/space.h"
 #include "experience/store_reads.h"
 #include "experience/store_writes.h"
@@ -11,129 +12,204 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
 #include <mutex>
-#include <shared_mutex>
 #include <unordered_set>
+#include <utility>
 
 namespace mneme {
 
 using internal::ExperienceIndex;
+using internal::RowParts;
+using internal::SharedExperience;
 using internal::StoreState;
 
-/// `store` and `reached` belong to whoever holds `writing`; everything after `mutex` to whoever
-/// holds that, and may also be read by whoever holds `writing`, because only they change it.
-struct Database::State {
-  explicit State(internal::OpenedStore opened)
-      : url(opened.store->name()),
-        space(std::move(opened.space)),
-        schema_version(opened.schema_version),
-        store(std::move(opened.store)),
-        index(std::make_unique<ExperienceIndex>(std::max(space.key_size, 1))) {}
+namespace {
 
+/// Rows on their way into a database's memory.
+struct FreshRows {
+  internal::IndexRows keys;
+  std::vector<SharedExperience> rows;  // those that were read whole
+
+  void add(const Experience& row, std::int64_t components) {
+    keys.ids.push_back(row.id);
+    keys.components.push_back(static_cast<std::int32_t>(components));
+    keys.keys.insert(keys.keys.end(), row.key.begin(), row.key.end());
+  }
+};
+
+}  // namespace
+
+/// What is not const belongs to whoever holds `writing`, but for the index: whoever searches takes
+/// the one that is there, and goes on with it while the next one is made.
+struct Database::State {
+  State(internal::OpenedStore opened, const std::string& asked_url,
+        const DatabaseSettings& settings);
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() { save_if_useful(); }
+
+  /// Reads the index that was saved, if there is a good one, and all that came since.
+  Result<void> read();
+  Result<void> take_saved_index();
   /// Reads what came since `reached`; returns the number of rows.
   Result<std::int64_t> catch_up();
-  void append(std::vector<Experience> fresh);
-  /// Appends `fresh` and forgets the rows that `is_gone` names.
-  void replace(std::vector<Experience> fresh,
-               const std::function<bool(const Experience&)>& is_gone);
+  /// Reads what the store is of, if that was not known yet. False if nothing is in it.
+  Result<bool> is_filled();
+  Result<internal::StoreChanges> read_fresh(FreshRows& fresh,
+                                            std::unordered_set<std::int64_t>& seen);
+  /// Forgets rows, and adds others.
+  void change(const std::vector<std::int64_t>& gone, FreshRows fresh);
+  void save_if_useful();
 
-  /// The platform's shared locks let readers in as long as there are any. Whoever waits to write
-  /// keeps the door, so that threads that search without a pause cannot hold up an insertion for
-  /// ever.
-  [[nodiscard]] std::shared_lock<std::shared_mutex> lock_to_read() const {
-    const std::lock_guard entering(door);
-    return std::shared_lock(mutex);
+  [[nodiscard]] std::shared_ptr<const ExperienceIndex> index() const {
+    const std::lock_guard lock(publishing);
+    return published;
   }
-  [[nodiscard]] std::unique_lock<std::shared_mutex> lock_to_write() const {
-    const std::lock_guard entering(door);
-    return std::unique_lock(mutex);
-  }
+  /// Not all rows are in memory.
+  [[nodiscard]] bool is_partial() const { return is_too_large || rows.cache().is_full(); }
+  [[nodiscard]] std::unordered_set<std::int64_t> known_ids() const;
 
   const std::string url;
   const ExperienceSpace space;
+  const bool is_too_large;
+  const std::string index_file;  // empty if there is no place for one
+  internal::RowLoader rows;
+
   std::mutex writing;
   int schema_version;
   std::unique_ptr<internal::Store> store;
   StoreState reached;
+  std::int64_t saved_size = 0;  // of the index in the file
 
-  mutable std::mutex door;
-  mutable std::shared_mutex mutex;
-  std::deque<Experience> rows;  // never moves or loses an element, so that Matches stay valid
-  std::vector<const Experience*> live;
-  std::unique_ptr<ExperienceIndex> index;  // its positions are those of `live`
-  std::int64_t components = 0;
+  mutable std::mutex publishing;
+  std::shared_ptr<const ExperienceIndex> published;
 };
 
-void Database::State::append(std::vector<Experience> fresh) {
-  const auto lock = lock_to_write();
-  for (Experience& row : fresh) {
-    index->append(row.key);
-    components += row.sampler.component_count();
-    live.push_back(&rows.emplace_back(std::move(row)));
-  }
-  index->refresh();
+Database::State::State(internal::OpenedStore opened, const std::string& asked_url,
+                       const DatabaseSettings& settings)
+    : url(opened.store->name()),
+      space(std::move(opened.space)),
+      is_too_large(opened.store->bytes().value_or(0) > settings.memory_bytes),
+      index_file(internal::index_file_of(asked_url)),
+      rows(asked_url, space, settings.memory_bytes),
+      schema_version(opened.schema_version),
+      store(std::move(opened.store)),
+      published(std::make_shared<const ExperienceIndex>(std::max(space.key_size, 1))) {}
+
+Result<void> Database::State::take_saved_index() {
+  if (!is_too_large || index_file.empty()) return {};
+  auto saved = internal::load_index(index_file, space);
+  if (!saved) return {};
+  const auto transaction = store->begin(internal::Store::Kind::read);
+  if (!transaction) return tl::unexpected(transaction.error());
+  const auto head = (*transaction)->head();
+  if (!head) return tl::unexpected(head.error());
+  // Of the same epoch only new rows need be read, and the digest tells whether the old ones are
+  // those of the index. Otherwise it may be that of another file which had this one's name.
+  if (head->epoch != saved->state.epoch || head->row_count < saved->state.row_count) return {};
+  reached = saved->state;
+  saved_size = saved->index.size();
+  published = std::make_shared<const ExperienceIndex>(std::move(saved->index));
+  return {};
 }
 
-void Database::State::replace(std::vector<Experience> fresh,
-                              const std::function<bool(const Experience&)>& is_gone) {
-  // Whoever searches goes on with the old index until the new one is complete.
-  auto new_index = std::make_unique<ExperienceIndex>(std::max(space.key_size, 1));
-  std::vector<const Experience*> kept;
-  std::int64_t kept_components = 0;
-  for (const Experience* row : live) {
-    if (is_gone(*row)) continue;
-    new_index->append(row->key);
-    kept_components += row->sampler.component_count();
-    kept.push_back(row);
+Result<void> Database::State::read() {
+  if (const auto taken = take_saved_index(); !taken) return taken;
+  auto done = catch_up();
+  if (!done && saved_size > 0) {
+    reached = {};
+    saved_size = 0;
+    published = std::make_shared<const ExperienceIndex>(std::max(space.key_size, 1));
+    done = catch_up();
   }
-  new_index->refresh();
-  {
-    const auto lock = lock_to_write();
-    std::swap(index, new_index);
-    std::swap(live, kept);
-    components = kept_components;
-  }
-  append(std::move(fresh));
+  if (!done) return tl::unexpected(done.error());
+  save_if_useful();
+  return {};
 }
 
-Result<std::int64_t> Database::State::catch_up() {
-  if (schema_version == 0) {
-    const auto version = store->schema_version();
-    if (!version) return tl::unexpected(version.error());
-    if (*version == 0) return 0;
-    const auto found = store->space();
-    if (!found) return tl::unexpected(found.error());
-    if (!internal::is_same_space(*found, space)) return internal::refuse_space(url, *found, space);
-    schema_version = *version;
-  }
+void Database::State::save_if_useful() {
+  const std::int64_t size = published->size();
+  const bool is_stale = size - saved_size > size / 8 || saved_size > size;
+  if (index_file.empty() || !is_stale || !is_partial()) return;
+  if (internal::save_index(index_file, space, reached, *published)) saved_size = size;
+}
+
+std::unordered_set<std::int64_t> Database::State::known_ids() const {
   std::unordered_set<std::int64_t> known;
-  std::unordered_set<std::int64_t> seen;
-  std::vector<Experience> fresh;
+  for (const auto& tree : published->trees()) {
+    known.insert(tree->data().ids.begin(), tree->data().ids.end());
+  }
+  return known;
+}
+
+void Database::State::change(const std::vector<std::int64_t>& gone, FreshRows fresh) {
+  auto next = std::make_shared<ExperienceIndex>(*published);
+  if (!gone.empty()) {
+    const std::unordered_set<std::int64_t> ids(gone.begin(), gone.end());
+    next->remove([&](std::int64_t id) { return ids.contains(id); });
+    rows.cache().forget(gone);
+  }
+  next->append(std::move(fresh.keys));
+  rows.cache().keep(fresh.rows);
+  std::shared_ptr<const ExperienceIndex> last = std::move(next);
+  const std::lock_guard lock(publishing);
+  std::swap(published, last);
+}
+
+Result<bool> Database::State::is_filled() {
+  if (schema_version > 0) return true;
+  const auto version = store->schema_version();
+  if (!version) return tl::unexpected(version.error());
+  if (*version == 0) return false;
+  const auto found = store->space();
+  if (!found) return tl::unexpected(found.error());
+  if (!internal::is_same_space(*found, space)) return internal::refuse_space(url, *found, space);
+  schema_version = *version;
+  return true;
+}
+
+Result<internal::StoreChanges> Database::State::read_fresh(FreshRows& fresh,
+                                                           std::unordered_set<std::int64_t>& seen) {
+  const auto parts = is_partial() ? RowParts::keys : RowParts::all;
+  std::unordered_set<std::int64_t> known;
   const auto visit = [&](const internal::StoredRow& row) -> Result<void> {
     if (row.id <= reached.last_row) {
-      if (known.empty()) {
-        for (const Experience* old : live) known.insert(old->id);
-      }
+      if (known.empty()) known = known_ids();
       seen.insert(row.id);
       if (known.contains(row.id)) return {};
     }
-    if (const auto flaw = internal::decode(row, space, fresh.emplace_back())) {
+    auto experience = std::make_shared<Experience>();
+    const auto flaw = parts == RowParts::all ? internal::decode(row, space, *experience)
+                                             : internal::decode_key(row, space, *experience);
+    if (flaw) {
       return fail(ErrorCode::corrupt, fmt::format("{}: row {} is damaged: {}", url, row.id, *flaw));
     }
+    fresh.add(*experience, row.components);
+    if (parts == RowParts::all) fresh.rows.push_back(std::move(experience));
     return {};
   };
-  const auto changes = internal::read_changes(*store, reached, internal::RowParts::all, visit);
+  return internal::read_changes(*store, reached, parts, visit);
+}
+
+Result<std::int64_t> Database::State::catch_up() {
+  const auto filled = is_filled();
+  if (!filled) return tl::unexpected(filled.error());
+  if (!*filled) return 0;
+  FreshRows fresh;
+  std::unordered_set<std::int64_t> seen;
+  const auto changes = read_fresh(fresh, seen);
   if (!changes) return tl::unexpected(changes.error());
-  const auto is_gone = [&](const Experience& row) {
-    return changes->buried.contains(row.id) || (changes->is_complete && !seen.contains(row.id));
-  };
-  const auto count = static_cast<std::int64_t>(fresh.size());
-  if (std::ranges::any_of(live, [&](const Experience* row) { return is_gone(*row); })) {
-    replace(std::move(fresh), is_gone);
-  } else if (count > 0) {
-    append(std::move(fresh));
+  std::vector<std::int64_t> gone;
+  if (changes->is_complete || !changes->buried.empty()) {
+    for (const auto& tree : published->trees()) {
+      std::ranges::copy_if(tree->data().ids, std::back_inserter(gone), [&](std::int64_t id) {
+        return changes->buried.contains(id) || (changes->is_complete && !seen.contains(id));
+      });
+    }
   }
+  const auto count = static_cast<std::int64_t>(fresh.keys.ids.size());
+  rows.set_epoch(changes->state.epoch);
+  if (count > 0 || !gone.empty()) change(gone, std::move(fresh));
   reached = changes->state;
   return count;
 }
@@ -143,34 +219,37 @@ Database::Database(Database&&) noexcept = default;
 Database& Database::operator=(Database&&) noexcept = default;
 Database::~Database() = default;
 
-Result<Database> Database::load(Result<internal::OpenedStore> opened, const std::string& url) {
+Result<Database> Database::load(Result<internal::OpenedStore> opened, const std::string& url,
+                                const DatabaseSettings& settings) {
   if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
-  auto state = std::make_unique<State>(std::move(*opened));
-  if (state->schema_version > 0) {
-    const auto read = state->catch_up();
+  const bool is_empty = opened->schema_version == 0;
+  auto state = std::make_unique<State>(std::move(*opened), url, settings);
+  if (!is_empty) {
+    const auto read = state->read();
     if (!read) return tl::unexpected(internal::with_advice(read.error(), url));
   }
   return Database(std::move(state));
 }
 
-Result<Database> Database::open(const std::string& url, const ExperienceSpace& space,
-                                OpenMode mode) {
-  return load(internal::open_store_of(url, space, mode), url);
+Result<Database> Database::open(const std::string& url, const ExperienceSpace& space, OpenMode mode,
+                                const DatabaseSettings& settings) {
+  return load(internal::open_store_of(url, space, mode), url, settings);
 }
 
-Result<Database> Database::inspect(const std::string& url) {
-  return load(internal::inspect_store(url), url);
+Result<Database> Database::inspect(const std::string& url, const DatabaseSettings& settings) {
+  return load(internal::inspect_store(url), url, settings);
 }
 
 const ExperienceSpace& Database::space() const { return state_->space; }
 
 DatabaseInfo Database::info() const {
   const std::lock_guard writing(state_->writing);
+  const auto index = state_->index();
   DatabaseInfo info;
   info.url = state_->url;
   info.space = state_->space;
-  info.samplers = static_cast<std::int64_t>(state_->live.size());
-  info.components = state_->components;
+  info.samplers = index->size();
+  info.components = index->components();
   info.bytes = state_->store->bytes().value_or(0);
   info.schema_version = state_->schema_version;
   info.generation = state_->reached.generation;
@@ -178,26 +257,50 @@ DatabaseInfo Database::info() const {
   return info;
 }
 
-std::int64_t Database::size() const {
-  const auto lock = state_->lock_to_read();
-  return static_cast<std::int64_t>(state_->live.size());
+std::int64_t Database::size() const { return state_->index()->size(); }
+
+Result<Experience> Database::get(std::int64_t position) const {
+  const std::int64_t id = state_->index()->id(position);
+  const auto rows = state_->rows.load({&id, 1}, true);
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->front() != nullptr) return *rows->front();
+  return fail(ErrorCode::corrupt, fmt::format("{}: row {} was set aside", state_->url, id));
 }
 
-const Experience& Database::get(std::int64_t position) const {
-  const auto lock = state_->lock_to_read();
-  return *state_->live[static_cast<std::size_t>(position)];
+Result<void> Database::for_each(
+    const std::function<void(const std::shared_ptr<const Experience>&)>& visit) const {
+  constexpr std::size_t kRowsAtOnce = 500;
+  const auto index = state_->index();
+  for (const auto& tree : index->trees()) {
+    std::span<const std::int64_t> ids = tree->data().ids;
+    while (!ids.empty()) {
+      const auto part = ids.first(std::min(kRowsAtOnce, ids.size()));
+      ids = ids.subspan(part.size());
+      const auto rows = state_->rows.load(part, false);
+      if (!rows) return tl::unexpected(rows.error());
+      for (const SharedExperience& row : *rows) {
+        if (row != nullptr) visit(row);
+      }
+    }
+  }
+  return {};
 }
 
-std::vector<Match> Database::find(const LocalPrimitive& primitive, double threshold,
-                                  int max_matches) const {
-  if (primitive.key.size() != static_cast<std::size_t>(state_->space.key_size)) return {};
-  const std::vector<KeyImage> queries = images(primitive.key);
-  const auto lock = state_->lock_to_read();
+Result<std::vector<Match>> Database::find(const LocalPrimitive& primitive, double threshold,
+                                          int max_matches) const {
   std::vector<Match> matches;
-  for (const auto& found : state_->index->find(queries, threshold, max_matches)) {
-    const Symmetry to_canonical{0, queries[found.image].is_mirrored};
+  if (primitive.key.size() != static_cast<std::size_t>(state_->space.key_size)) return matches;
+  const std::vector<KeyImage> queries = images(primitive.key);
+  const auto found = state_->index()->find(queries, threshold, max_matches);
+  std::vector<std::int64_t> ids;
+  for (const internal::IndexMatch& match : found) ids.push_back(match.id);
+  auto rows = state_->rows.load(ids, true);
+  if (!rows) return tl::unexpected(rows.error());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (rows->at(i) == nullptr) continue;
+    const Symmetry to_canonical{0, queries[found[i].image].is_mirrored};
     matches.push_back(
-        {state_->live[found.position], found.error, compose(primitive.to_scene, to_canonical)});
+        {std::move(rows->at(i)), found[i].error, compose(primitive.to_scene, to_canonical)});
   }
   return matches;
 }
@@ -213,13 +316,14 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
     (void)state_->catch_up();
     return appended->ids;
   }
-  std::vector<Experience> fresh;
+  FreshRows fresh;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!appended->is_new[i]) continue;
     rows[i].id = appended->ids[i];
-    fresh.push_back(std::move(rows[i]));
+    fresh.add(rows[i], rows[i].sampler.component_count());
+    fresh.rows.push_back(std::make_shared<const Experience>(std::move(rows[i])));
   }
-  state_->append(std::move(fresh));
+  state_->change({}, std::move(fresh));
   state_->reached = appended->state;
   return appended->ids;
 }

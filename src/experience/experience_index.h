@@ -1,47 +1,52 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Nearest canonical keys: a k-d tree over most of them, and a scan of the few that came since it
-/// was built.
+/// Nearest canonical keys among rows that come and, rarely, go.
 #pragma once
 
+#include "experience/key_tree.h"
 #include "mneme/primitive.h"
 
-#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace mneme::internal {
 
-/// A key near a query.
-struct IndexMatch {
-  std::uint32_t position = 0;  ///< in order of append()
-  std::uint32_t image = 0;     ///< the image of the query that is nearest; the first of equals
-  double error = 0;            ///< squared distance to it
-};
-
-/// Const is parallel-safe.
+/// A few trees, each at least about twice as large as the next: a new one takes in those that are
+/// not larger than itself (Bentley and Saxe, "Decomposable searching problems I", 1980). A copy
+/// shares the trees, which never change: who writes changes a copy while others search the index as
+/// it was. Const is parallel-safe.
 class ExperienceIndex {
  public:
-  explicit ExperienceIndex(int key_size);
-  ~ExperienceIndex();
+  explicit ExperienceIndex(int key_size) : key_size_(key_size) {}
+  /// Of the trees() of another.
+  ExperienceIndex(int key_size, std::vector<std::shared_ptr<const KeyTree>> trees);
 
-  /// Adds a key of `key_size` finite numbers; what is added is found at once, and fast after
-  /// refresh().
-  void append(std::span<const double> key);
-  /// Rebuilds the tree if many keys came since the last time: O(log size) per key, seen over all of
-  /// them.
-  void refresh();
+  /// O(log^2 size) per row, seen over all of them.
+  void append(IndexRows rows);
+  void remove(const std::function<bool(std::int64_t)>& is_gone);
 
-  /// The keys whose squared distance to the nearest of `images` is less than `threshold`: nearest
-  /// first, ties by position, at most `max_matches` (0: all).
+  /// The rows whose key's squared distance to the nearest of `images` is less than `threshold`:
+  /// nearest first, ties by id, at most `max_matches` (0: all).
   [[nodiscard]] std::vector<IndexMatch> find(std::span<const KeyImage> images, double threshold,
                                              int max_matches) const;
 
+  [[nodiscard]] int key_size() const { return key_size_; }
+  [[nodiscard]] std::int64_t size() const { return size_; }
+  /// Of all rows together.
+  [[nodiscard]] std::int64_t components() const { return components_; }
+  /// Of the row at a position in order of insertion, 0 to size() - 1.
+  [[nodiscard]] std::int64_t id(std::int64_t position) const;
+  [[nodiscard]] const std::vector<std::shared_ptr<const KeyTree>>& trees() const { return trees_; }
+
  private:
-  struct Tree;
-  std::unique_ptr<Tree> tree_;
+  void count();
+
+  int key_size_;
+  std::vector<std::shared_ptr<const KeyTree>> trees_;
+  std::int64_t size_ = 0;
+  std::int64_t components_ = 0;
 };
 
 }  // namespace mneme::internal

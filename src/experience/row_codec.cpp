@@ -46,6 +46,7 @@ bool from_bytes(std::span<const std::byte> bytes, std::vector<Number>& numbers) 
 /// Sizes and hashes of columns, so that bytes cannot move from one column to the next unnoticed.
 class ColumnDigest {
  public:
+  ColumnDigest() { numbers_.reserve(kMostNumbers); }
   ColumnDigest& add(std::int64_t number) {
     numbers_.push_back(number);
     return *this;
@@ -61,6 +62,7 @@ class ColumnDigest {
   [[nodiscard]] std::int64_t value() const { return hash_numbers(numbers_); }
 
  private:
+  static constexpr std::size_t kMostNumbers = 18;
   std::vector<std::int64_t> numbers_;
 };
 
@@ -128,6 +130,8 @@ std::int64_t hash_numbers(std::span<const std::int64_t> numbers) {
 
 ContentHash content_hash(const RowView& row) {
   std::vector<std::byte> bytes;
+  bytes.reserve(row.key.size() + row.means.size() + row.factor_rows.size() + row.factors.size() +
+                row.origins.size() + row.settings.size() + 7 * sizeof(std::int64_t));
   const auto add_number = [&](std::int64_t number) {
     const auto at = bytes.size();
     const auto raw = std::as_bytes(std::span(&number, 1));

@@ -21,10 +21,7 @@ class KeySet {
  public:
   explicit KeySet(std::size_t key_size) : index_(static_cast<int>(key_size)) {}
 
-  void add(const PrimitiveKey& key) {
-    index_.append(key);
-    index_.refresh();
-  }
+  void add(const PrimitiveKey& key) { index_.append({{index_.size()}, {0}, key}); }
   [[nodiscard]] double nearest_error(const PrimitiveKey& key) const {
     const auto matches = index_.find(images(key), std::numeric_limits<double>::infinity(), 1);
     return matches.empty() ? std::numeric_limits<double>::infinity() : matches.front().error;

@@ -17,28 +17,23 @@ namespace {
 
 using internal::Lesson;
 
-/// Rows that wait for one transaction: a commit costs a few milliseconds, a killed job loses at
-/// most these.
+/// Rows that wait for one transaction, which costs a few milliseconds, and how long they wait: a
+/// killed job loses at most these, and what waits for an earlier primitive.
 constexpr std::size_t kRowsPerTransaction = 32;
+constexpr double kPatience_s = 1;
 
 class LearnRun {
  public:
   LearnRun(const Robot& robot, std::span<const Lesson> lessons, Database& database,
            const LearnJob& job)
-      : robot_(robot), database_(database), job_(job), settings_text_(describe(job.settings)) {
-    std::set<std::uint64_t> known;
-    for (std::int64_t i = 0; i < database.size(); ++i) {
-      const Provenance& provenance = database.get(i).provenance;
-      if (provenance.settings == settings_text_) known.insert(provenance.seed);
-    }
-    for (const Lesson& lesson : lessons) {
-      const std::uint64_t seed = internal::lesson_seed(job.seed, *lesson.key);
-      if (known.insert(seed).second) tasks_.push_back({lesson, seed});
-    }
-    summary_.skipped = static_cast<std::int64_t>(lessons.size() - tasks_.size());
-  }
+      : robot_(robot),
+        lessons_(lessons),
+        database_(database),
+        job_(job),
+        settings_text_(describe(job.settings)) {}
 
   Result<LearnSummary> run() {
+    if (const auto chosen = choose_tasks(); !chosen) return tl::unexpected(chosen.error());
     std::vector<std::jthread> workers;
     for (int i = 0; i < std::max(1, job_.jobs); ++i) workers.emplace_back([this] { work(); });
     store_results();
@@ -55,6 +50,18 @@ class LearnRun {
     std::uint64_t seed = 0;
   };
 
+  /// Leaves out what was learned before.
+  Result<void> choose_tasks() {
+    auto known = internal::learned_seeds(database_, settings_text_);
+    if (!known) return tl::unexpected(known.error());
+    for (const Lesson& lesson : lessons_) {
+      const std::uint64_t seed = internal::lesson_seed(job_.seed, *lesson.key);
+      if (known->insert(seed).second) tasks_.push_back({lesson, seed});
+    }
+    summary_.skipped = static_cast<std::int64_t>(lessons_.size() - tasks_.size());
+    return {};
+  }
+
   void work() {
     for (;;) {
       const std::size_t task = next_task_.fetch_add(1);
@@ -70,39 +77,49 @@ class LearnRun {
 
   /// Inserts results in the order of the keys, so that the file does not depend on the threads.
   void store_results() {
-    std::vector<Experience> rows;
     double last_progress_s = 0;
     for (std::size_t task = 0; task < tasks_.size() && !has_failed_.load(); ++task) {
       auto learned = wait_for(task);
       if (!learned) break;
       if (!*learned) return stop_with(learned->error());
-      rows.push_back(internal::make_row(tasks_[task].lesson, std::move((*learned)->sampler),
-                                        settings_text_, tasks_[task].seed));
-      internal::count(rows.back(), summary_);
-      if (rows.size() >= kRowsPerTransaction && !insert(rows)) return;
+      rows_.push_back(internal::make_row(tasks_[task].lesson, std::move((*learned)->sampler),
+                                         settings_text_, tasks_[task].seed));
+      internal::count(rows_.back(), summary_);
+      if (is_time_to_insert() && !insert()) return;
       if (job_.on_progress && stopwatch_.elapsed_s() - last_progress_s >= 1) {
         last_progress_s = stopwatch_.elapsed_s();
         report_progress();
       }
     }
-    if (!insert(rows)) return;
-    if (job_.on_progress) report_progress();
+    if (!has_failed_.load() && insert() && job_.on_progress) report_progress();
   }
 
-  /// The result of `task`, or nothing if the job was cancelled before it.
+  [[nodiscard]] bool is_time_to_insert() const {
+    return rows_.size() >= kRowsPerTransaction ||
+           (!rows_.empty() && stopwatch_.elapsed_s() - inserted_s_ >= kPatience_s);
+  }
+
+  /// The result of `task`, or nothing if the job was cancelled before it or rows cannot be stored.
   std::optional<Result<LearnResult>> wait_for(std::size_t task) {
     std::unique_lock lock(mutex_);
     while (!finished_.contains(task)) {
       if (internal::is_cancelled(job_)) return std::nullopt;
+      if (is_time_to_insert()) {
+        lock.unlock();
+        if (!insert()) return std::nullopt;
+        lock.lock();
+        continue;
+      }
       is_finished_.wait_for(lock, std::chrono::milliseconds(50));
     }
     auto node = finished_.extract(task);
     return std::move(node.mapped());
   }
 
-  bool insert(std::vector<Experience>& rows) {
-    if (rows.empty()) return true;
-    auto inserted = database_.insert(std::exchange(rows, {}));
+  bool insert() {
+    if (rows_.empty()) return true;
+    auto inserted = database_.insert(std::exchange(rows_, {}));
+    inserted_s_ = stopwatch_.elapsed_s();
     if (!inserted) stop_with(inserted.error());
     return inserted.has_value();
   }
@@ -120,6 +137,7 @@ class LearnRun {
 
   internal::Stopwatch stopwatch_;
   const Robot& robot_;
+  std::span<const Lesson> lessons_;
   Database& database_;
   const LearnJob& job_;
   std::string settings_text_;
@@ -129,6 +147,9 @@ class LearnRun {
   std::mutex mutex_;
   std::condition_variable is_finished_;
   std::map<std::size_t, Result<LearnResult>> finished_;
+  // Of the thread that stores results.
+  std::vector<Experience> rows_;
+  double inserted_s_ = 0;
   std::optional<Error> error_;
   LearnSummary summary_;
 };

@@ -17,6 +17,16 @@ std::uint64_t lesson_seed(std::uint64_t job_seed, const PrimitiveKey& key) {
   return seed;
 }
 
+Result<std::set<std::uint64_t>> learned_seeds(const Database& database,
+                                              const std::string& settings_text) {
+  std::set<std::uint64_t> seeds;
+  return database
+      .for_each([&](const auto& row) {
+        if (row->provenance.settings == settings_text) seeds.insert(row->provenance.seed);
+      })
+      .map([&] { return std::move(seeds); });
+}
+
 Result<LearnResult> learn(const Robot& robot, const Lesson& lesson, const LearnJob& job,
                           std::uint64_t seed) {
   if (lesson.problem == nullptr) {

@@ -6,6 +6,8 @@
 
 #include "mneme/learning.h"
 
+#include <set>
+
 namespace mneme::internal {
 
 /// What to learn; without a problem, the pair of circles that the key describes.
@@ -16,6 +18,10 @@ struct Lesson {
 
 /// The seed of one lesson: depends on the primitive, not on its place in a list.
 [[nodiscard]] std::uint64_t lesson_seed(std::uint64_t job_seed, const PrimitiveKey& key);
+
+/// The seeds of what was learned with these settings before.
+[[nodiscard]] Result<std::set<std::uint64_t>> learned_seeds(const Database& database,
+                                                            const std::string& settings_text);
 
 [[nodiscard]] Result<LearnResult> learn(const Robot& robot, const Lesson& lesson,
                                         const LearnJob& job, std::uint64_t seed);

@@ -93,14 +93,11 @@ class SharedRun {
     if (!queue) return tl::unexpected(queue.error());
     queue_ = std::move(*queue);
     const std::int64_t generation = database_.info().generation;
-    std::set<std::uint64_t> known;
-    for (std::int64_t i = 0; i < database_.size(); ++i) {
-      const Provenance& provenance = database_.get(i).provenance;
-      if (provenance.settings == settings_text_) known.insert(provenance.seed);
-    }
+    const auto known = learned_seeds(database_, settings_text_);
+    if (!known) return tl::unexpected(known.error());
     std::vector<std::int64_t> missing;
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      if (!known.contains(tasks_[i].seed)) missing.push_back(static_cast<std::int64_t>(i));
+      if (!known->contains(tasks_[i].seed)) missing.push_back(static_cast<std::int64_t>(i));
     }
     return queue_->add(missing, generation);
   }

@@ -39,12 +39,12 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
   return one_way_distance(a, b) + one_way_distance(b, a);
 }
 
-GaussianMixture pool_all(const Robot& robot, const Database& database) {
+Result<GaussianMixture> pool_all(const Robot& robot, const Database& database) {
   std::vector<Match> matches;
-  for (std::int64_t i = 0; i < database.size(); ++i) {
-    matches.push_back({&database.get(i), 0, {}});
-  }
-  return synthesize_matches(robot, std::move(matches));
+  return database.for_each([&](const auto& row) {
+                   matches.push_back({row, 0, {}});
+                 })
+      .map([&] { return synthesize_matches(robot, std::move(matches)); });
 }
 
 Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& scene,
@@ -63,10 +63,10 @@ Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& s
     // A mirror image reflects the direction too.
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
-    for (std::int64_t i = 0; i < database.size(); ++i) {
-      const Experience& row = database.get(i);
-      matches.push_back({&row, scene_distance(canonical, row.key), to_scene});
-    }
+    const auto visited = database.for_each([&](const auto& row) {
+      matches.push_back({row, scene_distance(canonical, row->key), to_scene});
+    });
+    if (!visited) return tl::unexpected(visited.error());
   }
   const auto wanted = static_cast<std::size_t>(settings.max_matches) * primitives->size();
   const auto count = settings.max_matches == 0 ? matches.size() : std::min(wanted, matches.size());

@@ -9,7 +9,7 @@
 namespace mneme::internal {
 
 /// All components of the database, where they were learned: canonical, moved by no symmetry.
-[[nodiscard]] GaussianMixture pool_all(const Robot& robot, const Database& database);
+[[nodiscard]] Result<GaussianMixture> pool_all(const Robot& robot, const Database& database);
 
 /// The components of the rows whose primitive resembles the scene as a whole: as many rows as
 /// retrieval per primitive may find. Scene and primitive are sets of circles, brought to canonical

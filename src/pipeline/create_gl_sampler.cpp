@@ -55,8 +55,9 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   if (!primitives) return tl::unexpected(primitives.error());
   // A key always matches itself: what was learned for it, now or before, serves it.
   const double threshold = std::max(settings.similarity, std::numeric_limits<double>::denorm_min());
-  const auto retrieve = [&](const LocalPrimitive& primitive) {
-    return database.find(primitive, threshold, settings.max_matches);
+  const auto retrieve = [&](PrimitiveRetrieval& retrieval) {
+    return database.find(retrieval.primitive, threshold, settings.max_matches)
+        .map([&](std::vector<Match> matches) { retrieval.matches = std::move(matches); });
   };
   // Local queries are made for arms threaded through pairs of circles only.
   const bool can_learn = robot.is_planar();
@@ -68,14 +69,16 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
     if (is_over()) break;
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = std::move(primitive);
-    retrieval.matches = retrieve(retrieval.primitive);
+    if (auto done = retrieve(retrieval); !done) return tl::unexpected(done.error());
     const double rest_s = settings.plan.timeout_s - stopwatch.elapsed_s() - kInsertionTime;
     const double budget_s = std::min(settings.learn_budget_s - gl.learning_time_s, rest_s);
     if (!retrieval.matches.empty() || budget_s <= 0 || !can_learn) continue;
     const internal::Stopwatch learning;
     auto learned = learn_on_miss(robot, settings, budget_s, database, retrieval);
     if (!learned) return tl::unexpected(learned.error());
-    if (retrieval.is_learned) retrieval.matches = retrieve(retrieval.primitive);
+    if (retrieval.is_learned) {
+      if (auto done = retrieve(retrieval); !done) return tl::unexpected(done.error());
+    }
     gl.learning_time_s += learning.elapsed_s();
   }
   gl.mixture = std::make_shared<const GaussianMixture>(internal::synthesize(robot, gl.primitives));

@@ -10,8 +10,8 @@
 
 namespace mneme::internal {
 
-GlSampler recall_paths(const Problem& problem, const Database& database,
-                       const SolveSettings& settings) {
+Result<GlSampler> recall_paths(const Problem& problem, const Database& database,
+                               const SolveSettings& settings) {
   const Stopwatch stopwatch;
   GlSampler gl;
   // A query that is remembered exactly always matches itself.
@@ -19,7 +19,9 @@ GlSampler recall_paths(const Problem& problem, const Database& database,
   for (const Configuration& goal : problem.goals) {
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = make_query_primitive(problem.robot, problem.start, goal);
-    retrieval.matches = database.find(retrieval.primitive, threshold, settings.max_matches);
+    auto matches = database.find(retrieval.primitive, threshold, settings.max_matches);
+    if (!matches) return tl::unexpected(matches.error());
+    retrieval.matches = std::move(*matches);
   }
   gl.mixture = std::make_shared<const GaussianMixture>(
       warp_paths(problem.robot, problem.start, problem.goals, gl.primitives));

@@ -10,7 +10,7 @@ namespace mneme::internal {
 
 /// Retrieves the paths whose ends are most similar to the problem's, goal by goal, and bends them
 /// to it. The settings are complete; `database` is of the decomposer "paths".
-[[nodiscard]] GlSampler recall_paths(const Problem& problem, const Database& database,
-                                     const SolveSettings& settings);
+[[nodiscard]] Result<GlSampler> recall_paths(const Problem& problem, const Database& database,
+                                             const SolveSettings& settings);
 
 }  // namespace mneme::internal

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/fixtures.h"
 
+#include "experience/open_store.h"
+
 #include <atomic>
 #include <set>
 #include <thread>
@@ -41,11 +43,13 @@ TEST_SUITE("flow") {
         readers.emplace_back([&, seed] {
           Rng rng(seed);
           while (!is_done) {
-            for (const Match& match : database.find(make_primitive(random_key(rng)), 3, 8)) {
+            const auto matches = database.find(make_primitive(random_key(rng)), 3, 8);
+            if (!matches) is_sound = false;
+            for (const Match& match : matches.value_or(std::vector<Match>())) {
               if (match.experience->id < 1 || match.similarity_error >= 3) is_sound = false;
             }
             const std::int64_t size = database.size();
-            if (size > 0 && database.get(size - 1).id != size) is_sound = false;
+            if (size > 0 && database.get(size - 1)->id != size) is_sound = false;
           }
         });
       }
@@ -58,6 +62,39 @@ TEST_SUITE("flow") {
     }
     CHECK(verify_database(directory / "a.db")->empty());
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 2 * 4 * kBatches);
+  }
+
+  TEST_CASE("whoever searches or refreshes does not wait for whoever waits to write") {
+    const TemporaryDirectory directory;
+    Rng rng(59);
+    const auto rows = random_rows(rng, 50);
+    REQUIRE(open_database(directory / "a.db").insert(rows));
+    const auto partly = Database::open(directory / "a.db", arm_space(), OpenMode::read_only, {0});
+    REQUIRE(partly.has_value());
+    Database reader = open_database(directory / "a.db", OpenMode::read_only);
+    Database writer = open_database(directory / "a.db", OpenMode::read_write);
+    auto lock = internal::open_store(directory / "a.db", OpenMode::read_write);
+    REQUIRE(lock.has_value());
+    auto held = (*lock)->begin(internal::Store::Kind::write);
+    REQUIRE(held.has_value());
+    std::atomic<bool> is_inserted = false;
+    std::thread waiting([&] {
+      Rng other(60);
+      is_inserted = writer.insert(random_rows(other, 2)).has_value();
+    });
+    // Each of these would last until the lock is let go, which only happens after them.
+    for (const Experience& row : rows) {
+      CHECK(writer.find(make_primitive(row.key), 1e-9, 1)->size() == 1);
+      CHECK(partly->find(make_primitive(row.key), 1e-9, 1)->size() == 1);
+    }
+    CHECK(writer.size() == 50);
+    CHECK(reader.refresh() == 0);
+    CHECK(!is_inserted);
+    held->reset();
+    waiting.join();
+    CHECK(is_inserted);
+    CHECK(writer.size() == 52);
+    CHECK(reader.refresh() == 2);
   }
 
   TEST_CASE("processes that create and fill one database do not lose each other's rows") {
@@ -76,8 +113,8 @@ TEST_SUITE("flow") {
     REQUIRE(database.size() == 3 * 2 * kBatches);
     std::set<std::uint64_t> seeds;
     for (std::int64_t i = 0; i < database.size(); ++i) {
-      CHECK(database.get(i).id == i + 1);
-      seeds.insert(database.get(i).provenance.seed);
+      CHECK(database.get(i)->id == i + 1);
+      seeds.insert(database.get(i)->provenance.seed);
     }
     CHECK(seeds.size() == 3 * 2 * kBatches);
   }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/fixtures.h"
 
-#include <cstdlib>
 #include <set>
 
 namespace mneme::test {
@@ -28,7 +27,7 @@ void remove_database(const std::string& path) {
 bool has_same_rows(const Database& a, const Database& b) {
   if (a.size() != b.size()) return false;
   for (std::int64_t i = 0; i < a.size(); ++i) {
-    if (a.get(i).id != b.get(i).id || !is_same_content(a.get(i), b.get(i))) return false;
+    if (a.get(i)->id != b.get(i)->id || !is_same_content(*a.get(i), *b.get(i))) return false;
   }
   return true;
 }
@@ -55,12 +54,6 @@ bool can_grow_or_is_refused(const std::string& path, const Experience& row) {
   return reopened && reopened->size() == kRowCount + 1 && verify_database(path)->empty();
 }
 
-/// Rounds of the tests below: MNEME_SOAK asks for more of them.
-int rounds(int usual) {
-  const char* soak = std::getenv("MNEME_SOAK");
-  return soak == nullptr ? usual : std::max(usual, std::atoi(soak));
-}
-
 /// Puts `verify` with quarantine to the test: afterwards the file is sound and holds nothing but
 /// rows of the original, or it is refused.
 bool is_cured_or_refused(const std::string& path, const Database& sound, std::int64_t& lost) {
@@ -70,9 +63,9 @@ bool is_cured_or_refused(const std::string& path, const Database& sound, std::in
   if (!opened) return !damages->empty() && !damages->front().is_quarantined;
   std::set<std::int64_t> ids;
   for (std::int64_t i = 0; i < opened->size(); ++i) {
-    const std::int64_t id = opened->get(i).id;
+    const std::int64_t id = opened->get(i)->id;
     if (id < 1 || id > kRowCount || !ids.insert(id).second) return false;
-    if (!is_same_content(opened->get(i), sound.get(id - 1))) return false;
+    if (!is_same_content(*opened->get(i), *sound.get(id - 1))) return false;
   }
   lost += kRowCount - opened->size();
   std::set<std::int64_t> named;

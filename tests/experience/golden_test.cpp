@@ -31,9 +31,9 @@ TEST_SUITE("flow") {
       const Database database = open_database(path, OpenMode::read_only);
       REQUIRE(database.size() == 2);
       CHECK(database.info().schema_version == 1);
-      CHECK(is_same_content(database.get(0), rows[0]));
-      CHECK(is_same_content(database.get(1), rows[1]));
-      CHECK(database.find(make_primitive(rows[0].key), 0.1, 1).size() == 1);
+      CHECK(is_same_content(*database.get(0), rows[0]));
+      CHECK(is_same_content(*database.get(1), rows[1]));
+      CHECK(database.find(make_primitive(rows[0].key), 0.1, 1)->size() == 1);
     }
     CHECK(verify_database(path)->empty());
     const Error refused = open_error(path, OpenMode::read_write);
@@ -45,8 +45,8 @@ TEST_SUITE("flow") {
       Rng rng(31);
       Database database = open_database(path, OpenMode::read_write);
       REQUIRE(database.size() == 2);
-      CHECK(is_same_content(database.get(0), rows[0]));
-      CHECK(is_same_content(database.get(1), rows[1]));
+      CHECK(is_same_content(*database.get(0), rows[0]));
+      CHECK(is_same_content(*database.get(1), rows[1]));
       CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2});
       CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{3});
     }
@@ -61,8 +61,8 @@ TEST_SUITE("flow") {
     {
       Database database = open_database(path, OpenMode::read_write);
       REQUIRE(database.size() == 2);
-      CHECK(is_same_content(database.get(0), rows[0]));
-      CHECK(is_same_content(database.get(1), rows[1]));
+      CHECK(is_same_content(*database.get(0), rows[0]));
+      CHECK(is_same_content(*database.get(1), rows[1]));
       CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2});
     }
     CHECK(verify_database(path)->empty());

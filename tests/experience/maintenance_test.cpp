@@ -16,7 +16,7 @@ std::vector<std::string> contents(const std::string& path) {
   const Database database = open_database(path, OpenMode::read_only);
   std::vector<std::string> result;
   for (std::int64_t i = 0; i < database.size(); ++i) {
-    const Experience& row = database.get(i);
+    const Experience row = *database.get(i);
     std::string text = row.provenance.time + row.provenance.tool;
     for (const double number : row.key) text += " " + std::to_string(number);
     result.push_back(text + std::to_string(row.provenance.seed));

@@ -33,8 +33,8 @@ TEST_SUITE("unit") {
     CHECK(copy.info().schema_version == 1);
     REQUIRE(copy.size() == 2);
     for (int i = 0; i < 2; ++i) {
-      CHECK(copy.get(i).id == database.get(i).id);
-      CHECK(is_same_content(copy.get(i), database.get(i)));
+      CHECK(copy.get(i)->id == database.get(i)->id);
+      CHECK(is_same_content(*copy.get(i), *database.get(i)));
     }
     CHECK(verify_database(path)->empty());
   }

@@ -40,8 +40,8 @@ TEST_SUITE("flow") {
          std::initializer_list<const Database*>{&writer, &reader, &again}) {
       REQUIRE(database->size() == 30);
       for (int i = 0; i < 30; ++i) {
-        CHECK(database->get(i).id == i + 1);
-        CHECK(is_same_content(database->get(i), rows[static_cast<std::size_t>(i)]));
+        CHECK(database->get(i)->id == i + 1);
+        CHECK(is_same_content(*database->get(i), rows[static_cast<std::size_t>(i)]));
       }
     }
     CHECK(again.info().bytes > 8192);
@@ -67,7 +67,7 @@ TEST_SUITE("flow") {
     const auto database = Database::open(url, space, OpenMode::read_only);
     REQUIRE(database.has_value());
     REQUIRE(database->size() == 1);
-    CHECK(is_same_content(database->get(0), row));
+    CHECK(is_same_content(*database->get(0), row));
     CHECK(database->space().robot_name == attack);
     // A URL is for libpq alone: what it does not understand is no SQL either.
     CHECK(
@@ -132,6 +132,41 @@ TEST_SUITE("flow") {
     CHECK(verify_database(url)->empty());
   }
 
+  TEST_CASE("whoever searches or refreshes does not wait for whoever waits to write to a server") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    Rng rng(8);
+    const auto rows = random_rows(rng, 20);
+    REQUIRE(open_database(url).insert(rows));
+    const TemporaryDirectory directory;
+    ::setenv("XDG_CACHE_HOME", (directory / "").c_str(), 1);
+    const auto partly = Database::open(url, arm_space(), OpenMode::read_only, {0});
+    REQUIRE(partly.has_value());
+    Database reader = open_database(url, OpenMode::read_only);
+    Database writer = open_database(url);
+    auto lock = connect_to(url);
+    REQUIRE(lock.query("BEGIN").has_value());
+    REQUIRE(lock.query("SELECT 1 FROM mneme_head FOR UPDATE").has_value());
+    std::atomic<bool> is_inserted = false;
+    std::thread waiting([&] {
+      Rng other(9);
+      is_inserted = writer.insert(random_rows(other, 2)).has_value();
+    });
+    for (const Experience& row : rows) {
+      CHECK(writer.find(make_primitive(row.key), 1e-9, 1)->size() == 1);
+      const auto matches = partly->find(make_primitive(row.key), 1e-9, 1);
+      REQUIRE(matches->size() == 1);
+      CHECK(is_same_content(*matches->front().experience, row));
+    }
+    CHECK(reader.refresh() == 0);
+    CHECK(!is_inserted);
+    REQUIRE(lock.query("ROLLBACK").has_value());
+    waiting.join();
+    CHECK(is_inserted);
+    CHECK(reader.refresh() == 2);
+  }
+
   TEST_CASE("a role without the right to write can read, and no more") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
@@ -190,7 +225,7 @@ TEST_SUITE("flow") {
       REQUIRE(database.refresh().has_value());
       std::set<std::uint64_t> stored;
       for (std::int64_t i = 0; i < database.size(); ++i) {
-        stored.insert(database.get(i).provenance.seed);
+        stored.insert(database.get(i)->provenance.seed);
       }
       CHECK(std::includes(stored.begin(), stored.end(), acknowledged.begin(), acknowledged.end()));
     }

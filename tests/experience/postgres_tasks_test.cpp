@@ -93,8 +93,8 @@ TEST_SUITE("flow") {
     CHECK(slow->renew(lost, kHour)->empty());
     const Database database = open_database(url, OpenMode::read_only);
     REQUIRE(database.size() == 2);
-    CHECK(is_same_content(database.get(0), rows[1]));
-    CHECK(is_same_content(database.get(1), rows[2]));
+    CHECK(is_same_content(*database.get(0), rows[1]));
+    CHECK(is_same_content(*database.get(1), rows[2]));
     CHECK(quick->count_open() == 0);
   }
 

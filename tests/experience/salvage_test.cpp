@@ -37,7 +37,7 @@ TEST_SUITE("unit") {
     CHECK(!damages.empty());
     CHECK(damages.size() < 20);
     for (std::int64_t i = 0; i < database.size(); ++i) {
-      const Experience& row = database.get(i);
+      const Experience row = *database.get(i);
       CHECK(is_same_content(row, rows[static_cast<std::size_t>(row.id - 1)]));
     }
   }

@@ -63,7 +63,7 @@ TEST_SUITE("unit") {
         CHECK(verify_database(directory / "a.db")->empty());
         const Database database = open_database(directory / "a.db", OpenMode::read_only);
         REQUIRE(database.size() == 1);
-        CHECK(is_same_content(database.get(0), early_tool));
+        CHECK(is_same_content(*database.get(0), early_tool));
       }
     }
     const TemporaryDirectory directory;
@@ -89,7 +89,7 @@ TEST_SUITE("unit") {
     CHECK(verify_database(directory / "a.db")->empty());
     const Database database = open_database(directory / "a.db", OpenMode::read_only);
     REQUIRE(database.size() == 50);
-    CHECK(database.get(0).id == 151);
+    CHECK(database.get(0)->id == 151);
     const auto more = append_rows(*store, random_rows(rng, 1), Duplicates::keep_first);
     CHECK(more->ids == std::vector<std::int64_t>{201});
   }

@@ -71,7 +71,7 @@ TEST_SUITE("unit") {
     CHECK(verify_database(directory / "a.db")->empty());
     Database database = open_database(directory / "a.db", OpenMode::read_write);
     REQUIRE(database.size() == 4);
-    CHECK(database.get(1).id == 3);
+    CHECK(database.get(1)->id == 3);
     CHECK(database.info().tombstones == 2);
     Rng rng(73);
     CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{7});
@@ -93,7 +93,7 @@ TEST_SUITE("unit") {
       Rng rng(74);
       Database database = open_database(directory / "a.db", OpenMode::read_write);
       CHECK(database.size() >= 4);
-      CHECK(database.get(0).id == 2);
+      CHECK(database.get(0)->id == 2);
       CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{7});
     }
   }

@@ -25,7 +25,7 @@ LearnJob cheap_job(std::uint64_t seed = 1, int jobs = 1) {
 
 std::vector<PrimitiveKey> keys_of(const Database& database) {
   std::vector<PrimitiveKey> keys;
-  for (std::int64_t i = 0; i < database.size(); ++i) keys.push_back(database.get(i).key);
+  for (std::int64_t i = 0; i < database.size(); ++i) keys.push_back(database.get(i)->key);
   return keys;
 }
 
@@ -33,11 +33,11 @@ std::vector<PrimitiveKey> keys_of(const Database& database) {
 void check_same_contents(const Database& a, const Database& b) {
   REQUIRE(a.size() == b.size());
   for (std::int64_t i = 0; i < a.size(); ++i) {
-    CHECK(a.get(i).key == b.get(i).key);
-    CHECK(is_same_mixture(a.get(i).sampler, b.get(i).sampler));
-    CHECK(a.get(i).provenance.seed == b.get(i).provenance.seed);
-    CHECK(a.get(i).provenance.settings == b.get(i).provenance.settings);
-    CHECK(a.get(i).provenance.tool == b.get(i).provenance.tool);
+    CHECK(a.get(i)->key == b.get(i)->key);
+    CHECK(is_same_mixture(a.get(i)->sampler, b.get(i)->sampler));
+    CHECK(a.get(i)->provenance.seed == b.get(i)->provenance.seed);
+    CHECK(a.get(i)->provenance.settings == b.get(i)->provenance.settings);
+    CHECK(a.get(i)->provenance.tool == b.get(i)->provenance.tool);
   }
 }
 
@@ -70,7 +70,7 @@ TEST_SUITE("law") {
     const LearnSummary summary = learn_all(robot, random_keys(10, 42), database, cheap_job());
     int empty = 0;
     for (std::int64_t i = 0; i < database.size(); ++i) {
-      const Experience& row = database.get(i);
+      const Experience row = *database.get(i);
       CHECK(row.provenance.settings == describe(cheap_settings()));
       CHECK(row.provenance.tool == "mneme " + std::string(version()));
       CHECK(!row.provenance.time.empty());
@@ -153,7 +153,7 @@ TEST_SUITE("unit") {
     CHECK(database.size() == 18);
     std::set<std::vector<float>> different;
     for (std::int64_t i = 0; i < database.size(); ++i) {
-      different.insert(database.get(i).sampler.means);
+      different.insert(database.get(i)->sampler.means);
     }
     CHECK(different.size() == 18);
   }
@@ -173,7 +173,27 @@ TEST_SUITE("unit") {
     // A primitive's sampler does not depend on its place in a list.
     Database other = make_database(directory / "b.db", robot);
     learn_all(robot, some, other, cheap_job());
-    CHECK(is_same_mixture(other.get(1).sampler, database.get(1).sampler));
+    CHECK(is_same_mixture(other.get(1)->sampler, database.get(1)->sampler));
+  }
+
+  TEST_CASE("what takes long to learn is stored after a second, however little it is") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    LearnJob job = cheap_job();
+    job.settings.paths_per_start = 200;
+    std::atomic<bool> is_cancelled = false;
+    job.cancel = &is_cancelled;
+    std::int64_t stored = 0;
+    job.on_progress = [&](const LearnProgress&) {
+      if (!is_cancelled) stored = make_database(directory / "a.db", robot).size();
+      is_cancelled = true;
+    };
+    // Fewer than make a transaction.
+    const LearnSummary summary = learn_all(robot, random_keys(30, 49), database, job);
+    CHECK(summary.is_cancelled);
+    CHECK(summary.learned < 30);
+    CHECK(stored > 0);
   }
 
   TEST_CASE("no keys are no work") {

@@ -9,11 +9,12 @@
 #include "experience/postgres_server.h"
 #endif
 
+#include <fmt/format.h>
+
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <thread>
 
 namespace mneme::test {
@@ -52,24 +53,31 @@ std::string learned_alone(const Robot& robot, const std::vector<PrimitiveKey>& k
   return exported(directory / "a.db");
 }
 
-std::int64_t ask(const std::string& url, const char* sql) {
-  auto connection = connect_to(url);
+std::int64_t ask(internal::PostgresConnection& connection, const char* sql) {
   const auto answer = connection.query(sql);
   REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
   return answer->integer(0, 0);
+}
+
+std::int64_t ask(const std::string& url, const char* sql) {
+  auto connection = connect_to(url);
+  return ask(connection, sql);
+}
+
+/// Asks again and again, with pauses that leave the processor to others, until the answer is true.
+void wait_until(const std::string& url, const char* condition) {
+  auto connection = connect_to(url);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (ask(connection, fmt::format("SELECT ({})::int", condition).c_str()) == 0) {
+    REQUIRE(std::chrono::steady_clock::now() < patience);
+    REQUIRE(connection.query("SELECT pg_sleep(0.01)").has_value());
+  }
 }
 
 /// A process that works on a job, and ends with 0 if all went well.
 pid_t start_worker(const std::string& url, const Robot& robot,
                    const std::vector<PrimitiveKey>& keys) {
   return start_child([&] { return work(url, robot, keys, shared_job(url)) ? 0 : 1; });
-}
-
-/// True if more tasks are done than `done`, which it updates, or all of them.
-bool has_progress(const std::string& url, std::int64_t& done) {
-  const std::int64_t before = done;
-  done = ask(url, "SELECT count(done_generation) FROM mneme_task");
-  return done > before || ask(url, "SELECT count(*) - count(done_generation) FROM mneme_task") == 0;
 }
 
 #endif
@@ -182,8 +190,7 @@ TEST_SUITE("flow") {
     {
       (void)make_database(url, robot);
       const std::jthread worker([&] { summary = work(url, robot, keys, job); });
-      while (ask(url, "SELECT count(*) FROM mneme_experience") == 0) {
-      }
+      wait_until(url, "EXISTS (SELECT 1 FROM mneme_experience)");
       server->kill_postmaster();
       REQUIRE(server->start());
     }
@@ -195,20 +202,24 @@ TEST_SUITE("flow") {
   TEST_CASE("workers of which one is killed again and again do every task once in effect") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
-    const char* soak = std::getenv("MNEME_SOAK");
     const std::string url = server->new_url();
     const Robot robot = planar8();
-    const auto keys = random_keys(soak == nullptr ? 100 : 100 * std::max(1, std::atoi(soak)), 64);
+    const auto keys = random_keys(rounds(100), 64);
     std::array<pid_t, 4> workers{};
     for (pid_t& worker : workers) worker = start_worker(url, robot, keys);
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (ask(url, "SELECT (to_regclass('mneme_task') IS NULL)::int") == 1) {
-      REQUIRE(std::chrono::steady_clock::now() < patience);
-    }
+    wait_until(url, "to_regclass('mneme_task') IS NOT NULL");
     int killed = 0;
-    std::int64_t done = 0;
-    while (killed < 6 || ask(url, "SELECT count(*) - count(done_generation) FROM mneme_task") > 0) {
-      if (!has_progress(url, done)) continue;
+    const int wanted = rounds(6);
+    auto watcher = connect_to(url);
+    const auto open_tasks = [&] {
+      return ask(watcher, "SELECT count(*) - count(done_generation) FROM mneme_task");
+    };
+    for (std::int64_t open = open_tasks(); killed < wanted || open > 0; open = open_tasks()) {
+      // The next one goes when there is something new to lose.
+      wait_until(url, fmt::format("SELECT count(*) - count(done_generation) < greatest({}, 1) "
+                                  "FROM mneme_task",
+                                  open)
+                          .c_str());
       pid_t& victim = workers[static_cast<std::size_t>(killed) % workers.size()];
       ::kill(victim, SIGKILL);
       killed += wait_for(victim) == -1 ? 1 : 0;

@@ -15,7 +15,7 @@ struct TwoRows {
   std::vector<PrimitiveKey> keys = {near_pair(), make_primitive({6, 1.4, 1.2, 6.4, -1.5, 1.3}).key};
   TwoRows() { learn_into(database, robot, keys); }
   [[nodiscard]] int components(std::int64_t row) const {
-    return database.get(row).sampler.component_count();
+    return database.get(row)->sampler.component_count();
   }
 };
 
@@ -25,9 +25,9 @@ TEST_SUITE("unit") {
   TEST_CASE("the pooled sampler is all components as they were learned") {
     const TwoRows memory;
     REQUIRE(memory.components(0) > 0);
-    const GaussianMixture pooled = internal::pool_all(memory.robot, memory.database);
+    const GaussianMixture pooled = *internal::pool_all(memory.robot, memory.database);
     CHECK(pooled.component_count() == memory.components(0) + memory.components(1));
-    CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0).sampler, 0)) <
+    CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler, 0)) <
           1e-5);
   }
 
@@ -41,7 +41,7 @@ TEST_SUITE("unit") {
         const auto mixture =
             internal::recall_nearest_scenes(memory.robot, scene, memory.database, settings);
         REQUIRE(mixture.has_value());
-        const LocalSampler& learned = memory.database.get(static_cast<std::int64_t>(row)).sampler;
+        const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler;
         REQUIRE(mixture->component_count() == learned.component_count());
         const Configuration turned =
             moved_configuration({0, -1}, {rotation, false}, mean_of(learned, 0));

@@ -68,8 +68,8 @@ TEST_SUITE("unit") {
     CHECK(gl.learning_time_s > 0);
     CHECK(gl.learning_time_s < 5.05);
     REQUIRE(database.size() == 1);
-    CHECK(database.get(0).key == gl.primitives[0].primitive.key);
-    CHECK(!database.get(0).provenance.settings.empty());
+    CHECK(database.get(0)->key == gl.primitives[0].primitive.key);
+    CHECK(!database.get(0)->provenance.settings.empty());
 
     const GlSampler again = create(robot, scene, database, learning_settings());
     CHECK(!again.primitives[0].is_learned);
@@ -127,7 +127,7 @@ TEST_SUITE("unit") {
     CHECK(database.size() == 1);
     REQUIRE(gl.primitives[1].matches.size() == 1);
     CHECK(gl.primitives[1].matches[0].experience == gl.primitives[0].matches[0].experience);
-    const int stored = database.get(0).sampler.component_count();
+    const int stored = database.get(0)->sampler.component_count();
     REQUIRE(gl.mixture->component_count() == 2 * stored);
     REQUIRE(gl.mixture->origins.size() == static_cast<std::size_t>(2 * stored));
     CHECK(gl.mixture->origins.front() == 0);

@@ -19,8 +19,8 @@ struct PathMemory {
     REQUIRE(database.insert(learn_whole_paths(problem.robot, paths)).has_value());
   }
   [[nodiscard]] GlSampler recall(const SolveSettings& settings = {}) {
-    return internal::recall_paths(problem, database,
-                                  internal::complete_settings(settings, problem.robot, &database));
+    return *internal::recall_paths(problem, database,
+                                   internal::complete_settings(settings, problem.robot, &database));
   }
 };
 

@@ -316,7 +316,7 @@ TEST_SUITE("unit") {
     settings.resolution = 0.03;
     const auto learned_with = [&] {
       solve_or_fail(problem, &database, settings);
-      return database.get(database.size() - 1).provenance.settings;
+      return database.get(database.size() - 1)->provenance.settings;
     };
     CHECK(learned_with().find("learn-resolution=0.03") != std::string::npos);
     Database other = make_database(directory / "b.db", problem.robot);

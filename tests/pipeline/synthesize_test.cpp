@@ -37,6 +37,10 @@ std::vector<float> factor_of(const GaussianMixture& mixture, int component) {
   return {begin, begin + size};
 }
 
+std::shared_ptr<const Experience> shared(const Experience& row) {
+  return std::make_shared<const Experience>(row);
+}
+
 PrimitiveRetrieval retrieve(const std::vector<Match>& matches) {
   PrimitiveRetrieval retrieval;
   retrieval.matches = matches;
@@ -54,8 +58,8 @@ TEST_SUITE("law") {
     const Experience a = random_experience(robot, 6, rng), b = random_experience(robot, 3, rng);
     const Symmetry turned{2.5, false}, mirrored{-1, true};
     const std::vector<PrimitiveRetrieval> primitives = {
-        retrieve({{&a, 0.1, turned}}), retrieve({}),
-        retrieve({{&b, 0, mirrored}, {&a, 0.2, mirrored}, {&b, 0.1, turned}})};
+        retrieve({{shared(a), 0.1, turned}}), retrieve({}),
+        retrieve({{shared(b), 0, mirrored}, {shared(a), 0.2, mirrored}, {shared(b), 0.1, turned}})};
     // Whatever they were retrieved for: equally similar ones in the scene's order.
     const std::vector<std::pair<Origin, Match>> expected_order = {{2, primitives[2].matches[0]},
                                                                   {0, primitives[0].matches[0]},
@@ -81,8 +85,8 @@ TEST_SUITE("law") {
     const Robot robot = planar8();
     Rng rng(2);
     const Experience a = random_experience(robot, 2, rng), b = random_experience(robot, 6, rng);
-    const auto mixture = std::make_shared<const GaussianMixture>(
-        internal::synthesize(robot, std::vector{retrieve({{&a, 0, {}}}), retrieve({{&b, 0, {}}})}));
+    const auto mixture = std::make_shared<const GaussianMixture>(internal::synthesize(
+        robot, std::vector{retrieve({{shared(a), 0, {}}}), retrieve({{shared(b), 0, {}}})}));
     const auto sampler = make_mixture_sampler(robot, mixture, 0.1);
     const auto stream = sampler->start(1);
     std::vector<float> q(8);
@@ -96,7 +100,7 @@ TEST_SUITE("law") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, {near_pair()});
-    const LocalSampler& stored = database.get(0).sampler;
+    const LocalSampler stored = database.get(0)->sampler;
     REQUIRE(stored.component_count() > 3);
     const CollisionChecker canonical = make_checker(robot, make_scene(near_pair()), 1e-4);
     Rng rng(3);
@@ -105,7 +109,7 @@ TEST_SUITE("law") {
       const PrimitiveKey moved = moved_key(motion, near_pair());
       const LocalPrimitive primitive = make_primitive(moved);
       PrimitiveRetrieval retrieval;
-      retrieval.matches = database.find(primitive, 0.01, 0);
+      retrieval.matches = *database.find(primitive, 0.01, 0);
       REQUIRE(retrieval.matches.size() == 1);
       const GaussianMixture pooled = internal::synthesize(robot, std::vector{retrieval});
       REQUIRE(pooled.component_count() == stored.component_count());
@@ -134,7 +138,7 @@ TEST_SUITE("unit") {
     Experience hopeless;
     hopeless.sampler.joint_count = 8;
     const GaussianMixture still_none =
-        internal::synthesize(robot, std::vector{retrieve({{&hopeless, 0, {}}})});
+        internal::synthesize(robot, std::vector{retrieve({{shared(hopeless), 0, {}}})});
     CHECK(still_none.component_count() == 0);
     CHECK(still_none.origins.empty());
   }
@@ -155,7 +159,7 @@ TEST_SUITE("unit") {
     experience.sampler.factors = {1, 2, 3, 4, 5, 6};
 
     const auto synthesized = [&](const Symmetry& motion) {
-      return internal::synthesize(*robot, std::vector{retrieve({{&experience, 0, motion}})});
+      return internal::synthesize(*robot, std::vector{retrieve({{shared(experience), 0, motion}})});
     };
     CHECK(synthesized({}).component_count() == 3);
     const GaussianMixture turned = synthesized({1, false});
@@ -180,7 +184,8 @@ TEST_SUITE("unit") {
     experience.sampler.joint_count = 4;
     experience.sampler.means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
     const auto synthesized = [&](const Symmetry& motion) {
-      return internal::synthesize(robot, std::vector{retrieve({{&experience, 0, motion}})}).means;
+      return internal::synthesize(robot, std::vector{retrieve({{shared(experience), 0, motion}})})
+          .means;
     };
     const auto check = [](const std::vector<float>& found, const std::vector<float>& expected) {
       REQUIRE(found.size() == expected.size());
@@ -204,7 +209,7 @@ TEST_SUITE("unit") {
     experience.sampler.joint_count = 8;
     experience.sampler.means = {3, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f};
     const GaussianMixture pooled =
-        internal::synthesize(robot, std::vector{retrieve({{&experience, 0, {1, false}}})});
+        internal::synthesize(robot, std::vector{retrieve({{shared(experience), 0, {1, false}}})});
     REQUIRE(pooled.component_count() == 1);
     CHECK(pooled.means[0] == doctest::Approx(4 - 2 * kPi));
     CHECK(pooled.means[7] == 0.7f);

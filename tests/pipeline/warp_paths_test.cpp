@@ -14,7 +14,9 @@ Experience remember(const Robot& robot, const Path& path) {
 GaussianMixture warp(const Robot& robot, const Configuration& start, const Configuration& goal,
                      const std::vector<const Experience*>& rows) {
   std::vector<PrimitiveRetrieval> retrievals(1);
-  for (const Experience* row : rows) retrievals[0].matches.push_back({row, 0, {}});
+  for (const Experience* row : rows) {
+    retrievals[0].matches.push_back({std::make_shared<const Experience>(*row), 0, {}});
+  }
   return internal::warp_paths(robot, start, std::vector<Configuration>{goal}, retrievals);
 }
 
@@ -52,8 +54,9 @@ TEST_SUITE("unit") {
     const Experience a = remember(robot, {{0, 0}, {0, 1}, {0, 2}});
     const Experience b = remember(robot, {{0, 0}, {1, 1}, {0, 2}});
     std::vector<PrimitiveRetrieval> retrievals(2);
-    retrievals[0].matches = {{&b, 0, {}}, {&a, 1, {}}};
-    retrievals[1].matches = {{&a, 0, {}}};
+    retrievals[0].matches = {{std::make_shared<const Experience>(b), 0, {}},
+                             {std::make_shared<const Experience>(a), 1, {}}};
+    retrievals[1].matches = {{std::make_shared<const Experience>(a), 0, {}}};
     const std::vector<Configuration> goals = {{0, 2}, {0, 4}};
     const GaussianMixture mixture = internal::warp_paths(robot, {0, 0}, goals, retrievals);
     CHECK(mixture.origins == std::vector<Origin>{0, 0, 0, 0, 1, 1});

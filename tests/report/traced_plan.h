@@ -27,7 +27,9 @@ struct TracedPlan {
     result.sampler = "gl";
     result.planning_time_s = 1;
     result.gl = gap_memory(components);
-    for (Match& match : result.gl.primitives[0].matches) match.experience = &experience;
+    for (Match& match : result.gl.primitives[0].matches) {
+      match.experience = std::make_shared<const Experience>(experience);
+    }
     for (int i = 0; i < 4; ++i)
       recorder.on_sample(std::array{0.1F * static_cast<float>(i), 0.0F, 0.0F}, i < 3 ? -1 : 0);
     recorder.on_edge(std::array{0.0F, 0.0F, 0.0F}, std::array{0.5F, 0.0F, 0.0F}, 0);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/support.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -34,6 +35,11 @@ std::string read_file(const std::string& path) {
 
 std::string source_file(const std::string& name) {
   return std::string(MNEME_SOURCE_DIRECTORY) + "/" + name;
+}
+
+int rounds(int usual) {
+  const char* soak = std::getenv("MNEME_SOAK");
+  return soak == nullptr ? usual : std::max(usual, std::atoi(soak));
 }
 
 std::optional<std::string> data_file(const std::string& name) {

@@ -43,6 +43,9 @@ std::string source_file(const std::string& name);
 /// A file below MNEME_DATA, or nothing (with a message) if that is not set.
 std::optional<std::string> data_file(const std::string& name);
 
+/// How often a test repeats something: `usual`, or as often as MNEME_SOAK says, if that is more.
+int rounds(int usual);
+
 /// The planar arm that the paper's scenarios use.
 Robot planar8();
 

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/row_loader.h"
+
+#include "experience/open_store.h"
+#include "experience/store_url.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace mneme::internal {
+namespace {
+
+/// A name that stays right when the process changes its directory.
+std::string lasting_url(const std::string& url) {
+  if (engine_of(url) != Engine::sqlite) return url;
+  std::error_code error;
+  const auto path = std::filesystem::absolute(url, error);
+  return error ? url : path.string();
+}
+
+}  // namespace
+
+struct RowLoader::Reading {
+  std::map<std::int64_t, SharedExperience> rows;
+  std::map<std::int64_t, std::string> flaws;
+};
+
+RowLoader::RowLoader(const std::string& url, ExperienceSpace space, std::int64_t capacity_bytes)
+    : url_(lasting_url(url)), space_(std::move(space)), cache_(capacity_bytes) {}
+
+Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64_t> ids,
+                                                      bool is_kept) const {
+  std::vector<SharedExperience> found = cache_.find(ids);
+  std::vector<std::int64_t> missing;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (found[i] == nullptr) missing.push_back(ids[i]);
+  }
+  if (missing.empty()) return found;
+  Reading reading;
+  if (const auto done = read(missing, reading); !done) {
+    return tl::unexpected(with_advice(done.error(), url_));
+  }
+  std::vector<SharedExperience> fresh;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto row = reading.rows.find(ids[i]);
+    if (row == reading.rows.end()) continue;
+    found[i] = row->second;
+    fresh.push_back(row->second);
+  }
+  if (is_kept) cache_.keep(fresh);
+  return found;
+}
+
+Result<void> RowLoader::read(std::span<const std::int64_t> ids, Reading& reading) const {
+  const std::lock_guard lock(mutex_);
+  if (store_ == nullptr) {
+    auto opened = open_store(url_, OpenMode::read_only);
+    if (!opened) return tl::unexpected(opened.error());
+    store_ = std::move(*opened);
+  }
+  const auto transaction = store_->begin(Store::Kind::read);
+  if (!transaction) return tl::unexpected(transaction.error());
+  const auto visit = [&](const StoredRow& row) -> Result<void> {
+    auto experience = std::make_shared<Experience>();
+    if (const auto flaw = decode(row, space_, *experience)) {
+      reading.flaws.emplace(row.id, *flaw);
+    } else {
+      reading.rows.emplace(row.id, std::move(experience));
+    }
+    return {};
+  };
+  return (*transaction)->read_rows_by_id(ids, visit).and_then([&] {
+    return reading.rows.size() == ids.size() ? Result<void>()
+                                             : check_absent(**transaction, reading, ids);
+  });
+}
+
+/// Others may have set rows aside, or removed them, since their ids were read.
+Result<void> RowLoader::check_absent(StoreTransaction& transaction, const Reading& reading,
+                                     std::span<const std::int64_t> ids) const {
+  std::set<std::int64_t> buried;
+  const auto head = transaction.head();
+  if (!head) return tl::unexpected(head.error());
+  const auto read = transaction.read_tombstones(0, [&](const Tombstone& tombstone) {
+    buried.insert(tombstone.row);
+    return Result<void>();
+  });
+  if (!read) return read;
+  for (const std::int64_t id : ids) {
+    if (reading.rows.contains(id) || buried.contains(id)) continue;
+    const auto flaw = reading.flaws.find(id);
+    if (flaw == reading.flaws.end() && head->epoch != epoch_) continue;
+    return fail(ErrorCode::corrupt,
+                fmt::format("{}: row {} is damaged: {}", store_->name(), id,
+                            flaw == reading.flaws.end() ? "it is missing" : flaw->second));
+  }
+  return {};
+}
+
+}  // namespace mneme::internal

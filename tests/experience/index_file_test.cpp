@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/fixtures.h"
+
+#include "experience/index_file.h"
+
+namespace mneme::test {
+namespace {
+
+using internal::ExperienceIndex;
+using internal::StoreState;
+
+constexpr StoreState kState = {7, 2, 300, 4, 290, 5, 4, 6};
+
+ExperienceIndex make_index() {
+  Rng rng(91);
+  ExperienceIndex index(6);
+  for (int i = 0; i < 300; ++i) index.append({{i + 1}, {3}, random_key(rng)});
+  return index;
+}
+
+bool is_same(const ExperienceIndex& a, const ExperienceIndex& b) {
+  Rng rng(92);
+  if (a.size() != b.size() || a.components() != b.components()) return false;
+  for (int i = 0; i < 20; ++i) {
+    const auto query = images(random_key(rng));
+    const auto one = a.find(query, 3, 9);
+    const auto other = b.find(query, 3, 9);
+    if (!std::ranges::equal(one, other, {}, &internal::IndexMatch::id, &internal::IndexMatch::id)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("an index that was saved is the same when it is read, and so is the state") {
+    const TemporaryDirectory directory;
+    const std::string file = internal::index_file_of(directory / "a.db");
+    CHECK(file == directory / "a.db.index");
+    CHECK(!internal::load_index(file, arm_space()).has_value());
+    const ExperienceIndex index = make_index();
+    REQUIRE(internal::save_index(file, arm_space(), kState, index));
+    const auto saved = internal::load_index(file, arm_space());
+    REQUIRE(saved.has_value());
+    CHECK(saved->state == kState);
+    CHECK(is_same(saved->index, index));
+  }
+
+  TEST_CASE("the index of another space is not used") {
+    const TemporaryDirectory directory;
+    REQUIRE(internal::save_index(directory / "i", arm_space(), kState, make_index()));
+    ExperienceSpace other = arm_space();
+    other.robot_hash = "another";
+    CHECK(!internal::load_index(directory / "i", other).has_value());
+    other = arm_space();
+    other.key_size = 7;
+    CHECK(!internal::load_index(directory / "i", other).has_value());
+  }
+
+  TEST_CASE("where nothing can be written, nothing is saved") {
+    const TemporaryDirectory directory;
+    write_file(directory / "none", "");
+    CHECK(!internal::save_index(directory / "none/i", arm_space(), kState, make_index()));
+  }
+
+  TEST_CASE("the index of a server stands in the user's cache, and no password in its name") {
+    const TemporaryDirectory directory;
+    ::setenv("XDG_CACHE_HOME", (directory / "cache").c_str(), 1);
+    const std::string file = internal::index_file_of("postgresql://me:secret@host/arm");
+    CHECK(file.starts_with(directory / "cache/mneme/index-"));
+    CHECK(file == internal::index_file_of("postgresql://me:other@host/arm"));
+    CHECK(file != internal::index_file_of("postgresql://me:other@host/leg"));
+    REQUIRE(internal::save_index(file, arm_space(), kState, make_index()));
+    CHECK(internal::load_index(file, arm_space()).has_value());
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("an index file with any bit flipped, or cut short anywhere, is not used") {
+    const std::uint64_t seed = 93;
+    const TemporaryDirectory directory;
+    REQUIRE(internal::save_index(directory / "i", arm_space(), kState, make_index()));
+    const std::string sound = read_file(directory / "i");
+    Rng rng(seed);
+    for (int i = 0; i < 300; ++i) {
+      std::string bytes = sound;
+      const std::size_t at = rng.index(bytes.size());
+      if (i % 3 == 0) {
+        bytes.resize(at);
+      } else {
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << rng.index(8)));
+      }
+      write_file(directory / "i", bytes);
+      INFO("seed " << seed << ", change " << i);
+      REQUIRE(!internal::load_index(directory / "i", arm_space()).has_value());
+    }
+  }
+}
+
+}  // namespace mneme::test
