@@ -105,7 +105,7 @@ Result<std::vector<Round>> endure(const Robot& robot, const std::string& directo
                                   std::uint64_t seed) {
   const internal::Stopwatch stopwatch;
   std::vector<Round> rounds;
-  while (rounds.size() < 2 || stopwatch.elapsed_s() < seconds) {
+  while (rounds.size() < 3 || stopwatch.elapsed_s() < seconds) {
     const auto round = run_round(robot, directory + "/endurance.db", seed);
     if (!round) return tl::unexpected(round.error());
     rounds.push_back(*round);
@@ -114,7 +114,9 @@ Result<std::vector<Round>> endure(const Robot& robot, const std::string& directo
 }
 
 Drift drift_of(const std::vector<Round>& rounds) {
-  const std::span<const Round> warm = std::span(rounds).subspan(rounds.size() / 10);
+  // The first round fills what later ones find.
+  const std::size_t cold = std::max<std::size_t>(rounds.size() / 10, 1);
+  const std::span<const Round> warm = std::span(rounds).subspan(cold);
   const std::size_t quarter = std::max<std::size_t>(warm.size() / 4, 1);
   const auto first = warm.first(quarter), last = warm.last(quarter);
   return {median_of(last, &Round::cpu_s) / median_of(first, &Round::cpu_s),
