@@ -62,7 +62,7 @@ Plan plan(const Problem& problem, const Memory* memory, const std::string& plann
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
   auto result = run_interruptible(cancel, [&] {
-    return app::solve_with_any(made.problem, made.database.get(), made.settings, false);
+    return app::solve_with_any(made.problem, made.database.get(), made.settings, false, {});
   });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
