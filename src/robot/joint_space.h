@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -18,8 +19,8 @@ class JointSpace {
   explicit JointSpace(const Robot& robot) {
     for (int i = 0; i < robot.joint_count(); ++i) {
       const Joint& joint = robot.group_joint(i);
-      lower_.push_back(static_cast<float>(joint.lower));
-      upper_.push_back(static_cast<float>(joint.upper));
+      lower_.push_back(round_within(joint.lower, std::numeric_limits<float>::infinity()));
+      upper_.push_back(round_within(joint.upper, -std::numeric_limits<float>::infinity()));
       periods_.push_back(joint.type == JointType::continuous ? kTurn : 0.0f);
     }
   }
@@ -50,6 +51,14 @@ class JointSpace {
 
  private:
   static constexpr float kTurn = 6.28318530718f;
+
+  /// The nearest float that lies not on the other side of a limit than `inside`: configurations
+  /// must keep to their limits in double precision too.
+  static float round_within(double limit, float inside) {
+    const auto rounded = static_cast<float>(limit);
+    const bool is_beyond = inside > 0 ? rounded < limit : rounded > limit;
+    return is_beyond ? std::nextafter(rounded, inside) : rounded;
+  }
 
   /// Most values need no turn, and rounding is a call of a function where the compiler may use no
   /// more than the baseline instruction set.

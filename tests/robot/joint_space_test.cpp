@@ -26,11 +26,25 @@ float to_limits(const internal::JointSpace& space, int joint, double value) {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("limits in single precision lie within those in double precision, and next to them") {
+    for (const double limit : {0.38615, 0.1, kPi, 1.6056, 2e-5, 0.5}) {
+      Robot::Parts parts = make_chain(1);
+      parts.joints[0].lower = -limit;
+      parts.joints[0].upper = limit;
+      const internal::JointSpace space(require_robot(parts));
+      CHECK(static_cast<double>(space.upper(0)) <= limit);
+      CHECK(static_cast<double>(space.lower(0)) >= -limit);
+      CHECK(space.upper(0) == doctest::Approx(limit).epsilon(1e-6));
+      CHECK(space.into_limits(0, 9) == space.upper(0));
+      CHECK(space.into_limits(0, -9) == space.lower(0));
+    }
+  }
+
   TEST_CASE("limits and periods are those of the group, in its order") {
     const internal::JointSpace space(mixed_robot());
     REQUIRE(space.joint_count() == 3);
-    CHECK(space.lower(0) == static_cast<float>(-kPi));
-    CHECK(space.upper(0) == static_cast<float>(kPi));
+    CHECK(space.lower(0) == doctest::Approx(-kPi));
+    CHECK(space.upper(0) == doctest::Approx(kPi));
     CHECK(space.lower(1) == -2.0f);
     CHECK(space.upper(1) == 2.0f);
     CHECK(space.lower(2) == 0.25f);
