@@ -28,7 +28,7 @@ struct Round {
 
 /// The first and the last quarter of the rounds after a tenth for warming up, compared.
 struct Drift {
-  double time_ratio = 0;         ///< of the median times, last to first
+  double time_ratio = 0;         ///< of the least times, last to first
   std::int64_t grown_bytes = 0;  ///< of the median sizes
   int grown_files = 0;
 };
