@@ -71,6 +71,9 @@ Result<ExitCode> run_report(const ReportRun& run) {
   }
   fmt::print("{}: {} with {}\n", run.out, counted(rows->size(), "run", "runs"),
              counted(report.figures.size(), "figure", "figures"));
+  if (const std::string ratios = to_ratio_table(*rows, run.options.baseline); !ratios.empty()) {
+    fmt::print("\nHow much faster, with 95 % intervals:\n{}", ratios);
+  }
   return ExitCode::done;
 }
 

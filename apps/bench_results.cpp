@@ -79,9 +79,13 @@ Result<bool> run_with_progress(BenchPlan& plan, RowFile& file) {
   if (!same) return tl::unexpected(same.error());
   LiveTable table(plan.run_count());
   const std::vector<BenchmarkRow> done = file.rows();
-  return run_bench(plan, done, [&](const BenchmarkRow& row) {
+  const auto is_complete = run_bench(plan, done, [&](const BenchmarkRow& row) {
     return file.add(row).map([&] { table.update(file.rows()); });
   });
+  if (!is_complete) return is_complete;
+  std::vector<BenchmarkRow> rows = file.rows();
+  sort_rows(plan, rows);
+  return file.replace(std::move(rows)).map([&] { return *is_complete; });
 }
 
 }  // namespace mneme::app

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -30,6 +31,10 @@ struct BenchRun {
   std::uint64_t seed = 0;
 };
 
+RunName name_of(const BenchmarkRow& row) {
+  return {row.set, row.problem, row.planner, row.sampler, row.setting, row.seed};
+}
+
 RunName name_of(const BenchRun& run) {
   const SolveSettings& settings = run.bench_case->settings;
   return {run.loaded->set,  run.loaded->problem.name, settings.planner,
@@ -41,20 +46,29 @@ bool is_of_set(const BenchCase& bench_case, const std::string& set) {
   return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
 }
 
-std::vector<BenchRun> missing_runs(const BenchPlan& plan, std::span<const BenchmarkRow> done) {
-  std::set<RunName> names;
-  for (const BenchmarkRow& row : done) {
-    names.emplace(row.set, row.problem, row.planner, row.sampler, row.setting, row.seed);
-  }
+/// Of a problem's cases the first finds the caches cold; every other seed takes them in reverse, so
+/// that it is not the same one each time.
+std::vector<BenchRun> all_runs(const BenchPlan& plan) {
   std::vector<BenchRun> runs;
   for (int i = 0; i < plan.seed_count; ++i) {
     for (const LoadedProblem& loaded : plan.problems) {
+      const std::size_t first = runs.size();
       for (const BenchCase& bench_case : plan.cases) {
-        const BenchRun run{&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(i)};
-        if (is_of_set(bench_case, loaded.set) && !names.contains(name_of(run))) runs.push_back(run);
+        if (is_of_set(bench_case, loaded.set)) {
+          runs.push_back({&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(i)});
+        }
       }
+      if (i % 2 == 1) std::reverse(runs.begin() + static_cast<std::ptrdiff_t>(first), runs.end());
     }
   }
+  return runs;
+}
+
+std::vector<BenchRun> missing_runs(const BenchPlan& plan, std::span<const BenchmarkRow> done) {
+  std::set<RunName> names;
+  for (const BenchmarkRow& row : done) names.insert(name_of(row));
+  std::vector<BenchRun> runs = all_runs(plan);
+  std::erase_if(runs, [&](const BenchRun& run) { return names.contains(name_of(run)); });
   return runs;
 }
 
@@ -177,6 +191,16 @@ std::size_t BenchPlan::run_count() const {
         cases.begin(), cases.end(), [&](const BenchCase& c) { return is_of_set(c, loaded.set); }));
   }
   return count * static_cast<std::size_t>(seed_count);
+}
+
+void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows) {
+  std::map<RunName, std::size_t> positions;
+  for (const BenchRun& run : all_runs(plan)) positions.emplace(name_of(run), positions.size());
+  const auto position = [&](const BenchmarkRow& row) {
+    const auto found = positions.find(name_of(row));
+    return found == positions.end() ? positions.size() : found->second;
+  };
+  std::ranges::stable_sort(rows, {}, position);
 }
 
 bool learns_while_planning(const SolveSettings& settings) {

@@ -54,11 +54,15 @@ void append_cases(const BenchCase& setting, const std::vector<std::string>& plan
 [[nodiscard]] Result<void> check_same_settings(const BenchPlan& plan,
                                                std::span<const BenchmarkRow> rows);
 
+/// Puts rows into the order in which one job runs the plan; those of other plans go last.
+void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows);
+
 /// Receives the row of each run as soon as it is done, one at a time. An error ends the benchmark.
 using OnRow = std::function<Result<void>(const BenchmarkRow& row)>;
 
-/// Runs what `done` does not hold yet, all problems with one seed before the next seed, in
-/// `plan.jobs` threads. True if it was not interrupted.
+/// Runs what `done` does not hold yet, all problems with one seed before the next seed and
+/// every other seed with the cases in reverse, in `plan.jobs` threads. True if it was not
+/// interrupted.
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 

@@ -36,12 +36,8 @@ Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bo
     if (!database) return tl::unexpected(database.error());
     database_ = std::move(*database);
   }
-  if (csv.empty()) return {};
   path_ = csv;
-  const Result<void> written = write_file(path_, to_csv(rows_));
-  if (!written) return written;
-  file_.open(path_, std::ios::app);
-  return flush();
+  return write_all();
 }
 
 Result<void> RowFile::add(const BenchmarkRow& row) {
@@ -52,6 +48,19 @@ Result<void> RowFile::add(const BenchmarkRow& row) {
   }
   if (path_.empty()) return {};
   file_ << to_csv_line(row);
+  return flush();
+}
+
+Result<void> RowFile::replace(std::vector<BenchmarkRow> rows) {
+  rows_ = std::move(rows);
+  return write_all();
+}
+
+Result<void> RowFile::write_all() {
+  if (path_.empty()) return {};
+  const Result<void> written = write_file(path_, to_csv(rows_));
+  if (!written) return written;
+  file_ = std::ofstream(path_, std::ios::app);
   return flush();
 }
 

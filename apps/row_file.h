@@ -23,10 +23,13 @@ class RowFile {
   /// those that the CSV file holds are kept; a broken last line is left aside.
   Result<void> open(const std::string& csv, const std::string& sqlite, bool is_resumed);
   Result<void> add(const BenchmarkRow& row);
+  /// Puts `rows` in the place of all that the CSV file has; the SQLite file keeps its order.
+  Result<void> replace(std::vector<BenchmarkRow> rows);
 
   [[nodiscard]] const std::vector<BenchmarkRow>& rows() const { return rows_; }
 
  private:
+  Result<void> write_all();
   Result<void> flush();
 
   std::string path_;

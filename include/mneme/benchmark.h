@@ -90,22 +90,32 @@ struct MemoryRow {
 [[nodiscard]] Result<std::vector<MemoryRow>> parse_memory_csv(std::string_view text,
                                                               const std::string& source);
 
-/// How a planning time compares with that of a reference on the same problems and seeds. Values
-/// above 1 say that it is faster. Runs without a path stand at their limit in both.
+/// A ratio with its 95 % interval.
+struct TimeRatio {
+  double value = 0;
+  double low = 0, high = 0;
+  bool is_at_least = false;  ///< the reference's is a failure at its limit: a lower bound
+  bool is_at_most = false;   ///< the other's is one: an upper bound
+};
+/// How planning times compare with those of a reference on the same problems and seeds. Values
+/// above 1 say that they are shorter. Runs without a path stand at their limit in both.
 struct PairedRatio {
   int pairs = 0;
-  double p50 = 0;  ///< of the reference, divided by p50 of the other
-  double p50_low = 0, p50_high = 0;
-  bool is_at_least = false;  ///< p50 of the reference is a failure: the ratio is a lower bound
-  bool is_at_most = false;   ///< that of the other is one: it is an upper bound
-  double mean = 0;           ///< geometric mean of the ratios of pairs
-  double mean_low = 0, mean_high = 0;
+  TimeRatio p50, p95, p99;  ///< of the reference's percentile to the other's
+  TimeRatio mean;           ///< of the arithmetic means; a bound if any run failed
+  TimeRatio geometric;      ///< geometric mean of the ratios of pairs; never marked as a bound
 };
 /// 95 % intervals by bootstrap percentiles: whole problems are drawn if there are ten or more,
 /// otherwise runs of each problem. Pairs are equal in set, problem and seed; runs on problems with
 /// an invalid start or goal are left out. The same rows give the same numbers.
 [[nodiscard]] PairedRatio compare_runs(std::span<const BenchmarkRow> reference,
                                        std::span<const BenchmarkRow> other);
+
+/// The ratios of every set, and of all sets if there are several, as a table of text. Samplers are
+/// compared with `baseline`, settings with the first one, native planners with OMPL's. Empty if
+/// there is nothing to compare.
+[[nodiscard]] std::string to_ratio_table(std::span<const BenchmarkRow> rows,
+                                         const std::string& baseline);
 
 struct ReportOptions {
   std::string title = "mneme benchmark";

@@ -43,9 +43,10 @@ constexpr std::string_view kHowToRead =
 
 constexpr std::string_view kHowToCompare =
     "<p class=\"note\">Ratios above 1 say that the left one is faster, on the same problems and "
-    "seeds. The p50 ratio is that of the medians: \u2265 if the median run on the right reached "
-    "its limit, \u2264 if that on the left did, open if both did. The mean ratio is the geometric "
-    "mean over pairs, with failures at their limit. Intervals are bootstrap percentiles.</p>\n";
+    "seeds. p50, p95 and p99 are the ratios of these percentiles, mean that of the arithmetic "
+    "means, geometric the geometric mean of the ratios of pairs; runs without a path stand at "
+    "their limit. \u2265 if what the right one gives is such a run, or holds one; \u2264 if what "
+    "the left one gives; open if both. In brackets: 95 % intervals, bootstrap percentiles.</p>\n";
 
 template <class Value>
 std::vector<std::string> different(std::span<const BenchmarkRow> rows, Value&& value) {

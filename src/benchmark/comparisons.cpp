@@ -3,6 +3,10 @@
 
 #include "benchmark/comparisons.h"
 
+#include "report/markup.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -39,6 +43,12 @@ const Series* find_ompl(const Panel& panel, const Series& series) {
   return nullptr;
 }
 
+std::string format_number(double ratio) {
+  if (ratio >= 100) return fmt::format("{:.0f}", ratio);
+  if (ratio >= 10) return fmt::format("{:.1f}", ratio);
+  return ratio >= 0.1 ? fmt::format("{:.2f}", ratio) : fmt::format("{:.2g}", ratio);
+}
+
 }  // namespace
 
 std::vector<Comparison> compare_series(const Panel& panel, const std::string& baseline) {
@@ -54,6 +64,17 @@ std::vector<Comparison> compare_series(const Panel& panel, const std::string& ba
   }
   for (const Series& s : panel.series) add("planner", s, find_ompl(panel, s));
   return comparisons;
+}
+
+std::string format_ratio(const TimeRatio& ratio) {
+  if (ratio.is_at_least && ratio.is_at_most) return "open";
+  const char* mark = ratio.is_at_least ? "≥ " : ratio.is_at_most ? "≤ " : "";
+  return fmt::format("{}{} ({} to {})", mark, format_number(ratio.value), format_number(ratio.low),
+                     format_number(ratio.high));
+}
+
+std::string series_name(const Series& series) {
+  return single_line(series.planner) + ", " + short_label(series);
 }
 
 }  // namespace mneme::internal

@@ -25,4 +25,9 @@ struct Comparison {
 [[nodiscard]] std::vector<Comparison> compare_series(const Panel& panel,
                                                      const std::string& baseline);
 
+/// "≥ 27.1 (4.80 to 33.0)"; "open" if both sides failed, so that the ratio says nothing.
+[[nodiscard]] std::string format_ratio(const TimeRatio& ratio);
+/// "rrt_connect, gl, paper"
+[[nodiscard]] std::string series_name(const Series& series);
+
 }  // namespace mneme::internal

@@ -5,9 +5,10 @@
 #include "report/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -56,13 +57,24 @@ std::vector<Group> make_groups(std::span<const BenchmarkRow> reference,
   return result;
 }
 
+/// The ratios of a sample of pairs.
 struct Estimate {
-  double p50 = 0;
-  double mean = 0;
+  double p50 = 0, p95 = 0, p99 = 0, mean = 0, geometric = 0;
 };
 
-Time median(std::vector<Time>& times) {
-  const int rank = internal::nearest_rank(50, static_cast<int>(times.size()));
+struct Statistic {
+  TimeRatio PairedRatio::*ratio;
+  double Estimate::*value;
+};
+constexpr std::array<Statistic, 5> kStatistics = {
+    {{&PairedRatio::p50, &Estimate::p50},
+     {&PairedRatio::p95, &Estimate::p95},
+     {&PairedRatio::p99, &Estimate::p99},
+     {&PairedRatio::mean, &Estimate::mean},
+     {&PairedRatio::geometric, &Estimate::geometric}}};
+
+Time percentile(int percent, std::vector<Time>& times) {
+  const int rank = internal::nearest_rank(percent, static_cast<int>(times.size()));
   std::ranges::nth_element(times, times.begin() + rank - 1);
   return times[static_cast<std::size_t>(rank - 1)];
 }
@@ -73,28 +85,38 @@ class Estimator {
   void clear() {
     reference_.clear();
     other_.clear();
-    log_sum_ = 0;
+    reference_sum_ = other_sum_ = log_sum_ = 0;
   }
   void add(const Pair& pair) {
     reference_.push_back(pair.reference);
     other_.push_back(pair.other);
+    reference_sum_ += pair.reference.seconds;
+    other_sum_ += pair.other.seconds;
     log_sum_ += std::log(pair.reference.seconds / pair.other.seconds);
   }
-  Estimate estimate(PairedRatio* ratio = nullptr) {
-    const Time reference = median(reference_);
-    const Time other = median(other_);
-    if (ratio != nullptr) {
-      ratio->is_at_least = reference.is_failure;
-      ratio->is_at_most = other.is_failure;
-    }
-    return {reference.seconds / other.seconds,
+  Estimate estimate() {
+    const auto ratio = [this](int percent) {
+      return percentile(percent, reference_).seconds / percentile(percent, other_).seconds;
+    };
+    return {ratio(50), ratio(95), ratio(99), reference_sum_ / other_sum_,
             std::exp(log_sum_ / static_cast<double>(other_.size()))};
+  }
+  /// What of the last estimate's is a failure, or holds one.
+  void mark_bounds(PairedRatio& ratio) {
+    const auto mark = [this](int percent, TimeRatio& marked) {
+      marked.is_at_least = percentile(percent, reference_).is_failure;
+      marked.is_at_most = percentile(percent, other_).is_failure;
+    };
+    mark(50, ratio.p50);
+    mark(95, ratio.p95);
+    mark(99, ratio.p99);
+    mark(100, ratio.mean);
   }
 
  private:
   std::vector<Time> reference_;
   std::vector<Time> other_;
-  double log_sum_ = 0;
+  double reference_sum_ = 0, other_sum_ = 0, log_sum_ = 0;
 };
 
 std::size_t draw_index(std::size_t count, Rng& rng) {
@@ -113,12 +135,9 @@ void resample(const std::vector<Group>& groups, Rng& rng, Estimator& estimator) 
   }
 }
 
-/// The 2.5th and the 97.5th percentile.
-std::pair<double, double> interval(std::vector<double>& values) {
-  std::ranges::sort(values);
-  const auto last = static_cast<double>(values.size() - 1);
-  return {values[static_cast<std::size_t>(std::lround(0.025 * last))],
-          values[static_cast<std::size_t>(std::lround(0.975 * last))]};
+const Estimate& at_quantile(const std::vector<Estimate>& sorted, double quantile) {
+  const auto last = static_cast<double>(sorted.size() - 1);
+  return sorted[static_cast<std::size_t>(std::lround(quantile * last))];
 }
 
 }  // namespace
@@ -133,19 +152,21 @@ PairedRatio compare_runs(std::span<const BenchmarkRow> reference,
     for (const Pair& pair : group) estimator.add(pair);
   }
   if (ratio.pairs == 0) return ratio;
-  const Estimate all = estimator.estimate(&ratio);
-  ratio.p50 = all.p50;
-  ratio.mean = all.mean;
+  const Estimate all = estimator.estimate();
+  estimator.mark_bounds(ratio);
   Rng rng(kSeed);
-  std::vector<double> p50s, means;
+  std::vector<Estimate> resampled;
   for (int i = 0; i < kResamples; ++i) {
     resample(groups, rng, estimator);
-    const Estimate estimate = estimator.estimate();
-    p50s.push_back(estimate.p50);
-    means.push_back(estimate.mean);
+    resampled.push_back(estimator.estimate());
   }
-  std::tie(ratio.p50_low, ratio.p50_high) = interval(p50s);
-  std::tie(ratio.mean_low, ratio.mean_high) = interval(means);
+  for (const auto& [member, value] : kStatistics) {
+    TimeRatio& estimate = ratio.*member;
+    estimate.value = all.*value;
+    std::ranges::sort(resampled, {}, value);
+    estimate.low = at_quantile(resampled, 0.025).*value;
+    estimate.high = at_quantile(resampled, 0.975).*value;
+  }
   return ratio;
 }
 

@@ -57,35 +57,17 @@ std::string time_line(const Series& series) {
   return html + number_cell(std::to_string(summary.iterations_p50)) + "</tr>\n";
 }
 
-std::string format_ratio(double ratio) {
-  if (ratio >= 100) return fmt::format("{:.0f}", ratio);
-  if (ratio >= 10) return fmt::format("{:.1f}", ratio);
-  return ratio >= 0.1 ? fmt::format("{:.2f}", ratio) : fmt::format("{:.2g}", ratio);
-}
-
-std::string series_name(const Series& series) {
-  return fmt::format("{}, {}", series.planner, short_label(series));
+std::string ratio_cell(const TimeRatio& ratio) {
+  return fmt::format("<td class=\"number\" data-ratio=\"{}\">{}</td>", ratio.value,
+                     format_ratio(ratio));
 }
 
 std::string ratio_line(const Comparison& comparison) {
   const PairedRatio& ratio = comparison.ratio;
-  // If both medians are failures, their ratio says nothing.
-  const bool is_open = ratio.is_at_least && ratio.is_at_most;
-  const char* mark = ratio.is_at_least ? "≥ " : ratio.is_at_most ? "≤ " : "";
-  std::string html = "<tr>" + name_cell(series_name(*comparison.other)) +
-                     name_cell(series_name(*comparison.reference)) +
-                     number_cell(std::to_string(ratio.pairs));
-  html += fmt::format("<td class=\"number\" data-ratio=\"{}\">{}</td>", ratio.p50,
-                      is_open ? "open" : mark + format_ratio(ratio.p50));
-  html += number_cell(
-      is_open ? ""
-              : fmt::format("{} to {}", format_ratio(ratio.p50_low), format_ratio(ratio.p50_high)));
-  html += fmt::format("<td class=\"number\" data-ratio=\"{}\">{}</td>", ratio.mean,
-                      format_ratio(ratio.mean));
-  return html +
-         number_cell(
-             fmt::format("{} to {}", format_ratio(ratio.mean_low), format_ratio(ratio.mean_high))) +
-         "</tr>\n";
+  return "<tr>" + name_cell(series_name(*comparison.other)) +
+         name_cell(series_name(*comparison.reference)) + number_cell(std::to_string(ratio.pairs)) +
+         ratio_cell(ratio.p50) + ratio_cell(ratio.p95) + ratio_cell(ratio.p99) +
+         ratio_cell(ratio.mean) + ratio_cell(ratio.geometric) + "</tr>\n";
 }
 
 }  // namespace
@@ -110,10 +92,11 @@ std::string ratio_table(const std::vector<Comparison>& comparisons) {
   std::string html = open_table("ratios", {{"this", false},
                                            {"against", false},
                                            {"pairs"},
-                                           {"p50 ratio"},
-                                           {"95 % interval"},
-                                           {"mean ratio"},
-                                           {"95 % interval"}});
+                                           {"p50"},
+                                           {"p95"},
+                                           {"p99"},
+                                           {"mean"},
+                                           {"geometric"}});
   for (const Comparison& comparison : comparisons) html += ratio_line(comparison);
   return html + std::string(kTableEnd);
 }

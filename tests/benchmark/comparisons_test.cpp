@@ -54,6 +54,13 @@ TEST_SUITE("unit") {
     CHECK(comparisons[0].other->planner == "rrt_connect");
     CHECK(comparisons[0].reference->planner == "ompl:RRTConnect");
   }
+
+  TEST_CASE("Ratios are written with their interval and what they bound") {
+    CHECK(format_ratio({27.12, 4.8, 133, false, false}) == "27.1 (4.80 to 133)");
+    CHECK(format_ratio({0.0123, 0.01, 0.5, true, false}) == "≥ 0.012 (0.01 to 0.50)");
+    CHECK(format_ratio({2, 1, 3, false, true}) == "≤ 2.00 (1.00 to 3.00)");
+    CHECK(format_ratio({2, 1, 3, true, true}) == "open");
+  }
 }
 
 }  // namespace

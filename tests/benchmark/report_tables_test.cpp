@@ -32,7 +32,7 @@ TEST_SUITE("unit") {
     CHECK(has(ratio_table(compare_series(bound[0], "gl")), "≤ 0.11"));
     rows[0].planning_time_s = 0.009;
     const auto far = make_panels(rows, false);
-    CHECK(has(ratio_table(compare_series(far[0], "gl")), "≤ 0.001<"));
+    CHECK(has(ratio_table(compare_series(far[0], "gl")), "≤ 0.001 ("));
     rows[0].is_solved = rows[0].is_path_valid = false;
     const auto open = make_panels(rows, false);
     CHECK(has(ratio_table(compare_series(open[0], "uniform")), ">open<"));
