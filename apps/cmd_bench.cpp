@@ -40,6 +40,7 @@ struct BenchOptions {
   std::string sqlite;
   std::string out;
   std::string memories;
+  std::vector<std::string> suite_settings;
   int jobs = 1;
   bool has_seeds = false;
   bool has_timeout = false;
@@ -113,7 +114,7 @@ Result<ExitCode> run_suite_command(const BenchOptions& options) {
       {options.arguments.front(), options.out, options.memories,
        options.has_seeds ? std::optional(options.seed_count) : std::nullopt,
        options.has_timeout ? std::optional(options.settings.plan.timeout_s) : std::nullopt,
-       options.jobs, options.is_resumed, options.is_json});
+       options.suite_settings, options.jobs, options.is_resumed, options.is_json});
 }
 
 /// A flag for a comma-separated list of different `names`.
@@ -171,6 +172,12 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   command.add_option("--memories", options.memories,
                      "directory of the memories that a suite learns (default: memories in --out); "
                      "those that are there already are not learned again");
+  command
+      .add_option("--setting", options.suite_settings,
+                  "run only this setting of a suite; may be given several times")
+      ->type_name("NAME")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_settings(command, options.settings);
   add_settings(command, options.settings.plan);
   add_decompose_settings(command, options.settings.decompose);
@@ -183,7 +190,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
 void check_suite_flags(const CLI::App& command) {
   const std::vector<std::string> allowed = {"PROBLEMS", "--seeds", "--timeout", "--resume",
                                             "--jobs",   "--out",   "--json",    "--memories",
-                                            "--isa",    "--help"};
+                                            "--isa",    "--help",  "--setting"};
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
     const bool is_allowed = std::find(allowed.begin(), allowed.end(), name) != allowed.end();
@@ -211,9 +218,10 @@ void check_problem_flags(BenchOptions& options) {
         "must be 1 with --learn-budget or --remember-after, whose runs follow from "
         "each other");
   }
-  for (const auto& [flag, value] :
-       {std::pair("--out", &options.out), std::pair("--memories", &options.memories)}) {
-    if (!value->empty()) throw CLI::ValidationError(flag, "goes with a suite only");
+  for (const auto& [flag, is_given] : {std::pair("--out", !options.out.empty()),
+                                       std::pair("--memories", !options.memories.empty()),
+                                       std::pair("--setting", !options.suite_settings.empty())}) {
+    if (is_given) throw CLI::ValidationError(flag, "goes with a suite only");
   }
 }
 

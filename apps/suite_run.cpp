@@ -19,9 +19,30 @@
 namespace mneme::app {
 namespace {
 
+/// Leaves out settings that are not among `names`, and the memories that only they draw from.
+Result<void> keep_settings(const std::vector<std::string>& names, Suite& suite) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(suite.settings, name, &SuiteSetting::name) == suite.settings.end()) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("the suite {} has no setting '{}'", suite.name, name));
+    }
+  }
+  std::erase_if(suite.settings, [&](const SuiteSetting& setting) {
+    return std::ranges::find(names, setting.name) == names.end();
+  });
+  std::erase_if(suite.memories, [&](const SuiteMemory& memory) {
+    return std::ranges::find(suite.settings, memory.name, &SuiteSetting::memory) ==
+           suite.settings.end();
+  });
+  return {};
+}
+
 Result<Suite> read_suite(const SuiteRun& run) {
   Result<Suite> suite = load_suite(run.suite, bench_names());
   if (!suite) return suite;
+  if (!run.settings.empty()) {
+    if (auto kept = keep_settings(run.settings, *suite); !kept) return tl::unexpected(kept.error());
+  }
   suite->seed_count = run.seed_count.value_or(suite->seed_count);
   for (SuiteSetting& setting : suite->settings) {
     double& timeout_s = setting.solve.plan.timeout_s;

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mneme/benchmark.h"
 
@@ -22,6 +23,7 @@ struct SuiteRun {
   std::string memories;  ///< directory; empty for OUT/memories
   std::optional<int> seed_count;
   std::optional<double> timeout_s;  ///< of all settings
+  std::vector<std::string> settings;  ///< names; empty for all
   int jobs = 1;
   bool is_resumed = false;
   bool is_json = false;

@@ -72,6 +72,20 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("One setting alone learns no memory of others; rows come in order with several jobs") {
+    const PlanarFiles files;
+    const std::string out = files / "out";
+    const ProgramRun run = run_program(
+        {"bench", "run", write_suite(files), "--out", out, "--setting", "without", "--jobs", "3"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    std::string order;
+    for (const BenchmarkRow& row : rows_of(out + "/runs.csv")) {
+      order += row.planner + std::to_string(row.seed) + " ";
+    }
+    CHECK(order == "prm1 rrt1 rrt2 prm2 prm3 rrt3 ");
+    CHECK_FALSE(std::filesystem::exists(out + "/memories/few.db"));
+  }
+
   TEST_CASE("Planners of OMPL repeat themselves with several jobs, next to native ones") {
     const PlanarFiles files;
     write_file(files / "ompl.yaml",
@@ -181,7 +195,9 @@ TEST_SUITE("unit") {
         {{"bench", "run", files / "online.yaml", "--jobs", "2"}, 1, {"--jobs must be 1"}},
         {{"bench", "run", suite, "--lambda", "0.1"}, 2, {"--lambda", "does not go with a suite"}},
         {{"bench", "run", suite, "--csv", "a.csv"}, 2, {"--csv", "does not go with a suite"}},
+        {{"bench", "run", suite, "--setting", "wit"}, 1, {"small", "no setting 'wit'"}},
         {{"bench", "run", files.problem(), "--out", "a"}, 2, {"--out", "suite only"}},
+        {{"bench", "run", files.problem(), "--setting", "a"}, 2, {"--setting", "suite only"}},
         {{"bench", "run", files.problem(), "--jobs", "2", "--learn-budget", "1"}, 2, {"--jobs"}},
     });
   }
