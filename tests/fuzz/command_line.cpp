@@ -21,9 +21,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   CLI::App program("mneme");
   mneme::app::Action action;
-  for (const auto add : {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn,
-                         mneme::app::add_db, mneme::app::add_robot, mneme::app::add_scene,
-                         mneme::app::add_bench, mneme::app::add_view}) {
+  for (const auto add :
+       {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn, mneme::app::add_db,
+        mneme::app::add_robot, mneme::app::add_scene, mneme::app::add_bench, mneme::app::add_view,
+        mneme::app::add_doctor, mneme::app::add_completion, mneme::app::add_manual}) {
     add(program, action);
   }
   program.require_subcommand(1);
