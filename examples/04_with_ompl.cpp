@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // An OMPL program whose state space draws from memory. Its three lines for mneme are marked.
-// usage: 04_with_ompl PROBLEM.yaml MEMORY.db
 #include <iostream>
 
 #include <ompl/geometric/SimpleSetup.h>
@@ -11,7 +10,7 @@
 #include "mneme/ompl.h"
 
 int main(int count, char** arguments) {
-  if (count != 3) return 2;
+  if (count != 3) return std::cerr << "usage: 04_with_ompl PROBLEM.yaml MEMORY.db\n", 2;
   const auto problem = mneme::load_problem(arguments[1]).value();
   const auto checker = mneme::CollisionChecker::make(problem.robot, problem.scene).value();
   const auto space = mneme::make_space(problem.robot).value();
