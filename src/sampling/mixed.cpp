@@ -13,18 +13,27 @@ class MixedStream final : public SampleStream {
       : lambda_(lambda), first_(std::move(first)), second_(std::move(second)), rng_(seed) {}
 
   Origin next(std::span<float> q) override {
-    latest_ = rng_.uniform() < lambda_ ? first_.get() : second_.get();
-    return latest_->next(q);
+    SampleStream* stream = rng_.uniform() < lambda_ ? first_.get() : second_.get();
+    const Origin origin = stream->next(q);
+    if (place_of(origin) >= sources_.size()) sources_.resize(place_of(origin) + 1);
+    sources_[place_of(origin)] = stream;
+    return origin;
   }
 
+  /// Goes to the stream that drew from this origin last.
   void report(Origin origin, SampleOutcome outcome) override {
-    if (latest_ != nullptr) latest_->report(origin, outcome);
+    if (place_of(origin) >= sources_.size()) return;
+    if (SampleStream* stream = sources_[place_of(origin)]) stream->report(origin, outcome);
   }
 
  private:
+  static std::size_t place_of(Origin origin) {
+    return static_cast<std::size_t>(origin - kUniformOrigin);
+  }
+
   double lambda_;
   std::unique_ptr<SampleStream> first_, second_;
-  SampleStream* latest_ = nullptr;
+  std::vector<SampleStream*> sources_;  ///< by place_of() an origin; null for what was not drawn
   Rng rng_;
 };
 
