@@ -64,7 +64,7 @@ struct LearnResult {
 /// paths and places one component at each waypoint; no mean is in contact. Depends on the arguments
 /// alone if `deadline_s` is 0; otherwise it stops after that many seconds with what it has, and in
 /// any case within a few milliseconds once `cancel` is set. Errors: a robot that it does not
-/// handle.
+/// handle; a key that is none of the decomposer "pairs".
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
                                                       const LearnSettings& settings,
                                                       std::uint64_t seed, double deadline_s = 0,
@@ -98,9 +98,9 @@ struct LocalProblem {
                                                                const DecomposeSettings& settings,
                                                                double reach = 0.12);
 
-/// Remembers solved paths as a whole (decomposer "paths"): per path one row whose key is that of
-/// its ends and whose means are its waypoints, ends included, in their order. create_gl_sampler()
-/// bends them to the ends of other queries.
+/// Remembers solved paths as a whole (decomposer "paths"): per path that is not empty one row whose
+/// key is that of its ends and whose means are its waypoints, ends included, in their order.
+/// create_gl_sampler() bends them to the ends of other queries.
 [[nodiscard]] std::vector<Experience> learn_whole_paths(const Robot& robot,
                                                         std::span<const Path> paths);
 

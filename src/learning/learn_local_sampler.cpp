@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "experience/row_check.h"
 #include "learning/local_queries.h"
 #include "learning/passage_queries.h"
 #include "learning/planar_chain.h"
@@ -46,6 +47,17 @@ Result<CollisionChecker> make_checker(const Robot& robot, const Scene& scene,
   return CollisionChecker::make(robot, scene, checking);
 }
 
+/// A key of another decomposer would be read as circles that nobody meant.
+Result<void> check_circles(const PrimitiveKey& key) {
+  constexpr int kPairKeySize = 6;
+  const auto flaw = internal::describe_key_flaw(key, kPairKeySize);
+  if (!flaw) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("a primitive of a planar arm cannot be learned: {} of a pair of circles "
+                          "(decomposer 'pairs')",
+                          *flaw));
+}
+
 /// Takes means from the scene of the primitive to its canonical frame.
 void move_means(const SymmetricJoints& joints, const Symmetry& motion, LocalSampler& sampler) {
   const auto size = static_cast<std::size_t>(sampler.joint_count);
@@ -72,6 +84,7 @@ Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& 
                                         double deadline_s, const std::atomic<bool>* cancel) {
   const auto chain = internal::PlanarChain::make(robot);
   if (!chain) return tl::unexpected(chain.error());
+  if (const auto checked = check_circles(key); !checked) return tl::unexpected(checked.error());
   const auto checker = make_checker(robot, make_scene(key), settings);
   if (!checker) return tl::unexpected(checker.error());
   const ThreadedQueries queries(*checker, *chain, key);

@@ -7,6 +7,7 @@ namespace mneme {
 std::vector<Experience> learn_whole_paths(const Robot& robot, std::span<const Path> paths) {
   std::vector<Experience> rows;
   for (const Path& path : paths) {
+    if (path.empty()) continue;
     Experience& row = rows.emplace_back();
     row.key = make_query_primitive(robot, path.front(), path.back()).key;
     row.sampler.joint_count = robot.joint_count();

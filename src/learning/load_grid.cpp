@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "experience/row_check.h"
 #include "mneme/learning.h"
 #include "scene/input.h"
 #include "scene/text_file.h"
@@ -10,8 +11,8 @@ namespace {
 
 std::array<double, 2> read_range(const internal::Input& input) {
   const std::vector<double> values = input.finite_numbers(2, "a range [least, most]");
-  if (!(values[0] > 0 && values[0] <= values[1])) {
-    input.fail(ErrorCode::parse, "expected 0 < least <= most");
+  if (!(values[0] > 0 && values[0] <= values[1] && values[1] <= internal::kMaxKeyMagnitude)) {
+    input.fail(ErrorCode::parse, "expected 0 < least <= most <= 1e6 metres");
   }
   return {values[0], values[1]};
 }

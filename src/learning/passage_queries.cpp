@@ -15,7 +15,6 @@ namespace mneme::internal {
 namespace {
 
 constexpr int kAttempts = 60;
-constexpr int kCandidates = 8;           // per start: the one least like the earlier ones is taken
 constexpr double kStraight = 0.75;       // share of the starts that reach straight through
 constexpr double kClearDistance = 0.15;  // metres between the middle and a robot that is out
 

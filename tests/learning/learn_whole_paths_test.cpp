@@ -19,7 +19,14 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("no path teaches nothing") { CHECK(learn_whole_paths(planar8(), {}).empty()); }
+  TEST_CASE("no path teaches nothing, nor does one without a configuration") {
+    const Robot robot = planar_arm({1, 1});
+    CHECK(learn_whole_paths(robot, {}).empty());
+    const std::vector<Path> paths = {{}, {{1, -1}, {2, 2}}, {}};
+    const std::vector<Experience> rows = learn_whole_paths(robot, paths);
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].sampler.means == std::vector<float>{1, -1, 2, 2});
+  }
 }
 
 }  // namespace mneme::test

@@ -56,6 +56,7 @@ TEST_SUITE("unit") {
     check_refused("radius: [1, 2]\ngap: [0.5, 0.1]\ndistance: [2, 9]\n", 2, "gap");
     check_refused("radius: [1, 2]\ngap: [0, 0.1]\ndistance: [2, 9]\n", 2, "gap");
     check_refused("radius: [1, 2]\ngap: [-1, 0.1]\ndistance: [2, 9]\n", 2, "least");
+    check_refused("radius: [1, 1e17]\ngap: [0.1, 0.5]\ndistance: [2, 9]\n", 1, "1e6");
     check_refused("radius: [1, 2]\ngap: [0.1, 0.5]\ndistance: [near, far]\n", 3, "distance");
     check_refused("radius: [1, 2]\ngap: [0.1, 0.5]\ndistance: [2, .nan]\n", 3, "distance");
     check_refused("radius: [1, 2]\ngap: [0.1, 0.5]\ndistance: [2, .inf]\n", 3, "distance");

@@ -24,7 +24,7 @@ LearnJob shared_job(const std::string& url, int jobs = 1) {
   LearnJob job;
   job.settings = cheap_settings();
   job.jobs = jobs;
-  job.shared = SharedWork{url, 0.5};
+  job.shared = SharedWork{url, 60};
   return job;
 }
 
@@ -77,7 +77,11 @@ void wait_until(const std::string& url, const char* condition) {
 /// A process that works on a job, and ends with 0 if all went well.
 pid_t start_worker(const std::string& url, const Robot& robot,
                    const std::vector<PrimitiveKey>& keys) {
-  return start_child([&] { return work(url, robot, keys, shared_job(url)) ? 0 : 1; });
+  return start_child([&] {
+    LearnJob job = shared_job(url);
+    job.shared->lease_s = 0.5;  // so that the others soon have what a killed one held
+    return work(url, robot, keys, job) ? 0 : 1;
+  });
 }
 
 #endif
@@ -184,8 +188,7 @@ TEST_SUITE("flow") {
     const std::string url = server->new_url();
     const Robot robot = planar8();
     const auto keys = random_keys(24, 65);
-    LearnJob job = shared_job(url);
-    job.shared->lease_s = 60;
+    const LearnJob job = shared_job(url);
     Result<LearnSummary> summary = LearnSummary();
     {
       (void)make_database(url, robot);
