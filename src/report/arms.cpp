@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 namespace mneme::internal {
@@ -80,7 +81,8 @@ std::vector<int> choose_components(const GaussianMixture& mixture, int limit) {
     const auto size = static_cast<int>(sources[i].size());
     const int share = std::min(size, left / static_cast<int>(sources.size() - i));
     for (int k = 0; k < share; ++k) {
-      chosen.push_back(sources[i][static_cast<std::size_t>(k * size / share)]);
+      const std::int64_t place = std::int64_t{k} * size / share;
+      chosen.push_back(sources[i][static_cast<std::size_t>(place)]);
     }
     left -= share;
   }
