@@ -5,7 +5,6 @@
 // a directory for screenshots), CHROMIUM (optional: the browser's file).
 import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
-import { availableParallelism, loadavg } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
@@ -67,11 +66,6 @@ export async function timeToFirstPicture(browser, file) {
     await close();
   }
   return Math.min(...times);
-}
-
-/** True if other programs want the processors, so that times say little. */
-export function isBusy() {
-  return loadavg()[0] > availableParallelism() + 1;
 }
 
 export async function shoot(page, name) {
