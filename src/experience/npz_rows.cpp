@@ -37,7 +37,9 @@ NpyArray text_of(const std::string& text) {
 /// Takes arrays by name; the first thing that is wrong stays as `error`.
 class Arrays {
  public:
-  explicit Arrays(const std::map<std::string, NpyArray>& arrays) : arrays_(arrays) {}
+  explicit Arrays(const std::map<std::string, NpyArray>& arrays) : arrays_(arrays) {
+    for (const auto& entry : arrays) text_allowance_ += kTextPerByte * entry.second.bytes.size();
+  }
 
   /// Numbers of an array with `dimensions` dimensions, the first of `size` unless that is
   /// kAnySize; `width` receives the second.
@@ -88,7 +90,12 @@ class Arrays {
         return fail_with<std::string>(rows,
                                       fmt::format("refers to text {} of {}", place, unique.size()));
       }
-      result.push_back(unique[static_cast<std::size_t>(place)]);
+      const std::string& text = unique[static_cast<std::size_t>(place)];
+      if (text.size() > text_allowance_) {
+        return fail_with<std::string>(name, "has long texts that too many rows share");
+      }
+      text_allowance_ -= text.size();
+      result.push_back(text);
     }
     return result;
   }
@@ -116,7 +123,12 @@ class Arrays {
   static constexpr std::size_t kAnySize = static_cast<std::size_t>(-1);
 
  private:
+  /// Each row gets a copy of the texts that it shares: a small file could ask for any number of
+  /// bytes. A few hundred beside the numbers of each row stay far below this.
+  static constexpr std::size_t kTextPerByte = 32;
+
   const std::map<std::string, NpyArray>& arrays_;
+  std::size_t text_allowance_ = 0;
   std::optional<std::string> error_;
 };
 

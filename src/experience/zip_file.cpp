@@ -217,6 +217,7 @@ Result<std::map<std::string, std::string_view>> read_zip(const std::string& path
   if (!directory) return fail(ErrorCode::parse, fmt::format("{}: is no zip archive", path));
   std::map<std::string, std::string_view> members;
   Cursor cursor(archive, directory->offset);
+  std::uint64_t unclaimed = archive.size();
   for (std::uint64_t i = 0; i < directory->count; ++i) {
     const auto member = read_entry(cursor);
     if (!member) {
@@ -228,6 +229,11 @@ Result<std::map<std::string, std::string_view>> read_zip(const std::string& path
                               "numpy.savez_compressed()",
                               path, member->name));
     }
+    // Members that share their bytes could make a small archive a huge one.
+    if (member->size > unclaimed) {
+      return fail(ErrorCode::parse, fmt::format("{}: its members hold more than it has", path));
+    }
+    unclaimed -= member->size;
     const auto bytes = read_member(archive, *member);
     if (!bytes)
       return fail(ErrorCode::parse, fmt::format("{}: '{}' is damaged", path, member->name));

@@ -18,6 +18,7 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
 constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
+constexpr int kMaxTraceDepth = 64;
 /// What the page cannot do without, and the kind of each.
 constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
     {"problem", Json::value_t::string},
@@ -37,10 +38,35 @@ constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
     {"edges", Json::value_t::object},
 }};
 
+/// True if lists and objects stand in each other more than kMaxTraceDepth deep: writing such JSON
+/// takes as deep a stack.
+bool is_too_deep(std::string_view json) {
+  int depth = 0;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < json.size() && depth <= kMaxTraceDepth; ++i) {
+    const char c = json[i];
+    if (is_quoted) {
+      if (c == '\\') ++i;
+      is_quoted = c != '"';
+    } else if (c == '"') {
+      is_quoted = true;
+    } else if (c == '[' || c == '{') {
+      ++depth;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return depth > kMaxTraceDepth;
+}
+
 Result<Json> parse_trace(std::string_view text, const std::string& source) {
   if (text.size() > kMaxTraceBytes) {
     return fail(ErrorCode::unsupported,
                 fmt::format("{}: expected a trace of at most {} bytes", source, kMaxTraceBytes));
+  }
+  if (is_too_deep(text)) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: expected a trace nested at most {} deep", source, kMaxTraceDepth));
   }
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded())

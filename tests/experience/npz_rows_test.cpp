@@ -72,6 +72,18 @@ TEST_SUITE("unit") {
     arrays["joint_count"] = internal::to_npy(std::span(&joints, 1), {});
     CHECK(!internal::rows_of(arrays).has_value());
   }
+
+  TEST_CASE("one long text that all rows share cannot fill the memory") {
+    Rng rng(12);
+    auto rows = random_rows(rng, 400);
+    const auto refused = [&](std::size_t length) {
+      for (Experience& row : rows) row.provenance.settings = std::string(length, 's');
+      const auto read = internal::rows_of(arrays_of(rows));
+      return read ? std::string() : read.error().message;
+    };
+    CHECK(refused(2000) == "");
+    CHECK(refused(100'000) == "array 'settings' has long texts that too many rows share");
+  }
 }
 
 }  // namespace mneme::test

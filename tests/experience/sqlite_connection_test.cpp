@@ -108,6 +108,22 @@ TEST_SUITE("unit") {
     CHECK(written.error().code == ErrorCode::io);
   }
 
+  TEST_CASE("views and triggers that a file brings along do nothing") {
+    const TemporaryDirectory directory;
+    sqlite3* handle = nullptr;
+    REQUIRE(sqlite3_open((directory / "a.db").c_str(), &handle) == SQLITE_OK);
+    REQUIRE(sqlite3_exec(handle,
+                         "CREATE TABLE t (a); CREATE VIEW v AS SELECT a FROM t;"
+                         "CREATE TRIGGER r AFTER INSERT ON t BEGIN INSERT INTO t VALUES (2); END",
+                         nullptr, nullptr, nullptr) == SQLITE_OK);
+    REQUIRE(sqlite3_close(handle) == SQLITE_OK);
+    auto connection = Connection::open(directory / "a.db", Connection::Access::read_write);
+    REQUIRE(connection.has_value());
+    REQUIRE(connection->execute("INSERT INTO t VALUES (1)"));
+    CHECK(count(*connection) == 1);
+    CHECK(!connection->integer("SELECT count(*) FROM v").has_value());
+  }
+
   TEST_CASE("the write-ahead log is in use after it was asked for and gone after closing") {
     const TemporaryDirectory directory;
     {

@@ -4,6 +4,8 @@
 
 #include "experience/fixtures.h"
 
+#include <cstring>
+
 namespace mneme::test {
 namespace {
 
@@ -49,6 +51,31 @@ TEST_SUITE("unit") {
     REQUIRE(!members.has_value());
     CHECK(members.error().code == ErrorCode::unsupported);
     CHECK(members.error().message.find("numpy.savez()") != std::string::npos);
+  }
+
+  TEST_CASE("members that share their bytes are refused, as archives that swell are made of them") {
+    const TemporaryDirectory directory;
+    const std::string bytes = archive(directory / "a.zip");
+    const std::size_t begin = bytes.find("PK\x01\x02");
+    const std::size_t second = bytes.find("PK\x01\x02", begin + 1);
+    const std::size_t end = bytes.find("PK\x06\x06");
+    // The entry of the second member again and again, under names of its own.
+    std::string directory_of_many;
+    for (char name = 'a'; name <= 'z'; ++name) {
+      std::string entry = bytes.substr(second, end - second);
+      entry[46] = name;
+      directory_of_many += entry;
+    }
+    std::string swelling = bytes.substr(0, begin) + directory_of_many + bytes.substr(end);
+    constexpr std::size_t kCountInEnd64 = 32;
+    constexpr std::size_t kOffsetInLocator = 8;
+    const std::size_t end64 = swelling.find("PK\x06\x06");
+    swelling[end64 + kCountInEnd64] = 26;
+    const std::uint64_t offset = end64;
+    std::memcpy(&swelling[swelling.find("PK\x06\x07") + kOffsetInLocator], &offset, sizeof offset);
+    const auto members = read_zip("a.zip", swelling);
+    REQUIRE(!members.has_value());
+    CHECK(members.error().message == "a.zip: its members hold more than it has");
   }
 }
 

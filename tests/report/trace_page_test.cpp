@@ -62,6 +62,33 @@ TEST_SUITE("unit") {
     CHECK(trace_in(page).at("obstacles")[0].at("name") == "<!-- <script>");
   }
 
+  TEST_CASE("Deep nesting is refused, brackets in texts are not") {
+    const auto with = [](const std::string& problem) {
+      Json trace = Json::parse(to_json(test::TracedPlan().trace()));
+      trace["problem"] = "PLACE";
+      std::string text = trace.dump();
+      return to_page(text.replace(text.find("\"PLACE\""), 7, problem), "t.json");
+    };
+    for (const std::string bracket : {"[", "{\"a\":"}) {
+      std::string nested;
+      for (int i = 0; i < 1'000'000; ++i) nested += bracket;
+      REQUIRE_FALSE(with(nested).has_value());
+      CHECK(with(nested).error().message == "t.json: expected a trace nested at most 64 deep");
+    }
+    CHECK(with("\"" + std::string(1000, '[') + "\\\"" + std::string(1000, '{') + "\"").has_value());
+    const auto lists = [&](std::size_t depth) {
+      return with(std::string(depth, '[') + std::string(depth, ']')).error().message;
+    };
+    CHECK(lists(64).find("nested") != std::string::npos);
+    CHECK(lists(63).find("nested") == std::string::npos);
+  }
+
+  TEST_CASE("A file that is too long is refused") {
+    const auto page = to_page(std::string(kMaxTraceBytes + 1, ' '), "t.json");
+    REQUIRE_FALSE(page.has_value());
+    CHECK(page.error().message == "t.json: expected a trace of at most 268435456 bytes");
+  }
+
   TEST_CASE("What is no trace is refused with its name and what was expected") {
     const auto error = [](const std::string& text) {
       const auto page = to_page(text, "t.json");

@@ -162,7 +162,7 @@ int report(int status, const Board& board, const Limits& limits, const std::stri
 
 Result<Material> read_material(const Arguments& arguments) {
   Material material;
-  material.max_length = static_cast<std::size_t>(arguments.number("max_len", 65536));
+  material.max_length = static_cast<std::size_t>(arguments.number("max_len", 16384));
   auto seeds = read_seeds(arguments.paths);
   if (!seeds) return tl::unexpected(seeds.error());
   material.seeds = *std::move(seeds);

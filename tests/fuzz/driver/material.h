@@ -15,7 +15,7 @@ namespace mneme::fuzz {
 struct Material {
   std::vector<std::string> seeds;  ///< at least one
   std::vector<std::string> words;
-  std::size_t max_length = 65536;  ///< bytes of an input
+  std::size_t max_length = 16384;  ///< bytes of an input
 };
 
 /// The empty input, and the files that `paths` name or that stand in the directories that they
