@@ -116,7 +116,7 @@ class Database {
   [[nodiscard]] const ExperienceSpace& space() const;
   [[nodiscard]] DatabaseInfo info() const;
   [[nodiscard]] std::int64_t size() const;
-  /// Experience by position, 0 to size() - 1, in order of insertion. Errors: as of find().
+  /// Experience by position, 0 to size() - 1, in order of insertion. Errors: invalid; as of find().
   [[nodiscard]] Result<Experience> get(std::int64_t position) const;
   /// Visits all experience in order of insertion. Errors: as of find().
   [[nodiscard]] Result<void> for_each(

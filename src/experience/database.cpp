@@ -260,7 +260,12 @@ DatabaseInfo Database::info() const {
 std::int64_t Database::size() const { return state_->index()->size(); }
 
 Result<Experience> Database::get(std::int64_t position) const {
-  const std::int64_t id = state_->index()->id(position);
+  const auto index = state_->index();
+  if (position < 0 || position >= index->size()) {
+    return fail(ErrorCode::invalid, fmt::format("{}: there is no row {}; expected 0 to {}",
+                                                state_->url, position, index->size() - 1));
+  }
+  const std::int64_t id = index->id(position);
   const auto rows = state_->rows.load({&id, 1}, true);
   if (!rows) return tl::unexpected(rows.error());
   if (rows->front() != nullptr) return *rows->front();

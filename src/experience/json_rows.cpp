@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <cstdlib>
+#include <charconv>
 #include <limits>
 #include <optional>
 
@@ -24,7 +23,9 @@ void append_number(std::string& text, double number) { text += fmt::format("{}",
 /// The shortest digits that a reader of double precision turns into the same float.
 void append_number(std::string& text, float number) {
   const std::string digits = fmt::format("{}", number);
-  const bool is_exact = static_cast<float>(std::strtod(digits.c_str(), nullptr)) == number;
+  double read = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  const bool is_exact = static_cast<float>(read) == number;
   text += is_exact ? digits : fmt::format("{}", static_cast<double>(number));
 }
 

@@ -5,6 +5,8 @@
 #include "experience/postgres_store.h"
 #include "experience/store_writes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -93,13 +95,13 @@ class PostgresTasks final : public TaskQueue {
   }
 
   Result<std::vector<Lease>> take(int count, double seconds) override {
-    return run(kTake, {job_, std::to_string(count), worker_, std::to_string(seconds)})
+    return run(kTake, {job_, std::to_string(count), worker_, fmt::to_string(seconds)})
         .map(leases_of);
   }
 
   Result<std::vector<Lease>> renew(std::span<const Lease> leases, double seconds) override {
     auto parameters = parameters_of(leases);
-    parameters.push_back(std::to_string(seconds));
+    parameters.push_back(fmt::to_string(seconds));
     return run(kRenew, parameters).map(leases_of);
   }
 

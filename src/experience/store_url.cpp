@@ -37,19 +37,19 @@ std::string without_password(const std::string& url) {
   const std::size_t scheme = shown.find("://");
   if (scheme == std::string::npos) return shown;
   const std::size_t begin = scheme + 3;
-  const std::size_t host_end = std::min(shown.find_first_of("/?", begin), shown.size());
+  // As libpq reads it: a question mark may stand in a password.
+  const std::size_t host_end = std::min(shown.find('/', begin), shown.size());
   const std::size_t at = shown.rfind('@', host_end);
   const std::size_t colon = shown.find(':', begin);
   if (at != std::string::npos && at >= begin && colon < at) {
     shown.replace(colon + 1, at - colon - 1, kHidden);
   }
-  for (const std::string_view key : {"password=", "sslpassword="}) {
-    std::size_t found = shown.find(key);
-    for (; found != std::string::npos; found = shown.find(key, found)) {
-      found += key.size();
-      const std::size_t end = std::min(shown.find('&', found), shown.size());
-      shown.replace(found, end - found, kHidden);
-    }
+  constexpr std::string_view kKey = "password=";  // and with it sslpassword
+  std::size_t found = shown.find(kKey);
+  for (; found != std::string::npos; found = shown.find(kKey, found)) {
+    found += kKey.size();
+    const std::size_t end = std::min(shown.find('&', found), shown.size());
+    shown.replace(found, end - found, kHidden);
   }
   return shown;
 }

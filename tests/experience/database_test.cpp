@@ -44,6 +44,19 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a position that no row has is an error") {
+    const TemporaryDirectory directory;
+    Database database = open_database(directory / "a.db");
+    Rng rng(4);
+    REQUIRE(database.insert(random_rows(rng, 3)).has_value());
+    for (const std::int64_t position : {std::int64_t{-1}, std::int64_t{3}, std::int64_t{1} << 40}) {
+      const auto row = database.get(position);
+      REQUIRE(!row.has_value());
+      CHECK(row.error().code == ErrorCode::invalid);
+      CHECK(row.error().message.find("a.db") != std::string::npos);
+    }
+  }
+
   TEST_CASE("info counts samplers, components and bytes") {
     const TemporaryDirectory directory;
     Rng rng(52);

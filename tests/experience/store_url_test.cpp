@@ -32,6 +32,9 @@ TEST_SUITE("unit") {
     CHECK(without_password("postgresql://me@host/x?password=secret&sslpassword=other") ==
           "postgresql://me@host/x?password=***&sslpassword=***");
     CHECK(without_password("postgresql://me:se:cr@et@host/x") == "postgresql://me:***@host/x");
+    CHECK(without_password("postgresql://me:se?cret@host/x") == "postgresql://me:***@host/x");
+    CHECK(without_password("postgresql://host:5432?sslmode=require") ==
+          "postgresql://host:5432?sslmode=require");
     CHECK(without_password("a.db") == "a.db");
   }
 }
