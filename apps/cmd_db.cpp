@@ -3,6 +3,7 @@
 
 /// mneme db: looks into a database, and keeps it in order.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -143,11 +144,12 @@ Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                                       });
   if (!problem) return tl::unexpected(problem.error());
   if (problem->robot.hash() != database.space().robot_hash) {
-    return fail(ErrorCode::wrong_robot,
-                fmt::format("'{}' holds experience of the robot '{}' (hash {}), the problem is for "
-                            "'{}' (hash {})",
-                            options.url, database.space().robot_name, database.space().robot_hash,
-                            problem->robot.name(), problem->robot.hash()));
+    return fail(
+        ErrorCode::wrong_robot,
+        fmt::format("'{}' holds experience of the robot '{}' (hash {}), the problem is for "
+                    "'{}' (hash {})",
+                    database.info().url, database.space().robot_name, database.space().robot_hash,
+                    problem->robot.name(), problem->robot.hash()));
   }
   DecomposeSettings settings = options.settings.decompose;
   settings.decomposer = decomposer_of_version(database.space().decomposer).value_or("");
@@ -180,11 +182,14 @@ Result<ExitCode> run_query(const DbOptions& options) {
   const double similarity = options.settings.similarity > 0
                                 ? options.settings.similarity
                                 : default_similarity(database->space().decomposer);
+  const int max_matches = options.settings.max_matches >= 0
+                              ? options.settings.max_matches
+                              : default_max_matches(database->space().decomposer);
   const auto primitives = queried_primitives(options, *database);
   if (!primitives) return tl::unexpected(primitives.error());
   Json found = Json::array();
   for (const LocalPrimitive& primitive : *primitives) {
-    const auto matches = database->find(primitive, similarity, options.settings.max_matches);
+    const auto matches = database->find(primitive, similarity, max_matches);
     if (!matches) return tl::unexpected(matches.error());
     if (!options.is_json) print_matches(primitive, *matches);
     Json rows = Json::array();
@@ -209,9 +214,16 @@ void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Actio
                                " --key 3,1,1.2,3,-1.5,1 --similarity 3", *options);
   const auto read_key = [options](const std::string& text) {
     options->key = parse_numbers("--key", text);
-    if (options->key->size() == 6) return;
-    throw CLI::ValidationError("--key", fmt::format("has {} numbers; expected x,y,r of two circles",
-                                                    options->key->size()));
+    if (options->key->size() != 6) {
+      throw CLI::ValidationError(
+          "--key",
+          fmt::format("has {} numbers; expected x,y,r of two circles", options->key->size()));
+    }
+    for (const double number : *options->key) {
+      if (!std::isfinite(number)) {
+        throw CLI::ValidationError("--key", fmt::format("{} is no length in metres", number));
+      }
+    }
   };
   add_text(*command, "--key", read_key, "two circles, metres")->type_name("X,Y,R,X,Y,R");
   command->add_option("--problem", options->problem,

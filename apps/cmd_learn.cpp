@@ -136,7 +136,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
     fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
                summary->learned, summary->skipped, summary->unsolved, summary->time_s);
     fmt::print("added {} samplers with {} components; {} now holds {}\n", summary->rows,
-               summary->components, options.db, database->size());
+               summary->components, database->info().url, database->size());
   }
   if (!summary->is_cancelled) return ExitCode::done;
   print_note("interrupted; the same command goes on from here");

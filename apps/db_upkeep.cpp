@@ -41,7 +41,7 @@ ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages
   if (options.is_json) {
     print_json({{"is_clean", damages.empty()}, {"damages", rows}});
   } else if (damages.empty()) {
-    fmt::print("{} is sound\n", options.url);
+    fmt::print("the database is sound\n");
   } else if (damages.front().is_quarantined) {
     fmt::print("what is left is sound\n");
   }

@@ -65,8 +65,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("retrieve-after", s.retrieve_after, -1, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
         "for it; -1 picks the default of the memory (0 for pairs, 1500 for body_pairs and gaps, "
-        "800 for "
-        "paths)");
+        "2500 for paths)");
   visit("first-components", s.first_components, -1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; 0 "
         "for all from the start (the paper's rule), -1 picks the default of the memory (0 for "
@@ -82,12 +81,15 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("resolution", s.resolution, 0.0, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
         "default");
-  visit("margin", s.margin, 0.0, 10.0,
-        "metres that the robot keeps away from obstacles, start and goal included; not from itself");
+  visit(
+      "margin", s.margin, 0.0, 10.0,
+      "metres that the robot keeps away from obstacles, start and goal included; not from itself");
 }
 
 /// The default `similarity` for the keys of a decomposer, by its name or version.
 [[nodiscard]] double default_similarity(std::string_view decomposer);
+/// The same for `max_matches`.
+[[nodiscard]] int default_max_matches(std::string_view decomposer);
 
 /// A primitive of the scene and what the memory knew of it.
 struct PrimitiveRetrieval {
@@ -107,10 +109,10 @@ struct GlSampler {
 
 /// Algorithm 2, "Create GL-Sampler". Means that a symmetry moves outside the joint limits are
 /// dropped. The database is changed only if `learn_budget_s` > 0 and a primitive has no match.
-/// Only planar arms learn on a miss.
+/// Only pairs of circles are learned on a miss, by planar arms.
 /// Learning ends `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
 /// Errors: those of decompose(); wrong_robot if the database is of another robot or decomposer;
-/// invalid if it remembers whole paths, which need a problem.
+/// invalid if it remembers whole paths, which need a problem, or if a setting is out of range.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene,
                                                   Database& database,
                                                   const SolveSettings& settings);
@@ -129,7 +131,7 @@ struct Remembered {
 
 struct SolveResult {
   PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
-  GlSampler gl;     ///< empty unless the sampler is "gl" and there is a database
+  GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
   Remembered remembered;
   double total_time_s = 0;     ///< solve() from call to return
   double planning_time_s = 0;  ///< without simplification, verification and remembering

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/check_settings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace mneme::internal {
@@ -10,12 +12,13 @@ namespace {
 template <class Settings>
 Result<void> check_part(const Settings& settings) {
   std::string problem;
-  visit_settings(settings,
-                 [&](const char* name, const auto& value, auto least, auto most, const char*) {
-                   // Written so that a value that is not a number fails too.
-                   if (!(value >= least && value <= most))
-                     problem = std::string("setting '") + name + "' is out of range";
-                 });
+  visit_settings(
+      settings, [&](const char* name, const auto& value, auto least, auto most, const char*) {
+        // Written so that a value that is not a number fails too.
+        if (problem.empty() && !(value >= least && value <= most)) {
+          problem = fmt::format("setting '{}' is {}: expected {} to {}", name, value, least, most);
+        }
+      });
   if (!problem.empty()) return fail(ErrorCode::invalid, problem);
   return {};
 }

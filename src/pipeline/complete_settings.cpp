@@ -41,6 +41,8 @@ double default_similarity(std::string_view decomposer) {
   return defaults_of(decomposer).similarity;
 }
 
+int default_max_matches(std::string_view decomposer) { return defaults_of(decomposer).max_matches; }
+
 namespace internal {
 
 SolveSettings complete_settings(SolveSettings settings, const Robot& robot,

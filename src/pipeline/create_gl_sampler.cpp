@@ -7,6 +7,7 @@
 
 #include "base/stopwatch.h"
 #include "mneme/pipeline.h"
+#include "pipeline/check_settings.h"
 #include "pipeline/complete_settings.h"
 #include "pipeline/database_check.h"
 #include "pipeline/recall_paths.h"
@@ -46,6 +47,9 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
 Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Database& database,
                                     const SolveSettings& asked) {
   const internal::Stopwatch stopwatch;
+  if (auto checked = internal::check_ranges(asked); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const SolveSettings settings = internal::complete_settings(asked, robot, &database);
   GlSampler gl;
   if (auto checked = internal::check_database(robot, settings, database); !checked) {
@@ -60,7 +64,7 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
         .map([&](std::vector<Match> matches) { retrieval.matches = std::move(matches); });
   };
   // Local queries are made for arms threaded through pairs of circles only.
-  const bool can_learn = robot.is_planar();
+  const bool can_learn = robot.is_planar() && settings.decompose.decomposer == "pairs";
   const auto is_over = [&] {
     return (settings.plan.cancel != nullptr && settings.plan.cancel->load()) ||
            stopwatch.elapsed_s() >= settings.plan.timeout_s;
@@ -88,6 +92,9 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
 
 Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
                                     const SolveSettings& asked) {
+  if (auto checked = internal::check_ranges(asked); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const SolveSettings settings = internal::complete_settings(asked, problem.robot, &database);
   if (settings.decompose.decomposer != "paths") {
     return create_gl_sampler(problem.robot, problem.scene, database, settings);

@@ -41,7 +41,7 @@ bool is_memory_sampler(std::string_view sampler) {
 Result<GlSampler> Recall::recall() const {
   if (settings_.sampler == "gl") {
     SolveSettings rest = settings_;
-    rest.plan.timeout_s -= stopwatch_.elapsed_s();
+    rest.plan.timeout_s = std::max(0.0, rest.plan.timeout_s - stopwatch_.elapsed_s());
     return create_gl_sampler(problem_, database_, rest);
   }
   const Stopwatch stopwatch;

@@ -77,6 +77,29 @@ TEST_SUITE("flow") {
     CHECK(has_text(words.out, "id 1, similarity error 0.0000"));
   }
 
+  TEST_CASE("query finds as many as planning does unless more are asked for") {
+    const PlanarFiles files;
+    {
+      Database database =
+          Database::open(files.database(), make_space(planar8()).value(), OpenMode::read_write)
+              .value();
+      std::vector<Experience> rows(11, database.get(0).value());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        rows[i].key[0] += 1e-3 * static_cast<double>(i + 1);
+      }
+      REQUIRE(database.insert(std::move(rows)).has_value());
+    }
+    const auto matches = [&](const std::vector<std::string>& flags) {
+      std::vector<std::string> arguments = {"db", "query", files.database(), "--problem",
+                                            files.problem()};
+      arguments.insert(arguments.end(), flags.begin(), flags.end());
+      return run_json(arguments)["primitives"][0]["matches"].size();
+    };
+    CHECK(matches({}) == 8);
+    CHECK(matches({"--max-matches", "3"}) == 3);
+    CHECK(matches({"--max-matches", "0"}) == 12);
+  }
+
   TEST_CASE("query takes another robot than the problem's, and refuses one that does not fit") {
     const PlanarFiles files;
     const Json json = run_json(
@@ -98,6 +121,7 @@ TEST_SUITE("unit") {
         {{"db", "query", database}, 2, {"either --key or --problem"}},
         {{"db", "query", database, "--key", "1,2,3"}, 2, {"--key", "3 numbers"}},
         {{"db", "query", database, "--key", "1,2,3,4,5,z"}, 2, {"--key", "'z'"}},
+        {{"db", "query", database, "--key", "1,2,3,4,nan,6"}, 2, {"--key", "nan"}},
         {{"db", "query", database, "--key", "1,2,1,4,5,1", "--similarity", "-1"},
          2,
          {"--similarity", "'-1'"}},

@@ -17,7 +17,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {
     SolveSettings settings;
     settings.lambda = 1.5;
-    CHECK(internal::check_ranges(settings).error().message.find("'lambda'") != std::string::npos);
+    CHECK(internal::check_ranges(settings).error().message ==
+          "setting 'lambda' is 1.5: expected -1 to 1");
     settings = {};
     settings.plan.timeout_s = std::numeric_limits<double>::quiet_NaN();
     CHECK(internal::check_ranges(settings).error().message.find("'timeout'") != std::string::npos);

@@ -86,6 +86,24 @@ TEST_SUITE("unit") {
     });
     CHECK(checked == 4);
   }
+
+  TEST_CASE("the declared sentence of retrieve-after names the defaults of all decomposers") {
+    SolveSettings settings;
+    std::string declared;
+    visit_settings(settings, [&](const std::string& name, auto&, auto, auto, const char* sentence) {
+      if (name == "retrieve-after") declared = sentence;
+    });
+    for (const std::string& decomposer : decomposer_names()) {
+      settings.decompose.decomposer = decomposer;
+      const int samples = internal::complete_settings(settings, planar8()).retrieve_after;
+      const std::size_t at = declared.find(std::to_string(samples) + " for ");
+      REQUIRE_MESSAGE(at != std::string::npos, declared);
+      const std::string clause = declared.substr(at, declared.find_first_of(",)", at) - at);
+      CHECK_MESSAGE(clause.find(decomposer) != std::string::npos, declared);
+      CHECK(default_max_matches(decomposer) ==
+            internal::complete_settings(settings, planar8()).max_matches);
+    }
+  }
 }
 
 TEST_SUITE("law") {

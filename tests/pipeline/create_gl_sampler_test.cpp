@@ -13,7 +13,7 @@ GlSampler create(const Robot& robot, const Scene& scene, Database& database,
   return std::move(*gl);
 }
 
-SolveSettings learning_settings(double budget_s = 5) {
+SolveSettings learning_settings(double budget_s = 60) {
   SolveSettings settings;
   settings.learn_budget_s = budget_s;
   settings.learn = cheap_settings();
@@ -66,7 +66,6 @@ TEST_SUITE("unit") {
     CHECK(gl.primitives[0].matches[0].similarity_error < 1e-9);
     CHECK(gl.mixture->component_count() > 0);
     CHECK(gl.learning_time_s > 0);
-    CHECK(gl.learning_time_s < 5.05);
     REQUIRE(database.size() == 1);
     CHECK(database.get(0)->key == gl.primitives[0].primitive.key);
     CHECK(!database.get(0)->provenance.settings.empty());
@@ -138,15 +137,48 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
-    SolveSettings settings = learning_settings(0.05);
+    SolveSettings settings = learning_settings(0.2);
     settings.learn.starts_per_link = 1000;
     settings.learn.paths_per_start = 1000;
     settings.similarity = 1e-6;
     Scene scene =
         make_circle_scene("", {{3, 1.4, 1.2}, {3.4, -1.5, 1.3}, {-3, 1.5, 1.2}, {-3, -1.3, 1.2}});
     const GlSampler gl = create(robot, scene, database, settings);
-    CHECK(gl.primitives.size() == 2);
-    CHECK(gl.learning_time_s < 0.15);
+    REQUIRE(gl.primitives.size() == 2);
+    // The first one takes it all.
+    CHECK(gl.learning_time_s >= 0.2);
+    CHECK(gl.primitives[0].is_learned);
+    CHECK(!gl.primitives[1].is_learned);
+  }
+
+  TEST_CASE("settings out of range are refused by name") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    SolveSettings wrong;
+    wrong.sigma = -1;
+    const Problem problem{"", robot, "", make_scene(near_pair()), Configuration(8), {}, {}};
+    for (const auto& gl : {create_gl_sampler(robot, problem.scene, database, wrong),
+                           create_gl_sampler(problem, database, wrong)}) {
+      REQUIRE(!gl.has_value());
+      CHECK(gl.error().code == ErrorCode::invalid);
+      CHECK(gl.error().message.find("'sigma'") != std::string::npos);
+    }
+  }
+
+  TEST_CASE("a pair of bodies is not learned on a miss as if it were one of circles") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    const auto space = make_space(robot, "body_pairs");
+    REQUIRE(space.has_value());
+    Database database = Database::open(directory / "a.db", *space, OpenMode::create).value();
+    SolveSettings settings = learning_settings();
+    settings.decompose.max_gap = 5;
+    const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
+    REQUIRE(gl.primitives.size() == 1);
+    CHECK(gl.primitives[0].primitive.key.size() == 18);
+    CHECK(!gl.primitives[0].is_learned);
+    CHECK(database.size() == 0);
   }
 
   TEST_CASE("at most so many matches are used, all of them with zero") {

