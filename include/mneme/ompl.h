@@ -118,11 +118,11 @@ namespace mneme {
 
 struct OmplSettings {
   /// OMPL's defaults: range of a fifth of the extent, motions checked state by state at a hundredth
-  /// of the extent, path returned without verification or repair. Planners may then tunnel through
-  /// obstacles: check the path (is_path_free). Otherwise tuned: range 0.4 rad, motions on the
-  /// kernels at mneme's resolution, paths verified; one that fails is planned again within the
-  /// limits, with motions checked as finely as verification does. A range or resolution above 0 in
-  /// the settings counts in both.
+  /// of the extent, path returned without verification or repair, and not remembered. Planners may
+  /// then tunnel through obstacles: check the path (is_path_free). Otherwise tuned: range 0.4 rad,
+  /// motions on the kernels at mneme's resolution, paths verified; one that fails is planned again
+  /// within the limits, with motions checked as finely as verification does. A range or resolution
+  /// above 0 in the settings counts in both.
   bool as_in_paper = false;
   /// What train_ompl_experience wrote, for Lightning and Thunder; without it they know nothing.
   std::string experience_path;

@@ -89,6 +89,19 @@ Repair make_repair(std::string_view name, const ob::SpaceInformationPtr& informa
   return {planner, nullptr};
 }
 
+/// OMPL reads beyond the end of what is too short.
+Result<void> check_path(const Robot& robot, const Path& path) {
+  if (path.empty()) {
+    return fail(ErrorCode::invalid, "a path without a configuration cannot be experience");
+  }
+  for (const Configuration& q : path) {
+    if (auto flaw = robot.describe_violation(q, "a waypoint")) {
+      return fail(ErrorCode::invalid, *std::move(flaw));
+    }
+  }
+  return {};
+}
+
 template <class ExperienceDatabase>
 bool write(ExperienceDatabase& database, const ob::SpaceInformationPtr& information,
            std::span<const Path> paths, const std::string& file) {
@@ -130,6 +143,9 @@ Result<void> train_ompl_experience(std::string_view planner, const Robot& robot,
   if (planner != kLightning && planner != kThunder) {
     return fail(ErrorCode::invalid, "planner '" + std::string(planner) +
                                         "' has no experience: expected Lightning or Thunder");
+  }
+  for (const Path& solved : paths) {
+    if (auto checked = check_path(robot, solved); !checked) return checked;
   }
   const Silence silence;
   try {

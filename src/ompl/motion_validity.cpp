@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "mneme/ompl.h"
@@ -26,7 +27,8 @@ class MotionValidity final : public ob::MotionValidator {
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     const bool is_valid = is_motion_valid(from, to);
-    ++(is_valid ? valid_ : invalid_);
+    // OMPL's counters are plain numbers, and its parallel planners share a validator.
+    std::atomic_ref(is_valid ? valid_ : invalid_).fetch_add(1, std::memory_order_relaxed);
     return is_valid;
   }
 

@@ -3,6 +3,7 @@
 #include "ompl/planner_table.h"
 
 #include <array>
+#include <charconv>
 #include <string>
 
 #include <ompl/geometric/planners/est/BiEST.h>
@@ -76,9 +77,11 @@ const OmplPlanner* find_ompl_planner(std::string_view name) {
 }
 
 void set_range(ob::Planner& planner, double range) {
-  if (range > 0 && planner.params().hasParam("range")) {
-    planner.params().setParam("range", std::to_string(range));
-  }
+  if (!(range > 0) || !planner.params().hasParam("range")) return;
+  // All digits, and with a point whatever the program's locale says.
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), range);
+  if (error == std::errc()) planner.params().setParam("range", {digits.data(), end});
 }
 
 }  // namespace ompl

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/experience.h"
 
+#include <cmath>
+
 #include "ompl/silence.h"
 #include "ompl/small_problems.h"
 
@@ -24,6 +26,19 @@ TEST_SUITE("unit") {
     const auto trained = train_ompl_experience("PRM", gap_problem().robot, {}, "unused");
     REQUIRE(!trained.has_value());
     CHECK(trained.error().code == ErrorCode::invalid);
+  }
+
+  TEST_CASE("paths that are none of the robot's are refused") {
+    const Robot robot = gap_problem().robot;
+    const TemporaryDirectory directory;
+    const std::vector<Path> wrong = {{}, {{0, 0, 0}, {0, 0}}, {{0, 0, 0}, {0, 0, std::nan("")}}};
+    for (const Path& path : wrong) {
+      for (const char* name : {"Lightning", "Thunder"}) {
+        const auto trained = train_ompl_experience(name, robot, {&path, 1}, directory / name);
+        REQUIRE(!trained.has_value());
+        CHECK(trained.error().code == ErrorCode::invalid);
+      }
+    }
   }
 
   TEST_CASE("experience that is missing, or cannot be written, is an error that names the file") {

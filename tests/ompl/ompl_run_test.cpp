@@ -27,13 +27,13 @@ TEST_SUITE("unit") {
   TEST_CASE("a run ends at its limits, and says which") {
     const Problem problem = locked_problem();
     SolveSettings settings;
-    settings.plan.timeout_s = 0.05;
+    settings.plan.timeout_s = 0.3;
     for (const char* planner : {"RRTConnect", "PRM", "BITstar", "BKPIECE1"}) {
       const PlanResult late = run(problem, planner, settings);
       CHECK_MESSAGE(late.status == PlanStatus::timeout, planner);
       CHECK(!late.message.empty());
       CHECK(late.path.empty());
-      CHECK(late.planning_time_s >= 0.05);
+      CHECK(late.planning_time_s >= 0.3);
       CHECK(late.iterations > 0);
     }
     settings.plan.timeout_s = 60;
@@ -61,7 +61,8 @@ TEST_SUITE("unit") {
     const std::set<std::string_view> near_only = {"EST",      "BiEST",     "ProjEST", "KPIECE1",
                                                   "BKPIECE1", "LBKPIECE1", "SBL",     "STRIDE"};
     SolveSettings settings;
-    settings.plan.timeout_s = 0.1;
+    settings.plan.timeout_s = 10;  // only for a planner that stops drawing
+    settings.plan.max_iterations = 300;
     for (const std::string_view name : ompl_planner_names()) {
       CAPTURE(name);
       const auto sampler = std::make_shared<ConstantSampler>(std::vector<float>{-3.1f, 0.2f});

@@ -35,7 +35,9 @@ TEST_SUITE("unit") {
     mneme::ompl::set_range(*connect, 0);
     CHECK(range() == 0);
     mneme::ompl::set_range(*connect, 0.4);
-    CHECK(range() == doctest::Approx(0.4));
+    CHECK(range() == 0.4);
+    mneme::ompl::set_range(*connect, 1e-9);
+    CHECK(range() == 1e-9);
     const auto prm = mneme::ompl::find_ompl_planner("PRM")->make(information);
     CHECK_NOTHROW(mneme::ompl::set_range(*prm, 0.4));
   }

@@ -133,6 +133,7 @@ TEST_SUITE("flow") {
     std::uint64_t with_memory = 0, uniform = 0;
     SolveSettings settings = settings_for("RRTConnect", "gl");
     settings.plan.max_iterations = 30000;
+    settings.plan.timeout_s = 600;
     for (settings.plan.seed = 1; settings.plan.seed <= 2; ++settings.plan.seed) {
       settings.sampler = "gl";
       const SolveResult remembered = solve_or_fail(problem, &database, settings);
@@ -143,6 +144,29 @@ TEST_SUITE("flow") {
       uniform += solve_or_fail(problem, nullptr, settings).plan.iterations;
     }
     CHECK(with_memory < uniform);
+  }
+
+  TEST_CASE("what a planner of OMPL solves is remembered if that is asked for") {
+    const Problem problem = gap_problem();
+    const TemporaryDirectory directory;
+    const auto space = make_space(problem.robot, "paths");
+    REQUIRE(space.has_value());
+    Database database = Database::open(directory / "m.db", *space, OpenMode::create).value();
+    SolveSettings settings = settings_for("RRTConnect", "gl");
+    CHECK(solve_or_fail(problem, &database, settings).remembered.rows == 0);
+    settings.remember_after = 0;
+    OmplSettings paper;
+    paper.as_in_paper = true;
+    CHECK(solve_or_fail(problem, &database, settings, paper).remembered.rows == 0);
+    REQUIRE(database.size() == 0);
+
+    const SolveResult result = solve_or_fail(problem, &database, settings);
+    check_path(problem, result);
+    CHECK(result.remembered.rows == 1);
+    CHECK(result.planning_time_s + result.remembered.time_s <= result.total_time_s);
+    REQUIRE(database.size() == 1);
+    CHECK(static_cast<std::size_t>(database.get(0)->sampler.component_count()) ==
+          result.plan.path.size());
   }
 }
 
