@@ -54,7 +54,10 @@ void bind_primitive(py::module_& module) {
         const PrimitiveKey first = to_vector(a, -1, "a");
         const PrimitiveKey second = to_vector(b, static_cast<int>(first.size()), "b");
         const auto size = first.size();
-        if (size != 6 && size != 2 * kBodyKeySize) raise_invalid("a: expected a primitive's key");
+        const bool is_query = size % 2 == 1;
+        if (size != 6 && size != 2 * kBodyKeySize && size != kGapKeySize && !is_query) {
+          raise_invalid("a: expected a primitive's key");
+        }
         return similarity_error(first, second);
       },
       py::arg("a"), py::arg("b"), "Squared distance of two canonical keys, m^2.");

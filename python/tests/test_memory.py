@@ -50,6 +50,13 @@ def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
     assert mneme.similarity_error(primitive.key, primitive.key) == 0
 
 
+def test_the_keys_of_all_decomposers_have_a_similarity_error():
+    for size in (6, 18, 30, 17):
+        assert mneme.similarity_error(np.arange(size), np.arange(size)) == 0
+    with pytest.raises(mneme.Error, match="a primitive's key"):
+        mneme.similarity_error(np.arange(8), np.arange(8))
+
+
 def test_learning_again_skips_what_is_known(robot, learned, problem):
     again = mneme.learn(robot, learned, scenes=[problem.scene], **FAST)
     assert (again.learned, again.skipped) == (0, 1)
