@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "collision/checked_robot.h"
 #include "collision/collision_kernels.h"
 #include "collision/contacts.h"
@@ -25,10 +27,14 @@ FloatConfiguration to_float(std::span<const double> q) {
   return result;
 }
 
-bool is_finite(std::span<const float> q) {
-  float sum = 0;
-  for (const float value : q) sum += value * 0;
-  return sum == 0;
+/// Radians or metres. Beyond, single precision says too little of a link's place; the kernels'
+/// comparisons with what comes of it, as with a NaN, would find no contact.
+constexpr float kFarthest = 1e4f;
+
+bool is_within_reach(std::span<const float> q) {
+  bool result = true;
+  for (const float value : q) result &= std::abs(value) <= kFarthest;
+  return result;
 }
 
 constexpr double kPlanarResolution = 0.02;
@@ -57,7 +63,10 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
                                                 const CheckerSettings& settings) {
   if (!(settings.resolution >= 0 && settings.margin >= 0) || !std::isfinite(settings.margin) ||
       !std::isfinite(settings.resolution)) {
-    return fail(ErrorCode::invalid, "resolution and margin must be finite and not negative");
+    return fail(ErrorCode::invalid,
+                fmt::format("the resolution is {} and the margin {}; expected finite numbers, 0 or "
+                            "more",
+                            settings.resolution, settings.margin));
   }
   if (!is_available(settings.isa)) {
     return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +
@@ -104,10 +113,9 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   }
   t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
-  // Comparisons with a NaN find no contact.
   const std::size_t joints = static_cast<std::size_t>(t.space.joint_count());
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
-    if (!is_finite(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
+    if (!is_within_reach(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
   }
 }
 
@@ -118,9 +126,9 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const float margin = t.margin + static_cast<float>(detail.margin);
   // A base may stand on the floor: more margin would only say that it still does.
   if (t.fixed_clearance < t.margin) return false;
+  if (!is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
-  if (!std::isfinite(length)) return false;
   // A motion so long that its states cannot be counted is longer than any joint space with finite
   // limits.
   const double wanted = length * detail.refinement / t.resolution;

@@ -318,8 +318,8 @@ class StateChecker {
   float margin_;
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
-  HWY_ALIGN float lower_[kMaxFrames][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
-  HWY_ALIGN float upper_[kMaxFrames][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
+  HWY_ALIGN float lower_[kMaxBodies][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
+  HWY_ALIGN float upper_[kMaxBodies][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
 };
 
 bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const float* from,

@@ -86,9 +86,13 @@ class RobotTablesBuilder {
     }
   }
 
-  RobotTables build() {
+  Result<RobotTables> build() {
     for (std::size_t i = 0; i < robot_.links().size(); ++i) {
       if (robot_.links()[i].parent_joint >= 0) place(static_cast<int>(i));
+    }
+    if (tables_.frames.size() > as_index(kMaxFrames)) {
+      return fail(ErrorCode::unsupported, "robot '" + robot_.name() + "' has more than " +
+                                              std::to_string(kMaxFrames) + " joints that move");
     }
     add_bodies();
     add_pairs();
@@ -115,7 +119,7 @@ class RobotTablesBuilder {
     const Joint& joint = robot_.joints()[as_index(joint_index)];
     const auto own = group_index_.find(joint_index);
     if (own != group_index_.end()) return Drive{own->second};
-    if (!joint.mimic) return std::nullopt;
+    if (!joint.mimic || joint.mimic->multiplier == 0) return std::nullopt;
     const auto followed = group_index_.find(joint.mimic->joint);
     if (followed == group_index_.end()) return std::nullopt;
     return Drive{followed->second, joint.mimic->multiplier, joint.mimic->offset};
@@ -313,12 +317,7 @@ class RobotTablesBuilder {
 }  // namespace
 
 Result<RobotTables> make_robot_tables(const Robot& robot) {
-  RobotTables tables = RobotTablesBuilder(robot).build();
-  if (tables.frames.size() > as_index(kMaxFrames)) {
-    return fail(ErrorCode::unsupported, "robot '" + robot.name() + "' has more than " +
-                                            std::to_string(kMaxFrames) + " joints that move");
-  }
-  return tables;
+  return RobotTablesBuilder(robot).build();
 }
 
 }  // namespace mneme::internal

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "robot/mimic.h"
+
 namespace mneme::internal {
 
 bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
@@ -42,16 +44,12 @@ Sphere bound_of(std::span<const Capsule> shapes) {
 }
 
 std::vector<bool> find_moving_links(const Robot& robot) {
-  const auto is_in_group = [&](int joint) {
-    return std::ranges::find(robot.group(), joint) != robot.group().end();
-  };
+  const std::vector<bool> is_driven = find_moving(robot.joints(), robot.group());
   std::vector<bool> is_moving(robot.links().size(), false);
   for (std::size_t i = 0; i < robot.joints().size(); ++i) {
     const Joint& joint = robot.joints()[i];
-    const bool is_driven =
-        is_in_group(static_cast<int>(i)) || (joint.mimic && is_in_group(joint.mimic->joint));
     is_moving[static_cast<std::size_t>(joint.child_link)] =
-        is_driven || is_moving[static_cast<std::size_t>(joint.parent_link)];
+        is_driven[i] || is_moving[static_cast<std::size_t>(joint.parent_link)];
   }
   return is_moving;
 }

@@ -314,6 +314,23 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("values that are not finite, or too large for single precision, are not valid") {
+    const Scene scene{"s", {named("shell", Sphere{{0, 0, 5}, 4.5})}};
+    for (const JointType type : {JointType::continuous, JointType::prismatic}) {
+      for (const Isa isa : available_isas()) {
+        const CollisionChecker checker = require_checker(pointer(type), scene, {.isa = isa});
+        CHECK(checker.is_valid(std::array{1e4}));
+        for (const double value : {1.1e4, -1e9, 1e30, -1e300, kInfinity, kNaN}) {
+          INFO(to_string(isa), ", ", value);
+          CHECK(!checker.is_valid(std::array{value}));
+          CHECK(!is_free_motion(checker, value, value));
+          CHECK(!is_free_motion(checker, 0, value));
+          CHECK(!is_free_motion(checker, value, 0));
+        }
+      }
+    }
+  }
+
   TEST_CASE("copies of a checker answer like the original") {
     const CollisionChecker copy = [] { return require_checker(pointer(), grain_at(1)); }();
     CHECK(!copy.is_valid(std::array{1.0}));

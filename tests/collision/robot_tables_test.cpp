@@ -39,6 +39,30 @@ Result<Robot> long_chain(int count, int fixed) {
   return make_robot(parts);
 }
 
+/// `count` teeth on a bar along x, a metre from each other, that turns about z.
+Robot comb(int count) {
+  Robot::Parts parts;
+  parts.name = "comb";
+  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({"bar", -1, {}, {}, {}});
+  parts.joints.emplace_back();
+  for (int i = 1; i <= count; ++i) {
+    parts.links.push_back({"tooth" + std::to_string(i), -1, {{{0, 0, 0}, 0.05}}, {}, {}});
+    parts.joints.emplace_back().origin.translation = Vec3(i, 0, 0);
+  }
+  for (std::size_t i = 0; i < parts.joints.size(); ++i) {
+    Joint& joint = parts.joints[i];
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? JointType::continuous : JointType::fixed;
+    joint.axis = Vec3::UnitZ();
+    joint.parent_link = i == 0 ? 0 : 1;
+    joint.child_link = static_cast<int>(i) + 1;
+  }
+  auto robot = make_robot(parts);
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return *robot;
+}
+
 Vec3 vector_of(const float* p) { return {p[0], p[1], p[2]}; }
 
 Eigen::Matrix3d matrix_of(const float* r) {
@@ -225,13 +249,15 @@ TEST_SUITE("unit") {
     const auto most = long_chain(internal::kMaxFrames, 100);
     REQUIRE(most.has_value());
     CHECK(internal::make_robot_tables(*most).has_value());
-    const auto more = long_chain(internal::kMaxFrames + 1, 0);
-    REQUIRE(more.has_value());
-    const auto tables = internal::make_robot_tables(*more);
-    REQUIRE(!tables.has_value());
-    CHECK(tables.error().code == ErrorCode::unsupported);
-    CHECK(tables.error().message.find("'snake'") != std::string::npos);
-    CHECK(tables.error().message.find("64") != std::string::npos);
+    for (const int joints : {internal::kMaxFrames + 1, 1000}) {
+      const auto more = long_chain(joints, 0);
+      REQUIRE(more.has_value());
+      const auto tables = internal::make_robot_tables(*more);
+      REQUIRE(!tables.has_value());
+      CHECK(tables.error().code == ErrorCode::unsupported);
+      CHECK(tables.error().message.find("'snake'") != std::string::npos);
+      CHECK(tables.error().message.find("64") != std::string::npos);
+    }
   }
 
   TEST_CASE("a robot as large as the kernels hold is checked to its last link") {
@@ -242,6 +268,22 @@ TEST_SUITE("unit") {
     for (const Isa isa : available_isas()) {
       CHECK(!require_checker(*robot, scene, {.isa = isa}).is_valid(straight));
       CHECK(require_checker(*robot, {}, {.isa = isa}).is_valid(straight));
+    }
+  }
+
+  TEST_CASE("each of many links that one joint carries is checked, also where bodies are merged") {
+    for (const int count : {internal::kMaxFrames + 8, internal::kMaxBodies + 8}) {
+      const Robot robot = comb(count);
+      CHECK(require_tables(robot).moving_count == std::min(count, internal::kMaxBodies));
+      for (int tooth = 1; tooth <= count; ++tooth) {
+        const Scene scene = make_circle_scene("s", {{0.0, static_cast<double>(tooth), 0.01}});
+        for (const Isa isa : available_isas()) {
+          const CollisionChecker checker = require_checker(robot, scene, {.isa = isa});
+          CHECK(checker.is_valid(Configuration{0}));
+          CHECK(!checker.is_valid(Configuration{kPi / 2}));
+          CHECK(!checker.is_motion_valid(Configuration{kPi / 2 - 0.1}, Configuration{kPi / 2}));
+        }
+      }
     }
   }
 }

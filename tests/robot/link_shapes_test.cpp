@@ -39,7 +39,7 @@ TEST_SUITE("unit") {
   TEST_CASE("links move with the group's joints, with those that follow them, and with parents") {
     Robot::Parts parts;
     parts.name = "hand";
-    for (const char* name : {"base", "arm", "finger", "thumb", "lamp"}) {
+    for (const char* name : {"base", "arm", "finger", "thumb", "lamp", "stop"}) {
       parts.links.push_back({name, -1, {{{0, 0, 0}, 0.01}}, {}, {}});
     }
     const auto add = [&](const char* name, JointType type, int parent, int child) {
@@ -58,6 +58,8 @@ TEST_SUITE("unit") {
     add("weld", JointType::fixed, 2, 3);
     add("lift", JointType::prismatic, 0, 4);
     parts.joints[3].mimic = Mimic{1, 0.5, 0};
+    add("hinge", JointType::revolute, 0, 5);
+    parts.joints[4].mimic = Mimic{1, 0, 0.5};
     RobotOptions options;
     options.joints = {"grip"};
     const auto robot = make_robot(parts, options);
