@@ -11,10 +11,12 @@ std::vector<float> to_floats(const Configuration& q) {
   return result;
 }
 
-Path to_path(const std::vector<std::vector<float>>& path) {
+Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
   Path result;
   result.reserve(path.size());
-  for (const std::vector<float>& q : path) result.emplace_back(q.begin(), q.end());
+  for (const std::vector<float>& q : path) {
+    result.push_back(robot.normalized(Configuration(q.begin(), q.end())));
+  }
   return result;
 }
 

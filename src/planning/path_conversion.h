@@ -11,6 +11,7 @@
 namespace mneme::internal {
 
 [[nodiscard]] std::vector<float> to_floats(const Configuration& q);
-[[nodiscard]] Path to_path(const std::vector<std::vector<float>>& path);
+/// Within the limits, which floats may miss by rounding.
+[[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 
 }  // namespace mneme::internal

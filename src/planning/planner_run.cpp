@@ -125,7 +125,8 @@ int PlannerRun::find_direct_goal() {
 int PlannerRun::find_invalid_motion(const FloatPath& path) {
   if (!settings_.verify) return -1;
   const Stopwatch stopwatch;
-  const int invalid = mneme::find_invalid_motion(checker_, to_path(path), counters_);
+  const int invalid =
+      mneme::find_invalid_motion(checker_, to_path(checker_.robot(), path), counters_);
   result_.verification_time_s += stopwatch.elapsed_s();
   return invalid;
 }
@@ -134,7 +135,7 @@ PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
   const Robot& robot = checker_.robot();
   result_.status = PlanStatus::solved;
   result_.message.clear();
-  result_.path = to_path(path);
+  result_.path = to_path(robot, path);
   // The ends are the query's own, not rounded to float.
   result_.path.front() = robot.normalized(query_.start);
   result_.path.back() = robot.normalized(query_.goals[static_cast<std::size_t>(goal)]);

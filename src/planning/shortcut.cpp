@@ -67,8 +67,7 @@ class Shortcutter {
   }
 
   void store() {
-    Path result;
-    for (const std::vector<float>& q : nodes_) result.emplace_back(q.begin(), q.end());
+    Path result = internal::to_path(checker_.robot(), nodes_);
     result.front() = path_.front();
     result.back() = path_.back();
     path_ = std::move(result);

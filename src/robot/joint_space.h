@@ -21,6 +21,8 @@ class JointSpace {
       const Joint& joint = robot.group_joint(i);
       lower_.push_back(round_within(joint.lower, std::numeric_limits<float>::infinity()));
       upper_.push_back(round_within(joint.upper, -std::numeric_limits<float>::infinity()));
+      // Limits so close that no float lies between them.
+      if (lower_.back() > upper_.back()) lower_.back() = upper_.back();
       periods_.push_back(joint.type == JointType::continuous ? kTurn : 0.0f);
     }
   }

@@ -34,6 +34,11 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+/// Of the processor.
+inline double work_seconds_since(std::clock_t begin) {
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
 inline void check_solution(const World& world, const CollisionChecker& checker,
                            const PlanResult& result) {
   REQUIRE_MESSAGE(result.is_solved(), result.message);
@@ -121,7 +126,6 @@ inline void check_takes_the_shorter_way_round(Planner plan) {
   CHECK(path_length(world.robot, unwound.path) >= 6);
 }
 
-/// `step`: how many configurations the planner draws at a time.
 inline void check_iteration_limit_is_exact(Planner plan) {
   const World world = boxed_goal();
   Rng rng(3);
@@ -166,10 +170,11 @@ inline void check_tiny_range_keeps_the_time_limit(Planner plan) {
     settings.range = range;
     const World world = boxed_goal();
     const CollisionChecker checker = make_checker(world);
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin_work = std::clock();
     CHECK(plan(checker, world.query, *make_uniform_sampler(world.robot), settings).status ==
           PlanStatus::timeout);
-    CHECK(seconds_since(begin) < 0.4 * kSlowdown);
+    // A busy machine makes it wait, but not work for longer.
+    CHECK(work_seconds_since(begin_work) < 0.4 * kSlowdown);
   }
 }
 
@@ -187,9 +192,7 @@ inline void check_time_limit_is_kept(Planner plan) {
       const double elapsed = seconds_since(begin);
       CHECK(result.status == PlanStatus::timeout);
       CHECK(elapsed >= limit);
-      // A busy machine makes it wait, but not work for longer.
-      CHECK(static_cast<double>(std::clock() - begin_work) / CLOCKS_PER_SEC <
-            limit + 0.05 * kSlowdown);
+      CHECK(work_seconds_since(begin_work) < limit + 0.05 * kSlowdown);
       CHECK(result.planning_time_s <= elapsed);
       CHECK(result.planning_time_s >= 0);
     }
@@ -209,35 +212,36 @@ inline void check_zero_time_limit(Planner plan) {
   }
 }
 
-/// Another thread cancels once the planner is at work.
+/// Another thread cancels once the planner is at work. What the planner still does then is counted,
+/// because a busy machine may let it wait for as long as it likes.
 inline void check_can_be_cancelled(Planner plan) {
   const World world = locked_arm();
   const CollisionChecker checker = make_checker(world);
   Rng rng(9);
   std::vector<Configuration> script;
   for (int i = 0; i < 5000; ++i) script.push_back(random_configuration(world.robot, rng));
+  constexpr int kMostAfterwards = 64;
   std::atomic<bool> is_running = false, is_cancelled = false;
+  int drawn_afterwards = 0;
   const ScriptedSampler sampler(script, [&](std::uint64_t drawn) {
+    drawn_afterwards += is_cancelled;
     if (drawn != 200) return;
     is_running = true;
     is_running.notify_one();
   });
-  std::chrono::steady_clock::time_point cancelled_at;
   std::jthread canceller([&] {
     is_running.wait(false);
-    cancelled_at = std::chrono::steady_clock::now();
     is_cancelled = true;
   });
   PlanSettings settings = patient_settings();
   settings.max_iterations = 0;
   settings.cancel = &is_cancelled;
   const PlanResult result = plan(checker, world.query, sampler, settings);
-  const auto returned_at = std::chrono::steady_clock::now();
   canceller.join();
   CHECK(result.status == PlanStatus::cancelled);
   CHECK(result.path.empty());
   CHECK(result.iterations >= 200);
-  CHECK(std::chrono::duration<double>(returned_at - cancelled_at).count() < 0.05 * kSlowdown);
+  CHECK(drawn_afterwards <= kMostAfterwards);
 }
 
 inline void check_refused(const PlanResult& result, PlanStatus status,

@@ -230,7 +230,7 @@ inline std::optional<std::string> path_flaw(const CollisionChecker& checker, con
     for (int j = 0; j < checker.robot().joint_count(); ++j) {
       const bool is_continuous = checker.robot().group_joint(j).type == JointType::continuous;
       const double value = path[i][static_cast<std::size_t>(j)];
-      if (is_continuous && !(std::abs(value) <= kPi + 1e-6))
+      if (is_continuous && !(value >= -kPi && value < kPi))
         return "not wrapped: " + to_text(path[i]);
     }
     if (i == 0) continue;

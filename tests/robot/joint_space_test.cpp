@@ -40,6 +40,19 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a joint that its limits lock has one value, which is next to them") {
+    for (const double value : {0.1, -0.1, 0.5, 1.6056}) {
+      Robot::Parts parts = make_chain(1);
+      parts.joints[0].lower = parts.joints[0].upper = value;
+      const internal::JointSpace space(require_robot(parts));
+      CHECK(space.lower(0) == space.upper(0));
+      CHECK(space.upper(0) == doctest::Approx(value).epsilon(1e-6));
+      for (const float other : {-9.0f, space.upper(0), 9.0f}) {
+        CHECK(space.into_limits(0, other) == space.upper(0));
+      }
+    }
+  }
+
   TEST_CASE("limits and periods are those of the group, in its order") {
     const internal::JointSpace space(mixed_robot());
     REQUIRE(space.joint_count() == 3);
