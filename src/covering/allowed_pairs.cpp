@@ -9,6 +9,7 @@
 
 #include "covering/touching.h"
 #include "robot/link_shapes.h"
+#include "robot/planning_group.h"
 
 namespace mneme {
 namespace {
@@ -17,12 +18,11 @@ using Pair = std::pair<int, int>;
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-
 /// The robot with all joints that have a value of their own.
 Result<Robot> make_whole(const Robot::Parts& parts) {
   RobotOptions options;
   for (const Joint& joint : parts.joints) {
-    if (joint.type != JointType::fixed && !joint.mimic) options.joints.push_back(joint.name);
+    if (internal::is_free(joint)) options.joints.push_back(joint.name);
   }
   if (!options.joints.empty()) return make_robot(parts, options);
   return fail(ErrorCode::invalid, fmt::format("robot '{}': there is no joint that can move, so "
@@ -77,7 +77,8 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   const int count = static_cast<int>(robot.links().size());
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
-      if (internal::has_shapes(robot.links()[at(i)]) && internal::has_shapes(robot.links()[at(j)])) {
+      if (internal::has_shapes(robot.links()[at(i)]) &&
+          internal::has_shapes(robot.links()[at(j)])) {
         pairs.emplace_back(i, j);
       }
     }

@@ -13,34 +13,22 @@
 namespace mneme {
 namespace {
 
-/// The keys `joints` and `fixed_joints`, where they say more than the robot's file.
+/// The keys `joints` and `fixed_joints`. The robot's SRDF may name other joints, or several groups.
 std::string describe_group(const Robot& robot) {
-  std::vector<int> movable;
-  std::vector<std::string> fixed;
+  std::vector<std::string> planned, fixed;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    planned.push_back(internal::yaml_string(robot.group_joint(i).name));
+  }
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
     const Joint& joint = robot.joints()[static_cast<std::size_t>(i)];
-    if (joint.type == JointType::fixed || joint.mimic) {
-      continue;
-    }
-    movable.push_back(i);
-    const bool is_planned = std::count(robot.group().begin(), robot.group().end(), i) > 0;
-    if (!is_planned && joint.fixed_value != 0.0) {
-      fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),
-                                  internal::yaml_number(joint.fixed_value)));
-    }
+    const bool is_planned = std::ranges::count(robot.group(), i) > 0;
+    if (is_planned || joint.mimic || joint.fixed_value == 0.0) continue;
+    fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),
+                                internal::yaml_number(joint.fixed_value)));
   }
-  std::string text;
-  if (!std::equal(movable.begin(), movable.end(), robot.group().begin(), robot.group().end())) {
-    std::vector<std::string> names;
-    for (int i = 0; i < robot.joint_count(); ++i) {
-      names.push_back(internal::yaml_string(robot.group_joint(i).name));
-    }
-    text += fmt::format("joints: [{}]\n", fmt::join(names, ", "));
-  }
-  if (!fixed.empty()) {
-    text += fmt::format("fixed_joints: {{{}}}\n", fmt::join(fixed, ", "));
-  }
-  return text;
+  const std::string joints = fmt::format("joints: [{}]\n", fmt::join(planned, ", "));
+  if (fixed.empty()) return joints;
+  return joints + fmt::format("fixed_joints: {{{}}}\n", fmt::join(fixed, ", "));
 }
 
 std::string indented(const std::string& text) {

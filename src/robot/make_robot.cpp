@@ -22,8 +22,12 @@ double within_limits(const Joint& joint, double value) {
                                              : std::clamp(value, joint.lower, joint.upper);
 }
 
+/// Less is a rounding error of whoever wrote the value.
+constexpr double kLimitTolerance = 1e-5;
+
 std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<const int> group,
-                                      const std::map<std::string, double>& values) {
+                                      const std::map<std::string, double>& values,
+                                      std::vector<std::string>& warnings) {
   for (Joint& joint : joints) {
     joint.fixed_value = joint.type == JointType::fixed ? 0.0 : within_limits(joint, 0.0);
   }
@@ -41,6 +45,12 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
     }
     Joint& joint = joints[static_cast<std::size_t>(*i)];
     joint.fixed_value = within_limits(joint, value);
+    const bool is_clamped = joint.type != JointType::continuous &&
+                            std::abs(joint.fixed_value - value) > kLimitTolerance;
+    if (!is_clamped) continue;
+    warnings.push_back(
+        fmt::format("the fixed value {} of joint '{}' is outside its limits [{}, {}]: it is {}",
+                    value, name, joint.lower, joint.upper, joint.fixed_value));
   }
   for (Joint& joint : joints) {
     if (!joint.mimic) continue;
@@ -101,7 +111,8 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
   if (const auto error = refuse_solids(sorted->links)) return tl::unexpected(named(name, *error));
   auto group = internal::choose_group(*sorted, options);
   if (!group) return tl::unexpected(named(name, group.error()));
-  if (const auto error = set_fixed_values(sorted->joints, *group, options.fixed_values)) {
+  if (const auto error =
+          set_fixed_values(sorted->joints, *group, options.fixed_values, sorted->warnings)) {
     return tl::unexpected(named(name, *error));
   }
   const auto allowed = find_allowed(*sorted, *group, options);

@@ -14,8 +14,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-bool is_free(const Joint& joint) { return joint.type != JointType::fixed && !joint.mimic; }
-
 Names free_names(std::span<const Joint> joints) {
   Names names;
   for (const Joint& joint : joints) {
@@ -102,6 +100,8 @@ Result<Names> find_only(const Robot::Parts& parts) {
 
 }  // namespace
 
+bool is_free(const Joint& joint) { return joint.type != JointType::fixed && !joint.mimic; }
+
 Result<int> find_free_joint(std::span<const Joint> joints, const std::string& name) {
   const auto found = std::ranges::find(joints, name, &Joint::name);
   std::string fault;
@@ -137,6 +137,8 @@ Names joints_between(std::span<const Link> links, std::span<const Joint> joints,
 }
 
 Result<std::vector<int>> choose_group(const Robot::Parts& parts, const RobotOptions& options) {
+  const Names all = free_names(parts.joints);
+  if (all.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
   Names names = options.joints;
   if (names.empty() && !options.group.empty()) {
     auto named = find_named(parts, options.group);
@@ -147,9 +149,8 @@ Result<std::vector<int>> choose_group(const Robot::Parts& parts, const RobotOpti
     if (!only) return tl::unexpected(only.error());
     names = *std::move(only);
   } else if (names.empty()) {
-    names = free_names(parts.joints);
+    names = all;
   }
-  if (names.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
   return find_all(parts.joints, names);
 }
 

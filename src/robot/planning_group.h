@@ -12,6 +12,9 @@
 
 namespace mneme::internal {
 
+/// True if the joint moves and follows no other.
+[[nodiscard]] bool is_free(const Joint& joint);
+
 /// The index of a joint that moves and follows no other, or a message that lists those that do.
 [[nodiscard]] Result<int> find_free_joint(std::span<const Joint> joints, const std::string& name);
 

@@ -24,7 +24,6 @@ std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints
   return bodies;
 }
 
-
 }  // namespace
 
 LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,

@@ -128,8 +128,7 @@ void SrdfLookup::add_groups() {
     const std::set<std::string> joints = all_joints(group);
     JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
     for (const Joint& joint : parts_.joints) {
-      const bool is_free = joint.type != JointType::fixed && !joint.mimic;
-      if (is_free && joints.contains(joint.name) && !passive.contains(joint.name)) {
+      if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
         added.joints.push_back(joint.name);
       }
     }

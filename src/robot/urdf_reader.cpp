@@ -55,7 +55,9 @@ Result<Robot::Parts> UrdfReader::read(std::string_view urdf) {
 void UrdfReader::read_robot(const XmlElement& element) {
   robot_line_ = element.GetLineNum();
   parts_.name = xml_.text(element, "name");
-  xml_.check_children(element, {}, {"link", "joint", "material", "gazebo", "transmission"});
+  xml_.check_children(
+      element, {},
+      {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
   for (const auto* child = element.FirstChildElement(); child;
        child = child->NextSiblingElement()) {
     if (xml_.fault()) return;

@@ -109,9 +109,10 @@ void XmlReader::check_children(const XmlElement& element,
     }
     const std::string_view name = child->Name();
     if (!contains(single, name) && !contains(repeated, name)) {
-      note(child->GetLineNum(),
-           fmt::format("unknown element <{}> in <{}>; expected one of: {}, {}", name,
-                       element.Name(), fmt::join(single, ", "), fmt::join(repeated, ", ")));
+      std::vector<std::string_view> known(single);
+      known.insert(known.end(), repeated);
+      note(child->GetLineNum(), fmt::format("unknown element <{}> in <{}>; expected one of: {}",
+                                            name, element.Name(), fmt::join(known, ", ")));
     }
     if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
       note(child->GetLineNum(),

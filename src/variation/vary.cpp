@@ -80,6 +80,22 @@ Shape scaled(const Shape& shape, const Vec3& about, double factor) {
 
 constexpr int kMostTries = 1000;
 
+Result<void> check_counts(const Variation& variation) {
+  struct Wanted {
+    std::string_view what;
+    const Spread& spread;
+    std::size_t count;
+  };
+  for (const auto& [what, spread, count] :
+       {Wanted{"position", variation.position, 3}, Wanted{"rpy", variation.rpy, 3},
+        Wanted{"scale", variation.scale, 1}}) {
+    if (spread.values.empty() || spread.values.size() == count) continue;
+    return fail(ErrorCode::invalid, fmt::format("its {} has {} numbers; expected {}", what,
+                                                spread.values.size(), count));
+  }
+  return {};
+}
+
 Result<double> draw_factor(const Variation& variation, Rng& rng) {
   if (variation.scale.values.empty()) return 1.0;
   for (int i = 0; i < kMostTries; ++i) {
@@ -93,6 +109,7 @@ Result<double> draw_factor(const Variation& variation, Rng& rng) {
 class Motion {
  public:
   static Result<Motion> draw(const Variation& variation, const Vec3& center, Rng& rng) {
+    if (auto checked = check_counts(variation); !checked) return tl::unexpected(checked.error());
     const Result<double> factor = draw_factor(variation, rng);
     if (!factor) return tl::unexpected(factor.error());
     Motion motion;
@@ -210,6 +227,9 @@ Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
       return fail(done.error().code,
                   fmt::format("obstacle '{}': {}", obstacle.name, done.error().message));
     }
+  }
+  if (!variations.scene.size.values.empty()) {
+    return fail(ErrorCode::invalid, "the whole scene has a size, which only obstacles have");
   }
   const Result<Motion> motion = Motion::draw(variations.scene, variations.scene.center, rng);
   if (!motion) return fail(motion.error().code, "the whole scene: " + motion.error().message);

@@ -25,6 +25,7 @@ TEST_SUITE("unit") {
     CHECK(to_yaml(problem, "planar8") ==
           "name: p\n"
           "robot: planar8\n"
+          "joints: [joint_1, joint_2, joint_3, joint_4, joint_5, joint_6, joint_7, joint_8]\n"
           "scene:\n"
           "  name: s\n"
           "  obstacles:\n"
@@ -54,6 +55,19 @@ TEST_SUITE("unit") {
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     const Problem problem{"p", *robot, "", {"s", {}}, {0, 0}, {{1, 1}}, {}};
     CHECK(read_back(problem, directory / "lifter.urdf").robot.hash() == robot->hash());
+  }
+
+  TEST_CASE("a group reads back whatever groups the robot's SRDF has") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    RobotOptions options;
+    options.joints = {"lift", "turn", "grip"};
+    const auto robot = load_robot(directory / "lifter.urdf", options);
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    write_file(directory / "lifter.srdf", R"(<robot name="lifter">
+      <group name="arm"><joint name="turn"/></group></robot>)");
+    const Problem problem{"p", *robot, "", {"s", {}}, {0, 0, 0}, {{1, 1, 0}}, {}};
+    CHECK(read_back(problem, directory / "lifter.urdf").robot.joint_count() == 3);
   }
 }
 

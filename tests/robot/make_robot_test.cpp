@@ -52,6 +52,8 @@ TEST_SUITE("unit") {
     CHECK(robot.joints()[0].fixed_value == 0.5);
     CHECK(robot.joints()[1].fixed_value == 2);
     CHECK(robot.joints()[3].fixed_value == doctest::Approx(0.5));
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(contains(robot.warnings()[0], "value 9 of joint 'j2' is outside its limits [-2, 2]"));
   }
 
   TEST_CASE("options that do not fit the robot are refused by name") {
@@ -89,7 +91,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a robot that cannot move or is no tree is refused") {
-    CHECK(contains(refusal(make_chain(1, JointType::fixed), {}), "no joint that can move"));
+    for (const RobotOptions& options : {RobotOptions(), plan_for({"elbow"})}) {
+      CHECK(contains(refusal(make_chain(1, JointType::fixed), options), "no joint that can move"));
+    }
     Robot::Parts parts = make_chain(2);
     parts.joints.pop_back();
     CHECK(contains(refusal(parts, {}), "several root links"));

@@ -120,7 +120,8 @@ TEST_SUITE("unit") {
     CHECK(require_parsed(replaced("</joint>", joint_extras)).hash() == plain.hash());
     const std::string robot_extras =
         R"(<material name="m"/><gazebo><x/></gazebo><transmission><joint name="turn"/>
-           </transmission><!-- a comment --></robot>)";
+           </transmission><ros2_control name="c" type="system"><joint name="turn"/></ros2_control>
+           <sensor name="eye"><parent link="tool"/></sensor><!-- a comment --></robot>)";
     CHECK(require_parsed(replaced("</robot>", robot_extras)).hash() == plain.hash());
   }
 
@@ -220,7 +221,8 @@ TEST_SUITE("unit") {
         {"</link>", "</lnk>", 3, "malformed XML"},
         {"<robot name=\"arm\">", "<robot>", 1, "<robot>: attribute 'name' is missing"},
         {"</robot>", "</robot><robot/>", 18, "more than one <robot>"},
-        {"</robot>", "<model/></robot>", 18, "unknown element <model> in <robot>"},
+        {"</robot>", "<model/></robot>", 18,
+         "unknown element <model> in <robot>; expected one of: link,"},
         {"<link name=\"base\"/>", "<link/>", 2, "<link>: attribute 'name' is missing"},
         {"<link name=\"base\"/>", "<link name=\"\"/>", 2, "<link>: 'name' is empty"},
         {"</robot>", "<link name=\"tool\"/></robot>", 18, "link 'tool' is defined twice"},

@@ -109,7 +109,19 @@ TEST_SUITE("unit") {
     Variation table = of("table");
     table.size = {{0.1, 0.1, 0.1}, false};
     CHECK(refusal(table).find("2 shapes") != std::string::npos);
+    Variation flat = of("ball");
+    flat.position = {{0.1, 0.1}, false};
+    CHECK(refusal(flat).find("'ball': its position has 2 numbers; expected 3") !=
+          std::string::npos);
+    flat.position = {};
+    flat.scale = {{0.1, 0.1, 0.1}, true};
+    CHECK(refusal(flat).find("its scale has 3 numbers; expected 1") != std::string::npos);
+    Variations whole;
+    whole.scene.size = {{0.1}, false};
     Rng rng(1);
+    const auto result = vary(nominal(), whole, rng);
+    REQUIRE(!result.has_value());
+    CHECK(result.error().message.find("whole scene has a size") != std::string::npos);
     const auto twice = vary(nominal(), {{}, {of("can_*"), of("can_1")}}, rng);
     REQUIRE(!twice.has_value());
     CHECK(twice.error().message.find("'can_1'") != std::string::npos);
