@@ -17,7 +17,6 @@ namespace {
 // Robot files give angles to about 1e-9 and lengths to a micrometre; anything larger is meant.
 constexpr double kTolerance = 1e-6;
 
-
 bool is_on_x_axis(const Link& link) {
   const auto is_off = [](const Vec3& point) { return std::abs(point.y()) > kTolerance; };
   return std::none_of(link.spheres.begin(), link.spheres.end(),

@@ -93,9 +93,7 @@ double similarity_error(const PrimitiveKey& a, const PrimitiveKey& b) {
     return std::min(plain, swapped);
   }
   if (a.size() == kGapKeySize && b.size() == kGapKeySize) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += squared(a[i] - b[i]);
-    return sum;
+    return squared_distance(a, b);
   }
   assert(a.size() == kPairKeySize && b.size() == kPairKeySize);
   const double* first = a.data();

@@ -1,32 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-#include <optional>
 #include <string>
 
+#include "support/environment.h"
 #include "support/support.h"
 
 namespace mneme {
 namespace {
-
-/// Sets MNEME_ISA for one scope.
-class IsaVariable {
- public:
-  explicit IsaVariable(const char* value) {
-    if (const char* old = std::getenv("MNEME_ISA")) old_ = old;
-    ::setenv("MNEME_ISA", value, 1);
-  }
-  ~IsaVariable() {
-    if (old_) {
-      ::setenv("MNEME_ISA", old_->c_str(), 1);
-    } else {
-      ::unsetenv("MNEME_ISA");
-    }
-  }
-
- private:
-  std::optional<std::string> old_;
-};
 
 constexpr Isa kAll[] = {Isa::automatic, Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512};
 
@@ -60,17 +40,17 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("MNEME_ISA chooses the default instruction set") {
-    const IsaVariable variable("scalar");
+    const test::EnvironmentVariable variable("MNEME_ISA", "scalar");
     CHECK(default_isa() == Isa::scalar);
   }
 
   TEST_CASE("an unknown name in MNEME_ISA leaves the best instruction set") {
-    const IsaVariable unknown("quantum");
+    const test::EnvironmentVariable unknown("MNEME_ISA", "quantum");
     const Isa best = default_isa();
     for (const Isa isa : kAll) {
       if (is_available(isa)) CHECK(static_cast<int>(isa) <= static_cast<int>(best));
     }
-    const IsaVariable automatic("automatic");
+    const test::EnvironmentVariable automatic("MNEME_ISA", "automatic");
     CHECK(default_isa() == best);
   }
 }

@@ -6,26 +6,10 @@
 #include <filesystem>
 
 #include "covering/solids.h"
+#include "support/environment.h"
 
 namespace mneme::test {
 namespace {
-
-/// Sets XDG_CACHE_HOME while it lives.
-class CacheHome {
- public:
-  explicit CacheHome(const std::string& path) {
-    if (const char* before = std::getenv("XDG_CACHE_HOME")) before_ = before;
-    ::setenv("XDG_CACHE_HOME", path.c_str(), 1);
-  }
-  CacheHome(const CacheHome&) = delete;
-  CacheHome& operator=(const CacheHome&) = delete;
-  ~CacheHome() {
-    before_ ? ::setenv("XDG_CACHE_HOME", before_->c_str(), 1) : ::unsetenv("XDG_CACHE_HOME");
-  }
-
- private:
-  std::optional<std::string> before_;
-};
 
 std::string link_of(const std::string& name, const std::string& geometry) {
   return "<link name=\"" + name + "\"><collision><geometry>" + geometry +
@@ -58,7 +42,7 @@ struct RobotFiles {
     return *robot;
   }
   TemporaryDirectory files;
-  CacheHome home{files / "cache"};
+  EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
 };
 
 TEST_SUITE("unit") {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
 #include <filesystem>
 
+#include "support/environment.h"
 #include "support/support.h"
 
 namespace mneme {
@@ -14,11 +14,8 @@ TEST_SUITE("unit") {
   TEST_CASE("installations of XDG_DATA_DIRS come last") {
     const test::TemporaryDirectory shared;
     fs::create_directories(shared / "mneme/robots");
-    const char* old = std::getenv("XDG_DATA_DIRS");
-    const std::string before = old == nullptr ? "" : old;
-    ::setenv("XDG_DATA_DIRS", ("relative:/nowhere:" + (shared / "")).c_str(), 1);
+    const test::EnvironmentVariable variable("XDG_DATA_DIRS", "relative:/nowhere:" + (shared / ""));
     const std::vector<std::string> directories = data_directories();
-    ::setenv("XDG_DATA_DIRS", before.c_str(), 1);
     REQUIRE(directories.size() >= 2);
     CHECK(fs::equivalent(directories.back(), shared / "mneme"));
   }

@@ -1,32 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-#include <optional>
 #include <string>
 
 #include "robot/small_robots.h"
+#include "support/environment.h"
 #include "support/support.h"
 
 namespace mneme {
 namespace {
 
 /// Sets MNEME_ROBOT_PATH for one scope.
-class RobotPath {
- public:
-  explicit RobotPath(const std::string& value) {
-    if (const char* old = std::getenv("MNEME_ROBOT_PATH")) old_ = old;
-    ::setenv("MNEME_ROBOT_PATH", value.c_str(), 1);
-  }
-  ~RobotPath() {
-    if (old_) {
-      ::setenv("MNEME_ROBOT_PATH", old_->c_str(), 1);
-    } else {
-      ::unsetenv("MNEME_ROBOT_PATH");
-    }
-  }
-
- private:
-  std::optional<std::string> old_;
+struct RobotPath : test::EnvironmentVariable {
+  explicit RobotPath(const std::string& value) : EnvironmentVariable("MNEME_ROBOT_PATH", value) {}
 };
 
 }  // namespace

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/mesh_finder.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "robot/small_robots.h"
+#include "support/environment.h"
 #include "support/support.h"
 
 namespace mneme {
@@ -18,21 +18,9 @@ using test::contains;
 namespace fs = std::filesystem;
 
 /// ROS_PACKAGE_PATH for the duration of a test.
-class RosPackagePath {
- public:
-  explicit RosPackagePath(const std::string& value) {
-    if (const char* before = std::getenv("ROS_PACKAGE_PATH")) before_ = before;
-    ::setenv("ROS_PACKAGE_PATH", value.c_str(), 1);
-  }
-  RosPackagePath(const RosPackagePath&) = delete;
-  RosPackagePath& operator=(const RosPackagePath&) = delete;
-  ~RosPackagePath() {
-    if (before_) ::setenv("ROS_PACKAGE_PATH", before_->c_str(), 1);
-    if (!before_) ::unsetenv("ROS_PACKAGE_PATH");
-  }
-
- private:
-  std::optional<std::string> before_;
+struct RosPackagePath : test::EnvironmentVariable {
+  explicit RosPackagePath(const std::string& value)
+      : EnvironmentVariable("ROS_PACKAGE_PATH", value) {}
 };
 
 /// src/arm_description/{urdf,meshes/a.stl} and an empty folder, all below a temporary directory.

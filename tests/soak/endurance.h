@@ -21,8 +21,8 @@ struct Round {
   int open_files = 0;    ///< after the round
 };
 
-/// Repeats the round for `seconds`, at least twice. A writer inserts what was learned; a reader,
-/// which plans with it, refreshes after each plan. Databases are made in `directory`.
+/// Repeats the round for `seconds`, at least three times. A writer inserts what was learned; a
+/// reader, which plans with it, refreshes after each plan. Databases are made in `directory`.
 [[nodiscard]] Result<std::vector<Round>> endure(const Robot& robot, const std::string& directory,
                                                 double seconds, std::uint64_t seed);
 

@@ -21,7 +21,9 @@ TemporaryDirectory::~TemporaryDirectory() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-std::string TemporaryDirectory::operator/(const std::string& name) const { return (path_ / name).string(); }
+std::string TemporaryDirectory::operator/(const std::string& name) const {
+  return (path_ / name).string();
+}
 
 void write_file(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
