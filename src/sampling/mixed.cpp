@@ -15,8 +15,9 @@ class MixedStream final : public SampleStream {
   Origin next(std::span<float> q) override {
     SampleStream* stream = rng_.uniform() < lambda_ ? first_.get() : second_.get();
     const Origin origin = stream->next(q);
-    if (place_of(origin) >= sources_.size()) sources_.resize(place_of(origin) + 1);
-    sources_[place_of(origin)] = stream;
+    const std::size_t place = place_of(origin);
+    if (place >= sources_.size() && place < kMostOrigins) sources_.resize(place + 1);
+    if (place < sources_.size()) sources_[place] = stream;
     return origin;
   }
 
@@ -27,8 +28,11 @@ class MixedStream final : public SampleStream {
   }
 
  private:
+  /// Of those beyond nobody keeps the source.
+  static constexpr std::size_t kMostOrigins = 1 << 20;
+
   static std::size_t place_of(Origin origin) {
-    return static_cast<std::size_t>(origin - kUniformOrigin);
+    return static_cast<std::size_t>(std::int64_t{origin} - kUniformOrigin);
   }
 
   double lambda_;

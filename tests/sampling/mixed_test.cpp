@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
+#include <limits>
 #include <memory>
 #include <set>
 
@@ -94,6 +95,19 @@ TEST_SUITE("unit") {
     CHECK(seconds > 20);
     CHECK(first_log->outcomes == std::vector(firsts, SampleOutcome::extended));
     CHECK(second_log->outcomes == std::vector(seconds, SampleOutcome::connected));
+  }
+
+  TEST_CASE("a source may call its origin whatever it likes") {
+    const auto log = std::make_shared<Recorder::Log>();
+    for (const Origin origin :
+         {std::numeric_limits<Origin>::min(), -2, 1 << 20, std::numeric_limits<Origin>::max()}) {
+      const auto sampler = make_mixed_sampler(0.5, std::make_shared<Recorder>(origin, log),
+                                              std::make_shared<Recorder>(2, log));
+      const auto stream = sampler->start(1);
+      std::vector<float> q(1);
+      for (int i = 0; i < 10; ++i) stream->report(stream->next(q), SampleOutcome::extended);
+    }
+    CHECK(log->outcomes.size() < 40);
   }
 
   TEST_CASE("the two sources are started with seeds of their own, different for each stream") {
