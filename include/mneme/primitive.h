@@ -132,9 +132,9 @@ inline constexpr double kGapProbeSpacing = 0.1;  ///< metres between the points 
 /// The two circles of a key as a scene of their own.
 [[nodiscard]] Scene make_scene(const PrimitiveKey& key);
 
-/// A whole query as a primitive, for memory of whole paths (decomposer "paths"): its key is the
-/// length of the straight motion from start to goal, then both configurations, a continuous joint
-/// as its cosine and sine. The two images are the query and its reverse; no obstacles count.
+/// A whole query as a primitive, for memory of whole paths (decomposer "paths"): its key holds both
+/// configurations, a continuous joint as its cosine and sine, and before them the distance between
+/// these two rows. The two images are the query and its reverse; no obstacles count.
 [[nodiscard]] LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> start,
                                                   std::span<const double> goal);
 /// Numbers in such a key: odd, unlike those of the other decomposers.

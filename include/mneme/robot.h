@@ -76,7 +76,7 @@ struct RobotOptions {
   std::vector<std::string> package_paths;
   /// Further pairs of links that may touch, besides those of the SRDF.
   std::vector<std::pair<std::string, std::string>> allowed_pairs;
-  /// Values of movable joints outside the group, by name. Default 0, clamped to the joint's limits.
+  /// Values of movable joints outside the group, by name; default 0. Clamped to the joint's limits.
   std::map<std::string, double> fixed_values;
 };
 
@@ -107,7 +107,7 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
-  /// What was left aside while reading, such as names in the SRDF that the model lacks.
+  /// What was left aside or clamped, such as names in the SRDF that the model lacks.
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
   /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count.
