@@ -2,35 +2,65 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/fuzz_input.h"
 
+#include <sstream>
 #include <vector>
 
 #include "commands.h"
+#include "options.h"
+#include "suggestion.h"
 
-/// Arguments are lines. They are parsed; what they ask for is not done.
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace {
+
+struct Program {
+  Program() {
+    app.formatter(mneme::app::make_help_formatter());
+    for (const auto add :
+         {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn, mneme::app::add_db,
+          mneme::app::add_robot, mneme::app::add_scene, mneme::app::add_bench, mneme::app::add_view,
+          mneme::app::add_doctor, mneme::app::add_completion, mneme::app::add_manual}) {
+      add(app, action);
+    }
+    app.require_subcommand(1);
+  }
+  CLI::App app{"mneme"};
+  mneme::app::Action action;
+};
+
+/// Arguments are lines.
+std::vector<std::string> split(std::string_view text) {
   constexpr std::size_t kMaxArguments = 100;
   std::vector<std::string> arguments = {"mneme", ""};
-  for (const char c : mneme::fuzz::as_text(data, size)) {
+  for (const char c : text) {
     if (c == '\n' && arguments.size() < kMaxArguments) {
       arguments.emplace_back();
     } else if (c != '\0') {
       arguments.back() += c;
     }
   }
+  return arguments;
+}
+
+}  // namespace
+
+/// Arguments are parsed, or refused with advice; what they ask for is not done.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  // Parsing clears what the last input left; putting the program together takes far longer.
+  static Program program;
+  std::vector<std::string> arguments = split(mneme::fuzz::as_text(data, size));
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
-  CLI::App program("mneme");
-  mneme::app::Action action;
-  for (const auto add :
-       {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn, mneme::app::add_db,
-        mneme::app::add_robot, mneme::app::add_scene, mneme::app::add_bench, mneme::app::add_view,
-        mneme::app::add_doctor, mneme::app::add_completion, mneme::app::add_manual}) {
-    add(program, action);
-  }
-  program.require_subcommand(1);
+  const auto complaint = mneme::app::unknown_command(
+      program.app, {pointers.data() + 1, pointers.data() + pointers.size()});
+  if (complaint && complaint->message.empty()) std::abort();
   try {
-    program.parse(static_cast<int>(pointers.size()), pointers.data());
+    program.app.parse(static_cast<int>(pointers.size()), pointers.data());
+  } catch (const CLI::Success& request) {
+    std::ostringstream text;
+    (void)program.app.exit(request, text, text);
   } catch (const CLI::Error&) {
+    for (const CLI::App* command : program.app.get_subcommands()) {
+      (void)mneme::app::unexpected_argument(*command);
+    }
   }
   return 0;
 }
