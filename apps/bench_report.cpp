@@ -4,13 +4,12 @@
 #include "bench_report.h"
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "console.h"
+#include "input_file.h"
 #include "options.h"
 #include "output_file.h"
 #include "row_file.h"
@@ -155,9 +154,9 @@ Result<void> write_ompl_logs(const std::string& directory, std::span<const Bench
 Result<std::vector<MemoryRow>> read_memories(const std::string& path) {
   std::error_code missing;
   if (!fs::exists(path, missing)) return std::vector<MemoryRow>();
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return parse_memory_csv(text.str(), path);
+  return read_file(path, kMaxCsvBytes).and_then([&](const std::string& text) {
+    return parse_memory_csv(text, path);
+  });
 }
 
 }  // namespace mneme::app

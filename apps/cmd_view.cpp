@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme view: makes a page of a trace.
-#include <array>
-#include <fstream>
 #include <memory>
 #include <string>
 
@@ -12,6 +10,7 @@
 #include "mneme/report.h"
 
 #include "commands.h"
+#include "input_file.h"
 #include "options.h"
 #include "output_file.h"
 
@@ -23,24 +22,8 @@ struct ViewOptions {
   std::string page;
 };
 
-Result<std::string> read_trace(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  std::array<char, 65536> block{};
-  while (text.size() <= kMaxTraceBytes &&
-         (file.read(block.data(), block.size()) || file.gcount() > 0)) {
-    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (text.empty()) {
-    return fail(ErrorCode::io, path +
-                                   ": cannot be read, or is empty: expected a trace of "
-                                   "'mneme plan PROBLEM --trace FILE'");
-  }
-  return text;
-}
-
 Result<ExitCode> run_view(const ViewOptions& options) {
-  return read_trace(options.trace)
+  return read_file(options.trace, kMaxTraceBytes)
       .and_then([&](const std::string& json) { return to_page(json, options.trace); })
       .and_then([&](const std::string& page) { return write_file(options.page, page); })
       .map([&] {

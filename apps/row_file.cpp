@@ -6,22 +6,18 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 
 #include <fmt/format.h>
 
+#include "input_file.h"
 #include "output_file.h"
 
 namespace mneme::app {
 
 Result<std::vector<BenchmarkRow>> read_rows(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  if (file) text << file.rdbuf();
-  if (!file) {
-    return fail(ErrorCode::io, fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
-  }
-  return parse_csv(text.str(), path).map([](CsvRuns runs) { return std::move(runs.rows); });
+  return read_file(path, kMaxCsvBytes)
+      .and_then([&](const std::string& text) { return parse_csv(text, path); })
+      .map([](CsvRuns runs) { return std::move(runs.rows); });
 }
 
 Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bool is_resumed) {

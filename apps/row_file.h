@@ -4,6 +4,7 @@
 /// The rows of a benchmark, on disk as they come.
 #pragma once
 
+#include <cstddef>
 #include <fstream>
 #include <optional>
 #include <span>
@@ -13,6 +14,9 @@
 #include "mneme/benchmark.h"
 
 namespace mneme::app {
+
+/// Of a CSV file that is read: more than a million runs.
+inline constexpr std::size_t kMaxCsvBytes = std::size_t{256} << 20;
 
 /// The rows of a CSV file that `mneme bench run` wrote.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> read_rows(const std::string& path);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/json_rows.h"
 
+#include "experience/row_check.h"
 #include "experience/row_codec.h"
 
 #include <fmt/format.h>
@@ -192,6 +193,9 @@ Result<Experience> parse_row(std::string_view line) {
   row.provenance.tool = fields.text("tool");
   row.provenance.time = fields.text("time");
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
+  if (const auto flaw = describe_key_flaw(row.key, static_cast<int>(row.key.size()))) {
+    return fail(ErrorCode::parse, *flaw);
+  }
   if (joints != 0 && triangle != 0 && triangle != joints * (joints + 1) / 2) {
     return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
                                               triangle, joints * (joints + 1) / 2));

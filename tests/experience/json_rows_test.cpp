@@ -62,6 +62,23 @@ TEST_SUITE("unit") {
     CHECK(error_of("{" + sound.substr(sound.find("\"key\""))).empty());
   }
 
+  TEST_CASE("deep nesting and numbers beyond what they count are refused") {
+    Rng rng(4);
+    const std::string sound = json_of(random_experience(rng, 2));
+    for (const std::string bracket : {"[", "{\"key\":"}) {
+      std::string nested;
+      for (int i = 0; i < 1'000'000; ++i) nested += bracket;
+      CHECK(!parse_row(nested).has_value());
+      CHECK(!parse_space(nested).has_value());
+    }
+    const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+    for (const std::string& number : {deep, std::string("1e999"), std::string("1e28")}) {
+      CHECK(!parse_row(replaced(sound, "\"key\":[", "\"key\":[" + number + ",")).has_value());
+    }
+    const std::string space = json_of(arm_space());
+    CHECK(!parse_space(replaced(space, "\"key_size\":6", "\"key_size\":2147483648")).has_value());
+  }
+
   TEST_CASE("a first line of another kind is refused") {
     const std::string sound = json_of(arm_space());
     CHECK(parse_space(sound).has_value());
