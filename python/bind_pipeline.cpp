@@ -155,7 +155,13 @@ void bind_answer(py::class_<Plan>& type) {
                              "Per pair of close obstacles: their names, key, gap (metres) and the "
                              "similarity errors (m^2) of what was retrieved.")
       .def_property_readonly("means", &components_of,
-                             "Retrieved components in the scene, shape (k, joint_count), float32.");
+                             "Retrieved components in the scene, shape (k, joint_count), float32.")
+      .def_property_readonly(
+          "remembered", [](const Plan& self) { return self.result.remembered.rows; },
+          "Samplers that the path taught the database; see remember_after.")
+      .def_property_readonly(
+          "remember_failure", [](const Plan& self) { return self.result.remembered.failure; },
+          "Why the path taught none although it should; empty if nothing went wrong.");
 }
 
 void bind_numbers(py::class_<Plan>& type) {

@@ -50,6 +50,18 @@ def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
     assert mneme.similarity_error(primitive.key, primitive.key) == 0
 
 
+def test_a_plan_says_what_it_taught(robot, problem, tmp_path):
+    path = tmp_path / "paths.db"
+    with mneme.Database.open(path, robot, mode="create", decomposer="paths") as database:
+        plan = mneme.plan(problem, database, remember_after=0)
+        assert plan.remembered == 1 and plan.remember_failure == ""
+        assert len(database) == 1
+    read_only = mneme.Database.open(path, robot, decomposer="paths")
+    plan = mneme.plan(problem, read_only, remember_after=0)
+    assert plan.is_solved and plan.remembered == 0
+    assert "read" in plan.remember_failure
+
+
 def test_the_keys_of_all_decomposers_have_a_similarity_error():
     for size in (6, 18, 30, 17):
         assert mneme.similarity_error(np.arange(size), np.arange(size)) == 0

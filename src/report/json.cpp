@@ -43,6 +43,8 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["states_checked"] = result.plan.states_checked;
   json["motions_checked"] = result.plan.motions_checked;
   json["remembered"] = result.remembered.rows;
+  const std::string& failure = result.remembered.failure;
+  if (!failure.empty()) json["remember_failure"] = failure;
   json["primitives"] = result.gl.primitives.size();
   json["retrieved"] = retrieved_count(result.gl);
   json["components"] = result.gl.mixture ? result.gl.mixture->component_count() : 0;

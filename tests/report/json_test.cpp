@@ -73,6 +73,14 @@ TEST_SUITE("unit") {
     CHECK(json.at("components") == 0);
   }
 
+  TEST_CASE("JSON says why a path could not be remembered") {
+    SolveResult result = solved_result();
+    result.remembered.failure = "disk full";
+    const auto json = nlohmann::json::parse(to_json(test::gap_problem(), result, 0));
+    CHECK(json.at("remembered") == 0);
+    CHECK(json.at("remember_failure") == "disk full");
+  }
+
   TEST_CASE("JSON survives names that are not UTF-8") {
     Problem problem = test::gap_problem();
     problem.name = "bad \xFF \"name\"\n";
