@@ -14,8 +14,8 @@
 
 namespace mneme::test {
 
-/// What tests of time allow for: sanitizers make code so many times slower.
-#ifdef MNEME_SANITIZED
+/// What tests of time allow for: instrumented code is so many times slower.
+#ifdef MNEME_INSTRUMENTED
 inline constexpr double kSlowdown = 20;
 #else
 inline constexpr double kSlowdown = 1;
