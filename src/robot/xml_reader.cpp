@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMaxQuotedLength = 60;
 
 /// `text` short enough for a message.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   const bool is_long = text.size() > kMaxQuotedLength;
   return fmt::format("'{}{}'", text.substr(0, kMaxQuotedLength), is_long ? "..." : "");
 }
@@ -104,7 +104,7 @@ void XmlReader::check_children(const XmlElement& element,
     const XmlElement* child = node->ToElement();
     if (child == nullptr) {
       note(node->GetLineNum(), fmt::format("<{}>: text {} is not expected here", element.Name(),
-                                           quoted(node->Value())));
+                                           in_quotes(node->Value())));
       return;
     }
     const std::string_view name = child->Name();
@@ -148,7 +148,7 @@ double XmlReader::number(const XmlElement& element, const char* attribute) {
   const auto fields = words(value);
   const auto result = fields.size() == 1 ? parse_number(fields[0]) : std::nullopt;
   if (!result) {
-    note(element, fmt::format("{} is {}, expected a finite number", attribute, quoted(value)));
+    note(element, fmt::format("{} is {}, expected a finite number", attribute, in_quotes(value)));
   }
   return result.value_or(0);
 }
@@ -177,7 +177,7 @@ Vec3 XmlReader::vector(const XmlElement& element, const char* attribute, const V
     result[static_cast<Eigen::Index>(i)] = component.value_or(0);
   }
   if (!is_vector) {
-    note(element, fmt::format("{} is {}, expected three finite numbers", attribute, quoted(value)));
+    note(element, fmt::format("{} is {}, expected three finite numbers", attribute, in_quotes(value)));
   }
   return result;
 }

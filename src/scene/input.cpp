@@ -33,7 +33,7 @@ std::optional<double> parse_number(std::string_view text) {
   return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kShown = 40;
   return text.size() <= kShown ? fmt::format("\"{}\"", text)
                                : fmt::format("\"{}...\"", text.substr(0, kShown));
@@ -45,7 +45,7 @@ struct Describe {
   std::string operator()(double value) const { return fmt::format("{}", value); }
   std::string operator()(const InputValue::Text& text) const {
     const auto value = text.is_quoted ? std::nullopt : parse_number(text.text);
-    return value ? text.text : quoted(text.text);
+    return value ? text.text : in_quotes(text.text);
   }
   std::string operator()(const InputValue::List& list) const {
     return fmt::format("a list of {}", list.size());
