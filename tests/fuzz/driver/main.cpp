@@ -18,6 +18,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -45,13 +46,8 @@ struct Arguments {
   std::map<std::string, std::string> flags;
   std::vector<std::string> paths;
 
-  [[nodiscard]] double number(const std::string& flag, double otherwise) const {
-    const auto found = flags.find(flag);
-    return found == flags.end() ? otherwise : std::strtod(found->second.c_str(), nullptr);
-  }
-  [[nodiscard]] std::string text(const std::string& flag) const {
-    const auto found = flags.find(flag);
-    return found == flags.end() ? std::string() : found->second;
+  [[nodiscard]] double number(const std::string& flag) const {
+    return std::strtod(flags.at(flag).c_str(), nullptr);
   }
 };
 
@@ -71,14 +67,18 @@ Arguments read_arguments(int count, char** arguments) {
 
 Limits limits_of(const Arguments& arguments) {
   Limits limits;
-  limits.total_time_s = arguments.number("max_total_time", limits.total_time_s);
-  const double endless = static_cast<double>(std::numeric_limits<std::int64_t>::max());
-  const bool has_time = arguments.flags.contains("max_total_time");
-  limits.runs = static_cast<std::uint64_t>(
-      arguments.number("runs", has_time ? endless : static_cast<double>(limits.runs)));
-  limits.seed = static_cast<std::uint64_t>(arguments.number("seed", 1));
-  limits.timeout_s = static_cast<unsigned>(arguments.number("timeout", limits.timeout_s));
-  limits.memory_mb = static_cast<long>(arguments.number("rss_limit_mb", 2048));
+  if (arguments.flags.contains("max_total_time")) {
+    limits.total_time_s = arguments.number("max_total_time");
+    limits.runs = std::numeric_limits<std::uint64_t>::max();
+  }
+  const auto read = [&](const std::string& flag, auto& limit) {
+    if (!arguments.flags.contains(flag)) return;
+    limit = static_cast<std::remove_reference_t<decltype(limit)>>(arguments.number(flag));
+  };
+  read("runs", limits.runs);
+  read("seed", limits.seed);
+  read("timeout", limits.timeout_s);
+  read("rss_limit_mb", limits.memory_mb);
   return limits;
 }
 
@@ -162,12 +162,14 @@ int report(int status, const Board& board, const Limits& limits, const std::stri
 
 Result<Material> read_material(const Arguments& arguments) {
   Material material;
-  material.max_length = static_cast<std::size_t>(arguments.number("max_len", 16384));
+  if (arguments.flags.contains("max_len")) {
+    material.max_length = static_cast<std::size_t>(arguments.number("max_len"));
+  }
   auto seeds = read_seeds(arguments.paths);
   if (!seeds) return tl::unexpected(seeds.error());
   material.seeds = *std::move(seeds);
   if (!arguments.flags.contains("dict")) return material;
-  auto words = read_dictionary(arguments.text("dict"));
+  auto words = read_dictionary(arguments.flags.at("dict"));
   if (!words) return tl::unexpected(words.error());
   material.words = *std::move(words);
   return material;
@@ -189,7 +191,9 @@ int drive(const Arguments& arguments) {
   if (child == 0) return run_all(*material, limits, *board);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-  return report(status, *board, limits, arguments.text("artifact_prefix"));
+  const auto prefix = arguments.flags.find("artifact_prefix");
+  return report(status, *board, limits,
+                prefix == arguments.flags.end() ? std::string() : prefix->second);
 }
 
 }  // namespace
