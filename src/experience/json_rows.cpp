@@ -19,11 +19,17 @@ using Json = nlohmann::json;
 
 constexpr const char* kFormat = "mneme experience 1";
 
-void append_number(std::string& text, double number) { text += fmt::format("{}", number); }
+/// The shortest digits, but "-0.0" for "-0": whole numbers have no sign of zero.
+template <class Number>
+std::string digits_of(Number number) {
+  return number == 0 && std::signbit(number) ? "-0.0" : fmt::format("{}", number);
+}
+
+void append_number(std::string& text, double number) { text += digits_of(number); }
 
 /// The shortest digits that a reader of double precision turns into the same float.
 void append_number(std::string& text, float number) {
-  const std::string digits = fmt::format("{}", number);
+  const std::string digits = digits_of(number);
   double read = 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), read);
   const bool is_exact = static_cast<float>(read) == number;

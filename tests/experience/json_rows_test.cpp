@@ -89,6 +89,21 @@ TEST_SUITE("unit") {
     CHECK(!parse_space(replaced(sound, "\"key_size\":6", "\"key_size\":6e99")).has_value());
     CHECK(!parse_space(replaced(sound, "\"format\"", "\"f\"")).has_value());
   }
+
+  TEST_CASE("zeros keep their sign, which is part of the content") {
+    Rng rng(5);
+    Experience row = random_experience(rng, 1);
+    row.key[1] = -0.0;
+    row.key[2] = 0.0;
+    row.sampler.means[0] = -0.0F;
+    row.sampler.means[1] = 0.0F;
+    const auto parsed = parse_row(json_of(row));
+    REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
+    CHECK(std::signbit(parsed->key[1]));
+    CHECK(!std::signbit(parsed->key[2]));
+    CHECK(std::signbit(parsed->sampler.means[0]));
+    CHECK(!std::signbit(parsed->sampler.means[1]));
+  }
 }
 
 TEST_SUITE("law") {
