@@ -177,7 +177,8 @@ Vec3 XmlReader::vector(const XmlElement& element, const char* attribute, const V
     result[static_cast<Eigen::Index>(i)] = component.value_or(0);
   }
   if (!is_vector) {
-    note(element, fmt::format("{} is {}, expected three finite numbers", attribute, in_quotes(value)));
+    note(element,
+         fmt::format("{} is {}, expected three finite numbers", attribute, in_quotes(value)));
   }
   return result;
 }

@@ -95,7 +95,7 @@ TEST_SUITE("unit") {
     const Robot robot = test::require_robot(parts, test::plan_for({"j1"}, {{"j3", 0.3}}));
     CHECK(robot.joints()[3].fixed_value == doctest::Approx(0.7));
     const double q = 0.4;
-    const Transform& tip = robot.link_poses(std::vector{q})[4];
+    const Transform tip = robot.link_poses(std::vector{q})[4];
     const double angle = q + (0.5 * q + 0.25) + 0.3 + 0.7;
     CHECK(tip.rotation.isApprox(rotation_about(Vec3::UnitZ(), angle)));
   }
