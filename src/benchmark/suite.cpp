@@ -4,7 +4,7 @@
 #include "benchmark/suite_settings.h"
 #include "mneme/benchmark.h"
 #include "pipeline/recall.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 #include <fmt/ranges.h>

@@ -10,7 +10,7 @@
 #include "experience/row_check.h"
 #include "experience/store_reads.h"
 #include "experience/zip_file.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 
 #include <fmt/format.h>
 

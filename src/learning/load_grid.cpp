@@ -3,7 +3,7 @@
 #include "experience/row_check.h"
 #include "mneme/learning.h"
 #include "scene/input.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 namespace mneme {

@@ -6,7 +6,7 @@
 #include "problem/json_input.h"
 #include "problem/problem_input.h"
 #include "scene/obstacle_input.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

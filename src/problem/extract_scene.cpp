@@ -8,7 +8,7 @@
 #include "problem/problem_input.h"
 #include "problem/problem_robot.h"
 #include "scene/scene_builder.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 #include "problem/moveit_request.h"
 #include "problem/problem_input.h"
 #include "scene/moveit_scene.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 #include <filesystem>

@@ -6,9 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "robot/robot_file.h"
+#include "base/text_file.h"
 #include "robot/srdf.h"
 #include "robot/urdf_reader.h"
+#include "robot/xml_reader.h"
 
 namespace mneme {
 namespace {
@@ -35,7 +36,7 @@ Result<Robot::Parts> parse_robot_parts(std::string_view urdf, const std::string&
                                        const RobotOptions& options) {
   auto parts = internal::read_urdf(urdf, source, options.package_paths);
   if (!parts || options.srdf_path.empty()) return parts;
-  const auto text = internal::read_robot_file(options.srdf_path);
+  const auto text = internal::read_text_file(options.srdf_path, internal::kMaxRobotTextSize);
   if (!text) return tl::unexpected(text.error());
   if (const auto fault = internal::apply_srdf(*text, options.srdf_path, *parts)) {
     return tl::unexpected(*fault);
@@ -44,7 +45,7 @@ Result<Robot::Parts> parse_robot_parts(std::string_view urdf, const std::string&
 }
 
 Result<Robot::Parts> read_robot(const std::string& path, const RobotOptions& options) {
-  const auto text = internal::read_robot_file(path);
+  const auto text = internal::read_text_file(path, internal::kMaxRobotTextSize);
   if (!text) return tl::unexpected(text.error());
   if (!options.srdf_path.empty()) return parse_robot_parts(*text, path, options);
   RobotOptions with_srdf = options;

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "robot/robot_file.h"
 #include "robot/xml_reader.h"
 
 namespace mneme::internal {
@@ -30,7 +29,7 @@ class SrdfReader {
 
 Result<Srdf> SrdfReader::read(std::string_view text) {
   tinyxml2::XMLDocument document;
-  if (text.size() > kMaxRobotFileSize) xml_.note(1, "the text is longer than 64 MB");
+  if (text.size() > kMaxRobotTextSize) xml_.note(1, "the text is longer than 64 MB");
   const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, text, "robot");
   if (robot != nullptr) {
     srdf_.robot = name(*robot, "name");

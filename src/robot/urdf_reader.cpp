@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "robot/robot_file.h"
 #include "robot/robot_tree.h"
 #include "robot/urdf_collision.h"
+#include "robot/xml_reader.h"
 
 namespace mneme::internal {
 namespace {
@@ -46,7 +46,7 @@ class UrdfReader {
 
 Result<Robot::Parts> UrdfReader::read(std::string_view urdf) {
   tinyxml2::XMLDocument document;
-  if (urdf.size() > kMaxRobotFileSize) xml_.note(1, "the text is longer than 64 MB");
+  if (urdf.size() > kMaxRobotTextSize) xml_.note(1, "the text is longer than 64 MB");
   const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, urdf, "robot");
   if (robot != nullptr) read_robot(*robot);
   return xml_.fault() ? tl::unexpected(*xml_.fault()) : sorted();

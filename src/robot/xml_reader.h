@@ -4,6 +4,7 @@
 /// Strict reading of XML elements, in which the first fault decides.
 #pragma once
 
+#include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -17,6 +18,9 @@
 namespace mneme::internal {
 
 using XmlElement = tinyxml2::XMLElement;
+
+/// Longer URDF and SRDF texts are refused.
+inline constexpr std::size_t kMaxRobotTextSize = std::size_t{64} << 20;
 
 /// Reads names, numbers and vectors from elements. After the first fault it goes on with empty
 /// values, so that callers ask for the fault once, at the end. All calls name an element, whose

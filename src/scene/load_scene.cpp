@@ -4,7 +4,7 @@
 
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 #include <filesystem>

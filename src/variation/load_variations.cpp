@@ -4,7 +4,7 @@
 
 #include "scene/input.h"
 #include "scene/pose_input.h"
-#include "scene/text_file.h"
+#include "base/text_file.h"
 #include "scene/yaml_input.h"
 
 namespace mneme {

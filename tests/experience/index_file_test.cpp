@@ -3,6 +3,7 @@
 #include "experience/fixtures.h"
 
 #include "experience/index_file.h"
+#include "support/environment.h"
 
 namespace mneme::test {
 namespace {
@@ -68,7 +69,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("the index of a server stands in the user's cache, and no password in its name") {
     const TemporaryDirectory directory;
-    ::setenv("XDG_CACHE_HOME", (directory / "cache").c_str(), 1);
+    const EnvironmentVariable cache("XDG_CACHE_HOME", directory / "cache");
     const std::string file = internal::index_file_of("postgresql://me:secret@host/arm");
     CHECK(file.starts_with(directory / "cache/mneme/index-"));
     CHECK(file == internal::index_file_of("postgresql://me:other@host/arm"));

@@ -3,6 +3,7 @@
 #include "experience/postgres_store.h"
 
 #include "experience/postgres_server.h"
+#include "support/environment.h"
 
 #include <set>
 #include <thread>
@@ -140,7 +141,7 @@ TEST_SUITE("flow") {
     const auto rows = random_rows(rng, 20);
     REQUIRE(open_database(url).insert(rows));
     const TemporaryDirectory directory;
-    ::setenv("XDG_CACHE_HOME", (directory / "").c_str(), 1);
+    const EnvironmentVariable cache("XDG_CACHE_HOME", directory / "");
     const auto partly = Database::open(url, arm_space(), OpenMode::read_only, {0});
     REQUIRE(partly.has_value());
     Database reader = open_database(url, OpenMode::read_only);

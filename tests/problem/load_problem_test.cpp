@@ -43,7 +43,7 @@ TEST_SUITE("unit") {
           "p.yaml:4: key scene.circles.a: expected 3 numbers (x, y, radius in metres), got a list "
           "of 2");
     CHECK(failure(rest + "scene: lost.yaml") ==
-          "lost.yaml: cannot open: No such file or directory");
+          "lost.yaml: cannot be read: No such file or directory");
     CHECK(failure(rest + "scene: [a]") ==
           "p.yaml:4: key scene: expected a scene, or the path of a scene file, got a list of 1");
     CHECK(failure(rest) == "p.yaml:1: expected the key scene, which is missing");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/text_file.h"
+#include "base/text_file.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ struct CloseFile {
 Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
   if (file == nullptr) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot open: {}", path, std::strerror(errno)));
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   }
   std::string text;
   std::array<char, 65536> block;
@@ -34,7 +34,7 @@ Result<std::string> read_text_file(const std::string& path, std::size_t max_byte
     }
   }
   if (std::ferror(file.get()) != 0) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot read: {}", path, std::strerror(errno)));
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   }
   return text;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/text_file.h"
+#include "base/text_file.h"
 
 #include "support/support.h"
 
@@ -19,7 +19,7 @@ TEST_SUITE("unit") {
     const auto text = internal::read_text_file("/nonexistent/file");
     REQUIRE_FALSE(text.has_value());
     CHECK(text.error().code == ErrorCode::io);
-    CHECK(text.error().message == "/nonexistent/file: cannot open: No such file or directory");
+    CHECK(text.error().message == "/nonexistent/file: cannot be read: No such file or directory");
   }
 
   TEST_CASE("a directory is no file") {
