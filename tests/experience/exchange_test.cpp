@@ -130,7 +130,7 @@ TEST_SUITE("unit") {
     REQUIRE(!imported.has_value());
     CHECK(imported.error().message.find("b.jsonl:5: ") != std::string::npos);
     text.replace(text.find("\"content\""), 9, "\"nothing\"");
-    text.replace(text.find("\"key\":["), 7, "\"key\":[9e9,");
+    text.replace(text.find("\"key\":["), 7, "\"key\":[9.5,");
     write_file(directory / "c.jsonl", text);
     const auto wrong = import_database(directory / "b.db", directory / "c.jsonl");
     REQUIRE(!wrong.has_value());
