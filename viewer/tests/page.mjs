@@ -39,8 +39,8 @@ export function mneme(...args) {
   }
 }
 
-/** An open page; `complaints` collects console errors, exceptions and requests beyond the page itself. */
-export async function open(browser, file, { width = 1280, height = 800, theme = "light" } = {}) {
+/** A page once `ready` is in it; `complaints` collects console errors, exceptions and requests beyond the page itself. */
+export async function open(browser, file, { width = 1280, height = 800, theme = "light", ready = "body.ready" } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, offline: true });
   const page = await context.newPage();
   const complaints = [];
@@ -53,7 +53,7 @@ export async function open(browser, file, { width = 1280, height = 800, theme = 
     if (request.url() !== address && !request.url().startsWith("data:")) complaints.push(request.url());
   });
   await page.goto(address, { timeout: 120000 });
-  await page.waitForSelector("body.ready", { timeout: 120000 });
+  await page.waitForSelector(ready, { timeout: 120000 });
   return { page, complaints, close: () => context.close() };
 }
 
