@@ -3,6 +3,7 @@
 #include "mneme/collision.h"
 
 #include <algorithm>
+#include <bit>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -31,10 +32,15 @@ FloatConfiguration to_float(std::span<const double> q) {
 /// comparisons with what comes of it, as with a NaN, would find no contact.
 constexpr float kFarthest = 1e4f;
 
+/// Bits of positive floats have the order of their values, infinity and NaN above all: this runs
+/// for each motion, where comparing floats one by one could be measured.
 bool is_within_reach(std::span<const float> q) {
-  bool result = true;
-  for (const float value : q) result &= std::abs(value) <= kFarthest;
-  return result;
+  constexpr std::uint32_t kMagnitude = 0x7fffffff;
+  std::uint32_t farthest = 0;
+  for (const float value : q) {
+    farthest = std::max(farthest, std::bit_cast<std::uint32_t>(value) & kMagnitude);
+  }
+  return farthest <= std::bit_cast<std::uint32_t>(kFarthest);
 }
 
 constexpr double kPlanarResolution = 0.02;
