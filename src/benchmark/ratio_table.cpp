@@ -21,31 +21,25 @@ void add_lines(const internal::Panel& panel, const std::string& baseline, Lines&
   }
 }
 
-/// Every series of every set in one panel; rows keep their set, which tells problems apart.
-internal::Panel pool(std::vector<internal::Panel> panels) {
-  internal::Panel all{"all", {}, 0};
-  for (internal::Panel& panel : panels) {
-    for (internal::Series& series : panel.series) {
-      const auto same = std::ranges::find_if(all.series, [&](const internal::Series& s) {
-        return s.planner == series.planner && s.sampler == series.sampler &&
-               s.setting == series.setting;
-      });
-      if (same == all.series.end())
-        all.series.push_back(std::move(series));
-      else
-        std::ranges::move(series.rows, std::back_inserter(same->rows));
-    }
+/// The rows as those of one set, whose problems keep the name of theirs.
+std::vector<BenchmarkRow> pool(std::span<const BenchmarkRow> rows) {
+  std::vector<BenchmarkRow> pooled(rows.begin(), rows.end());
+  for (BenchmarkRow& row : pooled) {
+    row.problem = row.set + "#" + row.problem;
+    row.set = "all";
   }
-  return all;
+  return pooled;
 }
 
 }  // namespace
 
 std::string to_ratio_table(std::span<const BenchmarkRow> rows, const std::string& baseline) {
-  std::vector<internal::Panel> panels = internal::make_panels(rows, false);
+  const std::vector<internal::Panel> panels = internal::make_panels(rows, false);
   Lines lines = {{"set", "this", "against", "pairs", "p50", "p95", "p99", "mean", "geometric"}};
   for (const internal::Panel& panel : panels) add_lines(panel, baseline, lines);
-  if (panels.size() > 1) add_lines(pool(std::move(panels)), baseline, lines);
+  if (panels.size() > 1) {
+    add_lines(internal::make_panels(pool(rows), false).front(), baseline, lines);
+  }
   return lines.size() == 1 ? "" : internal::text_table(lines, kNameColumns);
 }
 

@@ -21,16 +21,9 @@ std::vector<BenchmarkRow> two_sets() {
   return rows;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 TEST_SUITE("unit") {
   TEST_CASE("Every set has a line, and all sets together the last one") {
-    const auto lines = lines_of(to_ratio_table(two_sets(), "uniform"));
+    const auto lines = test::lines_of(to_ratio_table(two_sets(), "uniform"));
     REQUIRE(lines.size() == 4);
     CHECK(lines[1].starts_with("cage"));
     CHECK(lines[1].find("2.00 (2.00 to 2.00)") != std::string::npos);
@@ -43,7 +36,7 @@ TEST_SUITE("unit") {
   TEST_CASE("One set has no line for all, and without a baseline there is no table") {
     auto rows = two_sets();
     rows.resize(2);
-    CHECK(lines_of(to_ratio_table(rows, "uniform")).size() == 2);
+    CHECK(test::lines_of(to_ratio_table(rows, "uniform")).size() == 2);
     CHECK(to_ratio_table(rows, "halton").empty());
     CHECK(to_ratio_table({}, "uniform").empty());
   }

@@ -13,13 +13,6 @@ namespace {
 
 using test::run;
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 TEST_SUITE("unit") {
   TEST_CASE("Percentiles are nearest ranks of the sorted times") {
     std::vector<BenchmarkRow> rows;
@@ -90,7 +83,7 @@ TEST_SUITE("unit") {
     std::vector<BenchmarkRow> rows = {run(0.001), run(10, false), run(0.1234)};
     rows[1].problem = "a much\nlonger n\xC3\xA4me";
     rows[2].planner = "prm";
-    const auto lines = lines_of(to_table(rows));
+    const auto lines = test::lines_of(to_table(rows));
     REQUIRE(lines.size() == 4);
     CHECK(lines[0].starts_with("problem "));
     for (const std::string& line : lines) {
