@@ -51,6 +51,14 @@ class PlanObserver {
                        int /*graph*/) {}
 };
 
+/// What the motions of a path must pass before it is returned.
+enum class Verification {
+  none,
+  states,   ///< states at kVerificationRefinement times the resolution; of planar arms, `motions`
+  motions,  ///< the same and all that lies between the states, by conservative bounds on how fast
+            ///< links approach obstacles and each other (docs/numerics.md)
+};
+
 struct PlanSettings {
   double range = 0;
   double timeout_s = 10;
@@ -59,12 +67,18 @@ struct PlanSettings {
   std::uint64_t seed = 1;
   bool simplify = true;
   bool verify = true;
+  bool continuous = false;
   int neighbours = 10;
   double goal_bias = 0.05;
   /// Set by another thread to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
   /// Sees what the planner draws and keeps; may be null, which costs nothing.
   PlanObserver* observer = nullptr;
+
+  [[nodiscard]] Verification verification() const {
+    if (!verify) return Verification::none;
+    return continuous ? Verification::motions : Verification::states;
+  }
 };
 
 /// Declares each setting once, for command line, files, Python and report.
@@ -91,6 +105,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("verify", s.verify, false, true,
         "check the final path at ten times the resolution; motions that fail are removed and "
         "planning goes on");
+  visit("continuous", s.continuous, false, true,
+        "verification also rules out contact between the states that it checks, by bounds on how "
+        "far each link can move; always so for planar arms, where links are thin");
   visit("neighbours", s.neighbours, 1, 1000,
         "prm: connections tried per new milestone; more cost more motion checks");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,
@@ -153,17 +170,17 @@ struct PlannerEntry {
 [[nodiscard]] double default_range(const Robot& robot);
 
 /// Shortens `path` by replacing stretches between random points of it with straight free motions
-/// (Geraerts and Overmars, DOI 10.1177/0278364907079280). Keeps both ends. With `verify` the new
-/// motions are free at kVerificationRefinement times the resolution.
+/// (Geraerts and Overmars, DOI 10.1177/0278364907079280). Keeps both ends. The new
+/// motions pass the verification.
 void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
-              bool verify, CheckCounters& counters);
+              Verification verification, CheckCounters& counters);
 
-/// The first motion of `path` in contact at ten times the checker's resolution, or, of planar arms,
-/// anywhere on the way; -1 if none is. A margin of kVerificationMargin lets a path survive a check
-/// at other states of the same density, too; only the first and the last motion do without it if
-/// their ends lie closer to contact.
+/// The first motion of `path` that fails the verification; -1 if none does. A margin of
+/// kVerificationMargin lets a path survive a check at other states of the same density, too; only
+/// the first and the last motion do without it if their ends lie closer to contact.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
-                                      CheckCounters& counters);
+                                      CheckCounters& counters,
+                                      Verification verification = Verification::states);
 inline constexpr double kVerificationMargin = 1e-4;  ///< metres
 inline constexpr double kVerificationRefinement = 10;
 

@@ -308,6 +308,7 @@ def plan(
     seed: int = 1,
     simplify: bool = True,
     verify: bool = True,
+    continuous: bool = False,
     neighbours: int = 10,
     goal_bias: float = 0.05,
     max_gap: float = 0.0,

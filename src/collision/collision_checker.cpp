@@ -97,6 +97,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
 const Robot& CollisionChecker::robot() const { return tables_->robot; }
 const Scene& CollisionChecker::scene() const { return tables_->scene; }
 double CollisionChecker::resolution() const { return tables_->resolution; }
+double CollisionChecker::margin() const { return tables_->margin; }
 Isa CollisionChecker::isa() const { return tables_->isa; }
 
 bool CollisionChecker::is_valid(std::span<const float> q) const {

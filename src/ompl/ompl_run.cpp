@@ -8,6 +8,7 @@
 
 #include "ompl/count_samples.h"
 #include "ompl/experience.h"
+#include "planning/shortcut.h"
 
 namespace mneme::ompl {
 namespace {
@@ -29,7 +30,13 @@ ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Con
 OmplRun::OmplRun(const Problem& problem, const CollisionChecker& checker,
                  const SolveSettings& settings, const OmplSettings& ompl,
                  const OmplPlanner& planner, const ob::StateSamplerAllocator& allocator)
-    : problem_(problem), checker_(checker), settings_(settings), ompl_(ompl), planner_(planner) {
+    : problem_(problem),
+      checker_(checker),
+      settings_(settings),
+      ompl_(ompl),
+      planner_(planner),
+      verifier_(checker, settings.plan.continuous ? Verification::motions : Verification::states,
+                [this] { return is_over(); }) {
   set_up_information(allocator);
   define_problem();
 }
@@ -67,16 +74,17 @@ void OmplRun::define_problem() {
 
 ob::PlannerTerminationCondition OmplRun::limits() const {
   return ob::PlannerTerminationCondition([this] {
-    const PlanSettings& plan = settings_.plan;
-    if (plan.cancel != nullptr && plan.cancel->load(std::memory_order_relaxed)) return true;
-    if (plan.max_iterations > 0 &&
-        counters_->samples.load(std::memory_order_relaxed) >= plan.max_iterations) {
-      return true;
-    }
+    const std::uint64_t most = settings_.plan.max_iterations;
+    if (most > 0 && counters_->samples.load(std::memory_order_relaxed) >= most) return true;
     if (is_full()) was_full_ = true;
-    if (was_full_) return true;
-    return stopwatch_.elapsed_s() >= timeout_s_;
+    return was_full_ || is_over();
   });
+}
+
+bool OmplRun::is_over() const {
+  const std::atomic<bool>* cancel = settings_.plan.cancel;
+  return (cancel != nullptr && cancel->load(std::memory_order_relaxed)) ||
+         stopwatch_.elapsed_s() >= timeout_s_;
 }
 
 bool OmplRun::is_full() const {
@@ -145,7 +153,7 @@ Path OmplRun::solution() const {
 
 bool OmplRun::is_free(const Path& path) {
   const internal::Stopwatch stopwatch;
-  const bool is_free = find_invalid_motion(checker_, path, checks_) < 0;
+  const bool is_free = verifier_.find_invalid_motion(path, checks_) < 0;
   result_.verification_time_s += stopwatch.elapsed_s();
   return is_free;
 }
@@ -155,7 +163,9 @@ void OmplRun::simplify() {
   if (ompl_.as_in_paper && !is_free(result_.path)) return;
   const internal::Stopwatch stopwatch;
   Path path = result_.path;
-  shortcut(checker_, path, derive_seed(settings_.plan.seed, 1), kShortcutAttempts, true, checks_);
+  internal::shortcut_until(checker_, path, derive_seed(settings_.plan.seed, 1),
+                           {kShortcutAttempts, kShortcutAttempts, 0}, &verifier_, checks_,
+                           [this] { return is_over(); });
   result_.simplification_time_s += stopwatch.elapsed_s();
   // Cutting a motion moves the states that are looked at.
   if (!settings_.plan.verify || is_free(path)) result_.path = std::move(path);

@@ -10,6 +10,7 @@
 #include "base/stopwatch.h"
 #include "mneme/ompl.h"
 #include "ompl/planner_table.h"
+#include "planning/verify.h"
 
 namespace mneme::ompl {
 
@@ -32,6 +33,8 @@ class OmplRun {
   [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
   [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
   [[nodiscard]] bool is_full() const;
+  /// The time is up, or the run is cancelled.
+  [[nodiscard]] bool is_over() const;
   [[nodiscard]] Path solution() const;
   [[nodiscard]] bool is_free(const Path& path);
   void simplify();
@@ -42,6 +45,7 @@ class OmplRun {
   const SolveSettings& settings_;
   const OmplSettings& ompl_;
   const OmplPlanner& planner_;
+  internal::MotionVerifier verifier_;
   std::shared_ptr<WorkCounters> counters_ = std::make_shared<WorkCounters>();
   std::shared_ptr<::ompl::base::SpaceInformation> information_;
   ::ompl::base::ProblemDefinitionPtr definition_;

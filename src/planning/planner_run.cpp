@@ -97,7 +97,7 @@ bool PlannerRun::must_stop() {
   if (is_cancelled()) {
     refuse(PlanStatus::cancelled, "cancelled");
     is_stopped_ = true;
-  } else if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
+  } else if (is_time_up()) {
     refuse(PlanStatus::timeout, "no path within the time limit");
     is_stopped_ = true;
   }
@@ -107,6 +107,8 @@ bool PlannerRun::must_stop() {
 bool PlannerRun::is_cancelled() const {
   return settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed);
 }
+
+bool PlannerRun::is_time_up() const { return stopwatch_.elapsed_s() >= settings_.timeout_s; }
 
 bool PlannerRun::is_full() const {
   return settings_.max_nodes > 0 && static_cast<std::uint64_t>(node_count_) >= settings_.max_nodes;
@@ -123,12 +125,23 @@ int PlannerRun::find_direct_goal() {
 }
 
 int PlannerRun::find_invalid_motion(const FloatPath& path) {
+  return find_invalid_motion(to_path(checker_.robot(), path));
+}
+
+int PlannerRun::find_invalid_motion(const Path& path) {
   if (!settings_.verify) return -1;
   const Stopwatch stopwatch;
-  const int invalid =
-      mneme::find_invalid_motion(checker_, to_path(checker_.robot(), path), counters_);
+  const int invalid = verifier().find_invalid_motion(path, counters_);
   result_.verification_time_s += stopwatch.elapsed_s();
   return invalid;
+}
+
+const MotionVerifier& PlannerRun::verifier() {
+  if (!verifier_) {
+    verifier_.emplace(checker_, settings_.verification(),
+                      [this] { return is_cancelled() || is_time_up(); });
+  }
+  return *verifier_;
 }
 
 PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
@@ -147,9 +160,7 @@ void PlannerRun::simplify() {
   const Path planned = result_.path;
   const auto patience = static_cast<int>(
       std::clamp(counters_.motions / kMotionsPerAttempt, kLeastPatience, kMostPatience));
-  const auto must_stop = [&] {
-    return is_cancelled() || stopwatch_.elapsed_s() >= settings_.timeout_s;
-  };
+  const auto must_stop = [&] { return is_cancelled() || is_time_up(); };
   // Shortcuts at the planner's resolution nearly always survive verification as a whole, which
   // costs a tenth of verifying each one; cutting a motion moves the states that are looked at, so
   // even verified ones are verified.
@@ -157,14 +168,10 @@ void PlannerRun::simplify() {
     const Stopwatch stopwatch;
     result_.path = planned;
     internal::shortcut_until(checker_, result_.path, derive_seed(settings_.seed, 1),
-                             {kShortcutAttempts, patience, kLeastShortcutGain}, is_each_verified,
-                             counters_, must_stop);
+                             {kShortcutAttempts, patience, kLeastShortcutGain},
+                             is_each_verified ? &verifier() : nullptr, counters_, must_stop);
     result_.simplification_time_s += stopwatch.elapsed_s();
-    if (!settings_.verify) return;
-    const Stopwatch verification;
-    const bool is_free = mneme::find_invalid_motion(checker_, result_.path, counters_) < 0;
-    result_.verification_time_s += verification.elapsed_s();
-    if (is_free) return;
+    if (find_invalid_motion(result_.path) < 0) return;
   }
   result_.path = planned;
 }

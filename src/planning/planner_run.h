@@ -14,6 +14,7 @@
 
 #include "mneme/planning.h"
 #include "base/stopwatch.h"
+#include "planning/verify.h"
 #include "robot/joint_space.h"
 
 namespace mneme::internal {
@@ -86,7 +87,11 @@ class PlannerRun {
 
   void validate();
   [[nodiscard]] bool is_cancelled() const;
+  [[nodiscard]] bool is_time_up() const;
   [[nodiscard]] bool is_full() const;
+  [[nodiscard]] int find_invalid_motion(const Path& path);
+  /// Made when it is first wanted.
+  [[nodiscard]] const MotionVerifier& verifier();
   void simplify();
   void refuse(PlanStatus status, std::string message);
   [[nodiscard]] PlanResult take_result(int node_count);
@@ -103,6 +108,7 @@ class PlannerRun {
   FloatPath goals_;
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
+  std::optional<MotionVerifier> verifier_;
   CheckCounters counters_;
   PlanResult result_;
   bool is_ready_ = false;

@@ -20,9 +20,13 @@ struct PathPoint {
 
 class Shortcutter {
  public:
-  Shortcutter(const CollisionChecker& checker, Path& path, bool verify, CheckCounters& counters)
-      : checker_(checker), path_(path), space_(checker.robot()), counters_(counters) {
-    if (verify) verifier_.emplace(checker);
+  Shortcutter(const CollisionChecker& checker, Path& path, const internal::MotionVerifier* verifier,
+              CheckCounters& counters)
+      : checker_(checker),
+        path_(path),
+        space_(checker.robot()),
+        verifier_(verifier),
+        counters_(counters) {
     for (const Configuration& q : path) nodes_.push_back(internal::to_floats(q));
     measure();
   }
@@ -76,7 +80,7 @@ class Shortcutter {
  private:
   bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end) {
     return checker_.is_motion_valid(from, to, counters_) &&
-           (!verifier_ || verifier_->is_free(from, to, is_at_end, counters_));
+           (verifier_ == nullptr || verifier_->is_free(from, to, is_at_end, counters_));
   }
 
   bool is_state_free(std::span<const float> q) {
@@ -120,7 +124,7 @@ class Shortcutter {
   const CollisionChecker& checker_;
   Path& path_;
   internal::JointSpace space_;
-  std::optional<internal::MotionVerifier> verifier_;
+  const internal::MotionVerifier* verifier_;
   CheckCounters& counters_;
   std::vector<std::vector<float>> nodes_;
   std::vector<float> lengths_, delta_;
@@ -136,10 +140,10 @@ double path_length(const Robot& robot, const Path& path) {
 }
 
 void internal::shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-                              ShortcutEffort effort, bool verify, CheckCounters& counters,
-                              const std::function<bool()>& must_stop) {
+                              ShortcutEffort effort, const MotionVerifier* verifier,
+                              CheckCounters& counters, const std::function<bool()>& must_stop) {
   if (path.size() < 3) return;
-  Shortcutter shortcutter(checker, path, verify, counters);
+  Shortcutter shortcutter(checker, path, verifier, counters);
   shortcutter.drop_waypoints(must_stop);
   Rng rng(seed);
   for (int i = 0, idle = 0; i < effort.attempts && idle < effort.patience && !must_stop(); ++i) {
@@ -150,9 +154,11 @@ void internal::shortcut_until(const CollisionChecker& checker, Path& path, std::
 }
 
 void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
-              bool verify, CheckCounters& counters) {
-  internal::shortcut_until(checker, path, seed, {attempts, attempts, 0}, verify, counters,
-                           [] { return false; });
+              Verification verification, CheckCounters& counters) {
+  std::optional<internal::MotionVerifier> verifier;
+  if (verification != Verification::none) verifier.emplace(checker, verification);
+  internal::shortcut_until(checker, path, seed, {attempts, attempts, 0},
+                           verifier ? &*verifier : nullptr, counters, [] { return false; });
 }
 
 }  // namespace mneme

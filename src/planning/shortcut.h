@@ -10,6 +10,8 @@
 
 namespace mneme::internal {
 
+class MotionVerifier;
+
 struct ShortcutEffort {
   int attempts = 0;
   int patience = 0;      ///< so many attempts in vain, one after the other, end it
@@ -17,8 +19,9 @@ struct ShortcutEffort {
 };
 
 /// shortcut() that leaves the rest undone once `must_stop` says so; it is asked before each motion.
+/// `verifier` may be null.
 void shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-                    ShortcutEffort effort, bool verify, CheckCounters& counters,
+                    ShortcutEffort effort, const MotionVerifier* verifier, CheckCounters& counters,
                     const std::function<bool()>& must_stop);
 
 }  // namespace mneme::internal

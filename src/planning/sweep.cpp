@@ -55,46 +55,72 @@ std::vector<double> turns_of(const Robot& robot, std::span<const double> delta) 
 
 }  // namespace
 
-Sweep::Sweep(const Robot& robot, const Scene& scene) : robot_(robot) {
+Sweep::Sweep(const Robot& robot, const Scene& scene, double margin)
+    : robot_(robot), margin_(margin) {
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    shapes_.push_back(shapes_of(robot.links()[i]));
-    reaches_.push_back(reaches_of(robot, i, shapes_.back()));
+    std::vector<Capsule> capsules = shapes_of(robot.links()[i]);
+    const Sphere bound = bound_of(capsules);
+    reaches_.push_back(reaches_of(robot, i, capsules));
+    links_.push_back({std::move(capsules), bound});
   }
   for (const auto& [first, second] : robot.self_pairs()) {
     const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     pairs_.push_back({a, b, nullptr, reaches_.size()});
     reaches_.push_back(apart(reaches_[a], reaches_[b]));
   }
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    if (shapes_[i].empty()) continue;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (links_[i].capsules.empty()) continue;
     for (const Obstacle& obstacle : scene.obstacles) {
       for (const Shape& shape : obstacle.shapes) pairs_.push_back({i, i, &shape, i});
     }
   }
 }
 
-double Sweep::clearance(const Pair& pair, std::span<const Transform> poses) const {
+double Sweep::clearance(const LinkShapes& link, const Transform& X_WL, const Shape& shape,
+                        double enough) {
+  const Vec3 center = X_WL * link.bound.center;
+  const double bound = distance_to_segment(center, center, shape) - link.bound.radius;
+  if (bound > enough) return bound;
   double least = std::numeric_limits<double>::infinity();
-  for (const Capsule& own : shapes_[pair.link]) {
-    const Vec3 a = poses[pair.link] * own.a, b = poses[pair.link] * own.b;
-    if (pair.shape != nullptr) {
-      least = std::min(least, distance_to_segment(a, b, *pair.shape) - own.radius);
-      continue;
-    }
-    const Transform& X_WO = poses[pair.other_link];
-    for (const Capsule& other : shapes_[pair.other_link]) {
-      const double between = segment_distance(a, b, X_WO * other.a, X_WO * other.b);
-      least = std::min(least, between - own.radius - other.radius);
+  for (const Capsule& own : link.capsules) {
+    const double between = distance_to_segment(X_WL * own.a, X_WL * own.b, shape);
+    least = std::min(least, between - own.radius);
+  }
+  return least;
+}
+
+double Sweep::clearance(const LinkShapes& first, const Transform& X_WF, const LinkShapes& second,
+                        const Transform& X_WS, double enough) {
+  const double bound = (X_WF * first.bound.center - X_WS * second.bound.center).norm() -
+                       first.bound.radius - second.bound.radius;
+  if (bound > enough) return bound;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Capsule& p : first.capsules) {
+    const Vec3 a = X_WF * p.a, b = X_WF * p.b;
+    for (const Capsule& q : second.capsules) {
+      const double between = segment_distance(a, b, X_WS * q.a, X_WS * q.b);
+      least = std::min(least, between - p.radius - q.radius);
     }
   }
   return least;
 }
 
+double Sweep::clearance(const Pair& pair, std::span<const Transform> poses, double enough) const {
+  const LinkShapes& link = links_[pair.link];
+  const Transform& X_WL = poses[pair.link];
+  if (pair.shape != nullptr) return clearance(link, X_WL, *pair.shape, enough + margin_) - margin_;
+  return clearance(link, X_WL, links_[pair.other_link], poses[pair.other_link], enough);
+}
+
 /// One motion while it is halved.
 class Sweep::Motion {
  public:
-  Motion(const Sweep& sweep, std::span<const double> from, std::span<const double> to)
-      : sweep_(sweep), from_(from), delta_(sweep.robot_.difference(from, to)) {
+  Motion(const Sweep& sweep, std::span<const double> from, std::span<const double> to,
+         const std::function<bool()>& must_stop)
+      : sweep_(sweep),
+        from_(from),
+        delta_(sweep.robot_.difference(from, to)),
+        must_stop_(must_stop) {
     const std::vector<double> turns = turns_of(sweep.robot_, delta_);
     std::vector<double> speeds;
     for (const std::vector<double>& reaches : sweep.reaches_) {
@@ -111,14 +137,15 @@ class Sweep::Motion {
   /// Whether `pairs` stay apart from `middle` - `half` to `middle` + `half`; 1 is the whole motion.
   [[nodiscard]] bool is_part_free(double middle, double half,
                                   const std::vector<MovingPair>& pairs) const {
+    if (must_stop_ && must_stop_()) return false;
     Configuration q(from_.begin(), from_.end());
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += middle * delta_[i];
     const std::vector<Transform> poses = sweep_.robot_.link_poses(q);
     std::vector<MovingPair> undecided;
     for (const MovingPair& moving : pairs) {
-      const double clearance = sweep_.clearance(*moving.pair, poses);
-      if (clearance < -kTolerance) return false;
       const double approach = half * moving.speed;
+      const double clearance = sweep_.clearance(*moving.pair, poses, approach);
+      if (clearance < -kTolerance) return false;
       if (clearance <= approach && approach > kTolerance) undecided.push_back(moving);
     }
     return undecided.empty() || (is_part_free(middle - 0.5 * half, 0.5 * half, undecided) &&
@@ -128,11 +155,13 @@ class Sweep::Motion {
   const Sweep& sweep_;
   std::span<const double> from_;
   Configuration delta_;
+  const std::function<bool()>& must_stop_;
   std::vector<MovingPair> pairs_;
 };
 
-bool Sweep::is_free(std::span<const double> from, std::span<const double> to) const {
-  return Motion(*this, from, to).is_free();
+bool Sweep::is_free(std::span<const double> from, std::span<const double> to,
+                    const std::function<bool()>& must_stop) const {
+  return Motion(*this, from, to, must_stop).is_free();
 }
 
 }  // namespace mneme::internal

@@ -4,6 +4,7 @@
 /// Contact anywhere along a motion, not only at states of it.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,15 +18,21 @@ namespace mneme::internal {
 /// advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012. Const and parallel-safe.
 class Sweep {
  public:
-  /// Refers to its arguments.
-  Sweep(const Robot& robot, const Scene& scene);
+  /// Refers to its arguments. `margin`: metres to obstacles that count as contact.
+  Sweep(const Robot& robot, const Scene& scene, double margin = 0);
 
   /// True if nothing touches along the straight motion, ends included, by more than kTolerance.
-  [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to) const;
+  /// False, too, once `must_stop`, which may be empty, says so; it is asked at each state.
+  [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to,
+                             const std::function<bool()>& must_stop = {}) const;
 
   static constexpr double kTolerance = 1e-5;  ///< metres; the accuracy of the kernels
 
  private:
+  struct LinkShapes {
+    std::vector<Capsule> capsules;
+    Sphere bound;  ///< holds them all
+  };
   /// A link and an obstacle's shape, or two links.
   struct Pair {
     std::size_t link = 0;
@@ -39,10 +46,19 @@ class Sweep {
   };
   class Motion;
 
-  [[nodiscard]] double clearance(const Pair& pair, std::span<const Transform> poses) const;
+  /// Metres between the two, less the margin; or, if they are more than `enough` apart anyway, a
+  /// lower bound above it.
+  [[nodiscard]] double clearance(const Pair& pair, std::span<const Transform> poses,
+                                 double enough) const;
+  [[nodiscard]] static double clearance(const LinkShapes& link, const Transform& X_WL,
+                                        const Shape& shape, double enough);
+  [[nodiscard]] static double clearance(const LinkShapes& first, const Transform& X_WF,
+                                        const LinkShapes& second, const Transform& X_WS,
+                                        double enough);
 
   const Robot& robot_;
-  std::vector<std::vector<Capsule>> shapes_;  ///< of each link
+  double margin_;
+  std::vector<LinkShapes> links_;
   std::vector<std::vector<double>> reaches_;  ///< metres per radian of each joint
   std::vector<Pair> pairs_;
 };

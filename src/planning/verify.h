@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -10,23 +11,27 @@
 
 namespace mneme::internal {
 
-/// The check of motions of a final path. Const and parallel-safe.
+/// The check of motions of a final path. Const and parallel-safe, if `must_stop` is.
 class MotionVerifier {
  public:
-  /// Refers to the checker.
-  explicit MotionVerifier(const CollisionChecker& checker);
+  /// Refers to the checker. `verification` is not `none`. `must_stop`, which may be empty, ends the
+  /// check of what lies between states, which can take long where a link grazes an obstacle.
+  explicit MotionVerifier(const CollisionChecker& checker,
+                          Verification verification = Verification::states,
+                          std::function<bool()> must_stop = {});
 
-  /// True if the motion is free at kVerificationRefinement times the resolution and, of planar
-  /// arms, between the states. `is_at_end`: it touches the start or the goal of its path, which may
-  /// lie closer to contact than kVerificationMargin: then it needs no margin.
+  /// True if the motion passes the verification. `is_at_end`: it touches the start or the goal of
+  /// its path, which may lie closer to contact than kVerificationMargin: then it needs no margin.
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end,
                              CheckCounters& counters) const;
 
+  /// The first motion of `path` that is not free, or -1.
+  [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;
+
  private:
   const CollisionChecker& checker_;
-  /// Links of planar arms are so thin that they pass through each other between two states,
-  /// however close.
   std::optional<Sweep> sweep_;
+  std::function<bool()> must_stop_;
 };
 
 }  // namespace mneme::internal

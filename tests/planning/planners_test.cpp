@@ -61,7 +61,7 @@ TEST_SUITE("unit") {
                      CHECK(value <= most);
                      CHECK(std::string(sentence).size() > 10);
                    });
-    CHECK(names.size() == 9);
+    CHECK(names.size() == 10);
   }
 }
 

@@ -36,6 +36,9 @@ TEST_SUITE("flow") {
   TEST_CASE("prm returns no path that verification would refuse") {
     check_verification_catches_tunnelling(prm);
   }
+  TEST_CASE("prm that verifies continuously returns nothing that touches between states") {
+    check_continuous_verification(prm);
+  }
   TEST_CASE("prm goes where its samples lead it") { check_samples_lead_the_way(prm, 800); }
   TEST_CASE("prm tries at least one neighbour") {
     const World world = small_worlds().front();

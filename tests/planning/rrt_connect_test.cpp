@@ -48,6 +48,9 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt_connect returns no path that verification would refuse") {
     check_verification_catches_tunnelling(rrt_connect);
   }
+  TEST_CASE("rrt_connect that verifies continuously returns nothing that touches between states") {
+    check_continuous_verification(rrt_connect);
+  }
   TEST_CASE("rrt_connect goes where its samples lead it") {
     check_samples_lead_the_way(rrt_connect, 6000);
   }

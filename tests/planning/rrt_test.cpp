@@ -36,6 +36,9 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt returns no path that verification would refuse") {
     check_verification_catches_tunnelling(rrt);
   }
+  TEST_CASE("rrt that verifies continuously returns nothing that touches between states") {
+    check_continuous_verification(rrt);
+  }
   TEST_CASE("rrt goes where its samples lead it") { check_samples_lead_the_way(rrt, 800); }
   TEST_CASE("rrt reports what became of every draw") { check_reports_every_draw(rrt); }
   TEST_CASE("rrt does the same when it is watched, and shows its edges") {

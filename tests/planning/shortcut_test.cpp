@@ -5,10 +5,10 @@
 namespace mneme::test {
 namespace {
 
-Path shortened(const CollisionChecker& checker, Path path, std::uint64_t seed, bool verify = true,
-               int attempts = 100) {
+Path shortened(const CollisionChecker& checker, Path path, std::uint64_t seed,
+               Verification verification = Verification::states, int attempts = 100) {
   CheckCounters counters;
-  shortcut(checker, path, seed, attempts, verify, counters);
+  shortcut(checker, path, seed, attempts, verification, counters);
   return path;
 }
 
@@ -19,22 +19,23 @@ TEST_SUITE("law") {
     for (const World& world : small_worlds()) {
       const CollisionChecker checker = make_checker(world);
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-        for (const bool verify : {true, false}) {
-          INFO(world.name, ", seed ", seed, ", verify ", verify);
+        for (const Verification verification :
+             {Verification::none, Verification::states, Verification::motions}) {
+          INFO(world.name, ", seed ", seed, ", verification ", static_cast<int>(verification));
           PlanSettings settings = patient_settings(seed);
           settings.simplify = false;
           const Path planned = run(prm, world, settings).path;
-          const Path path = shortened(checker, planned, seed, verify);
+          const Path path = shortened(checker, planned, seed, verification);
           REQUIRE(path.size() >= 2);
           CHECK(path.front() == planned.front());
           CHECK(path.back() == planned.back());
           CHECK(path_length(world.robot, path) <=
                 path_length(world.robot, planned) * (1 + 1e-6) + 1e-6);
-          if (verify) {
+          if (verification != Verification::none) {
             const auto flaw = path_flaw(checker, path);
             CHECK_MESSAGE(!flaw, flaw.value_or(""));
           }
-          CHECK(path == shortened(checker, planned, seed, verify));
+          CHECK(path == shortened(checker, planned, seed, verification));
         }
       }
     }
@@ -48,7 +49,7 @@ TEST_SUITE("unit") {
     const Configuration a(8, 0.1), b(8, -0.15), c(8, 0.2);
     CHECK(shortened(checker, {a, b, c}, 1) == Path{a, c});
     CHECK(shortened(checker, {a, b, c, b, c}, 1) == Path{a, c});
-    CHECK(shortened(checker, {a, b, c, b, c}, 1, true, 0) == Path{a, c});
+    CHECK(shortened(checker, {a, b, c, b, c}, 1, Verification::states, 0) == Path{a, c});
   }
 
   TEST_CASE("paths that have nothing to shorten stay as they are") {
@@ -98,7 +99,7 @@ TEST_SUITE("unit") {
       settings.verify = settings.simplify = false;
       Path path = prm(checker, query, *make_uniform_sampler(robot), settings).path;
       CheckCounters counters;
-      shortcut(checker, path, i, 100, false, counters);
+      shortcut(checker, path, i, 100, Verification::none, counters);
       for (const Configuration& q : path) in_contact += checker.is_valid(q) ? 0 : 1;
     }
     CHECK(in_contact == 0);
@@ -108,8 +109,10 @@ TEST_SUITE("unit") {
     const CollisionChecker checker = make_checker(world);
     const Path detour = {{-1.5, 0.5, 0}, {-1.5, 1.9, 0}, {1.5, 1.9, 0}, {1.5, -0.5, 0.2}};
     const double length = path_length(world.robot, detour);
-    const double some = path_length(world.robot, shortened(checker, detour, 3, true, 20));
-    const double many = path_length(world.robot, shortened(checker, detour, 3, true, 400));
+    const double some =
+        path_length(world.robot, shortened(checker, detour, 3, Verification::states, 20));
+    const double many =
+        path_length(world.robot, shortened(checker, detour, 3, Verification::states, 400));
     CHECK(some < length - 0.1);
     CHECK(many <= some);
     // Over the edges at (+-0.5, 1.1): the shortest way around.

@@ -56,6 +56,30 @@ TEST_SUITE("unit") {
     CHECK_FALSE(is_free(3 * Sweep::kTolerance));
   }
 
+  TEST_CASE("closer to an obstacle than the margin is contact, to another link it is not") {
+    const Robot robot = planar_arm({1, 1});
+    const auto is_free = [&](double gap, double margin) {
+      const Scene scene = make_circle_scene("", {{2 + 0.01 + 0.5 + gap, 0, 0.5}});
+      return Sweep(robot, scene, margin).is_free(Configuration{-0.3, 0}, Configuration{0.3, 0});
+    };
+    CHECK(is_free(0.01, 0.009));
+    CHECK_FALSE(is_free(0.01, 0.011));
+    const Robot folded = planar_arm({1, 0.5, 0.35});
+    CHECK(Sweep(folded, {}, 0.5).is_free(Configuration{0, 2.4, 1.5}, Configuration{1, 2.4, 0.2}));
+  }
+
+  TEST_CASE("a sweep that must stop finds nothing free") {
+    const Robot robot = planar_arm({1, 1});
+    const Scene scene = make_circle_scene("", {{2.02, 0, 0.0099}});
+    const Configuration from = {-0.3, 0}, to = {0.3, 0};
+    int asked = 0;
+    REQUIRE(Sweep(robot, scene).is_free(from, to, [&] { return ++asked < 0; }));
+    REQUIRE(asked > 3);
+    int left = 3;
+    CHECK_FALSE(Sweep(robot, scene).is_free(from, to, [&] { return left-- == 0; }));
+    CHECK(left == -1);
+  }
+
   TEST_CASE("sliding joints count by how far they slide") {
     const World world{"post", gantry(), {"", {make_ball("post", {0.01, 0, 0}, 0.001)}}, {}};
     const Sweep sweep(world.robot, world.scene);

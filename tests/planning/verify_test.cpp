@@ -50,6 +50,26 @@ TEST_SUITE("unit") {
     CHECK(invalid_motion(make_checker(world, coarse), path) == 0);
   }
 
+  TEST_CASE("what lies between the states that are checked is found when motions are verified") {
+    CheckerSettings coarse;
+    coarse.resolution = 1;
+    const Path path = {{-2, 0, 0}, {2, 0, 0}};
+    const auto first_invalid = [&](double gap, double margin, Verification verification) {
+      // The states are a twelfth of a metre apart, and one of them is at 0.
+      const World world{
+          "", gantry(), {"", {make_ball("post", {1 / 24., 0.101 + gap, 0}, 0.001)}}, {}};
+      coarse.margin = margin;
+      CheckCounters counters;
+      return find_invalid_motion(make_checker(world, coarse), path, counters, verification);
+    };
+    CHECK(first_invalid(-0.001, 0, Verification::none) == -1);
+    CHECK(first_invalid(-0.001, 0, Verification::states) == -1);
+    CHECK(first_invalid(-0.001, 0, Verification::motions) == 0);
+    CHECK(first_invalid(0.001, 0, Verification::motions) == -1);
+    CHECK(first_invalid(0.001, 0.002, Verification::states) == -1);
+    CHECK(first_invalid(0.001, 0.002, Verification::motions) == 0);
+  }
+
   TEST_CASE("a motion in the middle of a path needs the margin") {
     const CollisionChecker checker = make_checker(table());
     const auto path_at = [](double height) {

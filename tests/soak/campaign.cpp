@@ -52,6 +52,7 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.plan.timeout_s = 5;
   settings.plan.max_iterations = campaign.max_iterations;
   settings.plan.verify = campaign.verify;
+  settings.plan.continuous = campaign.continuous;
   return settings;
 }
 

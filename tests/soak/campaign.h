@@ -20,6 +20,7 @@ struct CampaignSettings {
   double margin = 0;       ///< metres
   double refinement = 20;  ///< FCL looks at states this many times closer than the planner
   bool verify = true;
+  bool continuous = false;
 };
 
 /// What came of the plans of one robot, planner and sampler.
