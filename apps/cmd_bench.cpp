@@ -36,6 +36,7 @@ struct BenchOptions {
   std::vector<std::string> samplers;
   int seed_count = 1;
   std::string db;
+  DatabaseSettings kept;
   std::string csv;
   std::string sqlite;
   std::string out;
@@ -67,7 +68,7 @@ Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
     const Robot& robot = loaded.problem.robot;
     const std::pair key{options.db, robot.hash()};
     if (plan.memories.contains(key)) continue;
-    Result<Database> database = open_memory(options.db, robot, options.settings);
+    Result<Database> database = open_memory(options.db, robot, options.settings, options.kept);
     if (!database) return tl::unexpected(database.error());
     plan.memories.emplace(key, std::move(*database));
   }
@@ -157,6 +158,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
              "runs of each, with seeds from --seed on");
   command.add_option("--db", options.db, "memory of the sampler gl: an SQLite file");
+  add_database_memory(command, options.kept);
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
   command.add_option("--sqlite", options.sqlite,

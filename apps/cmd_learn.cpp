@@ -30,6 +30,7 @@ struct LearnOptions {
   LessonSource source;
   std::string grid;
   std::string db;
+  DatabaseSettings kept;
   std::optional<int> count;
   std::optional<double> similarity_error;
   bool is_json = false;
@@ -118,7 +119,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   DecomposeSettings decompose = options.source.decompose;
   if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
   Result<Database> database =
-      open_database(options.db, robot, OpenMode::create, decompose.decomposer);
+      open_database(options.db, robot, OpenMode::create, decompose.decomposer, options.kept);
   if (!database) return tl::unexpected(database.error());
   const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
   if (!summary) return tl::unexpected(summary.error());
@@ -179,8 +180,8 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                     robot.is_planar() ? "that the arm reaches are" : "are",
                     robot.is_planar() ? "" : "; --problems learns whole paths"));
   }
-  Result<Database> database =
-      open_database(options.db, robot, OpenMode::create, options.source.decompose.decomposer);
+  Result<Database> database = open_database(options.db, robot, OpenMode::create,
+                                            options.source.decompose.decomposer, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   job.shared = options.sharing.work(options.db);
@@ -212,6 +213,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   command
       .add_option("--db", options.db, "SQLite file to add to, made if missing, or postgresql://...")
       ->required();
+  add_database_memory(command, options.kept);
   add_jobs(command, options.job.jobs);
   add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
              "seed; another one adds other primitives to the same database");

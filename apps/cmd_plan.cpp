@@ -31,6 +31,7 @@ struct PlanOptions {
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
   std::string db;
+  DatabaseSettings kept;
   PlanFiles files;
   bool has_sampler = false;
   bool is_json = false;
@@ -45,7 +46,7 @@ struct LoadedPlan {
 
 Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, const Robot& robot) {
   if (options.db.empty()) return std::nullopt;
-  return open_memory(options.db, robot, options.settings).map([](Database database) {
+  return open_memory(options.db, robot, options.settings, options.kept).map([](Database database) {
     return std::optional<Database>(std::move(database));
   });
 }
@@ -158,6 +159,7 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   add_number_list(command, "--goal", options.goal, "goal instead of the problem's");
   command.add_option("--db", options.db,
                      "memory: an SQLite file; made if missing when there is a --learn-budget");
+  add_database_memory(command, options.kept);
 }
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {

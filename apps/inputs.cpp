@@ -10,6 +10,7 @@
 #include "mneme/covering.h"
 
 #include "console.h"
+#include "options.h"
 
 namespace mneme::app {
 
@@ -66,23 +67,23 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
 }
 
 Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
-                               const std::string& decomposer) {
+                               const std::string& decomposer, const DatabaseSettings& kept) {
   const Result<ExperienceSpace> space = make_space(robot, decomposer);
   if (!space) return tl::unexpected(space.error());
-  Result<Database> database = Database::open(url, *space, mode);
+  Result<Database> database = Database::open(url, *space, mode, kept);
   const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
   if (!is_other || !decomposer.empty()) return database;
   // Of the same robot and another decomposer, which nobody asked not to use.
   const Result<Database> found = Database::inspect(url);
   if (!found || found->space().robot_hash != robot.hash()) return database;
   const auto own = decomposer_of_version(found->space().decomposer);
-  return own ? open_database(url, robot, mode, *own) : std::move(database);
+  return own ? open_database(url, robot, mode, *own, kept) : std::move(database);
 }
 
 std::string decomposer_of_paths(const Robot& robot) { return robot.is_planar() ? "" : "paths"; }
 
 Result<Database> open_memory(const std::string& url, const Robot& robot,
-                             const SolveSettings& settings) {
+                             const SolveSettings& settings, const DatabaseSettings& kept) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
   std::string decomposer = settings.decompose.decomposer;
@@ -90,7 +91,7 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   if (decomposer.empty() && only_remembers && !Database::inspect(url)) {
     decomposer = decomposer_of_paths(robot);
   }
-  return open_database(url, robot, mode, decomposer).map_error([&](Error error) {
+  return open_database(url, robot, mode, decomposer, kept).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
       error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";
@@ -99,6 +100,21 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   });
 }
 
-Result<Database> inspect_database(const std::string& url) { return Database::inspect(url); }
+Result<Database> inspect_database(const std::string& url, const DatabaseSettings& kept) {
+  return Database::inspect(url, kept);
+}
+
+void add_database_memory(CLI::App& command, DatabaseSettings& kept) {
+  constexpr int kMebibyte = 20;
+  const auto read = [&kept](const std::string& text) {
+    kept.memory_bytes = parse_in_range<std::int64_t>("--db-memory", text, 0, 1'000'000)
+                        << kMebibyte;
+  };
+  add_text(command, "--db-memory", read,
+           fmt::format("MiB of the database's rows in memory; a larger one is read as rows match "
+                       "(default {}; 0 to 1000000)",
+                       kept.memory_bytes >> kMebibyte))
+      ->type_name("N");
+}
 
 }  // namespace mneme::app

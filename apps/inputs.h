@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
@@ -39,15 +41,20 @@ struct Workspace {
 /// Opens the database at `url` for the experience of `robot`. An empty `decomposer` is that of the
 /// database, or the robot's own if it is a new one.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
-                                             OpenMode mode, const std::string& decomposer = "");
+                                             OpenMode mode, const std::string& decomposer = "",
+                                             const DatabaseSettings& kept = {});
 /// What solved problems teach a robot most as: whole paths for arms in space, otherwise, empty, the
 /// robot's own.
 [[nodiscard]] std::string decomposer_of_paths(const Robot& robot);
 /// Opens it for planning: for writing only if planning may add to it. A new one that only remembers
 /// solved problems is of decomposer_of_paths().
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
-                                           const SolveSettings& settings);
+                                           const SolveSettings& settings,
+                                           const DatabaseSettings& kept = {});
 /// Opens the database at `url` to look at it.
-[[nodiscard]] Result<Database> inspect_database(const std::string& url);
+[[nodiscard]] Result<Database> inspect_database(const std::string& url,
+                                                const DatabaseSettings& kept = {});
+/// The flag for what of a database is kept in memory.
+void add_database_memory(CLI::App& command, DatabaseSettings& kept);
 
 }  // namespace mneme::app

@@ -29,14 +29,16 @@ OpenMode parse_mode(const std::string& mode) {
 }
 
 Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot,
-            const std::string& mode, const std::string& decomposer) {
+            const std::string& mode, const std::string& decomposer, std::int64_t memory_mib) {
   const OpenMode open_mode = parse_mode(mode);
   if (!robot && open_mode != OpenMode::read_only) {
     raise_invalid("robot: expected one, unless the mode is 'read_only'");
   }
+  if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
+  const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
-  if (!robot) return Memory(unwrap(app::inspect_database(path.string())));
-  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer)));
+  if (!robot) return Memory(unwrap(app::inspect_database(path.string(), kept)));
+  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer, kept)));
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {
@@ -118,10 +120,12 @@ void bind_experience(py::module_& module) {
                      "An append-only store of local samplers. Safe to use from several threads.")
       .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
                   py::arg("mode") = "read_only", py::arg("decomposer") = "",
+                  py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
                   "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
                   "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
                   "decomposer: one of decomposer_names(); default that of the database, or the\n"
-                  "robot's own.")
+                  "robot's own.\n"
+                  "memory_mib: a larger database is not in memory; rows are read as they match.")
       .def_static("verify", &verify, py::arg("path"),
                   "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")
       .def(

@@ -161,7 +161,12 @@ def similarity_error(a: npt.ArrayLike, b: npt.ArrayLike) -> float: ...
 class Database:
     @staticmethod
     def open(
-        path: PathLike, robot: Optional[Robot] = None, *, mode: str = "read_only", decomposer: str = ""
+        path: PathLike,
+        robot: Optional[Robot] = None,
+        *,
+        mode: str = "read_only",
+        decomposer: str = "",
+        memory_mib: int = 256,
     ) -> Database: ...
     @staticmethod
     def verify(path: PathLike) -> list[tuple[int, str]]: ...

@@ -50,6 +50,16 @@ def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
     assert mneme.similarity_error(primitive.key, primitive.key) == 0
 
 
+def test_a_database_that_may_not_be_in_memory_finds_the_same(robot, problem, learned, tmp_path):
+    (primitive,) = mneme.decompose(robot, problem.scene)
+    with mneme.Database.open(tmp_path / "memory.db", robot, memory_mib=0) as partial:
+        (match,) = partial.find(primitive)
+        np.testing.assert_array_equal(match["means"], learned[0]["means"])
+    for wrong in (-1, 10**7):
+        with pytest.raises(mneme.Error, match="memory_mib"):
+            mneme.Database.open(tmp_path / "memory.db", robot, memory_mib=wrong)
+
+
 def test_a_plan_says_what_it_taught(robot, problem, tmp_path):
     path = tmp_path / "paths.db"
     with mneme.Database.open(path, robot, mode="create", decomposer="paths") as database:

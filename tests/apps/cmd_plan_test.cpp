@@ -80,6 +80,21 @@ TEST_SUITE("flow") {
     CHECK(first["path"] == second["path"]);
   }
 
+  TEST_CASE("a database that may not be in memory gives the same path") {
+    const PlanarFiles files;
+    const std::vector<std::string> arguments = {"plan", files.problem(), "--db", files.database(),
+                                                "--json"};
+    const ProgramRun whole = run_program(arguments);
+    CHECK_FALSE(std::filesystem::exists(files.database() + ".index"));
+    std::vector<std::string> small = arguments;
+    small.insert(small.end(), {"--db-memory", "0"});
+    const ProgramRun partial = run_program(small);
+    REQUIRE_MESSAGE(partial.exit_code == 0, partial.err);
+    CHECK(std::filesystem::exists(files.database() + ".index"));
+    CHECK(Json::parse(partial.out)["path"] == Json::parse(whole.out)["path"]);
+    CHECK(Json::parse(partial.out)["components"] == Json::parse(whole.out)["components"]);
+  }
+
   TEST_CASE("every planner and sampler of the help can be chosen") {
     const PlanarFiles files;
     for (const PlannerEntry& planner : planners()) {
@@ -189,6 +204,7 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--isa", "mmx"}, 2, {"--isa", "mmx"}},
         {{"plan", problem, "--learn-budget", "1"}, 2, {"--learn-budget", "--db"}},
         {{"plan", problem, "--timeout"}, 2, {"--timeout"}},
+        {{"plan", problem, "--db-memory", "-1"}, 2, {"--db-memory", "'-1'", "0 to 1000000"}},
     });
   }
 
