@@ -10,7 +10,6 @@
 #include "mneme/covering.h"
 
 #include "console.h"
-#include "options.h"
 
 namespace mneme::app {
 
@@ -102,19 +101,6 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
 
 Result<Database> inspect_database(const std::string& url, const DatabaseSettings& kept) {
   return Database::inspect(url, kept);
-}
-
-void add_database_memory(CLI::App& command, DatabaseSettings& kept) {
-  constexpr int kMebibyte = 20;
-  const auto read = [&kept](const std::string& text) {
-    kept.memory_bytes = parse_in_range<std::int64_t>("--db-memory", text, 0, 1'000'000)
-                        << kMebibyte;
-  };
-  add_text(command, "--db-memory", read,
-           fmt::format("MiB of the database's rows in memory; a larger one is read as rows match "
-                       "(default {}; 0 to 1000000)",
-                       kept.memory_bytes >> kMebibyte))
-      ->type_name("N");
 }
 
 }  // namespace mneme::app

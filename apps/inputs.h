@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
@@ -54,7 +52,5 @@ struct Workspace {
 /// Opens the database at `url` to look at it.
 [[nodiscard]] Result<Database> inspect_database(const std::string& url,
                                                 const DatabaseSettings& kept = {});
-/// The flag for what of a database is kept in memory.
-void add_database_memory(CLI::App& command, DatabaseSettings& kept);
 
 }  // namespace mneme::app

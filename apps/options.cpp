@@ -132,6 +132,19 @@ void add_robot_flags(CLI::App& app, RobotOptions& options) {
       ->type_name("DIR");
 }
 
+void add_database_memory(CLI::App& app, DatabaseSettings& settings) {
+  constexpr int kMebibyte = 20;  // as a power of two
+  const auto read = [&settings](const std::string& text) {
+    settings.memory_bytes = parse_in_range<std::int64_t>("--db-memory", text, 0, 1'000'000)
+                            << kMebibyte;
+  };
+  add_text(app, "--db-memory", read,
+           fmt::format("MiB of the database's rows in memory; of a larger one rows are read when "
+                       "they match (default {}; 0 to 1000000)",
+                       settings.memory_bytes >> kMebibyte))
+      ->type_name("N");
+}
+
 void add_json(CLI::App& app, bool& is_json) {
   app.add_flag("--json", is_json, "print the result as JSON");
 }

@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "mneme/experience.h"
 #include "mneme/primitive.h"
 #include "mneme/robot.h"
 
@@ -127,6 +128,8 @@ void add_decompose_settings(CLI::App& app, DecomposeSettings& settings);
 void add_isa(CLI::App& app);
 /// The flags --srdf, --group and --package-path.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
+/// The flag --db-memory.
+void add_database_memory(CLI::App& app, DatabaseSettings& settings);
 /// The flag --json.
 void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.
