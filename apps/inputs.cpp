@@ -73,9 +73,10 @@ Result<Database> open_database(const std::string& url, const Robot& robot, OpenM
   const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
   if (!is_other || !decomposer.empty()) return database;
   // Of the same robot and another decomposer, which nobody asked not to use.
-  const Result<Database> found = Database::inspect(url);
-  if (!found || found->space().robot_hash != robot.hash()) return database;
-  const auto own = decomposer_of_version(found->space().decomposer);
+  const Result<ExperienceSpace> found =
+      Database::inspect(url, kept).map([](const Database& any) { return any.space(); });
+  if (!found || found->robot_hash != robot.hash()) return database;
+  const auto own = decomposer_of_version(found->decomposer);
   return own ? open_database(url, robot, mode, *own, kept) : std::move(database);
 }
 
@@ -87,7 +88,7 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
   std::string decomposer = settings.decompose.decomposer;
   const bool only_remembers = settings.remember_after >= 0 && settings.learn_budget_s == 0;
-  if (decomposer.empty() && only_remembers && !Database::inspect(url)) {
+  if (decomposer.empty() && only_remembers && !Database::inspect(url, kept)) {
     decomposer = decomposer_of_paths(robot);
   }
   return open_database(url, robot, mode, decomposer, kept).map_error([&](Error error) {

@@ -63,6 +63,7 @@ class CollisionChecker {
   [[nodiscard]] const Robot& robot() const;
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] double resolution() const;
+  /// Metres, rounded to single precision.
   [[nodiscard]] double margin() const;
   [[nodiscard]] Isa isa() const;
 

@@ -55,6 +55,7 @@ def test_a_database_that_may_not_be_in_memory_finds_the_same(robot, problem, lea
     with mneme.Database.open(tmp_path / "memory.db", robot, memory_mib=0) as partial:
         (match,) = partial.find(primitive)
         np.testing.assert_array_equal(match["means"], learned[0]["means"])
+    assert (tmp_path / "memory.db.index").exists()
     for wrong in (-1, 10**7):
         with pytest.raises(mneme.Error, match="memory_mib"):
             mneme.Database.open(tmp_path / "memory.db", robot, memory_mib=wrong)

@@ -6,6 +6,7 @@
 
 #include "mneme/ompl.h"
 #include "ompl/joint_values.h"
+#include "ompl/verified_motion_validity.h"
 #include "ompl/work.h"
 #include "robot/joint_space.h"
 
@@ -17,13 +18,15 @@ namespace ob = ::ompl::base;
 class MotionValidity final : public ob::MotionValidator {
  public:
   MotionValidity(const ob::SpaceInformationPtr& information, const CollisionChecker& checker,
-                 std::shared_ptr<WorkCounters> counters, const MotionDetail& detail)
+                 std::shared_ptr<WorkCounters> counters, const MotionDetail& detail,
+                 const internal::MotionVerifier* verifier = nullptr)
       : MotionValidator(information),
         checker_(checker),
         space_(checker.robot()),
         values_(information->getStateSpace().get()),
         counters_(std::move(counters)),
-        detail_(detail) {}
+        detail_(detail),
+        verifier_(verifier) {}
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     const bool is_valid = is_motion_valid(from, to);
@@ -52,7 +55,9 @@ class MotionValidity final : public ob::MotionValidator {
     values_.read(from, a);
     values_.read(to, b);
     CheckCounters work;
-    const bool is_valid = si_->satisfiesBounds(to) && checker_.is_motion_valid(a, b, work, detail_);
+    const bool is_valid = si_->satisfiesBounds(to) &&
+                          checker_.is_motion_valid(a, b, work, detail_) &&
+                          (verifier_ == nullptr || verifier_->is_free(a, b, true, work));
     count_motion(counters_, work.states);
     return is_valid;
   }
@@ -93,6 +98,7 @@ class MotionValidity final : public ob::MotionValidator {
   JointValues values_;
   std::shared_ptr<WorkCounters> counters_;
   MotionDetail detail_;
+  const internal::MotionVerifier* verifier_;  ///< null if none
 };
 
 }  // namespace
@@ -102,6 +108,14 @@ ob::MotionValidatorPtr make_motion_validity(const ob::SpaceInformationPtr& infor
                                             std::shared_ptr<WorkCounters> counters,
                                             const MotionDetail& detail) {
   return std::make_shared<MotionValidity>(information, checker, std::move(counters), detail);
+}
+
+ob::MotionValidatorPtr make_verified_motion_validity(const ob::SpaceInformationPtr& information,
+                                                     const CollisionChecker& checker,
+                                                     std::shared_ptr<WorkCounters> counters,
+                                                     const internal::MotionVerifier& verifier) {
+  return std::make_shared<MotionValidity>(information, checker, std::move(counters), MotionDetail(),
+                                          &verifier);
 }
 
 std::shared_ptr<ob::SpaceInformation> make_space_information(

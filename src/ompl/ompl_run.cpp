@@ -8,6 +8,7 @@
 
 #include "ompl/count_samples.h"
 #include "ompl/experience.h"
+#include "ompl/verified_motion_validity.h"
 #include "planning/shortcut.h"
 
 namespace mneme::ompl {
@@ -35,7 +36,8 @@ OmplRun::OmplRun(const Problem& problem, const CollisionChecker& checker,
       settings_(settings),
       ompl_(ompl),
       planner_(planner),
-      verifier_(checker, settings.plan.continuous ? Verification::motions : Verification::states,
+      // What simplification makes is verified in any case.
+      verifier_(checker, std::max(settings.plan.verification(), Verification::states),
                 [this] { return is_over(); }) {
   set_up_information(allocator);
   define_problem();
@@ -122,7 +124,7 @@ Result<PlanResult> OmplRun::plan(double spent_s) {
     planner->clear();
     definition_->clearSolutionPaths();
     information_->setMotionValidator(
-        make_motion_validity(information_, checker_, counters_, {kVerificationRefinement, 0}));
+        make_verified_motion_validity(information_, checker_, counters_, verifier_));
     information_->setup();
   }
   if (result_.is_solved() && settings_.plan.simplify) simplify();

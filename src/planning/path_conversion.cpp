@@ -4,7 +4,7 @@
 
 namespace mneme::internal {
 
-std::vector<float> to_floats(const Configuration& q) {
+std::vector<float> to_floats(std::span<const double> q) {
   std::vector<float> result;
   result.reserve(q.size());
   for (const double value : q) result.push_back(static_cast<float>(value));

@@ -4,13 +4,14 @@
 /// Between the planners' single precision and the public double precision.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "mneme/planning.h"
 
 namespace mneme::internal {
 
-[[nodiscard]] std::vector<float> to_floats(const Configuration& q);
+[[nodiscard]] std::vector<float> to_floats(std::span<const double> q);
 /// Within the limits, which floats may miss by rounding.
 [[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 

@@ -125,7 +125,16 @@ int PlannerRun::find_direct_goal() {
 }
 
 int PlannerRun::find_invalid_motion(const FloatPath& path) {
-  return find_invalid_motion(to_path(checker_.robot(), path));
+  const auto goal = std::find(goals_.begin(), goals_.end(), path.back()) - goals_.begin();
+  return find_invalid_motion(to_query_path(path, static_cast<std::size_t>(goal)));
+}
+
+Path PlannerRun::to_query_path(const FloatPath& path, std::size_t goal) const {
+  const Robot& robot = checker_.robot();
+  Path result = to_path(robot, path);
+  result.front() = robot.normalized(query_.start);
+  if (goal < goals_.size()) result.back() = robot.normalized(query_.goals[goal]);
+  return result;
 }
 
 int PlannerRun::find_invalid_motion(const Path& path) {
@@ -145,13 +154,9 @@ const MotionVerifier& PlannerRun::verifier() {
 }
 
 PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
-  const Robot& robot = checker_.robot();
   result_.status = PlanStatus::solved;
   result_.message.clear();
-  result_.path = to_path(robot, path);
-  // The ends are the query's own, not rounded to float.
-  result_.path.front() = robot.normalized(query_.start);
-  result_.path.back() = robot.normalized(query_.goals[static_cast<std::size_t>(goal)]);
+  result_.path = to_query_path(path, static_cast<std::size_t>(goal));
   if (settings_.simplify) simplify();
   return take_result(node_count);
 }

@@ -27,6 +27,8 @@ class PlannerRun {
   /// Validates start and goals; check is_ready() before planning.
   PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
              const PlanSettings& settings);
+  PlannerRun(const PlannerRun&) = delete;
+  PlannerRun& operator=(const PlannerRun&) = delete;
 
   [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] const JointSpace& space() const { return space_; }
@@ -90,6 +92,8 @@ class PlannerRun {
   [[nodiscard]] bool is_time_up() const;
   [[nodiscard]] bool is_full() const;
   [[nodiscard]] int find_invalid_motion(const Path& path);
+  /// With the query's own start and goal at its ends, not rounded to single precision.
+  [[nodiscard]] Path to_query_path(const FloatPath& path, std::size_t goal) const;
   /// Made when it is first wanted.
   [[nodiscard]] const MotionVerifier& verifier();
   void simplify();

@@ -7,71 +7,69 @@
 #include <limits>
 #include <numeric>
 
+#include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
 
-/// How far the shapes of `link` can be from the axis of each joint that carries it; 0 for others.
-/// A sliding joint carries them as far as it moves itself.
-std::vector<double> reaches_of(const Robot& robot, std::size_t link,
-                               std::span<const Capsule> shapes) {
-  std::vector<double> reaches(robot.joints().size(), 0.0);
-  double distance = 0;
-  for (const Capsule& shape : shapes) {
-    distance = std::max(distance, std::max(shape.a.norm(), shape.b.norm()) + shape.radius);
+/// Between two looks at the clock; about as much work as a state of an ordinary scene.
+constexpr std::size_t kPairsPerStop = 1000;
+
+using JointValues = std::vector<double>;
+
+double reach_of(std::span<const Capsule> capsules) {
+  double reach = 0;
+  for (const Capsule& shape : capsules) {
+    reach = std::max(reach, std::max(shape.a.norm(), shape.b.norm()) + shape.radius);
   }
-  for (int i = robot.links()[link].parent_joint; i >= 0;) {
-    const auto index = static_cast<std::size_t>(i);
-    const Joint& joint = robot.joints()[index];
-    const bool slides = joint.type == JointType::prismatic;
-    reaches[index] = slides ? 1 : distance;
-    if (slides) distance += std::max(std::abs(joint.lower), std::abs(joint.upper));
-    distance += joint.origin.translation.norm();
-    i = robot.links()[static_cast<std::size_t>(joint.parent_link)].parent_joint;
+  return reach;
+}
+
+/// Metres by which each joint can move a point of `link` while the joints go from one set of values
+/// to the other. A turning joint moves it along an arc about its axis, which is no farther from it
+/// than the links and slides between them are long.
+std::vector<double> ways_of(const Robot& robot, std::size_t link, double reach,
+                            const JointValues& from, const JointValues& to) {
+  std::vector<double> ways(robot.joints().size(), 0.0);
+  for (int joint = robot.links()[link].parent_joint; joint >= 0;) {
+    const auto i = static_cast<std::size_t>(joint);
+    const bool slides = robot.joints()[i].type == JointType::prismatic;
+    ways[i] = std::abs(to[i] - from[i]) * (slides ? 1 : reach);
+    if (slides) reach += std::max(std::abs(from[i]), std::abs(to[i]));
+    reach += robot.joints()[i].origin.translation.norm();
+    joint = robot.links()[static_cast<std::size_t>(robot.joints()[i].parent_link)].parent_joint;
   }
-  return reaches;
+  return ways;
 }
 
 /// Joints that carry both links do not change where one is seen from the other.
-std::vector<double> apart(std::vector<double> a, const std::vector<double>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] > 0 && b[i] > 0 ? 0 : a[i] + b[i];
-  return a;
-}
-
-/// How far each joint turns, those that follow others too.
-std::vector<double> turns_of(const Robot& robot, std::span<const double> delta) {
-  std::vector<double> turns(robot.joints().size(), 0.0);
-  for (std::size_t i = 0; i < delta.size(); ++i) {
-    turns[static_cast<std::size_t>(robot.group()[i])] = std::abs(delta[i]);
+double approach_of(const std::vector<double>& first, const std::vector<double>& second) {
+  double sum = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i] == 0 || second[i] == 0) sum += first[i] + second[i];
   }
-  for (std::size_t i = 0; i < turns.size(); ++i) {
-    const auto& mimic = robot.joints()[i].mimic;
-    if (!mimic) continue;
-    turns[i] = std::abs(mimic->multiplier) * turns[static_cast<std::size_t>(mimic->joint)];
-  }
-  return turns;
+  return sum;
 }
 
 }  // namespace
 
 Sweep::Sweep(const Robot& robot, const Scene& scene, double margin)
     : robot_(robot), margin_(margin) {
-  for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    std::vector<Capsule> capsules = shapes_of(robot.links()[i]);
+  for (const Link& link : robot.links()) {
+    std::vector<Capsule> capsules = shapes_of(link);
     const Sphere bound = bound_of(capsules);
-    reaches_.push_back(reaches_of(robot, i, capsules));
-    links_.push_back({std::move(capsules), bound});
+    const double reach = reach_of(capsules);
+    links_.push_back({std::move(capsules), bound, reach});
   }
+  const int links = static_cast<int>(links_.size());
   for (const auto& [first, second] : robot.self_pairs()) {
-    const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
-    pairs_.push_back({a, b, nullptr, reaches_.size()});
-    reaches_.push_back(apart(reaches_[a], reaches_[b]));
+    pairs_.push_back({first, second, links + static_cast<int>(pairs_.size()), nullptr});
   }
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (links_[i].capsules.empty()) continue;
+  for (int link = 0; link < links; ++link) {
+    if (links_[static_cast<std::size_t>(link)].capsules.empty()) continue;
     for (const Obstacle& obstacle : scene.obstacles) {
-      for (const Shape& shape : obstacle.shapes) pairs_.push_back({i, i, &shape, i});
+      for (const Shape& shape : obstacle.shapes) pairs_.push_back({link, link, link, &shape});
     }
   }
 }
@@ -106,10 +104,12 @@ double Sweep::clearance(const LinkShapes& first, const Transform& X_WF, const Li
 }
 
 double Sweep::clearance(const Pair& pair, std::span<const Transform> poses, double enough) const {
-  const LinkShapes& link = links_[pair.link];
-  const Transform& X_WL = poses[pair.link];
-  if (pair.shape != nullptr) return clearance(link, X_WL, *pair.shape, enough + margin_) - margin_;
-  return clearance(link, X_WL, links_[pair.other_link], poses[pair.other_link], enough);
+  const auto first = static_cast<std::size_t>(pair.link);
+  const auto second = static_cast<std::size_t>(pair.other_link);
+  if (pair.shape != nullptr) {
+    return clearance(links_[first], poses[first], *pair.shape, enough + margin_) - margin_;
+  }
+  return clearance(links_[first], poses[first], links_[second], poses[second], enough);
 }
 
 /// One motion while it is halved.
@@ -121,32 +121,41 @@ class Sweep::Motion {
         from_(from),
         delta_(sweep.robot_.difference(from, to)),
         must_stop_(must_stop) {
-    const std::vector<double> turns = turns_of(sweep.robot_, delta_);
-    std::vector<double> speeds;
-    for (const std::vector<double>& reaches : sweep.reaches_) {
-      speeds.push_back(std::inner_product(turns.begin(), turns.end(), reaches.begin(), 0.0));
+    const Robot& robot = sweep.robot_;
+    const JointValues begin = joint_values(robot.joints(), robot.group(), from);
+    const JointValues end = joint_values(robot.joints(), robot.group(), at(1));
+    std::vector<std::vector<double>> ways;
+    for (std::size_t i = 0; i < sweep.links_.size(); ++i) {
+      ways.push_back(ways_of(robot, i, sweep.links_[i].reach, begin, end));
+      speeds_.push_back(std::accumulate(ways[i].begin(), ways[i].end(), 0.0));
     }
-    for (const Pair& pair : sweep.pairs_) {
-      if (speeds[pair.reaches] > 0) pairs_.push_back({&pair, speeds[pair.reaches]});
+    for (const auto& [first, second] : robot.self_pairs()) {
+      speeds_.push_back(approach_of(ways[static_cast<std::size_t>(first)],
+                                    ways[static_cast<std::size_t>(second)]));
     }
   }
 
-  [[nodiscard]] bool is_free() const { return is_part_free(0.5, 0.5, pairs_); }
+  [[nodiscard]] bool is_free() const { return is_part_free(0.5, 0.5, sweep_.pairs_); }
 
  private:
-  /// Whether `pairs` stay apart from `middle` - `half` to `middle` + `half`; 1 is the whole motion.
-  [[nodiscard]] bool is_part_free(double middle, double half,
-                                  const std::vector<MovingPair>& pairs) const {
-    if (must_stop_ && must_stop_()) return false;
+  [[nodiscard]] Configuration at(double fraction) const {
     Configuration q(from_.begin(), from_.end());
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] += middle * delta_[i];
-    const std::vector<Transform> poses = sweep_.robot_.link_poses(q);
-    std::vector<MovingPair> undecided;
-    for (const MovingPair& moving : pairs) {
-      const double approach = half * moving.speed;
-      const double clearance = sweep_.clearance(*moving.pair, poses, approach);
-      if (clearance < -kTolerance) return false;
-      if (clearance <= approach && approach > kTolerance) undecided.push_back(moving);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta_[i];
+    return q;
+  }
+
+  /// Whether `pairs` stay apart from `middle` - `half` to `middle` + `half`; 1 is the whole motion.
+  [[nodiscard]] bool is_part_free(double middle, double half, std::span<const Pair> pairs) const {
+    const std::vector<Transform> poses = sweep_.robot_.link_poses(at(middle));
+    std::vector<Pair> undecided;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (i % kPairsPerStop == 0 && must_stop_ && must_stop_()) return false;
+      const double approach = half * speeds_[static_cast<std::size_t>(pairs[i].speed)];
+      if (approach == 0) continue;
+      const double clearance = sweep_.clearance(pairs[i], poses, approach);
+      // Half for what the middle may overlap, half for what is left of the way.
+      if (clearance < -0.5 * kTolerance) return false;
+      if (clearance <= approach && approach > 0.5 * kTolerance) undecided.push_back(pairs[i]);
     }
     return undecided.empty() || (is_part_free(middle - 0.5 * half, 0.5 * half, undecided) &&
                                  is_part_free(middle + 0.5 * half, 0.5 * half, undecided));
@@ -156,7 +165,7 @@ class Sweep::Motion {
   std::span<const double> from_;
   Configuration delta_;
   const std::function<bool()>& must_stop_;
-  std::vector<MovingPair> pairs_;
+  std::vector<double> speeds_;  ///< metres over the whole motion: of links, then of pairs of links
 };
 
 bool Sweep::is_free(std::span<const double> from, std::span<const double> to,

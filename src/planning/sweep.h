@@ -21,8 +21,9 @@ class Sweep {
   /// Refers to its arguments. `margin`: metres to obstacles that count as contact.
   Sweep(const Robot& robot, const Scene& scene, double margin = 0);
 
-  /// True if nothing touches along the straight motion, ends included, by more than kTolerance.
-  /// False, too, once `must_stop`, which may be empty, says so; it is asked at each state.
+  /// True if nothing touches along the straight motion, ends included, by more than kTolerance;
+  /// links that do not move are not looked at. False, too, once `must_stop`, which may be empty,
+  /// says so; it is asked at each state, in large scenes more often.
   [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to,
                              const std::function<bool()>& must_stop = {}) const;
 
@@ -31,18 +32,15 @@ class Sweep {
  private:
   struct LinkShapes {
     std::vector<Capsule> capsules;
-    Sphere bound;  ///< holds them all
+    Sphere bound;      ///< holds them all
+    double reach = 0;  ///< metres from the link's origin to their farthest point
   };
   /// A link and an obstacle's shape, or two links.
   struct Pair {
-    std::size_t link = 0;
-    std::size_t other_link = 0;
+    int link = 0;
+    int other_link = 0;
+    int speed = 0;                 ///< index into Motion::speeds_
     const Shape* shape = nullptr;  ///< null for two links
-    std::size_t reaches = 0;       ///< index into reaches_
-  };
-  struct MovingPair {
-    const Pair* pair = nullptr;
-    double speed = 0;  ///< most metres that the two approach over the whole motion
   };
   class Motion;
 
@@ -59,8 +57,7 @@ class Sweep {
   const Robot& robot_;
   double margin_;
   std::vector<LinkShapes> links_;
-  std::vector<std::vector<double>> reaches_;  ///< metres per radian of each joint
-  std::vector<Pair> pairs_;
+  std::vector<Pair> pairs_;  ///< those of two links first
 };
 
 }  // namespace mneme::internal

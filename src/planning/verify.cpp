@@ -2,12 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/verify.h"
 
+#include <cmath>
+#include <numbers>
 #include <utility>
+#include <vector>
 
 #include "planning/path_conversion.h"
 
 namespace mneme {
 namespace internal {
+namespace {
+
+constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision loses
+
+}  // namespace
 
 MotionVerifier::MotionVerifier(const CollisionChecker& checker, Verification verification,
                                std::function<bool()> must_stop)
@@ -21,26 +29,42 @@ MotionVerifier::MotionVerifier(const CollisionChecker& checker, Verification ver
 
 bool MotionVerifier::is_free(std::span<const float> from, std::span<const float> to, bool is_at_end,
                              CheckCounters& counters) const {
-  const auto has_margin = [&](std::span<const float> q) {
+  return is_free(Configuration(from.begin(), from.end()), Configuration(to.begin(), to.end()),
+                 is_at_end, counters);
+}
+
+bool MotionVerifier::is_free(std::span<const double> from, std::span<const double> to,
+                             bool is_at_end, CheckCounters& counters) const {
+  return has_one_way(from, to) && are_states_free(from, to, is_at_end, counters) &&
+         (!sweep_ || sweep_->is_free(from, to, must_stop_));
+}
+
+bool MotionVerifier::has_one_way(std::span<const double> from, std::span<const double> to) const {
+  const Robot& robot = checker_.robot();
+  const Configuration delta = robot.difference(from, to);
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const bool is_continuous = robot.group_joint(i).type == JointType::continuous;
+    const double turn = std::abs(delta[static_cast<std::size_t>(i)]);
+    if (is_continuous && turn > std::numbers::pi - kTurnRounding) return false;
+  }
+  return true;
+}
+
+bool MotionVerifier::are_states_free(std::span<const double> from, std::span<const double> to,
+                                     bool is_at_end, CheckCounters& counters) const {
+  const std::vector<float> begin = to_floats(from), end = to_floats(to);
+  const auto has_margin = [&](const std::vector<float>& q) {
     return checker_.is_motion_valid(q, q, counters, {1, kVerificationMargin});
   };
   const double margin =
-      is_at_end && !(has_margin(from) && has_margin(to)) ? 0.0 : kVerificationMargin;
-  if (!checker_.is_motion_valid(from, to, counters, {kVerificationRefinement, margin})) {
-    return false;
-  }
-  const Configuration begin(from.begin(), from.end()), end(to.begin(), to.end());
-  return !sweep_ || sweep_->is_free(begin, end, must_stop_);
+      is_at_end && !(has_margin(begin) && has_margin(end)) ? 0.0 : kVerificationMargin;
+  return checker_.is_motion_valid(begin, end, counters, {kVerificationRefinement, margin});
 }
 
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
-  if (path.size() < 2) return -1;
-  std::vector<float> from = to_floats(path.front());
   for (std::size_t i = 1; i < path.size(); ++i) {
-    std::vector<float> to = to_floats(path[i]);
     const bool is_at_end = i == 1 || i + 1 == path.size();
-    if (!is_free(from, to, is_at_end, counters)) return static_cast<int>(i) - 1;
-    from = std::move(to);
+    if (!is_free(path[i - 1], path[i], is_at_end, counters)) return static_cast<int>(i) - 1;
   }
   return -1;
 }

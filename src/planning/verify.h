@@ -22,13 +22,21 @@ class MotionVerifier {
 
   /// True if the motion passes the verification. `is_at_end`: it touches the start or the goal of
   /// its path, which may lie closer to contact than kVerificationMargin: then it needs no margin.
+  /// A motion that turns a continuous joint by half a turn does not pass: rounding would decide
+  /// which way round whoever follows the path goes.
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end,
                              CheckCounters& counters) const;
 
-  /// The first motion of `path` that is not free, or -1.
+  /// The first motion of `path` that does not pass, or -1.
   [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;
 
  private:
+  [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to,
+                             bool is_at_end, CheckCounters& counters) const;
+  [[nodiscard]] bool has_one_way(std::span<const double> from, std::span<const double> to) const;
+  [[nodiscard]] bool are_states_free(std::span<const double> from, std::span<const double> to,
+                                     bool is_at_end, CheckCounters& counters) const;
+
   const CollisionChecker& checker_;
   std::optional<Sweep> sweep_;
   std::function<bool()> must_stop_;

@@ -23,8 +23,8 @@ Transform joint_motion(const Joint& joint, double value) {
 
 }  // namespace
 
-std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::span<const int> group,
-                                          std::span<const double> q) {
+std::vector<double> joint_values(std::span<const Joint> joints, std::span<const int> group,
+                                 std::span<const double> q) {
   assert(q.size() == group.size());
   std::vector<double> values;
   for (const Joint& joint : joints) values.push_back(joint.fixed_value);
@@ -34,6 +34,12 @@ std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::sp
     if (!mimic) continue;
     values[i] = mimic->multiplier * values[static_cast<std::size_t>(mimic->joint)] + mimic->offset;
   }
+  return values;
+}
+
+std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::span<const int> group,
+                                          std::span<const double> q) {
+  const std::vector<double> values = joint_values(joints, group, q);
   std::vector<Transform> poses(joints.size() + 1);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = joints[i];

@@ -11,8 +11,14 @@
 
 namespace mneme::internal {
 
-/// Poses of all links in the root link's frame. `group[i]` takes the value `q[i]`; other joints
-/// follow or stand at their fixed values. Links and joints are in tree order.
+/// Values of all joints: `group[i]` takes the value `q[i]`; other joints follow or stand at their
+/// fixed values.
+[[nodiscard]] std::vector<double> joint_values(std::span<const Joint> joints,
+                                               std::span<const int> group,
+                                               std::span<const double> q);
+
+/// Poses of all links in the root link's frame, with the joints at joint_values(). Links and
+/// joints are in tree order.
 [[nodiscard]] std::vector<Transform> forward_kinematics(std::span<const Joint> joints,
                                                         std::span<const int> group,
                                                         std::span<const double> q);

@@ -8,7 +8,7 @@ namespace mneme::test {
 
 TEST_SUITE("unit") {
   TEST_CASE("values are rounded to the nearest float and widened without change") {
-    const std::vector<float> floats = internal::to_floats({0.1, -1.5, 0});
+    const std::vector<float> floats = internal::to_floats(Configuration{0.1, -1.5, 0});
     CHECK(floats == std::vector<float>{0.1f, -1.5f, 0.0f});
     CHECK(internal::to_floats({}).empty());
     const Path path = internal::to_path(gantry(), {floats, {1, 2, -2}});

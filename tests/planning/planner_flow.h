@@ -376,31 +376,38 @@ inline std::vector<Configuration> dense(const Robot& robot, const Path& path, do
   return result;
 }
 
-/// Two posts just where an arm that swings from start to goal is not looked at: only bounds on its
-/// motion keep it from passing through them.
 inline void check_continuous_verification(Planner plan) {
-  const PlanQuery query{{0, 0.3, 0.2, 0}, {{2.75, 0.3, 0.2, 0}}};
-  Scene posts;
-  for (const double angle : {7.5 * 2.75 / 16, 12.5 * 2.75 / 16}) {
-    const Vec3 foot(0.85 * std::cos(angle), 0.85 * std::sin(angle), -1);
-    posts.obstacles.push_back(make_box("post", foot, foot + Vec3(0.001, 0.001, 2)));
-  }
-  CheckerSettings coarse;
-  coarse.resolution = 4;
-  const CollisionChecker checker = make_checker(spatial_arm(), posts, coarse);
+  const CollisionChecker checker = make_checker(posts_between_states(), coarse_states());
   const auto sampler = make_uniform_sampler(checker.robot());
   for (const bool is_continuous : {false, true}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       INFO("seed ", seed, ", continuous ", is_continuous);
       PlanSettings settings = patient_settings(seed);
       settings.continuous = is_continuous;
-      const PlanResult result = plan(checker, query, *sampler, settings);
+      const PlanResult result = plan(checker, posts_between_states().query, *sampler, settings);
       REQUIRE(result.is_solved());
       bool is_free = true;
       for (const Configuration& q : dense(checker.robot(), result.path, 1e-3)) {
         is_free = is_free && checker.is_valid(q);
       }
       CHECK(is_free == is_continuous);
+    }
+  }
+}
+
+/// From one side to just the other: two ways of the same length lead there, of which one is
+/// blocked.
+inline void check_half_turns(Planner plan) {
+  for (const double side : {-1.0, 1.0}) {
+    const World world{"half a turn",
+                      planar_arm({1, 1}),
+                      make_circle_scene("", {{0, 1.5 * side, 0.2}}),
+                      {{0, 0.2}, {{kPi, 0.2}}}};
+    const CollisionChecker checker = make_checker(world);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const PlanResult result = run(plan, world, patient_settings(seed));
+      check_solution(world, checker, result);
+      CHECK(result.path.size() > 2);
     }
   }
 }

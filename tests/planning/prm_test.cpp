@@ -36,6 +36,7 @@ TEST_SUITE("flow") {
   TEST_CASE("prm returns no path that verification would refuse") {
     check_verification_catches_tunnelling(prm);
   }
+  TEST_CASE("prm turns by half a turn on the side that is free") { check_half_turns(prm); }
   TEST_CASE("prm that verifies continuously returns nothing that touches between states") {
     check_continuous_verification(prm);
   }

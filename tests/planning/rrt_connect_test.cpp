@@ -48,6 +48,9 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt_connect returns no path that verification would refuse") {
     check_verification_catches_tunnelling(rrt_connect);
   }
+  TEST_CASE("rrt_connect turns by half a turn on the side that is free") {
+    check_half_turns(rrt_connect);
+  }
   TEST_CASE("rrt_connect that verifies continuously returns nothing that touches between states") {
     check_continuous_verification(rrt_connect);
   }

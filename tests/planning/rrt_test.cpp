@@ -36,6 +36,7 @@ TEST_SUITE("flow") {
   TEST_CASE("rrt returns no path that verification would refuse") {
     check_verification_catches_tunnelling(rrt);
   }
+  TEST_CASE("rrt turns by half a turn on the side that is free") { check_half_turns(rrt); }
   TEST_CASE("rrt that verifies continuously returns nothing that touches between states") {
     check_continuous_verification(rrt);
   }

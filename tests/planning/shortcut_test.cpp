@@ -104,6 +104,18 @@ TEST_SUITE("unit") {
     }
     CHECK(in_contact == 0);
   }
+  TEST_CASE("shortcuts that are verified as motions touch nothing between states either") {
+    const World world = posts_between_states();
+    const CollisionChecker checker = make_checker(world, coarse_states());
+    const Configuration& start = world.query.start;
+    const Configuration& goal = world.query.goals.front();
+    const Path round = {start, {-1.2, 0.3, 0.2, 0}, {-2.4, 0.3, 0.2, 0}, goal};
+    CHECK(shortened(checker, round, 1, Verification::states) == Path{start, goal});
+    const Path free = shortened(checker, round, 1, Verification::motions);
+    CheckCounters counters;
+    CHECK(find_invalid_motion(checker, free, counters, Verification::motions) == -1);
+    CHECK(free.size() > 2);
+  }
   TEST_CASE("more attempts cut corners around an obstacle") {
     World world = small_worlds()[13];
     const CollisionChecker checker = make_checker(world);

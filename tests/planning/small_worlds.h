@@ -117,6 +117,23 @@ inline Scene wall_with_hole(double width) {
   return scene;
 }
 
+/// Two posts just where an arm that swings straight from start to goal is not looked at, with
+/// coarse_states(): only bounds on its motion keep it from passing through them.
+inline World posts_between_states() {
+  World world{"posts", spatial_arm(), {}, {{0, 0.3, 0.2, 0}, {{2.75, 0.3, 0.2, 0}}}};
+  for (const double angle : {7.5 * 2.75 / 16, 12.5 * 2.75 / 16}) {
+    const Vec3 foot(0.85 * std::cos(angle), 0.85 * std::sin(angle), -1);
+    world.scene.obstacles.push_back(make_box("post", foot, foot + Vec3(0.001, 0.001, 2)));
+  }
+  return world;
+}
+
+inline CheckerSettings coarse_states() {
+  CheckerSettings coarse;
+  coarse.resolution = 4;
+  return coarse;
+}
+
 /// Three robots of the plane, one of space and one that slides; each in an empty scene, beside one
 /// obstacle, and reaching through a gap.
 inline std::vector<World> small_worlds() {

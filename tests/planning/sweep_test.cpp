@@ -53,7 +53,17 @@ TEST_SUITE("unit") {
     };
     CHECK(is_free(-1e-4));
     CHECK(is_free(0.2 * Sweep::kTolerance));
-    CHECK_FALSE(is_free(3 * Sweep::kTolerance));
+    CHECK_FALSE(is_free(1.5 * Sweep::kTolerance));
+    // An end counts like all else.
+    const auto ends_free = [&](double overlap) {
+      const Scene scene{"", {make_ball("ball", {1, 0, 0}, 0.2)}};
+      const Configuration end = {1 - 0.3 + overlap, 0, 0};
+      return Sweep(gantry(), scene).is_free(Configuration{-1.234, 0, 0}, end);
+    };
+    CHECK(ends_free(0.2 * Sweep::kTolerance));
+    for (double more = 1.01; more < 4; more += 0.1) {
+      CHECK_FALSE(ends_free(more * Sweep::kTolerance));
+    }
   }
 
   TEST_CASE("closer to an obstacle than the margin is contact, to another link it is not") {

@@ -70,6 +70,18 @@ TEST_SUITE("unit") {
     CHECK(first_invalid(0.001, 0.002, Verification::motions) == 0);
   }
 
+  TEST_CASE("half a turn does not pass, because it may go either way round") {
+    const CollisionChecker checker = make_checker(planar_arm({1, 1}), {});
+    for (const double from : {-kPi, -kPi / 2, 0.0, 0.3, kPi / 2}) {
+      INFO("from ", from);
+      const double to = from + (from > 0 ? -kPi : kPi);
+      CHECK(invalid_motion(checker, {{from, 0}, {to, 0}}) == 0);
+      CHECK(invalid_motion(checker, {{to, 0}, {from, 0}}) == 0);
+      CHECK(invalid_motion(checker, {{from, 0}, {from + 1, 0}, {to, 0}}) == -1);
+    }
+    CHECK(invalid_motion(checker, {{0, 0}, {kPi - 1e-3, 0}}) == -1);
+  }
+
   TEST_CASE("a motion in the middle of a path needs the margin") {
     const CollisionChecker checker = make_checker(table());
     const auto path_at = [](double height) {

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/planner_flow.h"
+
+#include "mneme/ompl.h"
+
+namespace mneme::test {
+namespace {
+
+SolveResult solve_or_fail(const World& world, const SolveSettings& settings) {
+  const Problem problem{world.name,        world.robot,       "", world.scene,
+                        world.query.start, world.query.goals, {}};
+  auto result = solve_with_ompl(problem, nullptr, settings, {});
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+  return std::move(*result);
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("what OMPL's planners find is verified between the states if that is asked for") {
+    const World world = posts_between_states();
+    const CollisionChecker checker = make_checker(world, coarse_states());
+    for (const bool is_continuous : {false, true}) {
+      INFO("continuous ", is_continuous);
+      SolveSettings settings;
+      settings.planner = "PRM";
+      settings.sampler = "uniform";
+      settings.resolution = coarse_states().resolution;
+      settings.plan.timeout_s = 60;
+      settings.plan.continuous = is_continuous;
+      bool is_free = true;
+      for (const Configuration& q :
+           dense(world.robot, solve_or_fail(world, settings).plan.path, 1e-3)) {
+        is_free = is_free && checker.is_valid(q);
+      }
+      CHECK(is_free == is_continuous);
+    }
+  }
+
+  TEST_CASE("OMPL's planners turn by half a turn on the side that is free") {
+    for (const double side : {-1.0, 1.0}) {
+      const World world{"half a turn",
+                        planar_arm({1, 1}),
+                        make_circle_scene("", {{0, 1.5 * side, 0.2}}),
+                        {{0, 0.2}, {{kPi, 0.2}}}};
+      for (const char* planner : {"PRM", "RRTConnect"}) {
+        SolveSettings settings;
+        settings.planner = planner;
+        settings.sampler = "uniform";
+        settings.plan.timeout_s = 60;
+        const SolveResult result = solve_or_fail(world, settings);
+        CHECK(is_path_free(make_checker(world), result.plan.path, 0.001));
+      }
+    }
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/random_worlds.h"
+
+#include <fmt/format.h>
+
+#include "planning/sweep.h"
+
+namespace mneme::test {
+namespace {
+
+using internal::Sweep;
+
+/// Metres by which anything overlaps at the worst of `states` states of a motion, exactly.
+double deepest_contact(const CollisionChecker& checker, const Configuration& from,
+                       const Configuration& to, int states) {
+  const Configuration delta = checker.robot().difference(from, to);
+  double deepest = 0;
+  for (int i = 0; i <= states; ++i) {
+    Configuration q = from;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * i / states;
+    for (const Contact& contact : checker.contacts(q)) {
+      deepest = std::max(deepest, -contact.distance);
+    }
+  }
+  return deepest;
+}
+
+Configuration random_configuration_of(const Robot& robot, Rng& rng) {
+  const std::vector<float> row = random_states(robot, 1, rng);
+  return {row.begin(), row.end()};
+}
+
+/// A turning link, and on it a ball on a slide that follows it far beyond the slide's own limits.
+Robot winding_arm(double multiplier, double offset) {
+  return require_parsed(fmt::format(
+      R"(<robot name="winding"><link name="base"/>
+      <link name="drum"/>
+      <link name="ball"><collision><geometry><sphere radius="0.01"/></geometry></collision></link>
+      <joint name="turn" type="revolute"><parent link="base"/><child link="drum"/>
+        <axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+      <joint name="slide" type="prismatic"><parent link="drum"/><child link="ball"/>
+        <axis xyz="1 0 0"/><limit lower="0" upper="0.01" effort="1" velocity="1"/>
+        <mimic joint="turn" multiplier="{}" offset="{}"/></joint></robot>)",
+      multiplier, offset));
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a slide that follows another joint counts by how far it goes, not by its limits") {
+    for (const auto& [multiplier, offset] : {std::pair{0.5, 0.0}, std::pair{0.0, 0.95}}) {
+      const Robot robot = winding_arm(multiplier, offset);
+      const double angle = 1.9, away = multiplier * angle + offset;
+      const Vec3 where(away * std::cos(angle), away * std::sin(angle), 0);
+      const Scene scene{"", {{"pea", {Sphere{where, 0.005}}}}};
+      CHECK_FALSE(Sweep(robot, scene).is_free(Configuration{0}, Configuration{2}));
+      CHECK(Sweep(robot, scene).is_free(Configuration{0}, Configuration{1.8}));
+    }
+  }
+
+  TEST_CASE("huge limits of a slide cost nothing where it does not go") {
+    Robot::Parts parts;
+    parts.name = "tower";
+    parts.links = {{"base", -1, {}, {}, {}},
+                   {"column", -1, {}, {}, {}},
+                   {"tool", -1, {{Vec3(0.5, 0, 0), 0.05}}, {}, {}}};
+    Joint turn{"turn", JointType::revolute, 0, 1, {}, Vec3::UnitZ(), -3, 3, 0, {}};
+    Joint lift{"lift", JointType::prismatic, 1, 2, {}, Vec3::UnitZ(), -1e6, 1e6, 0, {}};
+    parts.joints = {turn, lift};
+    const auto robot = make_robot(std::move(parts));
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    const Scene scene{"", {{"ball", {Sphere{Vec3(0.5, 0, 0.2), 0.1}}}}};
+    int asked = 0;
+    const auto count = [&] { return ++asked < 0; };
+    CHECK(Sweep(*robot, scene).is_free(Configuration{-1, 0}, Configuration{1, 0}, count));
+    CHECK(asked < 300);
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("whatever the robot, no state of a free sweep is in contact by more than it may be") {
+    constexpr std::uint64_t kSeed = 97;
+    constexpr int kStates = 500;
+    Rng rng(kSeed);
+    int free = 0, blocked = 0, refused = 0;
+    for (int i = 0; i < 1500; ++i) {
+      CAPTURE(i);
+      const Robot robot = random_robot(rng);
+      const Scene scene = random_scene(robot, 4, rng, small_shape);
+      const CollisionChecker checker = require_checker(robot, scene);
+      const Configuration from = random_configuration_of(robot, rng);
+      const Configuration to = random_configuration_of(robot, rng);
+      if (!checker.contacts(from).empty() || !checker.contacts(to).empty()) continue;
+      const double deepest = deepest_contact(checker, from, to, kStates);
+      const bool is_free = Sweep(robot, scene).is_free(from, to);
+      ++(is_free ? free : blocked);
+      if (is_free) CHECK_MESSAGE(deepest <= Sweep::kTolerance, "seed " << kSeed);
+      refused += deepest == 0 && !is_free ? 1 : 0;
+    }
+    MESSAGE(free << " free, " << blocked << " blocked, " << refused << " refused");
+    CHECK(free > 5);
+    CHECK(blocked > 5);
+  }
+}
+
+}  // namespace mneme::test
