@@ -121,7 +121,7 @@ struct OmplSettings {
   /// of the extent, path returned without verification or repair, and not remembered. Planners may
   /// then tunnel through obstacles: check the path (is_path_free). Otherwise tuned: range 0.4 rad,
   /// motions on the kernels at mneme's resolution, paths verified; one that fails is planned again
-  /// within the limits, with motions checked as finely as verification does. A range or resolution
+  /// within the limits, with every motion verified as paths are. A range or resolution
   /// above 0 in the settings counts in both.
   bool as_in_paper = false;
   /// What train_ompl_experience wrote, for Lightning and Thunder; without it they know nothing.

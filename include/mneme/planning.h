@@ -107,7 +107,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "planning goes on");
   visit("continuous", s.continuous, false, true,
         "verification also rules out contact between the states that it checks, by bounds on how "
-        "far each link can move; always so for planar arms, where links are thin");
+        "far each link can move; always so for planar arms, where links are thin; needs verify");
   visit("neighbours", s.neighbours, 1, 1000,
         "prm: connections tried per new milestone; more cost more motion checks");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,

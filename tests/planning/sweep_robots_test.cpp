@@ -98,9 +98,9 @@ TEST_SUITE("oracle") {
       if (is_free) CHECK_MESSAGE(deepest <= Sweep::kTolerance, "seed " << kSeed);
       refused += deepest == 0 && !is_free ? 1 : 0;
     }
-    MESSAGE(free << " free, " << blocked << " blocked, " << refused << " refused");
-    CHECK(free > 5);
-    CHECK(blocked > 5);
+    CHECK(refused <= 3);
+    CHECK(free > 100);
+    CHECK(blocked > 100);
   }
 }
 
