@@ -251,8 +251,8 @@ def test_neither_takes_what_is_wrong(name, path, to, tmp_path):
 def test_a_suite_may_have_every_setting_of_plan():
     help_text = mneme("plan", "--help")
     flags = set(re.findall(r"^  (?:-\w,)?--([a-z-]+)", help_text, re.MULTILINE))
-    others = {"help", "robot", "srdf", "group", "package-path", "start", "goal", "db", "planner", "sampler", "seed",
-              "decomposer", "isa", "view", "svg", "trace", "json"}
+    others = {"help", "robot", "srdf", "group", "package-path", "start", "goal", "db", "db-memory", "planner",
+              "sampler", "seed", "decomposer", "isa", "view", "svg", "trace", "json"}
     assert others <= flags
     definitions = SCHEMAS["suite"]["$defs"]
     assert set(definitions["planning"]["properties"]) | set(definitions["learning"]["properties"]) == flags - others
