@@ -55,9 +55,7 @@ class SharedRun {
     threads.clear();
     leave();
     if (!served) return tl::unexpected(served.error());
-    // A connection that was lost long ago is noticed by the first call, and made again by the next.
-    const auto refreshed =
-        database_.refresh().or_else([&](const Error&) { return database_.refresh(); });
+    const auto refreshed = refresh();
     if (!refreshed) return tl::unexpected(refreshed.error());
     summary_.is_cancelled = is_cancelled(job_);
     summary_.skipped = lesson_count_ - open_count_ - summary_.learned;
@@ -247,6 +245,22 @@ class SharedRun {
     if (!unsaved_.empty()) (void)save();
     if (!held_.empty()) (void)queue_->release(held_);
     open_count_ = queue_->count_open().value_or(open_count_);
+  }
+
+  /// Shows the database what the server has. An error is borne for as long as a lease here too; who
+  /// was cancelled tries twice, because the first call only notices a connection that was lost.
+  Result<void> refresh() {
+    const Stopwatch waited;
+    for (bool is_first = true;; is_first = false) {
+      const auto refreshed = database_.refresh();
+      if (refreshed) return {};
+      const bool is_patient =
+          is_first || (!is_cancelled(job_) && waited.elapsed_s() <= job_.shared->lease_s);
+      if (refreshed.error().code != ErrorCode::io || !is_patient) {
+        return tl::unexpected(refreshed.error());
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
   }
 
   Stopwatch stopwatch_;

@@ -202,6 +202,34 @@ TEST_SUITE("flow") {
     CHECK(exported(url) == learned_alone(robot, keys));
   }
 
+  TEST_CASE("a server that is killed when all is learned is waited for") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const std::string url = server->new_url();
+    const Robot robot = planar8();
+    const auto keys = random_keys(4, 66);
+    LearnJob job = shared_job(url);
+    std::atomic<bool> is_killed = false;
+    job.on_progress = [&](const LearnProgress& latest) {
+      if (latest.done < latest.total || is_killed) return;
+      server->kill_postmaster();
+      while (internal::PostgresConnection::open(url)) {
+      }
+      is_killed = true;
+      is_killed.notify_one();
+    };
+    Result<LearnSummary> summary = LearnSummary();
+    {
+      const std::jthread worker([&] { summary = work(url, robot, keys, job); });
+      is_killed.wait(false);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // so that it calls in vain
+      REQUIRE(server->start());
+    }
+    REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+    CHECK(summary->learned == 4);
+    CHECK(verify_database(url)->empty());
+  }
+
   TEST_CASE("workers of which one is killed again and again do every task once in effect") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
