@@ -89,6 +89,7 @@ void bind_collision(py::module_& module) {
            "resolution: largest L2 joint distance between checked states of a motion, radians;\n"
            "0 for the robot's default. margin: metres that the robot is inflated by.")
       .def_property_readonly("resolution", &CollisionChecker::resolution)
+      .def_property_readonly("margin", &CollisionChecker::margin)
       .def_property_readonly(
           "isa", [](const CollisionChecker& self) { return std::string(to_string(self.isa())); })
       .def("is_valid", &is_valid, py::arg("q"),

@@ -105,6 +105,7 @@ def test_motions_and_margins_are_checked(robot):
     assert checker.is_path_free([np.zeros(8), left])
     assert not checker.is_path_free([left, right])
     wide = mneme.CollisionChecker(robot, scene, margin=5.9)
+    assert wide.margin == pytest.approx(5.9) and mneme.CollisionChecker(robot, scene).margin == 0
     assert not wide.is_valid(np.zeros(8)) and checker.is_valid(np.zeros(8))
     assert raised(mneme.CollisionChecker, robot, scene, margin=-1)[0] == "invalid"
     assert raised(mneme.CollisionChecker, robot, scene, isa="mmx")[0] == "invalid"

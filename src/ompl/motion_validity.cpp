@@ -47,6 +47,7 @@ class MotionValidity final : public ob::MotionValidator {
 
  private:
   static constexpr int kBatch = 16;
+  static constexpr int kHalvings = 10;
 
   /// Leaves both ends in the scratch slots 0 and 1.
   bool is_motion_valid(const ob::State* from, const ob::State* to) const {
@@ -62,14 +63,33 @@ class MotionValidity final : public ob::MotionValidator {
     return is_valid;
   }
 
-  /// How much of the invalid motion between the scratch slots is free: looks at states in order,
-  /// because the raked motion check only tells that one of them is not.
+  /// How much of the invalid motion between the scratch slots is free. With a verifier the way
+  /// there passes it too: it is halved until it does.
   double valid_fraction() const {
     const std::span<const float> from = scratch<0>(checker_.robot());
     const std::span<const float> to = scratch<1>(checker_.robot());
-    const std::size_t joints = from.size();
-    std::vector<float> delta(joints), states(kBatch * joints);
+    std::vector<float> delta(from.size()), last(from.size());
     const float length = space_.difference(from.data(), to.data(), delta.data());
+    double fraction = free_states_fraction(from, delta, length);
+    if (verifier_ == nullptr) return fraction;
+    for (int halving = 0; halving < kHalvings; ++halving, fraction /= 2) {
+      for (std::size_t j = 0; j < last.size(); ++j) {
+        last[j] = from[j] + static_cast<float>(fraction) * delta[j];
+      }
+      CheckCounters work;
+      const bool is_free = verifier_->is_free(from, last, true, work);
+      count_motion(counters_, work.states);
+      if (is_free) return fraction;
+    }
+    return 0;
+  }
+
+  /// Looks at states in order, because the raked motion check only tells that one of them is not
+  /// free.
+  double free_states_fraction(std::span<const float> from, std::span<const float> delta,
+                              float length) const {
+    const std::size_t joints = from.size();
+    std::vector<float> states(kBatch * joints);
     const int count = std::max(
         1, static_cast<int>(std::ceil(length * detail_.refinement / checker_.resolution())));
     std::array<std::uint8_t, kBatch> is_valid;

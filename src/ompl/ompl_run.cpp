@@ -121,6 +121,7 @@ Result<PlanResult> OmplRun::plan(double spent_s) {
       result_.path = path;
       break;
     }
+    ++refused_path_count_;
     planner->clear();
     definition_->clearSolutionPaths();
     information_->setMotionValidator(
@@ -190,6 +191,7 @@ void OmplRun::explain_failure() {
                           ? "no path within the time limit"
                           : "the planner gave up before the time limit";
   }
+  result_.message += internal::describe_refused(refused_path_count_);
 }
 
 }  // namespace mneme::ompl

@@ -54,6 +54,7 @@ class OmplRun {
   CheckCounters checks_;  ///< of simplification and verification
   /// Planners free what they worked with when they end, and may ask from several threads.
   mutable std::atomic<bool> was_full_{false};
+  int refused_path_count_ = 0;
   PlanResult result_;
 };
 

@@ -142,6 +142,7 @@ int PlannerRun::find_invalid_motion(const Path& path) {
   const Stopwatch stopwatch;
   const int invalid = verifier().find_invalid_motion(path, counters_);
   result_.verification_time_s += stopwatch.elapsed_s();
+  if (invalid >= 0) ++refused_path_count_;
   return invalid;
 }
 
@@ -181,7 +182,10 @@ void PlannerRun::simplify() {
   result_.path = planned;
 }
 
-PlanResult PlannerRun::give_up(int node_count) { return take_result(node_count); }
+PlanResult PlannerRun::give_up(int node_count) {
+  result_.message += describe_refused(refused_path_count_);
+  return take_result(node_count);
+}
 
 PlanResult PlannerRun::take_result(int node_count) {
   result_.nodes = static_cast<std::uint64_t>(node_count);

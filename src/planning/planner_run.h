@@ -118,6 +118,7 @@ class PlannerRun {
   bool is_ready_ = false;
   bool is_stopped_ = false;
   std::int64_t node_count_ = 0;
+  int refused_path_count_ = 0;
   std::uint64_t next_clock_check_ = 0;  ///< in iterations and motions
 };
 

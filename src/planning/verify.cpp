@@ -69,6 +69,12 @@ int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counter
   return -1;
 }
 
+std::string describe_refused(int path_count) {
+  if (path_count == 0) return {};
+  return "; verification refused " + std::to_string(path_count) +
+         (path_count == 1 ? " path" : " paths");
+}
+
 }  // namespace internal
 
 int find_invalid_motion(const CollisionChecker& checker, const Path& path, CheckCounters& counters,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "mneme/planning.h"
 #include "planning/sweep.h"
@@ -41,5 +42,8 @@ class MotionVerifier {
   std::optional<Sweep> sweep_;
   std::function<bool()> must_stop_;
 };
+
+/// How the message of a plan without path ends: how many paths were found and not verified, if any.
+std::string describe_refused(int path_count);
 
 }  // namespace mneme::internal

@@ -39,6 +39,24 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("that OMPL's planner found a path which was not verified is said") {
+    // The wall lies between two of the 16 states of the straight motion.
+    World world{"", gantry(), {}, {{-1.9, 0, 0}, {{1.9, 0, 0}}}};
+    world.scene.obstacles = {make_box("wall", {0.5937, -9, -9}, {0.5938, 9, 9})};
+    const Problem problem{"", world.robot, "", world.scene, world.query.start, world.query.goals,
+                          {}};
+    SolveSettings settings;
+    settings.planner = "PRM";
+    settings.sampler = "uniform";
+    settings.resolution = coarse_states().resolution;
+    settings.plan.continuous = true;
+    settings.plan.timeout_s = 0.5;
+    const auto result = solve_with_ompl(problem, nullptr, settings, {});
+    REQUIRE(result.has_value());
+    CHECK(result->plan.status == PlanStatus::timeout);
+    CHECK(result->plan.message.ends_with("verification refused 1 path"));
+  }
+
   TEST_CASE("OMPL's planners turn by half a turn on the side that is free") {
     for (const double side : {-1.0, 1.0}) {
       const World world{"half a turn",

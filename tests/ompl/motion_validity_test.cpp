@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/small_problems.h"
 
+#include "ompl/verified_motion_validity.h"
+
 namespace mneme::test {
 namespace {
 
@@ -90,6 +92,35 @@ TEST_SUITE("law") {
         beyond[i] += std::min(1.0, last_valid.second + step) * delta[i];
       }
       CHECK(!motions.checker.is_motion_valid(q, beyond));
+    }
+    CHECK(blocked > 20);
+  }
+
+  TEST_CASE("the way to the last valid state is verified where motions are") {
+    const Motions motions;
+    CheckerSettings coarse;
+    coarse.resolution = 4;
+    const auto checker =
+        CollisionChecker::make(motions.problem.robot, motions.problem.scene, coarse);
+    REQUIRE(checker.has_value());
+    const internal::MotionVerifier verifier(*checker, Verification::motions);
+    const auto validity = mneme::ompl::make_verified_motion_validity(motions.information, *checker,
+                                                                     motions.counters, verifier);
+    Motions draws;
+    ob::ScopedState<> last(motions.information);
+    int blocked = 0;
+    CheckCounters ignored;
+    for (int trial = 0; trial < 200; ++trial) {
+      const Configuration from = draws.free_configuration(), to = draws.free_configuration();
+      std::pair<ob::State*, double> last_valid{last.get(), -1};
+      if (validity->checkMotion(state_of(motions.information, from).get(),
+                                state_of(motions.information, to).get(), last_valid)) {
+        continue;
+      }
+      REQUIRE(last_valid.second >= 0);
+      if (last_valid.second == 0) continue;
+      ++blocked;
+      CHECK(verifier.find_invalid_motion({from, values_of(last.get(), 3)}, ignored) == -1);
     }
     CHECK(blocked > 20);
   }

@@ -123,6 +123,20 @@ TEST_SUITE("unit") {
     CHECK(result.motions_checked > 2);
   }
 
+  TEST_CASE("whoever gives up says how many paths were found and not verified") {
+    World world = open_world();
+    world.scene.obstacles = {make_box("wall", {0.4, -3, -3}, {0.6, 3, 3})};
+    PlanSettings settings;
+    settings.timeout_s = 1e-9;
+    Fixture f(world, settings);
+    const internal::FloatPath path = {f.run.start(), f.run.goals()[0]};
+    CHECK(f.run.find_invalid_motion(path) == 0);
+    CHECK(f.run.find_invalid_motion(path) == 0);
+    CHECK(!f.run.begin_iterations());
+    CHECK(f.run.give_up(0).message ==
+          "no path within the time limit; verification refused 2 paths");
+  }
+
   TEST_CASE("draws and reports go to the sampler's stream, checks are counted") {
     Fixture f(open_world());
     std::vector<float> q(3);
