@@ -319,6 +319,12 @@ TEST_SUITE("unit") {
         run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0", "--json"});
     REQUIRE_MESSAGE(again.exit_code == 0, again.err);
     CHECK(Json::parse(again.out)["retrieved"] > 0);
+    CHECK_FALSE(std::filesystem::exists(files / "own.db.index"));
+    const ProgramRun small = run_program({"plan", problem, "--db", files / "own.db", "--json",
+                                          "--retrieve-after", "0", "--db-memory", "0"});
+    REQUIRE_MESSAGE(small.exit_code == 0, small.err);
+    CHECK(std::filesystem::exists(files / "own.db.index"));
+    CHECK(Json::parse(small.out)["path"] == Json::parse(again.out)["path"]);
   }
 
   TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {
