@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/space.h"
 
-#include "experience/text_encoding.h"
+#include "base/utf8.h"
 #include "primitive/decomposers.h"
 
 #include <fmt/format.h>

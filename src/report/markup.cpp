@@ -5,6 +5,8 @@
 
 #include <cstddef>
 
+#include "base/utf8.h"
+
 namespace mneme::internal {
 namespace {
 
@@ -12,32 +14,15 @@ constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
-std::size_t announced_size(unsigned char lead) {
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead < 0xE0) return 2;
-  if (lead >= 0xE0 && lead < 0xF0) return 3;
-  if (lead >= 0xF0 && lead < 0xF5) return 4;
-  return 0;
-}
-
-bool is_xml_character(char32_t code, std::size_t size) {
+bool is_xml_character(char32_t code) {
   if (code < 0x20) return code == '\t' || code == '\n' || code == '\r';
-  const bool is_overlong = (size == 3 && code < 0x800) || (size == 4 && code < 0x10000);
-  const bool is_surrogate = code >= 0xD800 && code < 0xE000;
-  return !is_overlong && !is_surrogate && code != 0xFFFE && code != 0xFFFF && code <= 0x10FFFF;
+  return code != 0xFFFE && code != 0xFFFF;
 }
 
 /// Bytes of the character that `text` begins with, or 0 if XML cannot hold it.
 std::size_t character_size(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  const std::size_t size = announced_size(lead);
-  if (size == 0 || size > text.size()) return 0;
-  char32_t code = size == 1 ? lead : lead & (0xFFU >> (size + 1));
-  for (std::size_t i = 1; i < size; ++i) {
-    if (!is_continuation(text[i])) return 0;
-    code = (code << 6) | (static_cast<unsigned char>(text[i]) & 0x3FU);
-  }
-  return is_xml_character(code, size) ? size : 0;
+  const CodePoint first = first_code_point(text);
+  return is_xml_character(first.value) ? first.size : 0;
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/utf8.h"
+
 namespace mneme::internal {
 
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
@@ -24,6 +26,10 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
                                              const Shape& shape) {
   if (name.empty() && body.empty()) {
     return "expected a name";
+  }
+  if (!decode_utf8(name) || !decode_utf8(body)) {
+    return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
+                       storable_text(name + body));
   }
   const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
   if (is_new_body && names_.count(body) != 0) {

@@ -21,7 +21,8 @@ namespace mneme::internal {
 class SceneBuilder {
  public:
   /// Adds `shape` as an obstacle of its own, or to the composite obstacle `body` if that is not
-  /// empty; only then may `name` be empty. Says what is wrong if a name is missing or taken.
+  /// empty; only then may `name` be empty. Says what is wrong if a name is missing, taken or
+  /// no UTF-8.
   [[nodiscard]] std::optional<std::string> add(const std::string& name, const std::string& body,
                                                const Shape& shape);
   [[nodiscard]] Scene take(std::string name);

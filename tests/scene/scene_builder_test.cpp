@@ -30,6 +30,9 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(builder.add("part", "body", Sphere{}));
     CHECK(builder.add("", "", Sphere{}) == "expected a name");
     CHECK(builder.add("a", "", Sphere{}) == "expected a name of its own, got \"a\" a second time");
+    const std::string bad = "expected a name that is UTF-8 text without NUL, got \"b?\"";
+    CHECK(builder.add("b\xff", "", Sphere{}) == bad);
+    CHECK(builder.add("", "b\xfe", Sphere{}) == bad);
     CHECK(builder.add("part", "body", Sphere{}) ==
           "expected a name of its own, got \"part\" a second time");
     CHECK(builder.add("body", "", Sphere{}) ==

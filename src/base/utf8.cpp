@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/text_encoding.h"
+#include "base/utf8.h"
 
 #include <array>
 #include <cstdint>
@@ -12,28 +12,6 @@ constexpr char32_t kLargest = 0x10ffff;
 
 bool is_code_point(char32_t point) {
   return point != 0 && point <= kLargest && (point < 0xd800 || point > 0xdfff);
-}
-
-struct CodePoint {
-  char32_t value = 0;
-  std::size_t size = 0;  ///< bytes; 0 if there is none
-};
-
-/// The code point at the start of `text`, which is not empty.
-CodePoint first_code_point(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  if (lead < 0x80) return {lead, lead == 0 ? std::size_t{0} : std::size_t{1}};
-  const std::size_t size = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4 || text.size() < size) return {};
-  char32_t value = lead & (0x7fU >> size);
-  for (std::size_t i = 1; i < size; ++i) {
-    const auto next = static_cast<unsigned char>(text[i]);
-    if ((next & 0xc0) != 0x80) return {};
-    value = (value << 6) | (next & 0x3fU);
-  }
-  // The shortest form is the only one allowed.
-  constexpr std::array<char32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
-  return value >= kLeast[size] && is_code_point(value) ? CodePoint{value, size} : CodePoint{};
 }
 
 void append_utf8(std::string& text, char32_t point) {
@@ -53,6 +31,22 @@ void append_utf8(std::string& text, char32_t point) {
 }
 
 }  // namespace
+
+CodePoint first_code_point(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text[0]);
+  if (lead < 0x80) return {lead, lead == 0 ? std::size_t{0} : std::size_t{1}};
+  const std::size_t size = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < size) return {};
+  char32_t value = lead & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    const auto next = static_cast<unsigned char>(text[i]);
+    if ((next & 0xc0) != 0x80) return {};
+    value = (value << 6) | (next & 0x3fU);
+  }
+  // The shortest form is the only one allowed.
+  constexpr std::array<char32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
+  return value >= kLeast[size] && is_code_point(value) ? CodePoint{value, size} : CodePoint{};
+}
 
 std::optional<std::u32string> decode_utf8(std::string_view text) {
   std::u32string points;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/text_encoding.h"
+#include "base/utf8.h"
 
 #include "support/support.h"
 

@@ -4,12 +4,20 @@
 /// Text that every engine and file format can hold.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace mneme::internal {
 
+struct CodePoint {
+  char32_t value = 0;
+  std::size_t size = 0;  ///< bytes; 0 if there is none
+};
+
+/// The code point at the start of `text`, which is not empty: none if it is not UTF-8, or a NUL.
+[[nodiscard]] CodePoint first_code_point(std::string_view text);
 /// The code points of `text`, or nothing if it is not UTF-8 or holds a NUL.
 [[nodiscard]] std::optional<std::u32string> decode_utf8(std::string_view text);
 /// The inverse; nothing if `points` holds a NUL or what is no code point.
