@@ -5,6 +5,9 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "mneme/collision.h"
 #include "mneme/report.h"
 
@@ -54,9 +57,12 @@ bool is_motion_valid(const CollisionChecker& checker, const py::object& from,
 }
 
 py::list contacts(const CollisionChecker& checker, const py::object& q) {
+  const Configuration values = to_vector(q, checker.robot().joint_count(), "q");
+  if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
+    raise_invalid("q: expected finite numbers");
+  }
   py::list found;
-  for (const Contact& contact :
-       checker.contacts(to_vector(q, checker.robot().joint_count(), "q"))) {
+  for (const Contact& contact : checker.contacts(values)) {
     py::dict row;
     row["link"] = contact.link;
     row["other"] = contact.other;
@@ -68,8 +74,8 @@ py::list contacts(const CollisionChecker& checker, const py::object& q) {
 }
 
 bool path_is_free(const CollisionChecker& checker, const py::object& path, double resolution) {
-  if (!(resolution >= 0 && resolution <= 10)) {
-    raise_invalid("resolution: expected 0 to 10 radians, 0 for a tenth of the checker's");
+  if (resolution != 0 && !(resolution >= 1e-5 && resolution <= 10)) {
+    raise_invalid("resolution: expected 1e-5 to 10 radians, or 0 for a tenth of the checker's");
   }
   const Path rows = to_rows(path, checker.robot().joint_count(), "path");
   const double step = resolution > 0 ? resolution : checker.resolution() / kVerificationRefinement;

@@ -18,7 +18,8 @@ namespace mneme {
 
 struct CheckerSettings {
   /// Largest L2 joint distance between two checked states of a motion, radians; 0 picks the robot's
-  /// default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion.
+  /// default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion. At
+  /// least 1e-4, because a motion that has begun is checked to its end.
   double resolution = 0;
   /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >=
   /// 0.

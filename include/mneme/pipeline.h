@@ -79,8 +79,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "insert what a solved problem teaches, as learning from problems does, if it took at least "
         "this many iterations, so that memory grows with use; -1 for never. Not planning time");
   visit("resolution", s.resolution, 0.0, 10.0,
-        "largest L2 joint distance between checked states of a motion, radians; 0 for the robot's "
-        "default");
+        "largest L2 joint distance between checked states of a motion, radians, 1e-4 or more; 0 "
+        "for the robot's default");
   visit(
       "margin", s.margin, 0.0, 10.0,
       "metres that the robot keeps away from obstacles, start and goal included; not from itself");

@@ -45,6 +45,7 @@ bool is_within_reach(std::span<const float> q) {
 
 constexpr double kPlanarResolution = 0.02;
 constexpr double kSpatialResolution = 1.0 / 32;
+constexpr double kLeastResolution = 1e-4;
 /// Relative. A planner's step of exactly n states must not cost another vector of them because its
 /// length is a rounding error larger.
 constexpr double kLengthTolerance = 1e-5;
@@ -67,12 +68,16 @@ struct CollisionChecker::Tables {
 
 Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene& scene,
                                                 const CheckerSettings& settings) {
-  if (!(settings.resolution >= 0 && settings.margin >= 0) || !std::isfinite(settings.margin) ||
-      !std::isfinite(settings.resolution)) {
+  const bool is_fine_enough = settings.resolution == 0 || settings.resolution >= kLeastResolution;
+  if (!is_fine_enough || !std::isfinite(settings.resolution)) {
     return fail(ErrorCode::invalid,
-                fmt::format("the resolution is {} and the margin {}; expected finite numbers, 0 or "
-                            "more",
-                            settings.resolution, settings.margin));
+                fmt::format("the resolution is {}; expected {} radians or more, or 0 for the "
+                            "robot's default",
+                            settings.resolution, kLeastResolution));
+  }
+  if (!(settings.margin >= 0) || !std::isfinite(settings.margin)) {
+    return fail(ErrorCode::invalid,
+                fmt::format("the margin is {}; expected 0 metres or more", settings.margin));
   }
   if (!is_available(settings.isa)) {
     return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +

@@ -1,6 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
+
+#include <fmt/format.h>
 
 #include "mneme/planning.h"
 #include "planning/path_conversion.h"
@@ -8,17 +11,24 @@
 namespace mneme {
 namespace {
 
-std::string describe_contacts(const std::vector<Contact>& contacts) {
+bool is_near(const Contact& contact) { return contact.distance >= 0; }
+
+/// Contacts first, then what is only within the margin.
+std::string describe_contacts(std::vector<Contact> contacts, double margin) {
   constexpr std::size_t kMostNamed = 4;
-  std::string text;
+  std::ranges::stable_partition(contacts, std::not_fn(is_near));
+  std::string text = is_near(contacts.front())
+                         ? fmt::format(" is within the margin of {} m: ", margin)
+                         : " is in contact: ";
   for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
     const Contact& contact = contacts[i];
-    text += (i == 0 ? "" : ", ");
-    text += "link '" + contact.link + "' touches " + (contact.is_self ? "link" : "obstacle") +
-            " '" + contact.other + "'";
+    text += fmt::format(
+        "{}link '{}' {} {} '{}'", i == 0 ? "" : ", ", contact.link,
+        is_near(contact) ? fmt::format("is {:.2g} m from", contact.distance) : "touches",
+        contact.is_self ? "link" : "obstacle", contact.other);
   }
   if (contacts.size() > kMostNamed)
-    text += " and " + std::to_string(contacts.size() - kMostNamed) + " more";
+    text += fmt::format(" and {} more", contacts.size() - kMostNamed);
   return text;
 }
 
@@ -36,7 +46,7 @@ std::optional<std::string> find_problem(const CollisionChecker& checker, const C
     return std::nullopt;
   }
   const std::vector<Contact> contacts = checker.contacts(inside);
-  if (!contacts.empty()) return what + " is in contact: " + describe_contacts(contacts);
+  if (!contacts.empty()) return what + describe_contacts(contacts, checker.margin());
   if (!checker.is_valid(std::span<const float>(values))) {
     return what + " is within rounding error of contact";
   }

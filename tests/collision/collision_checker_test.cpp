@@ -112,8 +112,9 @@ TEST_SUITE("unit") {
   TEST_CASE("settings that make no sense are errors") {
     for (const CheckerSettings& settings :
          {CheckerSettings{.resolution = -1}, CheckerSettings{.resolution = kNaN},
-          CheckerSettings{.resolution = kInfinity}, CheckerSettings{.margin = -0.1},
-          CheckerSettings{.margin = kNaN}, CheckerSettings{.margin = kInfinity}}) {
+          CheckerSettings{.resolution = 1e-5}, CheckerSettings{.resolution = kInfinity},
+          CheckerSettings{.margin = -0.1}, CheckerSettings{.margin = kNaN},
+          CheckerSettings{.margin = kInfinity}}) {
       const auto checker = CollisionChecker::make(pointer(), {}, settings);
       REQUIRE(!checker.has_value());
       CHECK(checker.error().code == ErrorCode::invalid);

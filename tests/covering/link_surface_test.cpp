@@ -36,6 +36,17 @@ TEST_SUITE("unit") {
       CHECK(contains(surface.error().message, "link 'wrist'"));
     }
   }
+
+  TEST_CASE("a link in millimetres is refused, which would be searched for ever") {
+    Link link;
+    link.name = "wrist";
+    link.solids = {make_box({10, 400, 10})};
+    const auto surface = internal::link_surface(link);
+    REQUIRE_FALSE(surface.has_value());
+    CHECK(surface.error().code == ErrorCode::invalid);
+    CHECK(contains(surface.error().message, "link 'wrist': its collision geometry is 400 m long"));
+    CHECK(contains(surface.error().message, "scale of 0.001"));
+  }
 }
 
 }  // namespace

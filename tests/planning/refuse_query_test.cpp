@@ -30,6 +30,28 @@ TEST_SUITE("unit") {
     CHECK(refused->message.find("circle_1") != std::string::npos);
   }
 
+  TEST_CASE("what is only within the margin is not said to touch, and comes last") {
+    CheckerSettings settings;
+    settings.margin = 1.5;
+    const auto distant =
+        CollisionChecker::make(planar8(), make_circle_scene("circles", {{{5, 2, 1}}}), settings);
+    REQUIRE(distant.has_value());
+    const auto refused = refuse_query(*distant, {kStraight, {kUp}});
+    REQUIRE(refused.has_value());
+    CHECK(refused->message.starts_with("start is within the margin of 1.5 m: link 'link_"));
+    CHECK(refused->message.find("is 1 m from obstacle 'circle_1'") != std::string::npos);
+    CHECK(refused->message.find("touches") == std::string::npos);
+
+    const auto both = CollisionChecker::make(
+        planar8(), make_circle_scene("circles", {{{2.5, 2, 1}, {6.5, 0, 0.2}}}), settings);
+    REQUIRE(both.has_value());
+    const auto touching = refuse_query(*both, {kStraight, {kUp}});
+    REQUIRE(touching.has_value());
+    CHECK(touching->message.starts_with("start is in contact: link 'link_"));
+    CHECK(touching->message.find("touches obstacle 'circle_2'") <
+          touching->message.find("m from obstacle 'circle_1'"));
+  }
+
   TEST_CASE("of several goals the one that is wrong is numbered") {
     Configuration broken = kUp;
     broken[3] = std::nan("");
