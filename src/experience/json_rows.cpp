@@ -202,7 +202,7 @@ Result<Experience> parse_row(std::string_view line) {
   if (const auto flaw = describe_key_flaw(row.key, static_cast<int>(row.key.size()))) {
     return fail(ErrorCode::parse, *flaw);
   }
-  if (joints != 0 && triangle != 0 && triangle != joints * (joints + 1) / 2) {
+  if (triangle != 0 && triangle != joints * (joints + 1) / 2) {
     return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
                                               triangle, joints * (joints + 1) / 2));
   }

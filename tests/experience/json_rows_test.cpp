@@ -60,6 +60,9 @@ TEST_SUITE("unit") {
     CHECK(error_of(replaced(sound, "\"origins\":[0", "\"origins\":[1")).find("'content'") !=
           std::string::npos);
     CHECK(error_of("{" + sound.substr(sound.find("\"key\""))).empty());
+    const std::string alone = R"({"key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2]],)"
+                              R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
+    CHECK(error_of(alone) == "a row of 'factors' has 3 numbers; expected 0");
   }
 
   TEST_CASE("deep nesting and numbers beyond what they count are refused") {
