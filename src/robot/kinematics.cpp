@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/kinematics.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace mneme {
@@ -26,8 +27,8 @@ Transform joint_motion(const Joint& joint, double value) {
 std::vector<double> joint_values(std::span<const Joint> joints, std::span<const int> group,
                                  std::span<const double> q) {
   assert(q.size() == group.size());
-  std::vector<double> values;
-  for (const Joint& joint : joints) values.push_back(joint.fixed_value);
+  std::vector<double> values(joints.size());
+  std::ranges::transform(joints, values.begin(), &Joint::fixed_value);
   for (std::size_t i = 0; i < group.size(); ++i) values[static_cast<std::size_t>(group[i])] = q[i];
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const std::optional<Mimic>& mimic = joints[i].mimic;
