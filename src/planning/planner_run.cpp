@@ -126,7 +126,15 @@ int PlannerRun::find_direct_goal() {
 
 int PlannerRun::find_invalid_motion(const FloatPath& path) {
   const auto goal = std::find(goals_.begin(), goals_.end(), path.back()) - goals_.begin();
-  return find_invalid_motion(to_query_path(path, static_cast<std::size_t>(goal)));
+  const Path planned = to_query_path(path, static_cast<std::size_t>(goal));
+  if (settings_.simplify) {
+    shortened_ = shortened(planned, nullptr);
+    if (find_invalid_motion(*shortened_) < 0) return -1;
+    shortened_.reset();
+  }
+  const int invalid = find_invalid_motion(planned);
+  if (invalid >= 0) ++refused_path_count_;
+  return invalid;
 }
 
 Path PlannerRun::to_query_path(const FloatPath& path, std::size_t goal) const {
@@ -142,7 +150,6 @@ int PlannerRun::find_invalid_motion(const Path& path) {
   const Stopwatch stopwatch;
   const int invalid = verifier().find_invalid_motion(path, counters_);
   result_.verification_time_s += stopwatch.elapsed_s();
-  if (invalid >= 0) ++refused_path_count_;
   return invalid;
 }
 
@@ -157,29 +164,31 @@ const MotionVerifier& PlannerRun::verifier() {
 PlanResult PlannerRun::finish(const FloatPath& path, int goal, int node_count) {
   result_.status = PlanStatus::solved;
   result_.message.clear();
+  if (shortened_) {
+    result_.path = *std::move(shortened_);
+    return take_result(node_count);
+  }
   result_.path = to_query_path(path, static_cast<std::size_t>(goal));
-  if (settings_.simplify) simplify();
+  if (settings_.simplify) {
+    // Cutting a motion moves the states that are looked at, so even verified ones are verified.
+    Path verified = shortened(result_.path, &verifier());
+    if (find_invalid_motion(verified) < 0) result_.path = std::move(verified);
+  }
   return take_result(node_count);
 }
 
-void PlannerRun::simplify() {
-  const Path planned = result_.path;
+Path PlannerRun::shortened(Path path, const MotionVerifier* verifier) {
   const auto patience = static_cast<int>(
       std::clamp(counters_.motions / kMotionsPerAttempt, kLeastPatience, kMostPatience));
-  const auto must_stop = [&] { return is_cancelled() || is_time_up(); };
-  // Shortcuts at the planner's resolution nearly always survive verification as a whole, which
-  // costs a tenth of verifying each one; cutting a motion moves the states that are looked at, so
-  // even verified ones are verified.
-  for (const bool is_each_verified : {false, true}) {
-    const Stopwatch stopwatch;
-    result_.path = planned;
-    internal::shortcut_until(checker_, result_.path, derive_seed(settings_.seed, 1),
-                             {kShortcutAttempts, patience, kLeastShortcutGain},
-                             is_each_verified ? &verifier() : nullptr, counters_, must_stop);
-    result_.simplification_time_s += stopwatch.elapsed_s();
-    if (find_invalid_motion(result_.path) < 0) return;
-  }
-  result_.path = planned;
+  // The other half of what is left of the time is for verification.
+  const double end_s = 0.5 * (stopwatch_.elapsed_s() + settings_.timeout_s);
+  const auto must_stop = [&] { return is_cancelled() || stopwatch_.elapsed_s() >= end_s; };
+  const Stopwatch stopwatch;
+  internal::shortcut_until(checker_, path, derive_seed(settings_.seed, 1),
+                           {kShortcutAttempts, patience, kLeastShortcutGain}, verifier, counters_,
+                           must_stop);
+  result_.simplification_time_s += stopwatch.elapsed_s();
+  return path;
 }
 
 PlanResult PlannerRun::give_up(int node_count) {

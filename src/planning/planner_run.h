@@ -75,10 +75,12 @@ class PlannerRun {
   /// The goal that a straight motion from the start reaches, or -1.
   [[nodiscard]] int find_direct_goal();
 
-  /// The first motion of `path` that fails verification, or -1. Its time is not planning time.
+  /// The first motion of `path` that fails verification, or -1; its time is not planning time. What
+  /// shortcuts at the planner's resolution leave of a path nearly always passes and has less to
+  /// verify: so it is looked at first, and is then what finish() returns.
   [[nodiscard]] int find_invalid_motion(const FloatPath& path);
 
-  /// Ends the run with a verified path from the start to goal number `goal`.
+  /// Ends the run with a path from the start to goal number `goal`, which was verified before.
   [[nodiscard]] PlanResult finish(const FloatPath& path, int goal, int node_count);
   /// Ends the run without a path.
   [[nodiscard]] PlanResult give_up(int node_count);
@@ -96,7 +98,8 @@ class PlannerRun {
   [[nodiscard]] Path to_query_path(const FloatPath& path, std::size_t goal) const;
   /// Made when it is first wanted.
   [[nodiscard]] const MotionVerifier& verifier();
-  void simplify();
+  /// Each shortcut passes `verifier`, unless that is null.
+  [[nodiscard]] Path shortened(Path path, const MotionVerifier* verifier);
   void refuse(PlanStatus status, std::string message);
   [[nodiscard]] PlanResult take_result(int node_count);
 
@@ -113,6 +116,7 @@ class PlannerRun {
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
   std::optional<MotionVerifier> verifier_;
+  std::optional<Path> shortened_;  ///< and verified
   CheckCounters counters_;
   PlanResult result_;
   bool is_ready_ = false;

@@ -12,10 +12,11 @@ namespace {
 
 /// A run that outlives what it refers to.
 struct Fixture {
-  explicit Fixture(World world_, const PlanSettings& settings_ = {})
+  explicit Fixture(World world_, const PlanSettings& settings_ = {},
+                   const CheckerSettings& checking = {})
       : world(std::move(world_)),
         settings(settings_),
-        checker(make_checker(world)),
+        checker(make_checker(world, checking)),
         sampler({Configuration(world.query.start.size(), 0.125)}),
         run(checker, world.query, sampler, settings) {}
 
@@ -110,6 +111,36 @@ TEST_SUITE("unit") {
       CHECK(result.path.size() == (simplify ? 2 : 3));
       CHECK(result.nodes == 3);
     }
+  }
+
+  TEST_CASE("what shortcuts leave of a path is verified, not what they cut off") {
+    World world = open_world();
+    world.scene.obstacles = {make_ball("ball", {-1, -1, -1}, 0.5)};
+    Fixture f(world);
+    const internal::FloatPath path = {f.run.start(), {-1, -1, -1}, f.run.goals()[0]};
+    REQUIRE(f.run.find_invalid_motion(path) == -1);
+    CHECK(f.run.finish(path, 0, 3).path == Path{world.query.start, world.query.goals[0]});
+
+    PlanSettings as_planned;
+    as_planned.simplify = false;
+    Fixture raw(world, as_planned);
+    CHECK(raw.run.find_invalid_motion(path) == 0);
+  }
+
+  TEST_CASE("shortcuts through what no state meets are not taken") {
+    // The fin lies between two of the 16 states of the straight motion.
+    World world{"", gantry(), {}, {{-1.9, 0, 0}, {{1.9, 0, 0}}}};
+    world.scene.obstacles = {make_box("fin", {0.5937, -0.5, -0.5}, {0.5938, 0.5, 0.5})};
+    PlanSettings settings;
+    settings.continuous = true;
+    Fixture f(world, settings, coarse_states());
+    const internal::FloatPath path = {f.run.start(), {-1.9f, 1, 0}, {1.9f, 1, 0}, f.run.goals()[0]};
+    REQUIRE(f.run.is_motion_valid(path.front(), path.back()));
+    REQUIRE(f.run.find_invalid_motion(path) == -1);
+    const PlanResult result = f.run.finish(path, 0, 4);
+    CHECK(result.path.size() > 2);
+    CheckCounters ignored;
+    CHECK(find_invalid_motion(f.checker, result.path, ignored, Verification::motions) == -1);
   }
 
   TEST_CASE("simplification and verification are not planning time") {
