@@ -3,6 +3,7 @@
 
 #include "bench_report.h"
 
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -11,6 +12,7 @@
 #include "console.h"
 #include "input_file.h"
 #include "options.h"
+#include "output_check.h"
 #include "output_file.h"
 #include "row_file.h"
 
@@ -45,6 +47,13 @@ Result<std::vector<BenchmarkRow>> read_all(const std::vector<std::string>& paths
   return rows;
 }
 
+Result<void> check_files(std::span<const std::string> outputs,
+                         const std::vector<std::string>& csv_files) {
+  std::vector<ReadFile> inputs;
+  for (const std::string& csv : csv_files) inputs.push_back({"a file of runs", csv});
+  return check_outputs(outputs, inputs);
+}
+
 /// The memories beside the CSV files, each once.
 Result<std::vector<MemoryRow>> memories_beside(const std::vector<std::string>& paths) {
   std::vector<MemoryRow> all;
@@ -60,6 +69,8 @@ Result<std::vector<MemoryRow>> memories_beside(const std::vector<std::string>& p
 }
 
 Result<ExitCode> run_report(const ReportRun& run) {
+  const auto checked = check_files(std::array{run.out}, run.csv_files);
+  if (!checked) return tl::unexpected(checked.error());
   const auto rows = read_all(run.csv_files);
   if (!rows) return tl::unexpected(rows.error());
   const auto memories = memories_beside(run.csv_files);
@@ -77,6 +88,8 @@ Result<ExitCode> run_report(const ReportRun& run) {
 }
 
 Result<ExitCode> run_export(const ExportRun& run) {
+  const auto checked = check_files(std::array{run.arena, run.sqlite}, run.csv_files);
+  if (!checked) return tl::unexpected(checked.error());
   const auto rows = read_all(run.csv_files);
   if (!rows) return tl::unexpected(rows.error());
   Result<void> written;

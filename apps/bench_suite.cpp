@@ -114,8 +114,7 @@ Result<ReadySuite> make_ready(const Suite& suite, const std::string& directory,
   }
   if (auto made = make_directory(directory); !made) return tl::unexpected(made.error());
   for (const SuiteMemory& memory : suite.memories) {
-    const std::string path =
-        memory.file.empty() ? fmt::format("{}/{}.db", directory, memory.name) : memory.file;
+    const std::string path = memory_file(memory, directory);
     const auto learned = learn_memory(memory, path, jobs, known, ready.memories.emplace_back());
     if (!learned) return tl::unexpected(learned.error());
     if ((ready.is_interrupted = !*learned)) return ready;

@@ -3,6 +3,7 @@
 
 /// mneme bench: plans many problems and tells how long it took.
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -20,6 +21,7 @@
 #include "inputs.h"
 #include "interrupt.h"
 #include "options.h"
+#include "output_check.h"
 #include "problem_part.h"
 #include "row_file.h"
 #include "suite_run.h"
@@ -50,6 +52,14 @@ struct BenchOptions {
   SolveSettings settings;
 };
 
+Result<void> check_files(const BenchOptions& options, const std::vector<BenchProblem>& problems,
+                         const std::string& robot) {
+  std::vector<ReadFile> inputs = robot_files(robot, options.robot_options.srdf_path);
+  inputs.push_back({"the memory", options.db});
+  for (const BenchProblem& problem : problems) inputs.push_back({"a problem", problem.where});
+  return check_outputs(std::array{options.csv, options.sqlite}, inputs);
+}
+
 Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   const auto found = find_bench_problems(options.arguments).and_then([&](auto all) {
     return take_part(std::move(all), options.part);
@@ -57,6 +67,9 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   if (!found) return tl::unexpected(found.error());
   const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
+  if (auto checked = check_files(options, *found, overrides->robot_path); !checked) {
+    return tl::unexpected(checked.error());
+  }
   std::vector<SuiteProblems> entries;
   for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
   return load_bench_problems(entries, *overrides);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme plan: solves one problem.
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "inputs.h"
 #include "interrupt.h"
 #include "options.h"
+#include "output_check.h"
 #include "plan_files.h"
 
 namespace mneme::app {
@@ -51,6 +53,14 @@ Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, c
   });
 }
 
+/// Before anything is planned: a memory and a problem are worth more than a picture.
+Result<void> check_files(const PlanOptions& options, const Problem& problem) {
+  std::vector<ReadFile> inputs = robot_files(problem.robot_path, options.robot_options.srdf_path);
+  inputs.insert(inputs.end(), {{"the problem", options.problem}, {"the memory", options.db}});
+  const std::array outputs = {options.files.svg, options.files.view, options.files.trace};
+  return check_outputs(outputs, inputs);
+}
+
 Result<LoadedPlan> load(const PlanOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
@@ -59,6 +69,9 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides->goal = options.goal;
   Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
+  if (auto checked = check_files(options, *problem); !checked) {
+    return tl::unexpected(checked.error());
+  }
   Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;

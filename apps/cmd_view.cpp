@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme view: makes a page of a trace.
+#include <array>
 #include <memory>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "commands.h"
 #include "input_file.h"
 #include "options.h"
+#include "output_check.h"
 #include "output_file.h"
 
 namespace mneme::app {
@@ -23,7 +25,9 @@ struct ViewOptions {
 };
 
 Result<ExitCode> run_view(const ViewOptions& options) {
-  return read_file(options.trace, kMaxTraceBytes)
+  const std::array<ReadFile, 1> inputs = {{{"the trace", options.trace}}};
+  return check_outputs(std::array{options.page}, inputs)
+      .and_then([&] { return read_file(options.trace, kMaxTraceBytes); })
       .and_then([&](const std::string& json) { return to_page(json, options.trace); })
       .and_then([&](const std::string& page) { return write_file(options.page, page); })
       .map([&] {

@@ -3,6 +3,7 @@
 
 #include "db_upkeep.h"
 
+#include <array>
 #include <memory>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include "console.h"
 #include "options.h"
+#include "output_check.h"
 
 namespace mneme::app {
 namespace {
@@ -81,6 +83,9 @@ Result<ExitCode> run_merge(const UpkeepOptions& options) {
 }
 
 Result<ExitCode> run_export(const UpkeepOptions& options) {
+  const std::array<ReadFile, 1> inputs = {{{"the memory", options.url}}};
+  const auto checked = check_outputs(std::array{options.file}, inputs);
+  if (!checked) return tl::unexpected(checked.error());
   return export_database(options.url, options.file).map([&](std::int64_t rows) {
     const std::string what = fmt::format(
         "{} written to {}", counted(static_cast<std::size_t>(rows), "row", "rows"), options.file);

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "output_check.h"
+
 namespace mneme::app {
 namespace {
 
@@ -48,6 +50,7 @@ mode_t default_mode() {
 }  // namespace
 
 Result<void> write_file(const std::string& path, std::string_view text) {
+  if (auto checked = refuse_memory(path); !checked) return checked;
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   const bool is_special = std::filesystem::exists(status) &&

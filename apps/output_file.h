@@ -11,7 +11,8 @@
 
 namespace mneme::app {
 
-/// Writes `text` to a temporary file beside `path` and renames it. Errors name `path`.
+/// Writes `text` to a temporary file beside `path` and renames it. Errors name `path`;
+/// a memory is never written over.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
 
 /// Makes a directory and those above it, if they are missing. Errors name `path`.

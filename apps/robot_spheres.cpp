@@ -4,7 +4,7 @@
 #include "robot_spheres.h"
 
 #include <algorithm>
-#include <filesystem>
+#include <array>
 #include <memory>
 #include <set>
 
@@ -16,6 +16,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "output_check.h"
 #include "output_file.h"
 
 namespace mneme::app {
@@ -76,16 +77,6 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
   if (!reasons) return tl::unexpected(reasons.error());
   made.reasons = std::move(*reasons);
   return made;
-}
-
-/// The files that are read are worth more than what is made of them.
-bool is_input(const std::string& output, const std::string& urdf, const std::string& srdf) {
-  const auto beside = std::filesystem::path(urdf).replace_extension(".srdf");
-  const auto inputs = {std::filesystem::path(urdf), std::filesystem::path(srdf), beside};
-  return std::ranges::any_of(inputs, [&](const std::filesystem::path& input) {
-    std::error_code ignored;
-    return std::filesystem::equivalent(output, input, ignored);
-  });
 }
 
 Result<void> write(const Made& made, const SpheresOptions& options) {
@@ -161,11 +152,9 @@ Json to_json(const Made& made, const SpheresOptions& options) {
 Result<ExitCode> run_spheres(const SpheresOptions& options) {
   const Result<std::string> path = robot_file(options.robot);
   if (!path) return tl::unexpected(path.error());
-  for (const std::string& output : {options.output, options.srdf_output}) {
-    if (!is_input(output, *path, options.reading.srdf_path)) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' is the robot that is read; expected another file", output));
-  }
+  const std::array outputs = {options.output, options.srdf_output};
+  const auto checked = check_outputs(outputs, robot_files(*path, options.reading.srdf_path));
+  if (!checked) return tl::unexpected(checked.error());
   const Result<Made> made = make(*path, options);
   if (!made) return tl::unexpected(made.error());
   const Result<void> written = write(*made, options);

@@ -3,6 +3,7 @@
 
 #include "scene_convert.h"
 
+#include <array>
 #include <memory>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "output_check.h"
 #include "output_file.h"
 
 namespace mneme::app {
@@ -47,6 +49,9 @@ Result<std::string> to_text(const FramedScene& scene, const std::string& format)
 }
 
 Result<ExitCode> run_convert(const ConvertOptions& options) {
+  const std::array<ReadFile, 1> inputs = {{{"the scene", options.input}}};
+  const auto checked = check_outputs(std::array{options.output}, inputs);
+  if (!checked) return tl::unexpected(checked.error());
   Result<FramedScene> scene = read_scene(options);
   if (!scene) return tl::unexpected(scene.error());
   if (scene->frame.empty()) scene->frame = options.frame;

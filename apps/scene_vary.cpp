@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_vary.h"
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "console.h"
 #include "interrupt.h"
 #include "options.h"
+#include "output_check.h"
 #include "output_file.h"
 #include "scene_convert.h"
 
@@ -43,9 +45,13 @@ Result<std::string> write_one(const VaryOptions& options, const FramedScene& nom
   scene->name = fmt::format("{}_{:04}", nominal.scene.name, index);
   const std::string path =
       (std::filesystem::path(options.output) / (scene->name + ".yaml")).string();
-  return write_file(path, to_scene_yaml({std::move(*scene), nominal.frame})).map([&] {
-    return path;
-  });
+  const std::array<ReadFile, 2> inputs = {
+      {{"the scene", options.nominal}, {"the file of variations", options.variations}}};
+  return check_outputs(std::array{path}, inputs)
+      .and_then([&] {
+        return write_file(path, to_scene_yaml({std::move(*scene), nominal.frame}));
+      })
+      .map([&] { return path; });
 }
 
 Result<ExitCode> run(const VaryOptions& options) {

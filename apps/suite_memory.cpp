@@ -112,6 +112,10 @@ Result<bool> train(const SuiteMemory& memory, const std::string& planner, const 
 
 }  // namespace
 
+std::string memory_file(const SuiteMemory& memory, const std::string& directory) {
+  return memory.file.empty() ? fmt::format("{}/{}.db", directory, memory.name) : memory.file;
+}
+
 Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path, int jobs,
                           const std::vector<MemoryRow>& known, MemoryRow& row) {
   const auto before = std::find_if(known.begin(), known.end(),

@@ -11,6 +11,9 @@
 
 namespace mneme::app {
 
+/// The database of `memory`: its file, or `directory`/NAME.db if it is learned.
+[[nodiscard]] std::string memory_file(const SuiteMemory& memory, const std::string& directory);
+
 /// Learns into the file `path` what is not there yet, in `jobs` threads; `row` is told what it took
 /// and what there is now. `known` are the memories of an earlier run; their times stand for what is
 /// not learned again. False if it was interrupted.

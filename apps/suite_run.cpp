@@ -4,6 +4,7 @@
 #include "suite_run.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -14,7 +15,9 @@
 #include "bench_solve.h"
 #include "bench_suite.h"
 #include "console.h"
+#include "output_check.h"
 #include "output_file.h"
+#include "suite_memory.h"
 
 namespace mneme::app {
 namespace {
@@ -65,8 +68,24 @@ Result<void> write_shared(const std::string& path, std::vector<MemoryRow> known,
   return write_file(path, to_csv(known));
 }
 
+/// Before anything is learned: a suite may name a memory where its results would be.
+Result<void> check_files(const SuiteRun& run, const Suite& suite, const std::string& out,
+                         const std::string& memories) {
+  std::vector<ReadFile> inputs = {{"the suite", run.suite}};
+  for (const SuiteProblems& entry : suite.problems) inputs.push_back({"a problem", entry.where});
+  for (const SuiteMemory& memory : suite.memories) {
+    inputs.push_back({"a memory", memory_file(memory, memories)});
+  }
+  const std::array outputs = {out + "/runs.csv", out + "/runs.sqlite", out + "/report.html",
+                              out + "/planner_arena.db", out + "/memories.csv"};
+  return check_outputs(outputs, inputs);
+}
+
 Result<ReadySuite> prepare(const SuiteRun& run, const Suite& suite, const std::string& out) {
   const std::string directory = run.memories.empty() ? out + "/memories" : run.memories;
+  if (auto checked = check_files(run, suite, out, directory); !checked) {
+    return tl::unexpected(checked.error());
+  }
   for (const std::string& path : {out, directory}) {
     if (auto made = make_directory(path); !made) return tl::unexpected(made.error());
   }

@@ -147,7 +147,8 @@ struct BenchmarkReport {
 /// while it grows.
 class RunDatabase {
  public:
-  /// Replaces the table in `path` by `rows`. Errors: io; corrupt if it is no SQLite file.
+  /// Replaces the table in `path` by `rows`. Errors: io; corrupt if it is no SQLite file; invalid
+  /// if it has tables besides.
   [[nodiscard]] static Result<RunDatabase> open(const std::string& path,
                                                 std::span<const BenchmarkRow> rows);
   RunDatabase(RunDatabase&&) noexcept;

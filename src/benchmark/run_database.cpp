@@ -65,6 +65,22 @@ Result<void> insert(Statement& statement, const BenchmarkRow& row) {
   return {};
 }
 
+/// Error: invalid, if `connection`'s file has tables of others: dropping ours could take theirs.
+Result<void> refuse_strangers(Connection& connection) {
+  const auto strange = connection.integer(
+      "SELECT (SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name <> 'runs' AND name "
+      "NOT LIKE 'sqlite!_%' ESCAPE '!') + (SELECT count(*) > 0 AND sum(name IN ('problem', 'set', "
+      "'planner', 'sampler', 'is_valid')) < 5 FROM pragma_table_info('runs'))");
+  if (!strange) return tl::unexpected(strange.error());
+  const auto application = connection.integer("PRAGMA application_id");
+  if (!application) return tl::unexpected(application.error());
+  if (*strange == 0 && *application == 0) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("{}: an SQLite file with other tables; expected one with nothing but the "
+                          "table runs of a benchmark, or none",
+                          connection.path()));
+}
+
 }  // namespace
 
 struct RunDatabase::State {
@@ -81,8 +97,10 @@ Result<RunDatabase> RunDatabase::open(const std::string& path, std::span<const B
   auto connection = Connection::open(path, Connection::Access::create);
   if (!connection) return tl::unexpected(connection.error());
   // Rows survive a killed process; a loss of power may cost the last ones, which the CSV file has.
-  const auto prepared = connection->enter_wal_mode().and_then(
-      [&] { return connection->execute("PRAGMA synchronous = NORMAL"); });
+  const auto prepared =
+      refuse_strangers(*connection)
+          .and_then([&] { return connection->enter_wal_mode(); })
+          .and_then([&] { return connection->execute("PRAGMA synchronous = NORMAL"); });
   if (!prepared) return tl::unexpected(prepared.error());
   const Sql sql;
   auto transaction = Transaction::begin(*connection, Transaction::Kind::write);

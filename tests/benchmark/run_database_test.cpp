@@ -42,6 +42,27 @@ TEST_SUITE("unit") {
           header);
   }
 
+  TEST_CASE("Opening refuses SQLite files of others, and leaves them as they are") {
+    const test::TemporaryDirectory directory;
+    for (const char* sql : {"CREATE TABLE runs (marathon TEXT)", "CREATE TABLE walks (a)",
+                            "CREATE TABLE runs (problem, \"set\", planner, sampler, is_valid); "
+                            "CREATE TABLE walks (a)",
+                            "PRAGMA application_id = 7"}) {
+      CAPTURE(sql);
+      const std::string path = directory / std::to_string(std::hash<std::string_view>()(sql));
+      sqlite3* handle = nullptr;
+      REQUIRE(sqlite3_open(path.c_str(), &handle) == SQLITE_OK);
+      REQUIRE(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+      sqlite3_close(handle);
+      const std::string before = test::read_file(path);
+      const auto opened = RunDatabase::open(path, test::suite_rows());
+      REQUIRE_FALSE(opened.has_value());
+      CHECK(opened.error().code == ErrorCode::invalid);
+      CHECK(opened.error().message.find(path) != std::string::npos);
+      CHECK(test::read_file(path) == before);
+    }
+  }
+
   TEST_CASE("Opening replaces the table, and refuses what is no SQLite file") {
     const test::TemporaryDirectory directory;
     const std::string path = directory / "runs.sqlite";

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/planar_files.h"
+
+#include "benchmark/bench_support.h"
+
+namespace mneme::test {
+namespace {
+
+std::string write_runs(const PlanarFiles& files) {
+  write_file(files / "runs.csv", to_csv(suite_rows()));
+  return files / "runs.csv";
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("no output is written over a memory") {
+    const PlanarFiles files;
+    const std::string memory = files.database(), problem = files.problem(), csv = write_runs(files);
+    const std::string before = read_file(memory);
+    std::filesystem::create_symlink(memory, files / "link");
+    const std::string read = "is the memory that is read; expected another file";
+    const std::string kept = "is a memory; expected another file";
+    check_bad_inputs({
+        {{"bench", "run", problem, "--db", memory, "--sqlite", memory}, 1, {memory, read}},
+        {{"bench", "run", problem, "--db", memory, "--csv", memory}, 1, {memory, read}},
+        {{"bench", "run", problem, "--csv", memory}, 1, {memory, kept}},
+        {{"bench", "run", problem, "--sqlite", memory}, 1, {memory, kept}},
+        {{"bench", "export", csv, "--sqlite", memory}, 1, {memory, kept}},
+        {{"bench", "export", csv, "--planner-arena", files / "link"}, 1, {files / "link", kept}},
+        {{"bench", "report", csv, "-o", memory}, 1, {memory, kept}},
+        {{"plan", problem, "--db", memory, "--trace", memory}, 1, {memory, read}},
+        {{"plan", problem, "--db", memory, "--view", files / "link"}, 1, {files / "link", read}},
+        {{"plan", problem, "--db", files / "link", "--svg", memory}, 1, {memory, read}},
+        {{"plan", problem, "--db", files / "new.db", "--learn-budget", "1", "--svg",
+          files / "new.db"},
+         1,
+         {"new.db", read}},
+        {{"plan", problem, "--svg", memory}, 1, {memory, kept}},
+        {{"db", "export", memory, memory}, 1, {memory, read}},
+        {{"scene", "convert", problem, "-o", memory}, 1, {memory, kept}},
+        {{"scene", "threaded", "-n", "1", "-o", memory}, 1, {memory, kept}},
+        {{"robot", "planar", "--links", "1,1", "-o", memory}, 1, {memory, kept}},
+    });
+    CHECK(read_file(memory) == before);
+    CHECK_FALSE(std::filesystem::exists(files / "new.db"));
+  }
+
+  TEST_CASE("no output is written over what is read, or over another one") {
+    const PlanarFiles files;
+    const std::string problem = files.problem(), csv = write_runs(files);
+    std::filesystem::create_hard_link(problem, files / "hard.yaml");
+    write_file(files / "trace.json", "{}");
+    write_file(files / "two.json", "{\"problems\": []}");
+    const std::string before = read_file(problem);
+    const std::string robot = std::filesystem::canonical(source_file("robots/planar8.urdf"));
+    check_bad_inputs({
+        {{"plan", problem, "--trace", problem}, 1, {problem, "is the problem that is read"}},
+        {{"plan", problem, "--svg", files / "hard.yaml"}, 1, {"hard.yaml", "is the problem"}},
+        {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is the robot that is read"}},
+        {{"plan", problem, "--svg", files / "a", "--trace", files / "./a"},
+         1,
+         {"to be written twice"}},
+        {{"bench", "run", problem, "--csv", problem}, 1, {problem, "is a problem that is read"}},
+        {{"bench", "report", csv, "-o", csv}, 1, {csv, "is a file of runs that is read"}},
+        {{"scene", "convert", problem, "-o", problem}, 1, {problem, "is the scene that is read"}},
+        {{"view", files / "trace.json", "-o", files / "trace.json"}, 1, {"is the trace"}},
+    });
+    CHECK(read_file(problem) == before);
+    CHECK_FALSE(std::filesystem::exists(files / "a"));
+    const ProgramRun run =
+        run_program({"plan", problem, "--trace", "/dev/null", "--svg", "/dev/null"});
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+  }
+
+  TEST_CASE("a suite does not write over a memory that it names") {
+    const PlanarFiles files;
+    std::filesystem::create_directory(files / "out");
+    std::filesystem::copy_file(files.database(), files / "out/runs.sqlite");
+    write_file(files / "s.yaml",
+               "problems: [problem.yaml]\nmemories: {m: {file: out/runs.sqlite}}\n"
+               "settings: {a: {memory: m}}\n");
+    check_bad_inputs({{{"bench", "run", files / "s.yaml", "--out", files / "out"},
+                       1,
+                       {"runs.sqlite", "is a memory that is read"}}});
+    CHECK(run_program({"db", "info", files / "out/runs.sqlite"}).exit_code == 0);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
