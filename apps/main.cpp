@@ -82,9 +82,9 @@ int run(int argument_count, char** arguments) {
       "remembers how.");
   Action action;
   set_up(program, action);
-  if (const auto complaint =
-          unknown_command(program, {arguments + 1, arguments + argument_count})) {
-    return report_usage_error(*complaint->command, complaint->message);
+  const std::vector<std::string> words(arguments + 1, arguments + argument_count);
+  for (const auto& complaint : {unknown_command(program, words), missing_value(program, words)}) {
+    if (complaint) return report_usage_error(*complaint->command, complaint->message);
   }
   try {
     program.parse(argument_count, arguments);

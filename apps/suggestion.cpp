@@ -75,6 +75,22 @@ std::optional<Complaint> unknown_command(const CLI::App& program,
   return std::nullopt;
 }
 
+std::optional<Complaint> missing_value(const CLI::App& program,
+                                       const std::vector<std::string>& words) {
+  const CLI::App* command = &program;
+  for (const std::string& word : words) {
+    if (word == "--") return std::nullopt;
+    if (word.starts_with("--") && word.find('=') == word.size() - 1) {
+      return Complaint{
+          command, fmt::format("{}: expected a value after '='", word.substr(0, word.size() - 1))};
+    }
+    const std::vector<std::string> names = subcommand_names(*command);
+    const bool is_command = std::find(names.begin(), names.end(), word) != names.end();
+    if (is_command) command = command->get_subcommand(word);
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> unexpected_argument(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
   if (words.empty()) return std::nullopt;

@@ -22,6 +22,11 @@ struct Complaint {
 [[nodiscard]] std::optional<Complaint> unknown_command(const CLI::App& program,
                                                        const std::vector<std::string>& words);
 
+/// The complaint about the first of `words` that is a flag with an equals sign and nothing after
+/// it, if there is one: the next word would be taken for its value.
+[[nodiscard]] std::optional<Complaint> missing_value(const CLI::App& program,
+                                                     const std::vector<std::string>& words);
+
 /// The complaint about what `command` was given but does not take, if there is such a thing.
 [[nodiscard]] std::optional<std::string> unexpected_argument(const CLI::App& command);
 

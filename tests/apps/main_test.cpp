@@ -69,6 +69,23 @@ TEST_SUITE("unit") {
     });
   }
 
+  TEST_CASE("a flag with an equals sign and no value does not take the next word") {
+    const TemporaryDirectory files;
+    const std::string flag = "--trace: expected a value after '='";
+    check_bad_inputs({
+        {{"plan", "p.yaml", "--trace=", "--continuous"}, 2, {flag, "see 'mneme plan --help'"}},
+        {{"plan", "p.yaml", "--trace="}, 2, {flag}},
+        {{"bench", "run", "p.yaml", "--csv=", "a"},
+         2,
+         {"--csv: expected a value", "see 'mneme bench run --help'"}},
+        {{"--version="}, 2, {"--version: expected a value", "see 'mneme --help'"}},
+        // Words that end in an equals sign are values like any others.
+        {{"db", "info", files / "a="}, 1, {"a="}},
+        {{"plan", files / "p=", "--db", files / "a="}, 1, {"p="}},
+        {{"plan", "--", "--p="}, 1, {"--p="}},
+    });
+  }
+
   TEST_CASE("a full standard output is a failure") {
     if (!std::filesystem::exists("/dev/full")) return;
     const std::string command =
