@@ -52,7 +52,8 @@ void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
   if (!is_json) {
     fmt::print("{}", to_table(summaries));
     if (!invalid.empty()) {
-      fmt::print("invalid start or goal, left out: {}\n", fmt::join(invalid, ", "));
+      fmt::print("invalid start or goal, left out: {}\n",
+                 printable(fmt::format("{}", fmt::join(invalid, ", "))));
     }
     return;
   }

@@ -21,6 +21,7 @@
 #include "db_upkeep.h"
 #include "inputs.h"
 #include "options.h"
+#include "problem_primitives.h"
 
 namespace mneme::app {
 namespace {
@@ -37,6 +38,13 @@ struct DbOptions {
   RobotOptions robot_options;
   SolveSettings settings;
 };
+
+/// The decomposer whose keys are pairs of circles.
+constexpr std::string_view kCircles = "pairs";
+
+std::string decomposer_of(const Database& database) {
+  return decomposer_of_version(database.space().decomposer).value_or("");
+}
 
 // info
 
@@ -63,7 +71,7 @@ void print_info(const DatabaseInfo& info) {
     fmt::print("{:<12}  {}\n", what, value);
   };
   line("database", info.url);
-  line("robot", info.space.robot_name);
+  line("robot", printable(info.space.robot_name));
   line("robot hash", info.space.robot_hash);
   line("joints", info.space.joint_count);
   line("decomposer",
@@ -125,8 +133,9 @@ Result<ExitCode> run_list(const DbOptions& options) {
     print_json({{"samplers", database->size()}, {"rows", rows}});
     return ExitCode::done;
   }
-  fmt::print("{:>8}  {:<53}  {:>10}  {:>20}  {}\n", "id", "key (x y r x y r)", "components", "seed",
-             "time");
+  const bool has_circles = decomposer_of(*database) == kCircles;
+  fmt::print("{:>8}  {:<53}  {:>10}  {:>20}  {}\n", "id", has_circles ? "key (x y r x y r)" : "key",
+             "components", "seed", "time");
   const auto listed = visit_first(*database, count, print_row);
   if (!listed) return tl::unexpected(listed.error());
   if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
@@ -137,6 +146,12 @@ Result<ExitCode> run_list(const DbOptions& options) {
 
 Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                                                        const Database& database) {
+  if (options.key && decomposer_of(database) != kCircles) {
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}' has keys of the decomposer {}, --key is two circles; expected "
+                            "--problem",
+                            database.info().url, database.space().decomposer));
+  }
   if (options.key) return std::vector<LocalPrimitive>{make_primitive(*options.key)};
   const Result<Problem> problem = problem_options(options.robot, options.robot_options)
                                       .and_then([&](const ProblemOptions& given) {
@@ -152,8 +167,8 @@ Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                     problem->robot.name(), problem->robot.hash()));
   }
   DecomposeSettings settings = options.settings.decompose;
-  settings.decomposer = decomposer_of_version(database.space().decomposer).value_or("");
-  return decompose(problem->robot, problem->scene, settings);
+  settings.decomposer = decomposer_of(database);
+  return find_primitives(*problem, settings);
 }
 
 Json to_json(const Match& match) {
@@ -166,13 +181,17 @@ Json to_json(const Match& match) {
 }
 
 void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& matches) {
-  fmt::print("primitive {:.4f}, gap {:.4f} m: {}\n", fmt::join(primitive.key, " "), primitive.gap,
-             counted(matches.size(), "match", "matches"));
+  fmt::print("{} {:.4f}", is_query(primitive) ? "query" : "primitive",
+             fmt::join(primitive.key, " "));
+  if (!is_query(primitive)) fmt::print(", gap {:.4f} m", primitive.gap);
+  fmt::print(": {}\n", counted(matches.size(), "match", "matches"));
   for (const Match& match : matches) {
-    fmt::print("  id {}, similarity error {:.4f} m^2, {} components, turned by {:.4f} rad{}\n",
-               match.experience->id, match.similarity_error,
-               match.experience->sampler.component_count(), match.to_scene.rotation,
-               match.to_scene.is_mirrored ? ", mirrored" : "");
+    fmt::print("  id {}, similarity error {:.4f} {}, {} components", match.experience->id,
+               match.similarity_error, unit_of_error(primitive),
+               match.experience->sampler.component_count());
+    if (!is_query(primitive)) fmt::print(", turned by {:.4f} rad", match.to_scene.rotation);
+    const char* image = is_query(primitive) ? ", reversed" : ", mirrored";
+    fmt::print("{}\n", match.to_scene.is_mirrored ? image : "");
   }
 }
 
@@ -219,13 +238,16 @@ void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Actio
           "--key",
           fmt::format("has {} numbers; expected x,y,r of two circles", options->key->size()));
     }
-    for (const double number : *options->key) {
-      if (!std::isfinite(number)) {
-        throw CLI::ValidationError("--key", fmt::format("{} is no length in metres", number));
-      }
+    for (std::size_t i = 0; i < options->key->size(); ++i) {
+      const double number = (*options->key)[i];
+      const bool is_radius = i % 3 == 2;
+      if (std::isfinite(number) && (!is_radius || number > 0)) continue;
+      throw CLI::ValidationError(
+          "--key", fmt::format("{} is no {} in metres", number, is_radius ? "radius" : "length"));
     }
   };
-  add_text(*command, "--key", read_key, "two circles, metres")->type_name("X,Y,R,X,Y,R");
+  add_text(*command, "--key", read_key, "two circles, metres; for keys of pairs")
+      ->type_name("X,Y,R,X,Y,R");
   command->add_option("--problem", options->problem,
                       "problem whose primitives to look up: YAML file, or FILE.json#NAME");
   command->add_option("--robot", options->robot,

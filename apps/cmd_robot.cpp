@@ -32,6 +32,8 @@ struct RobotCommandOptions {
   bool is_json = false;
 };
 
+constexpr double kLongestLink = 1e6;  // metres
+
 struct PlanarOptions {
   std::vector<double> links;
   double thickness = 0.001;
@@ -91,7 +93,7 @@ Json to_json(const Robot& robot, const std::string& path) {
 }
 
 void print_robot(const Robot& robot, const std::string& path) {
-  fmt::print("robot   {} ({})\n", robot.name(), path);
+  fmt::print("robot   {} ({})\n", printable(robot.name()), printable(path));
   fmt::print("hash    {}\n", robot.hash());
   fmt::print("planar  {}\n", robot.is_planar() ? "yes" : "no");
   fmt::print("pairs   {} pairs of links are checked against each other\n",
@@ -99,12 +101,13 @@ void print_robot(const Robot& robot, const std::string& path) {
   fmt::print("joints  {}\n", robot.joint_count());
   for (int i = 0; i < robot.joint_count(); ++i) {
     const Joint& joint = robot.group_joint(i);
-    fmt::print("  {:<20} {:<11} {:>9.5f} to {:>9.5f}  moves {}\n", joint.name,
-               to_string(joint.type), joint.lower, joint.upper, link_name(robot, joint.child_link));
+    fmt::print("  {:<20} {:<11} {:>9.5f} to {:>9.5f}  moves {}\n", printable(joint.name),
+               to_string(joint.type), joint.lower, joint.upper,
+               printable(link_name(robot, joint.child_link)));
   }
   fmt::print("links   {}\n", robot.links().size());
   for (const Link& link : robot.links()) {
-    fmt::print("  {:<20} {} spheres, {} capsules\n", link.name, link.spheres.size(),
+    fmt::print("  {:<20} {} spheres, {} capsules\n", printable(link.name), link.spheres.size(),
                link.capsules.size());
   }
 }
@@ -128,8 +131,8 @@ ExitCode report_contacts(const std::vector<Contact>& contacts, bool is_json) {
   Json rows = Json::array();
   for (const Contact& contact : contacts) {
     if (!is_json) {
-      fmt::print("{} touches {} {} ({:.6f} m)\n", contact.link,
-                 contact.is_self ? "link" : "obstacle", contact.other, contact.distance);
+      fmt::print("{} touches {} {} ({:.6f} m)\n", printable(contact.link),
+                 contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance);
     }
     rows.push_back({{"link", contact.link},
                     {"other", contact.other},
@@ -169,7 +172,7 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
     if (options.is_json) {
       print_json({{"is_valid", false}, {"violation", *violation}, {"contacts", Json::array()}});
     } else {
-      fmt::print("{}\n", *violation);
+      fmt::print("{}\n", printable(*violation));
     }
     return ExitCode::invalid_ends;
   }
@@ -229,9 +232,10 @@ void add_planar(CLI::App& group, Action& action) {
   const auto read_links = [options](const std::string& text) {
     options->links = parse_numbers("--links", text);
     for (const double length : options->links) {
-      if (length > 0 && length < 1e6) continue;
-      throw CLI::ValidationError("--links",
-                                 fmt::format("{} is not a length of more than 0 m", length));
+      if (length > 0 && length < kLongestLink) continue;
+      throw CLI::ValidationError(
+          "--links", fmt::format("{} is not a length of more than 0 m and less than {} m", length,
+                                 kLongestLink));
     }
   };
   add_text(*command, "--links", read_links, "lengths, metres")->type_name("X,X,..")->required();

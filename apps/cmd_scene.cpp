@@ -15,6 +15,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "problem_primitives.h"
 #include "scene_convert.h"
 #include "scene_threaded.h"
 #include "scene_vary.h"
@@ -35,11 +36,10 @@ struct SceneInfoOptions {
 /// Nothing if no robot is known.
 using Primitives = std::optional<std::vector<LocalPrimitive>>;
 
-Result<Primitives> find_primitives(const SceneInfoOptions& options, const Workspace& workspace) {
+Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspace& workspace) {
   const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
   if (workspace.problem) {
-    return decompose(workspace.problem->robot, workspace.problem->scene, options.decompose)
-        .map(wrap);
+    return find_primitives(*workspace.problem, options.decompose).map(wrap);
   }
   if (options.robot.empty()) return Primitives();
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
@@ -79,20 +79,21 @@ Json to_json(const Scene& scene, const Primitives& primitives) {
 }
 
 void print_scene(const Scene& scene, const Primitives& primitives) {
-  fmt::print("scene       {}\n", scene.name);
+  fmt::print("scene       {}\n", printable(scene.name));
   fmt::print("obstacles   {}\n", scene.obstacles.size());
   for (const Obstacle& obstacle : scene.obstacles) {
-    fmt::print("  {}: {}\n", obstacle.name, fmt::join(shape_names(obstacle), ", "));
+    fmt::print("  {}: {}\n", printable(obstacle.name), fmt::join(shape_names(obstacle), ", "));
   }
   if (!primitives) {
     fmt::print("primitives  depend on the robot: give --robot\n");
     return;
   }
   fmt::print("primitives  {}\n", primitives->size());
-  for (const LocalPrimitive& primitive : *primitives) {
-    fmt::print("  {}: gap {:.4f} m, key {:.4f}\n",
-               fmt::join(obstacle_names(scene, primitive), " and "), primitive.gap,
-               fmt::join(primitive.key, " "));
+  for (std::size_t i = 0; i < primitives->size(); ++i) {
+    const LocalPrimitive& primitive = (*primitives)[i];
+    fmt::print("  {}: ", describe(scene, primitive, i));
+    if (!is_query(primitive)) fmt::print("gap {:.4f} m, ", primitive.gap);
+    fmt::print("key {:.4f}\n", fmt::join(primitive.key, " "));
   }
 }
 
@@ -101,7 +102,7 @@ Result<ExitCode> run_info(const SceneInfoOptions& options) {
   if (!overrides) return tl::unexpected(overrides.error());
   const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
   if (!workspace) return tl::unexpected(workspace.error());
-  const Result<Primitives> primitives = find_primitives(options, *workspace);
+  const Result<Primitives> primitives = primitives_of(options, *workspace);
   if (!primitives) return tl::unexpected(primitives.error());
   if (options.is_json) {
     print_json(to_json(workspace->framed.scene, *primitives));

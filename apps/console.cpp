@@ -48,11 +48,28 @@ bool has_terminal() {
   return isatty(STDERR_FILENO) == 1 && type != nullptr && std::string_view(type) != "dumb";
 }
 
-void print_error(std::string_view message) {
-  fmt::print(stderr, "mneme: {} {}\n", coloured("error:", "1;31"), message);
+std::string printable(std::string_view text) {
+  std::string shown;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    // U+0080 to U+009F are control characters too, in UTF-8 two bytes.
+    const bool is_pair = byte == 0xc2 && next >= 0x80 && next < 0xa0;
+    if (is_pair) shown += fmt::format("\\x{:02x}", text[i++] & 0xff);
+    if (is_pair || byte < 0x20 || byte == 0x7f) {
+      shown += fmt::format("\\x{:02x}", text[i] & 0xff);
+    } else {
+      shown += text[i];
+    }
+  }
+  return shown;
 }
 
-void print_note(std::string_view message) { fmt::print(stderr, "mneme: {}\n", message); }
+void print_error(std::string_view message) {
+  fmt::print(stderr, "mneme: {} {}\n", coloured("error:", "1;31"), printable(message));
+}
+
+void print_note(std::string_view message) { fmt::print(stderr, "mneme: {}\n", printable(message)); }
 
 void print_json(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));

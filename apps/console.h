@@ -17,6 +17,9 @@ void print_error(std::string_view message);
 void print_note(std::string_view message);
 /// True if standard error is a terminal that understands control sequences.
 [[nodiscard]] bool has_terminal();
+/// `text` with control characters as \x1b: names come from files that others wrote, and a terminal
+/// obeys.
+[[nodiscard]] std::string printable(std::string_view text);
 /// Prints to standard output; text that is not UTF-8, such as a file's name, has its bad bytes
 /// replaced.
 void print_json(const nlohmann::ordered_json& json);

@@ -7,6 +7,12 @@
 #include "base/utf8.h"
 
 namespace mneme::internal {
+namespace {
+
+/// Metres; no planner takes what is farther (docs/numerics.md).
+constexpr double kFarthest = 1e4;
+
+}  // namespace
 
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
   for (Shape& shape : obstacle.shapes) {
@@ -30,6 +36,11 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   if (!decode_utf8(name) || !decode_utf8(body)) {
     return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
                        storable_text(name + body));
+  }
+  const Sphere bound = bounding_sphere(shape);
+  // Written so that what is not finite fails too.
+  if (!(bound.center.norm() + bound.radius <= kFarthest)) {
+    return fmt::format("expected a shape within {} m of the origin", kFarthest);
   }
   const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
   if (is_new_body && names_.count(body) != 0) {

@@ -100,6 +100,39 @@ TEST_SUITE("flow") {
     CHECK(matches({"--max-matches", "0"}) == 12);
   }
 
+  TEST_CASE("memory of whole paths is queried by problems, and has keys of its own") {
+    const PlanarFiles files;
+    const std::string memory = files / "paths.db";
+    const ProgramRun learned = run_program({"learn", "--problems", files.problem(), "--decomposer",
+                                            "paths", "--db", memory, "--paths", "1"});
+    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    const Json json = run_json({"db", "query", memory, "--problem", files.problem()});
+    REQUIRE(json["primitives"].size() == 1);
+    REQUIRE(json["primitives"][0]["matches"].size() == 1);
+    CHECK(json["primitives"][0]["matches"][0]["similarity_error"] < 1e-9);
+    const ProgramRun words = run_program({"db", "query", memory, "--problem", files.problem()});
+    CHECK(has_text(words.out, "query "));
+    CHECK(has_text(words.out, "id 1, similarity error 0.0000 rad^2"));
+    CHECK_FALSE(has_text(words.out, "gap"));
+    CHECK_FALSE(has_text(words.out, "turned"));
+    const ProgramRun list = run_program({"db", "list", memory});
+    CHECK_FALSE(has_text(list.out, "(x y r"));
+    CHECK(has_text(run_program({"db", "list", files.database()}).out, "key (x y r x y r)"));
+    const Json scene = run_json({"scene", "info", files.problem(), "--decomposer", "paths"});
+    CHECK(scene["primitives"].size() == 1);
+    CHECK(has_text(run_program({"scene", "info", files.problem(), "--decomposer", "paths"}).out,
+                   "  query to goal 1: key "));
+    std::string start = read_file(files.problem());
+    start.replace(start.find("start: [") + 8, 0, "1, ");
+    write_file(files / "nine.yaml", start);
+    check_bad_inputs({
+        {{"db", "query", memory, "--key", "3,1,1.2,3,-1.5,1"},
+         1,
+         {"paths.db", "paths/1", "--key is two circles", "expected --problem"}},
+        {{"db", "query", memory, "--problem", files / "nine.yaml"}, 1, {"start"}},
+    });
+  }
+
   TEST_CASE("query takes another robot than the problem's, and refuses one that does not fit") {
     const PlanarFiles files;
     const Json json = run_json(
@@ -122,6 +155,8 @@ TEST_SUITE("unit") {
         {{"db", "query", database, "--key", "1,2,3"}, 2, {"--key", "3 numbers"}},
         {{"db", "query", database, "--key", "1,2,3,4,5,z"}, 2, {"--key", "'z'"}},
         {{"db", "query", database, "--key", "1,2,3,4,nan,6"}, 2, {"--key", "nan"}},
+        {{"db", "query", database, "--key", "1,2,-3,4,5,6"}, 2, {"--key", "-3 is no radius"}},
+        {{"db", "query", database, "--key", "1,2,3,4,5,0"}, 2, {"--key", "0 is no radius"}},
         {{"db", "query", database, "--key", "1,2,1,4,5,1", "--similarity", "-1"},
          2,
          {"--similarity", "'-1'"}},

@@ -107,6 +107,7 @@ TEST_SUITE("unit") {
         {{"robot", "planar"}, 2, {"--links is required"}},
         {{"robot", "planar", "--links", "1,0"}, 2, {"--links"}},
         {{"robot", "planar", "--links", "1,-2"}, 2, {"--links", "-2"}},
+        {{"robot", "planar", "--links", "1e300"}, 2, {"--links", "1e+300", "less than 1000000 m"}},
         {{"robot", "planar", "--links", "1,nan"}, 2, {"--links"}},
         {{"robot", "planar", "--links", "1,2", "--thickness", "-1"}, 2, {"--thickness"}},
         {{"robot", "planar", "--links", "1,2", "--json"}, 2, {"--json", "-o"}},

@@ -68,15 +68,45 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("names of a scene cannot steer a terminal") {
+    const PlanarFiles files;
+    const std::string problem =
+        "robot: planar8\nstart: [-2.2, 0, 0, 0, 0, 0, 0, 0]\ngoal: [0, 0, 0, 0, 0, 0, 0, 0]\n"
+        "scene: {circles: {\"a\\nb\\e[31m\\x9b2J\": [-5.75, -1.15, 1.73]}}\n";
+    write_file(files / "odd.yaml", problem);
+    const std::string shown = "a\\x0ab\\x1b[31m\\xc2\\x9b2J";
+    const ProgramRun info = run_program({"scene", "info", files / "odd.yaml"});
+    REQUIRE_MESSAGE(info.exit_code == 0, info.err);
+    CHECK_MESSAGE(has_text(info.out, shown), info.out);
+    const ProgramRun check = run_program(
+        {"robot", "check", "planar8", "--q", "-2.94,0,0,0,0,0,0,0", "--scene", files / "odd.yaml"});
+    CHECK(check.exit_code == 4);
+    CHECK_MESSAGE(has_text(check.out, "obstacle " + shown), check.out);
+    const ProgramRun plan =
+        run_program({"plan", files / "odd.yaml", "--start", "-2.94,0,0,0,0,0,0,0"});
+    CHECK(plan.exit_code == 4);
+    CHECK_MESSAGE(has_text(plan.err, shown), plan.err);
+    for (const std::string& text : {info.out, check.out, plan.out, plan.err}) {
+      CHECK_FALSE(has_text(text, "\x1b"));
+      CHECK_FALSE(has_text(text, "\xc2\x9b"));
+    }
+    const ProgramRun json = run_program({"scene", "info", files / "odd.yaml", "--json"});
+    CHECK(Json::parse(json.out)["obstacles"][0]["name"] ==
+          "a\nb\x1b[31m\xc2\x9b"
+          "2J");
+  }
+
   TEST_CASE("wrong scenes end with a message and an exit code") {
     const PlanarFiles files;
     write_file(files / "list.yaml", "[1, 2]\n");
+    write_file(files / "far.yaml", "circles: {a: [1, 2, 1e300]}\n");
     write_file(files / "negative.yaml", "circles: {a: [1, 2, -3]}\n");
     check_bad_inputs({
         {{"scene", "info"}, 2, {"SCENE is required"}},
         {{"scene", "info", files / "none.yaml"}, 1, {"none.yaml"}},
         {{"scene", "info", files / "list.yaml"}, 1, {"list.yaml"}},
         {{"scene", "info", files / "negative.yaml"}, 1, {"negative.yaml", "-3"}},
+        {{"scene", "info", files / "far.yaml"}, 1, {"far.yaml:1", "within 10000 m"}},
         {{"scene", "info", files.problem(), "--robot", "nobody"}, 1, {"nobody"}},
         {{"scene", "info", files.problem(), "--max-gap", "-1"}, 2, {"--max-gap"}},
         {{"scene", "convert", files / "none.yaml"}, 1, {"none.yaml"}},
@@ -122,8 +152,8 @@ TEST_SUITE("flow") {
     const std::string memory = files / "shelf.db";
     const ProgramRun learned =
         run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--decomposer", "gaps", "--db",
-                     memory, "--starts-per-link", "10", "--paths-per-start", "1", "--jobs",
-                     "1", "--learn-iterations", "50000", "--json"});
+                     memory, "--starts-per-link", "10", "--paths-per-start", "1", "--jobs", "1",
+                     "--learn-iterations", "50000", "--json"});
     REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
     CHECK(Json::parse(learned.out)["learned"].get<int>() >= 1);
     CHECK(Json::parse(learned.out)["components"].get<int>() > 0);

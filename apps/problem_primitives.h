@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Primitives of problems, and how people read of them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mneme/problem.h"
+#include "mneme/primitive.h"
+
+namespace mneme::app {
+
+/// decompose(), and with the decomposer "paths" the whole query to each goal.
+[[nodiscard]] Result<std::vector<LocalPrimitive>> find_primitives(
+    const Problem& problem, const DecomposeSettings& settings);
+
+/// True of whole queries, which have no obstacles.
+[[nodiscard]] bool is_query(const LocalPrimitive& primitive);
+/// "a and b", or "query to goal 1" if it is a query and `index` 0.
+[[nodiscard]] std::string describe(const Scene& scene, const LocalPrimitive& primitive,
+                                   std::size_t index);
+/// Of similarity errors.
+[[nodiscard]] std::string_view unit_of_error(const LocalPrimitive& primitive);
+
+}  // namespace mneme::app
