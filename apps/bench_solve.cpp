@@ -7,7 +7,10 @@
 #include "mneme/ompl.h"
 #endif
 
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace mneme::app {
 namespace {
@@ -89,9 +92,31 @@ bool is_missing_planner(const std::string& planner) {
 #endif
 }
 
+Result<void> check_names(const SolveSettings& settings) {
+  SuiteNames names = bench_names();
+  std::erase_if(names.planners, is_missing_planner);
+  const auto has = [](const auto& all, std::string_view name) {
+    return std::find(all.begin(), all.end(), name) != all.end();
+  };
+  if (!is_ompl_planner(settings.planner) && !has(names.planners, settings.planner)) {
+    return fail(ErrorCode::invalid, fmt::format("unknown planner '{}': expected one of {}",
+                                                settings.planner, fmt::join(names.planners, ", ")));
+  }
+  if (!has(names.samplers, settings.sampler)) {
+    return fail(ErrorCode::invalid, fmt::format("unknown sampler '{}': expected one of {}",
+                                                settings.sampler, fmt::join(names.samplers, ", ")));
+  }
+  if (is_ompl_planner(settings.planner) || has(sampler_names(), settings.sampler)) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("sampler '{}' is OMPL's: expected a planner of OMPL that draws valid "
+                          "states, such as ompl:PRM, not '{}'",
+                          settings.sampler, settings.planner));
+}
+
 Result<SolveResult> solve_with_any(const Problem& problem, Database* database,
                                    const SolveSettings& settings, bool is_ompl_as_in_paper,
                                    const std::string& ompl_experience) {
+  if (auto checked = check_names(settings); !checked) return tl::unexpected(checked.error());
   if (!is_ompl_planner(settings.planner)) return solve(problem, database, settings);
   return solve_ompl(problem, database, settings, is_ompl_as_in_paper, ompl_experience);
 }

@@ -27,6 +27,10 @@ namespace mneme::app {
 [[nodiscard]] Result<void> train_experience(std::string_view planner, const Robot& robot,
                                             std::span<const Path> paths, const std::string& file);
 
+/// Errors: a planner or sampler that this build does not have; a sampler of OMPL's with a planner
+/// that is not.
+[[nodiscard]] Result<void> check_names(const SolveSettings& settings);
+
 /// solve() with the planner of `settings`, whoever's it is. With `is_ompl_as_in_paper` those of
 /// OMPL have OMPL's defaults; `ompl_experience` is a file of train_experience, or empty.
 [[nodiscard]] Result<SolveResult> solve_with_any(const Problem& problem, Database* database,

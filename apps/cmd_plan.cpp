@@ -22,6 +22,7 @@
 #include "options.h"
 #include "output_check.h"
 #include "plan_files.h"
+#include "problem_primitives.h"
 
 namespace mneme::app {
 namespace {
@@ -90,16 +91,14 @@ void print_memory(const Problem& problem, const GlSampler& gl) {
              counted(retrieved, "sampler", "samplers"),
              counted(gl.mixture ? static_cast<std::size_t>(gl.mixture->component_count()) : 0,
                      "component", "components"));
-  for (const PrimitiveRetrieval& found : gl.primitives) {
-    std::vector<std::string_view> names;
-    for (const int index : found.primitive.obstacles) {
-      names.push_back(problem.scene.obstacles.at(static_cast<std::size_t>(index)).name);
-    }
-    fmt::print("  {}, gap {:.3f} m: {}", fmt::join(names, " and "), found.primitive.gap,
-               counted(found.matches.size(), "match", "matches"));
+  for (std::size_t i = 0; i < gl.primitives.size(); ++i) {
+    const PrimitiveRetrieval& found = gl.primitives[i];
+    fmt::print("  {}", describe(problem.scene, found.primitive, i));
+    if (!is_query(found.primitive)) fmt::print(", gap {:.3f} m", found.primitive.gap);
+    fmt::print(": {}", counted(found.matches.size(), "match", "matches"));
     if (!found.matches.empty()) {
-      fmt::print(", similarity error {:.3f} to {:.3f} m^2", found.matches.front().similarity_error,
-                 found.matches.back().similarity_error);
+      fmt::print(", similarity error {:.3f} to {:.3f} {}", found.matches.front().similarity_error,
+                 found.matches.back().similarity_error, unit_of_error(found.primitive));
     }
     fmt::print("{}\n", found.is_learned ? ", learned just now" : "");
   }
@@ -188,6 +187,21 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
   add_settings(command, settings.learn);
 }
 
+/// Flags that only make sense together.
+void check_choices(const PlanOptions& options) {
+  const SolveSettings& settings = options.settings;
+  check_verification(settings.plan);
+  if (const auto checked = check_names(settings); !checked) {
+    throw CLI::ValidationError("--sampler", checked.error().message);
+  }
+  // gl without memory is what is left of it when nothing is retrieved: uniform samples.
+  const bool draws_from_memory = needs_memory(settings.sampler) && settings.sampler != "gl";
+  if (draws_from_memory && options.db.empty()) {
+    throw CLI::ValidationError("--sampler",
+                               settings.sampler + " needs --db, the memory that it draws from");
+  }
+}
+
 }  // namespace
 
 void add_plan(CLI::App& program, Action& action) {
@@ -209,6 +223,7 @@ void add_plan(CLI::App& program, Action& action) {
     if (options->settings.learn_budget_s > 0 && options->db.empty()) {
       throw CLI::ValidationError("--learn-budget", "needs --db, where it puts what is learned");
     }
+    check_choices(*options);
     action = [options] { return run_plan(*options); };
   });
 }

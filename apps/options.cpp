@@ -142,7 +142,13 @@ void add_database_memory(CLI::App& app, DatabaseSettings& settings) {
            fmt::format("MiB of the database's rows in memory; of a larger one rows are read when "
                        "they match (default {}; 0 to 1000000)",
                        settings.memory_bytes >> kMebibyte))
-      ->type_name("N");
+      ->type_name("N")
+      ->needs("--db");
+}
+
+void check_verification(const PlanSettings& settings) {
+  if (settings.verify || !settings.continuous) return;
+  throw CLI::ValidationError("--continuous", "is a way to verify; expected no --no-verify with it");
 }
 
 void add_json(CLI::App& app, bool& is_json) {

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "mneme/experience.h"
+#include "mneme/planning.h"
 #include "mneme/primitive.h"
 #include "mneme/robot.h"
 
@@ -128,8 +129,10 @@ void add_decompose_settings(CLI::App& app, DecomposeSettings& settings);
 void add_isa(CLI::App& app);
 /// The flags --srdf, --group and --package-path.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
-/// The flag --db-memory.
+/// The flag --db-memory, which needs the flag --db.
 void add_database_memory(CLI::App& app, DatabaseSettings& settings);
+/// A usage error if flags ask for continuous verification and for none.
+void check_verification(const PlanSettings& settings);
 /// The flag --json.
 void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.

@@ -3,6 +3,7 @@
 
 #include "benchmark/suite_settings.h"
 #include "mneme/benchmark.h"
+#include "pipeline/check_settings.h"
 #include "pipeline/recall.h"
 #include "base/text_file.h"
 #include "scene/yaml_input.h"
@@ -37,6 +38,11 @@ std::vector<std::string> read_names(const Input& input, const std::vector<std::s
                                              fmt::join(known, ", ")));
   }
   return names;
+}
+
+/// True of what names a file in a directory and nothing elsewhere.
+bool is_file_name(std::string_view name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string_view::npos;
 }
 
 template <class T>
@@ -104,6 +110,10 @@ class SuiteReader {
     keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "decomposer",
                              "paths", "path-timeout", "seed"});
     input.allow_keys(keys);
+    if (!is_file_name(name)) {
+      input.fail(ErrorCode::parse,
+                 fmt::format("expected a name that a file can have, got \"{}\"", name));
+    }
     SuiteMemory memory;
     memory.name = name;
     const int sources = (input.find("file") ? 1 : 0) + (input.find("primitives") ? 1 : 0) +
@@ -166,6 +176,9 @@ class SuiteReader {
     input.allow_keys(keys);
     read_common(input, setting);
     internal::read_solve_settings(input, setting.solve);
+    if (auto checked = internal::check_verification(setting.solve.plan); !checked) {
+      input.fail(ErrorCode::parse, checked.error().message);
+    }
     if (const auto memory = input.find("memory")) setting.memory = memory->text();
     if (const auto ompl = input.find("ompl-defaults"))
       setting.is_ompl_as_in_paper = ompl->boolean();

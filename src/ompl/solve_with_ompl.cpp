@@ -34,7 +34,10 @@ bool is_valid_state_sampler(const std::string& name) {
 }
 
 Result<void> check_settings(const SolveSettings& settings, const OmplPlanner& planner) {
-  if (auto checked = internal::check_ranges(settings); !checked) return checked;
+  for (const auto& checked :
+       {internal::check_ranges(settings), internal::check_verification(settings.plan)}) {
+    if (!checked) return checked;
+  }
   if (!is_valid_state_sampler(settings.sampler)) {
     return internal::check_sampler(settings, sampler_names());
   }

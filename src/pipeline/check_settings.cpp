@@ -39,6 +39,12 @@ Result<void> check_ranges(const SolveSettings& settings) {
   return {};
 }
 
+Result<void> check_verification(const PlanSettings& settings) {
+  if (settings.verify || !settings.continuous) return {};
+  return fail(ErrorCode::invalid,
+              "setting 'continuous' is a way to verify: expected it with 'verify' only");
+}
+
 Result<void> check_sampler(const SolveSettings& settings, std::span<const std::string_view> names) {
   if (std::find(names.begin(), names.end(), settings.sampler) != names.end()) return {};
   return fail(ErrorCode::invalid,

@@ -58,7 +58,8 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   const internal::Stopwatch stopwatch;
   for (const auto& checked :
-       {internal::check_sampler(settings, kSamplerNames), internal::check_ranges(settings)}) {
+       {internal::check_sampler(settings, kSamplerNames), internal::check_ranges(settings),
+        internal::check_verification(settings.plan)}) {
     if (!checked) return tl::unexpected(checked.error());
   }
   const SolveSettings complete = internal::complete_settings(settings, problem.robot, database);

@@ -204,7 +204,17 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--isa", "mmx"}, 2, {"--isa", "mmx"}},
         {{"plan", problem, "--learn-budget", "1"}, 2, {"--learn-budget", "--db"}},
         {{"plan", problem, "--timeout"}, 2, {"--timeout"}},
-        {{"plan", problem, "--db-memory", "-1"}, 2, {"--db-memory", "'-1'", "0 to 1000000"}},
+        {{"plan", problem, "--db", "m.db", "--db-memory", "-1"},
+         2,
+         {"--db-memory", "'-1'", "0 to 1000000"}},
+        {{"plan", problem, "--db-memory", "1"}, 2, {"--db-memory", "requires --db"}},
+        {{"plan", problem, "--continuous", "--no-verify"}, 2, {"--continuous", "--no-verify"}},
+        {{"plan", problem, "--sampler", "cvae"}, 2, {"--sampler", "cvae needs --db"}},
+        {{"plan", problem, "--sampler", "pooled"}, 2, {"--sampler", "pooled needs --db"}},
+        {{"plan", problem, "--sampler", "nearest_scenes"}, 2, {"nearest_scenes needs --db"}},
+        {{"plan", problem, "--sampler", "gaussian"},
+         2,
+         {"--sampler", "'gaussian' is OMPL's", "ompl:PRM", "not 'rrt_connect'"}},
     });
   }
 
@@ -318,6 +328,10 @@ TEST_SUITE("unit") {
     const ProgramRun again =
         run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0", "--json"});
     REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+    const ProgramRun words =
+        run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0"});
+    CHECK(
+        has_text(words.out, "\n  query to goal 1: 1 match, similarity error 0.000 to 0.000 rad^2"));
     CHECK(Json::parse(again.out)["retrieved"] > 0);
     CHECK_FALSE(std::filesystem::exists(files / "own.db.index"));
     const ProgramRun small = run_program({"plan", problem, "--db", files / "own.db", "--json",

@@ -112,6 +112,22 @@ settings:
     CHECK(failure("problems: [a.yaml]\nproblems: [b.yaml]\n").find("small.yaml:2") == 0);
   }
 
+  TEST_CASE("Names of memories are names of files in their directory") {
+    for (const char* name : {"../../escaped", "/tmp/m", "a/b", "..", ".", ""}) {
+      CAPTURE(name);
+      const std::string text =
+          failure(std::string("problems: [a.yaml]\nmemories:\n  \"") + name + "\": {file: m.db}\n");
+      CHECK(text.find("small.yaml:3: key memories.") == 0);
+      CHECK(text.find("expected a name that a file can have") != std::string::npos);
+    }
+  }
+
+  TEST_CASE("Continuous verification goes with verification only") {
+    const std::string text = failure(
+        std::string(kHead) + "settings:\n  s: {memory: m, continuous: true, verify: false}\n");
+    CHECK(text.find("small.yaml:5: key settings.s: setting 'continuous'") == 0);
+  }
+
   TEST_CASE("The sampler gl needs a memory that the suite declares") {
     CHECK(failure("problems: [a.yaml]\n").find("the sampler gl needs the key memory") !=
           std::string::npos);

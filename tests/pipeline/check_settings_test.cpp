@@ -27,6 +27,16 @@ TEST_SUITE("unit") {
     CHECK(internal::check_ranges(settings).error().code == ErrorCode::invalid);
   }
 
+  TEST_CASE("continuous verification goes with verification only") {
+    PlanSettings settings;
+    settings.continuous = true;
+    CHECK(internal::check_verification(settings).has_value());
+    settings.verify = false;
+    CHECK(internal::check_verification(settings).error().code == ErrorCode::invalid);
+    settings.continuous = false;
+    CHECK(internal::check_verification(settings).has_value());
+  }
+
   TEST_CASE("an unknown sampler is an error that lists the known ones") {
     constexpr std::array<std::string_view, 2> names = {"gl", "halton"};
     SolveSettings settings;
