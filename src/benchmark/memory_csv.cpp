@@ -39,8 +39,9 @@ Result<std::vector<MemoryRow>> parse_memory_csv(std::string_view text, const std
                          internal::read_csv_number(fields[3], row.bytes) &&
                          internal::read_csv_number(fields[4], row.learning_time_s);
     if (!is_read) {
-      return fail(ErrorCode::parse, fmt::format("{}: line {}: expected a name and four numbers",
-                                                source, rows.size() + 2));
+      return fail(ErrorCode::parse,
+                  fmt::format("{}: line {}: expected a name and four numbers of 0 or more", source,
+                              rows.size() + 2));
     }
     row.name = fields[0];
     rows.push_back(std::move(row));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <concepts>
 
 namespace mneme {
 namespace {
@@ -41,9 +42,7 @@ class RowReader {
     row.sampler = next();
     read("seed", row.seed);
     read_status(row);
-    int is_valid = 0;
-    read("is_valid", is_valid);
-    row.is_path_valid = is_valid == 1;
+    read_is_valid(row);
     internal::visit_columns(row, [&](const char* name, auto& value) {
       if (position_ < fields_.size()) read(name, value);
     });
@@ -65,11 +64,19 @@ class RowReader {
     note("status", "a status", name);
   }
 
+  void read_is_valid(BenchmarkRow& row) {
+    const std::string& text = next();
+    row.is_path_valid = text == "1";
+    if (text != "0" && text != "1") note("is_valid", "0 or 1", text);
+  }
+
   void read(const char*, std::string& value) { value = next(); }
   template <class T>
   void read(const char* name, T& value) {
     const std::string& text = next();
-    if (!internal::read_csv_number(text, value)) note(name, "a number", text);
+    if (internal::read_csv_number(text, value)) return;
+    note(name, std::integral<T> ? "a whole number of 0 or more" : "a finite number of 0 or more",
+         text);
   }
 
   void note(const char* column, const char* expected, const std::string& text) {

@@ -4,6 +4,7 @@
 #include "apps/planar_files.h"
 
 #include <cstdlib>
+#include <limits>
 
 #include "benchmark/bench_support.h"
 
@@ -69,12 +70,18 @@ TEST_SUITE("unit") {
     const PlanarFiles files;
     write_file(files / "other.csv", "a,b\n1,2\n");
     write_file(files / "empty.csv", csv_header());
+    BenchmarkRow row;
+    row.planning_time_s = std::numeric_limits<double>::quiet_NaN();
+    write_file(files / "nan.csv", to_csv(std::vector{row}));
     check_bad_inputs({
         {{"bench", "report"}, 2, {"CSV is required"}},
         {{"bench", "report", files / "none.csv"}, 1, {"none.csv: cannot be read"}},
         {{"bench", "report", "/dev/zero"}, 1, {"/dev/zero: expected a file of at most"}},
         {{"bench", "report", files / "other.csv"}, 1, {"other.csv:1", "expected the columns"}},
         {{"bench", "report", files / "empty.csv"}, 1, {"empty.csv", "has no runs"}},
+        {{"bench", "report", files / "nan.csv"},
+         1,
+         {"nan.csv: line 2: column planning_time_s: expected a finite number", "got \"nan\""}},
         {{"bench", "export", write_runs(files)}, 2, {"--ompl-logs"}},
     });
   }

@@ -25,7 +25,10 @@ TEST_SUITE("unit") {
           0);
     const std::string text = to_csv(std::vector<MemoryRow>{{"a", 1, 2, 3, 4}});
     CHECK(parse_memory_csv(text + "b,1,x,3,4\n", "m.csv").error().message ==
-          "m.csv: line 3: expected a name and four numbers");
+          "m.csv: line 3: expected a name and four numbers of 0 or more");
+    for (const char* time : {"nan", "inf", "-1"}) {
+      CHECK_FALSE(parse_memory_csv(text + "b,1,2,3," + time + "\n", "m.csv").has_value());
+    }
     CHECK(parse_memory_csv(text + "b,1\n", "m.csv").error().message.find("line 3") !=
           std::string::npos);
   }

@@ -32,7 +32,11 @@ TEST_SUITE("unit") {
     CHECK(number == 1500);
     CHECK_FALSE(read_csv_number("1.5x", number));
     CHECK_FALSE(read_csv_number("", number));
+    for (const char* text : {"nan", "inf", "-inf", "-1", "1e400"}) {
+      CHECK_FALSE(read_csv_number(text, number));
+    }
     int whole = 0;
+    CHECK_FALSE(read_csv_number("-1", whole));
     CHECK_FALSE(read_csv_number("1.5", whole));
   }
 }

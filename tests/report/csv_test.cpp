@@ -80,8 +80,29 @@ TEST_SUITE("unit") {
     CHECK(failure(text.replace(status, 6, "dreamt")) ==
           "f.csv: line 2: column status: expected a status, got \"dreamt\"");
     text.replace(text.rfind(",,0,"), 4, ",,x,");
-    CHECK(failure(text.replace(status, 6, "solved")) ==
-          "f.csv: line 2: column learning_time_s: expected a number, got \"x\"");
+    CHECK(
+        failure(text.replace(status, 6, "solved")) ==
+        "f.csv: line 2: column learning_time_s: expected a finite number of 0 or more, got \"x\"");
+  }
+
+  TEST_CASE("Numbers that no run can have are refused") {
+    const auto refusal = [](auto&& change) {
+      BenchmarkRow row = run(1);
+      change(row);
+      return failure(to_csv(std::vector{row}));
+    };
+    const std::string finite = "expected a finite number of 0 or more, got ";
+    CHECK(refusal([](BenchmarkRow& row) { row.planning_time_s = -5; }) ==
+          "f.csv: line 2: column planning_time_s: " + finite + "\"-5\"");
+    CHECK(refusal([](BenchmarkRow& row) { row.path_length = INFINITY; }) ==
+          "f.csv: line 2: column path_length: " + finite + "\"inf\"");
+    CHECK(refusal([](BenchmarkRow& row) { row.total_time_s = NAN; }) ==
+          "f.csv: line 2: column total_time_s: " + finite + "\"nan\"");
+    CHECK(refusal([](BenchmarkRow& row) { row.components = -1; }) ==
+          "f.csv: line 2: column components: expected a whole number of 0 or more, got \"-1\"");
+    std::string text = to_csv(std::vector{run(1)});
+    text.replace(text.rfind("solved,") + 7, 1, "2");
+    CHECK(failure(text) == "f.csv: line 2: column is_valid: expected 0 or 1, got \"2\"");
   }
 
   TEST_CASE("Files that end with the column timeout_s, as older versions wrote them, read too") {
