@@ -50,7 +50,7 @@ void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
   const std::vector<SetSummary> summaries = summarize_sets(rows);
   const std::vector<std::string> invalid = invalid_problems(rows);
   if (!is_json) {
-    fmt::print("{}", to_table(summaries));
+    fmt::print("{}", printable_table(summaries));
     if (!invalid.empty()) {
       fmt::print("invalid start or goal, left out: {}\n",
                  printable(fmt::format("{}", fmt::join(invalid, ", "))));

@@ -55,6 +55,14 @@ std::string fit_table(std::string_view table, int width, int height) {
   return text;
 }
 
+std::string printable_table(std::vector<SetSummary> summaries) {
+  for (SetSummary& summary : summaries) {
+    summary.set = printable(summary.set);
+    summary.setting = printable(summary.setting);
+  }
+  return to_table(summaries);
+}
+
 LiveTable::LiveTable(std::size_t total)
     : total_(static_cast<std::int64_t>(total)),
       progress_("planning"),
@@ -65,7 +73,7 @@ LiveTable::~LiveTable() { erase(); }
 void LiveTable::update(std::span<const BenchmarkRow> rows) {
   const BenchmarkRow& last = rows.back();
   const std::string detail =
-      fmt::format("{}#{} {}", last.set, last.problem, to_string(last.status));
+      fmt::format("{}#{} {}", printable(last.set), printable(last.problem), to_string(last.status));
   const Clock::time_point now = Clock::now();
   if (is_terminal_ && std::chrono::duration<double>(now - shown_).count() > kInterval) {
     shown_ = now;
@@ -78,7 +86,7 @@ void LiveTable::draw(std::span<const BenchmarkRow> rows) {
   const winsize size = terminal_size();
   erase();
   const std::string table =
-      fit_table(to_table(summarize_sets(rows)), size.ws_col - 1, size.ws_row - kLinesBelow);
+      fit_table(printable_table(summarize_sets(rows)), size.ws_col - 1, size.ws_row - kLinesBelow);
   fmt::print(stderr, "{}", table);
   std::fflush(stderr);
   lines_ = static_cast<int>(std::count(table.begin(), table.end(), '\n'));

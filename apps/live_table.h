@@ -8,12 +8,16 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mneme/report.h"
 
 #include "console.h"
 
 namespace mneme::app {
+
+/// to_table() with names that a terminal may be shown.
+[[nodiscard]] std::string printable_table(std::vector<SetSummary> summaries);
 
 /// Not thread-safe.
 class LiveTable {

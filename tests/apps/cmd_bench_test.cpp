@@ -98,6 +98,17 @@ TEST_SUITE("flow") {
     CHECK(json["sets"][2]["set"] == "all");
   }
 
+  TEST_CASE("names of files cannot steer a terminal") {
+    const PlanarFiles files;
+    std::filesystem::rename(write_problems(files), files / "p\x1b[31mq.json");
+    const ProgramRun run = run_program(
+        {"bench", "run", files / "p\x1b[31mq.json", "--max-iterations", "1", "--timeout", "1"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(run.out, "p\\x1b[31mq "));
+    CHECK(has_text(run.out, "p\\x1b[31mq#blocked"));
+    CHECK_FALSE(has_text(run.out + run.err, "\x1b"));
+  }
+
   TEST_CASE("memory is drawn from where there is one") {
     const PlanarFiles files;
     const ProgramRun run =
