@@ -3,6 +3,7 @@
 #include "fuzz/fuzz_input.h"
 
 #include "mneme/experience.h"
+#include "experience/carved_rows.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "experience.db");
@@ -10,6 +11,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto database = mneme::Database::inspect(path);
   mneme::fuzz::expect_message(database);
   mneme::fuzz::expect_message(mneme::verify_database(path));
+  auto carved = mneme::internal::CarvedRows::read(path);
+  mneme::fuzz::expect_message(carved);
+  if (carved) {
+    for (const std::int64_t id : carved->ids()) mneme::fuzz::expect_message(carved->row(id));
+  }
   if (!database) return 0;
   for (std::int64_t i = 0; i < database->size(); ++i) (void)database->get(i);
   return 0;
