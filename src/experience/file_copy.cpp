@@ -33,8 +33,9 @@ void sync_directory_of(const std::string& path) {
 
 }  // namespace
 
-Result<std::string> copy_beside(Connection& source, const std::string& suffix) {
-  const std::string unfinished = fmt::format("{}.{}.unfinished", source.path(), suffix);
+Result<std::string> copy_beside(Connection& source, const std::string& path,
+                                const std::string& suffix) {
+  const std::string unfinished = fmt::format("{}.{}.unfinished", path, suffix);
   remove_with_logs(unfinished);
   {
     auto copy = Connection::open(unfinished, Connection::Access::create);
@@ -45,7 +46,7 @@ Result<std::string> copy_beside(Connection& source, const std::string& suffix) {
       return tl::unexpected(copied.error());
     }
   }
-  const std::string name = free_name(source.path(), suffix);
+  const std::string name = free_name(path, suffix);
   std::error_code error;
   std::filesystem::rename(unfinished, name, error);
   if (error) {

@@ -64,7 +64,7 @@ Result<void> change_tables(Connection& connection, MigrateSummary& summary) {
 Result<std::string> copy_file(const std::string& path, int version) {
   auto source = open_for_reading(path);
   if (!source) return tl::unexpected(source.error());
-  return copy_beside(*source, "schema" + std::to_string(version));
+  return copy_beside(*source, path, "schema" + std::to_string(version));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/open_store.h"
 
+#include "experience/salvage.h"
 #include "experience/schema.h"
 #include "experience/space.h"
 #include "experience/sqlite_store.h"
@@ -85,6 +86,15 @@ Result<OpenedStore> inspect_store(const std::string& url) {
   return open_store(url, OpenMode::read_only).and_then(identified);
 }
 
+Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages) {
+  const auto engine = engine_of(url);
+  if (!engine) return tl::unexpected(engine.error());
+  if (*engine == Engine::sqlite) return salvage_file(url, damages).map([](const std::string&) {});
+  return fail(ErrorCode::unsupported,
+              fmt::format("{}: what stands beneath the rows can only be repaired on the server",
+                          without_password(url)));
+}
+
 Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const ExperienceSpace& space,
                                               TaskOwner owner) {
   const auto engine = engine_of(url);
@@ -106,8 +116,9 @@ Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const Expe
 
 Error with_advice(Error error, const std::string& url) {
   if (error.code == ErrorCode::corrupt) {
-    error.message += fmt::format("; `mneme db verify {}` lists all damage and sets it aside",
-                                 without_password(url));
+    error.message +=
+        fmt::format("; `mneme db verify {}` names all damage and saves what can be saved",
+                    without_password(url));
   }
   return error;
 }

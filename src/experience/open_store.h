@@ -8,6 +8,7 @@
 #include "experience/task_queue.h"
 
 #include <string>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -25,6 +26,10 @@ struct OpenedStore {
                                                 const ExperienceSpace& space, OpenMode mode);
 /// Opens a store for reading, whatever space it is of; the space of an empty one has no keys.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
+
+/// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of
+/// its live rows, as salvage_file() says. Errors: those, and unsupported on a server.
+[[nodiscard]] Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages);
 
 /// The tasks that processes share beside the database of `space` at `url`. Errors: unsupported if
 /// it is not on a PostgreSQL server.

@@ -256,12 +256,6 @@ class PostgresStore final : public Store {
   /// A server looks after its own files.
   Result<void> check_structure(std::vector<Damage>&) override { return {}; }
 
-  Result<std::string> rebuild(std::vector<Damage>&) override {
-    return fail(
-        ErrorCode::unsupported,
-        fmt::format("{}: what stands beneath the rows can only be repaired on the server", name()));
-  }
-
   Result<void> reclaim() override {
     for (const char* sql :
          {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {

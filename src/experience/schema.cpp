@@ -129,8 +129,17 @@ Result<int> identify(Connection& connection) {
   if (table_count == 0 && page_count <= 1 && version == 0 && (application == 0 || !is_stranger)) {
     return 0;
   }
-  if (is_stranger) return damaged(connection, "an SQLite file, but no mneme database");
-  if (version > kSchemaVersion) return refuse_newer(connection.path(), version);
+  if (is_stranger) {
+    return damaged(connection,
+                   "an SQLite file, but no mneme database, or its application_id is damaged");
+  }
+  if (version > kSchemaVersion) {
+    // A newer schema has other tables.
+    if (!check_tables(connection, kTables1) && !check_tables(connection, kTables2)) {
+      return refuse_newer(connection.path(), version);
+    }
+    return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
+  }
   if (version < 1) {
     return damaged(connection, fmt::format("schema {} was never in use", version));
   }

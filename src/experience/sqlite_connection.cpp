@@ -126,6 +126,7 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE;
   switch (access) {
     case Access::read_write:
+    case Access::damaged:
       flags |= SQLITE_OPEN_READWRITE;
       break;
     case Access::create:
@@ -151,6 +152,11 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  if (access == Access::damaged) {
+    // Only then does SQLite read pages of a file that was cut short. No statement reads its tables.
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
+  }
   return connection;
 }
 
@@ -205,6 +211,16 @@ Result<void> Connection::copy_from(Connection& source) {
   if (status != SQLITE_DONE) return sqlite_error(*path_, nullptr, status);
   if (finished != SQLITE_OK) return sqlite_error(*path_, nullptr, finished);
   return {};
+}
+
+Result<void> Connection::replace_by(Connection& source) {
+  auto copied = copy_from(source);
+  if (copied || copied.error().code != ErrorCode::corrupt) return copied;
+  // Only then does SQLite pass over the header of what is replaced.
+  sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_RESET_DATABASE, 1, nullptr);
+  copied = copy_from(source);
+  sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_RESET_DATABASE, 0, nullptr);
+  return copied;
 }
 
 Result<Transaction> Transaction::begin(Connection& connection, Kind kind) {

@@ -52,9 +52,10 @@ class Statement {
 /// database of ours cannot answer, `io` for what the machine refuses.
 class Connection {
  public:
-  enum class Access { read_write, create, immutable };
+  enum class Access { read_write, create, immutable, damaged };
   /// Opening reads nothing yet: the first statement does. `immutable` reads a file that nobody
-  /// writes, without locks or files beside it. Waits `kBusyTimeoutMs` for other processes.
+  /// writes, without locks or files beside it. `damaged` is for copies alone, and bears a file
+  /// that is shorter than its header says. Waits `kBusyTimeoutMs` for other processes.
   [[nodiscard]] static Result<Connection> open(const std::string& path, Access access);
 
   static constexpr int kBusyTimeoutMs = 10000;
@@ -72,6 +73,8 @@ class Connection {
   [[nodiscard]] bool is_immutable() const { return is_immutable_; }
   /// Makes the file, in one transaction, a copy of what `source` holds, page by page.
   [[nodiscard]] Result<void> copy_from(Connection& source);
+  /// The same if not even the header of this file can be read.
+  [[nodiscard]] Result<void> replace_by(Connection& source);
 
  private:
   struct Close {

@@ -5,7 +5,6 @@
 #include "experience/database_file.h"
 #include "experience/experience_table.h"
 #include "experience/legacy_table.h"
-#include "experience/salvage.h"
 #include "experience/schema.h"
 
 #include <fmt/format.h>
@@ -122,10 +121,6 @@ class SqliteStore final : public Store {
       if (!*has_row) return {};
       if (statement->text(0) != "ok") damages.push_back({0, std::string(statement->text(0))});
     }
-  }
-
-  Result<std::string> rebuild(std::vector<Damage>& damages) override {
-    return salvage_file(connection_, damages);
   }
 
   Result<void> reclaim() override {

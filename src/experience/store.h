@@ -118,9 +118,6 @@ class Store {
   [[nodiscard]] virtual Result<std::int64_t> bytes() = 0;
   /// Adds what is wrong with the files beneath the rows.
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
-  /// Replaces a store whose structure is damaged by a sound one of its live rows; adds those that
-  /// cannot be read. Returns the name of a copy of what was there before.
-  [[nodiscard]] virtual Result<std::string> rebuild(std::vector<Damage>& damages) = 0;
   /// Gives the space of removed rows back.
   [[nodiscard]] virtual Result<void> reclaim() = 0;
 };

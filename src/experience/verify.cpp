@@ -91,9 +91,9 @@ Result<Findings> verify(const std::string& url) {
 /// Leaves a store that can be used. Names in `findings` also what was found only by then.
 Result<void> cure(const std::string& url, Findings& findings) {
   const auto opened = internal::inspect_store(url);
-  if (!opened) return tl::unexpected(opened.error());
-  if (findings.is_structural || opened->schema_version != internal::kSchemaVersion) {
-    return opened->store->rebuild(findings.damages).map([](const std::string&) {});
+  if (!opened && opened.error().code != ErrorCode::corrupt) return tl::unexpected(opened.error());
+  if (!opened || findings.is_structural || opened->schema_version != internal::kSchemaVersion) {
+    return internal::rebuild_store(url, findings.damages);
   }
   const auto store = internal::open_store(url, OpenMode::read_write);
   if (!store) return tl::unexpected(store.error());

@@ -32,6 +32,20 @@ bool has_same_rows(const Database& a, const Database& b) {
   return true;
 }
 
+/// True if the bytes of `values` stand somewhere in `file`.
+template <typename Values>
+bool holds(const std::string& file, const Values& values) {
+  return file.find(std::string_view(reinterpret_cast<const char*>(values.data()),
+                                    values.size() * sizeof values[0])) != std::string::npos;
+}
+
+bool has_row(const Database& database, std::int64_t id) {
+  for (std::int64_t i = 0; i < database.size(); ++i) {
+    if (database.get(i)->id == id) return true;
+  }
+  return false;
+}
+
 /// True if the file is either refused, and then known to be damaged, or as good as the sound one.
 bool is_refused_or_sound(const std::string& path, const Database& sound) {
   const auto opened = Database::open(path, arm_space(), OpenMode::read_only);
@@ -106,6 +120,61 @@ TEST_SUITE("law") {
     // Few flips make the file useless, and one flip costs at most the rows of a page.
     CHECK(opened > count * 3 / 4);
     CHECK(lost < 4 * count);
+  }
+
+  TEST_CASE("a flipped bit on the page of header and schema costs no row") {
+    const std::uint64_t seed = 85;
+    const TemporaryDirectory directory;
+    const std::string bytes = sound_file(directory / "sound.db");
+    const Database sound = open_database(directory / "sound.db", OpenMode::read_only);
+    Rng rng(seed);
+    const std::size_t schema = bytes.find("STRICT") - 2000;
+    for (int i = 0; i < rounds(36); ++i) {
+      // Most of the page between header and schema is empty.
+      const std::size_t position =
+          i % 3 == 0   ? rng.index(100)
+          : i % 3 == 1 ? schema + rng.index(static_cast<std::uint32_t>(8192 - schema))
+                       : rng.index(8192);
+      const int bit = static_cast<int>(rng.index(8));
+      std::string damaged = bytes;
+      damaged[position] = static_cast<char>(damaged[position] ^ (1 << bit));
+      write_file(directory / "a.db", damaged);
+      INFO("seed " << seed << ", bit " << bit << " of byte " << position);
+      const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
+      REQUIRE(damages.has_value());
+      REQUIRE(verify_database(directory / "a.db")->empty());
+      REQUIRE(has_same_rows(open_database(directory / "a.db", OpenMode::read_only), sound));
+      remove_database(directory / "a.db");
+      remove_database(directory / "a.db.damaged");
+    }
+  }
+
+  TEST_CASE("a file that was cut short keeps every row of which all bytes are left") {
+    const TemporaryDirectory directory;
+    const std::string bytes = sound_file(directory / "sound.db");
+    const Database sound = open_database(directory / "sound.db", OpenMode::read_only);
+    Rng rng(86);
+    std::vector<std::size_t> sizes = {bytes.size() - 1, bytes.size() - 4096};
+    for (std::size_t size = 8192; size < bytes.size(); size += 8192) sizes.push_back(size);
+    for (int i = 0; i < 5; ++i) {
+      sizes.push_back(1 + rng.index(static_cast<std::uint32_t>(bytes.size()) - 1));
+    }
+    for (const std::size_t size : sizes) {
+      const std::string left = bytes.substr(0, size / 8192 * 8192);
+      write_file(directory / "a.db", bytes.substr(0, size));
+      INFO(size << " of " << bytes.size() << " bytes");
+      std::int64_t lost = 0;
+      REQUIRE(is_cured_or_refused(directory / "a.db", sound, lost));
+      const auto opened = Database::open(directory / "a.db", arm_space(), OpenMode::read_only);
+      REQUIRE((opened || !holds(left, arm_space().robot_hash)));
+      for (std::int64_t i = 0; opened && i < sound.size(); ++i) {
+        const Experience row = *sound.get(i);
+        if (!holds(left, row.key) || !holds(left, row.sampler.means)) continue;
+        REQUIRE(has_row(*opened, row.id));
+      }
+      remove_database(directory / "a.db");
+      remove_database(directory / "a.db.damaged");
+    }
   }
 
   TEST_CASE("a flipped bit is noticed or does no harm") {

@@ -15,8 +15,8 @@ TEST_SUITE("unit") {
     Database database = open_database(directory / "a.db");
     REQUIRE(database.insert(random_rows(rng, 3)));
     auto source = Connection::open(directory / "a.db", Connection::Access::read_write);
-    CHECK(internal::copy_beside(*source, "old") == directory / "a.db.old");
-    CHECK(internal::copy_beside(*source, "old") == directory / "a.db.old.2");
+    CHECK(internal::copy_beside(*source, directory / "a.db", "old") == directory / "a.db.old");
+    CHECK(internal::copy_beside(*source, directory / "a.db", "old") == directory / "a.db.old.2");
     CHECK(open_database(directory / "a.db.old", OpenMode::read_only).size() == 3);
     CHECK(!std::filesystem::exists(directory / "a.db.old.unfinished"));
   }

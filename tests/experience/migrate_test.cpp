@@ -80,7 +80,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a newer database and a missing one are refused") {
     const TemporaryDirectory directory;
     open_database(directory / "a.db");
-    run_sql(directory / "a.db", "PRAGMA user_version = 9");
+    run_sql(directory / "a.db", "PRAGMA user_version = 9; CREATE TABLE more (a)");
     CHECK(internal::migrate_file(directory / "a.db").error().code == ErrorCode::unsupported);
     CHECK(internal::migrate_file(directory / "b.db").error().code == ErrorCode::io);
   }

@@ -75,8 +75,12 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a database of a newer schema is refused as such") {
-    check_refused("PRAGMA user_version = 7", ErrorCode::unsupported,
+    check_refused("PRAGMA user_version = 7; CREATE TABLE more (a)", ErrorCode::unsupported,
                   "written by a newer mneme (schema 7; this one reads up to 2)");
+  }
+
+  TEST_CASE("a version of its own is damage if the tables are known ones") {
+    check_refused("PRAGMA user_version = 7", ErrorCode::corrupt, "user_version is 7");
   }
 
   TEST_CASE("a file that is no database of ours is refused") {

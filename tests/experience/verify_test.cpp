@@ -129,7 +129,11 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     run_sql(directory / "a.db", "CREATE TABLE birds (name)");
     const std::string before = read_file(directory / "a.db");
-    CHECK(first_damage(directory / "a.db").find("no mneme database") != std::string::npos);
+    const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
+    REQUIRE(damages->size() == 2);
+    CHECK(damages->at(0).what.find("no mneme database") != std::string::npos);
+    CHECK(damages->at(1).what.find("nothing was set aside") == 0);
+    CHECK(!std::filesystem::exists(directory / "a.db.damaged"));
     CHECK(open_error(directory / "a.db", OpenMode::create).code == ErrorCode::corrupt);
     CHECK(read_file(directory / "a.db") == before);
   }
@@ -137,7 +141,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a database of a newer mneme is refused rather than judged") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    run_sql(directory / "a.db", "PRAGMA user_version = 3");
+    run_sql(directory / "a.db", "PRAGMA user_version = 3; CREATE TABLE more (a)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(!damages.has_value());
     CHECK(damages.error().code == ErrorCode::unsupported);
