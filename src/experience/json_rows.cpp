@@ -193,6 +193,8 @@ Result<Experience> parse_row(std::string_view line) {
   row.sampler.factor_rows = fields.list<int>("factor_rows");
   row.sampler.factors = fields.table("factors", triangle);
   row.sampler.origins = fields.list<int>("origins");
+  // Without means the factors tell.
+  while (joints * (joints + 1) / 2 < triangle && row.sampler.means.empty()) ++joints;
   row.sampler.joint_count = static_cast<int>(joints);
   row.provenance.settings = fields.text("settings");
   row.provenance.seed = fields.whole_number("seed");

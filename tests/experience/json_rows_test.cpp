@@ -60,9 +60,10 @@ TEST_SUITE("unit") {
     CHECK(error_of(replaced(sound, "\"origins\":[0", "\"origins\":[1")).find("'content'") !=
           std::string::npos);
     CHECK(error_of("{" + sound.substr(sound.find("\"key\""))).empty());
-    const std::string alone = R"({"key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2]],)"
+    const std::string alone = R"({"key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
                               R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
-    CHECK(error_of(alone) == "a row of 'factors' has 3 numbers; expected 0");
+    CHECK(error_of(alone) == "a row of 'factors' has 4 numbers; expected 6");
+    CHECK(parse_row(replaced(alone, ",3]", "]"))->sampler.joint_count == 2);
   }
 
   TEST_CASE("deep nesting and numbers beyond what they count are refused") {
