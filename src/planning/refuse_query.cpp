@@ -18,7 +18,7 @@ std::string describe_contacts(std::vector<Contact> contacts, double margin) {
   constexpr std::size_t kMostNamed = 4;
   std::ranges::stable_partition(contacts, std::not_fn(is_near));
   std::string text = is_near(contacts.front())
-                         ? fmt::format(" is within the margin of {} m: ", margin)
+                         ? fmt::format(" is within the margin of {:.4g} m: ", margin)
                          : " is in contact: ";
   for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
     const Contact& contact = contacts[i];
