@@ -22,7 +22,7 @@ struct SuiteRun {
   std::string out;       ///< directory; empty for out/bench/NAME
   std::string memories;  ///< directory; empty for OUT/memories
   std::optional<int> seed_count;
-  std::optional<double> timeout_s;  ///< of all settings
+  std::optional<double> timeout_s;    ///< of all settings
   std::vector<std::string> settings;  ///< names; empty for all
   int jobs = 1;
   bool is_resumed = false;

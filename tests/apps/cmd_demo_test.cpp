@@ -20,7 +20,8 @@ std::string small_scenes(const PlanarFiles& files) {
 }
 
 TEST_SUITE("flow") {
-  TEST_CASE("the demo learns, plans, and leaves database, table and report, and again it only plans") {
+  TEST_CASE(
+      "the demo learns, plans, and leaves database, table and report, and again it only plans") {
     const PlanarFiles files;
     const std::string out = files / "out/demo";
     const std::vector<std::string> command = {

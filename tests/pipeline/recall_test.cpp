@@ -22,9 +22,7 @@ struct RecallFixture {
     for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
     learn_into(database, problem.robot, keys);
   }
-  internal::Recall make() {
-    return internal::Recall(problem, database, checker, settings);
-  }
+  internal::Recall make() { return internal::Recall(problem, database, checker, settings); }
 };
 
 /// Origins of the first `count` samples.
