@@ -31,26 +31,33 @@ std::optional<std::size_t> find_doubled_name(const std::vector<Part>& parts) {
   return std::nullopt;
 }
 
-bool is_radius(double value) { return std::isfinite(value) && value >= 0; }
+/// Metres. Far beyond any robot, and near enough for sums of lengths to be finite and exact.
+constexpr double kFarthest = 1e6;
+
+bool is_position(const Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; }
+bool is_radius(double value) { return value >= 0 && value <= kFarthest; }
 
 Fault check_link(const Link& link, int i) {
   for (const Sphere& sphere : link.spheres) {
-    if (!sphere.center.allFinite()) {
-      return PartsFault{fmt::format("link '{}': the centre of a sphere is not finite", link.name),
-                        i};
+    if (!is_position(sphere.center)) {
+      return PartsFault{
+          fmt::format("link '{}': the centre of a sphere is not within {} m", link.name, kFarthest),
+          i};
     }
     if (!is_radius(sphere.radius)) {
-      return PartsFault{fmt::format("link '{}': a sphere has the radius {}, expected 0 or more",
+      return PartsFault{fmt::format("link '{}': a sphere has the radius {}, expected 0 to 1e6",
                                     link.name, sphere.radius),
                         i};
     }
   }
   for (const Capsule& capsule : link.capsules) {
-    if (!capsule.a.allFinite() || !capsule.b.allFinite()) {
-      return PartsFault{fmt::format("link '{}': an end of a capsule is not finite", link.name), i};
+    if (!is_position(capsule.a) || !is_position(capsule.b)) {
+      return PartsFault{
+          fmt::format("link '{}': an end of a capsule is not within {} m", link.name, kFarthest),
+          i};
     }
     if (!is_radius(capsule.radius)) {
-      return PartsFault{fmt::format("link '{}': a capsule has the radius {}, expected 0 or more",
+      return PartsFault{fmt::format("link '{}': a capsule has the radius {}, expected 0 to 1e6",
                                     link.name, capsule.radius),
                         i};
     }
@@ -59,8 +66,8 @@ Fault check_link(const Link& link, int i) {
 }
 
 std::optional<std::string> describe_motion_fault(const Joint& joint) {
-  if (!joint.origin.rotation.allFinite() || !joint.origin.translation.allFinite()) {
-    return "its origin is not finite";
+  if (!joint.origin.rotation.allFinite() || !is_position(joint.origin.translation)) {
+    return fmt::format("its origin is not within {} m", kFarthest);
   }
   if (joint.type == JointType::fixed) return std::nullopt;
   const double norm = joint.axis.norm();

@@ -89,6 +89,9 @@ TEST_SUITE("unit") {
         {[](auto& p) { p.joints[0].origin.translation.x() = INFINITY; }, "origin", -1, 0},
         {[](auto& p) { p.links[1].spheres[0].radius = -1; }, "link 'l1': a sphere", 1, -1},
         {[](auto& p) { p.links[1].spheres[0].center.x() = NAN; }, "link 'l1': the centre", 1, -1},
+        {[](auto& p) { p.links[1].spheres[0].center.x() = 1e308; }, "link 'l1': the centre", 1, -1},
+        {[](auto& p) { p.links[1].spheres[0].radius = 1e7; }, "link 'l1': a sphere", 1, -1},
+        {[](auto& p) { p.joints[0].origin.translation.x() = -1e7; }, "within 1000000 m", -1, 0},
         {[](auto& p) {
            p.links[1].capsules = {{{}, {}, -1}};
          },
