@@ -91,6 +91,11 @@ bool is_cured_or_refused(const std::string& path, const Database& sound, std::in
   return verify_database(path)->empty();
 }
 
+std::string flipped(std::string bytes, std::size_t position, int bit) {
+  bytes[position] = static_cast<char>(bytes[position] ^ (1 << bit));
+  return bytes;
+}
+
 }  // namespace
 
 TEST_SUITE("law") {
@@ -108,9 +113,7 @@ TEST_SUITE("law") {
                                        ? static_cast<std::size_t>(i)
                                        : rng.index(static_cast<std::uint32_t>(bytes.size()));
       const int bit = static_cast<int>(rng.index(8));
-      std::string damaged = bytes;
-      damaged[position] = static_cast<char>(damaged[position] ^ (1 << bit));
-      write_file(directory / "a.db", damaged);
+      write_file(directory / "a.db", flipped(bytes, position, bit));
       INFO("seed " << seed << ", bit " << bit << " of byte " << position);
       REQUIRE(is_cured_or_refused(directory / "a.db", sound, lost));
       opened += Database::open(directory / "a.db", arm_space(), OpenMode::read_only) ? 1 : 0;
@@ -136,9 +139,7 @@ TEST_SUITE("law") {
           : i % 3 == 1 ? schema + rng.index(static_cast<std::uint32_t>(8192 - schema))
                        : rng.index(8192);
       const int bit = static_cast<int>(rng.index(8));
-      std::string damaged = bytes;
-      damaged[position] = static_cast<char>(damaged[position] ^ (1 << bit));
-      write_file(directory / "a.db", damaged);
+      write_file(directory / "a.db", flipped(bytes, position, bit));
       INFO("seed " << seed << ", bit " << bit << " of byte " << position);
       const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
       REQUIRE(damages.has_value());
@@ -189,9 +190,7 @@ TEST_SUITE("law") {
       const std::size_t range = i % 2 == 0 ? bytes.size() : 4 * 8192;
       const std::size_t position = i < 100 ? static_cast<std::size_t>(i) : rng.index(range);
       const int bit = static_cast<int>(rng.index(8));
-      std::string damaged = bytes;
-      damaged[position] = static_cast<char>(damaged[position] ^ (1 << bit));
-      write_file(directory / "a.db", damaged);
+      write_file(directory / "a.db", flipped(bytes, position, bit));
       INFO("seed " << seed << ", bit " << bit << " of byte " << position);
       REQUIRE(is_refused_or_sound(directory / "a.db", sound));
       if (!Database::open(directory / "a.db", arm_space(), OpenMode::read_only)) ++refused;
