@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/data.h"
+#include "mneme/base.h"
 #include "mneme/learning.h"
 #include "mneme/report.h"
 

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "mneme/data.h"
+#include "mneme/base.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
@@ -66,7 +66,7 @@ Result<std::string> try_planning(const Problem& problem, Isa isa) {
   return CollisionChecker::make(problem.robot, problem.scene)
       .and_then([&](const CollisionChecker& checker) -> Result<std::string> {
         const double resolution = checker.resolution() / kVerificationRefinement;
-        if (!is_path_free(checker, result->plan.path, resolution)) {
+        if (!is_path_free(checker.robot(), checker.scene(), result->plan.path, resolution)) {
           return fail(ErrorCode::invalid, "a path failed the independent check");
         }
         return fmt::format("{} in {:.1f} ms", problem.name, 1e3 * result->planning_time_s);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "mneme/instances.h"
 #include "mneme/learning.h"
 
 #include "console.h"

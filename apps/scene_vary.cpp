@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mneme/problem.h"
-#include "mneme/variation.h"
+#include "mneme/instances.h"
 
 #include "console.h"
 #include "interrupt.h"
@@ -23,7 +23,7 @@
 namespace mneme::app {
 namespace {
 
-constexpr int kMaxCount = 1000000;
+constexpr int kMaxVariants = 1000000;
 
 struct VaryOptions {
   std::string nominal;
@@ -88,7 +88,7 @@ void add_scene_vary(CLI::App& group, Action& action) {
       ->required();
   command->add_option("-o,--output", options->output,
                       "directory of the scenes NAME_0001.yaml and so on (default .)");
-  add_number(*command, "-n,--count", options->count, 1, kMaxCount, "scenes to write");
+  add_number(*command, "-n,--count", options->count, 1, kMaxVariants, "scenes to write");
   add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
              "seed of all random numbers; the n-th scene depends on it and on n alone");
   add_json(*command, options->is_json);

@@ -5,7 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "mneme/base.h"
-#include "mneme/data.h"
+#include "mneme/base.h"
 
 #include "bindings.h"
 #include "errors.h"

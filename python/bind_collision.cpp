@@ -80,7 +80,7 @@ bool path_is_free(const CollisionChecker& checker, const py::object& path, doubl
   const Path rows = to_rows(path, checker.robot().joint_count(), "path");
   const double step = resolution > 0 ? resolution : checker.resolution() / kVerificationRefinement;
   const py::gil_scoped_release released;
-  return is_path_free(checker, rows, step);
+  return is_path_free(checker.robot(), checker.scene(), rows, step);
 }
 
 }  // namespace

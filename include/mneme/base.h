@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Errors, configurations, random numbers and instruction sets: what every other header needs.
+/// Errors, configurations, random numbers, instruction sets and data directories: what every other
+/// header needs.
 #pragma once
 
 #include <array>
@@ -97,6 +98,14 @@ enum class Isa { automatic, scalar, sse, avx2, avx512 };
 [[nodiscard]] std::string_view to_string(Isa isa);
 /// The inverse of to_string; an unknown name, or one that this machine lacks, is an error.
 [[nodiscard]] Result<Isa> parse_isa(std::string_view name);
+
+/// The directories that hold robots/ and scenes/, best first: share/mneme of the installation that
+/// this code is part of, that of the running program, the source tree, share/mneme of the prefix
+/// that mneme was configured for, and those of XDG_DATA_DIRS. Only those that exist.
+[[nodiscard]] std::vector<std::string> data_directories();
+
+/// The file of a scene or problem that came with mneme, such as "planar/threaded_b2.yaml".
+[[nodiscard]] Result<std::string> find_scene(const std::string& name);
 
 /// mneme's own version, such as "0.1.0".
 [[nodiscard]] std::string_view version();

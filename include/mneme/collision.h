@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mneme/base.h"
+#include "mneme/check.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
@@ -31,14 +32,6 @@ struct CheckerSettings {
 struct CheckCounters {
   std::uint64_t states = 0;
   std::uint64_t motions = 0;
-};
-
-/// Two things that overlap, or come closer than the margin.
-struct Contact {
-  std::string link;
-  std::string other;     ///< the name of an obstacle or of another link
-  bool is_self = false;  ///< true if `other` is a link
-  double distance = 0;   ///< metres between the surfaces; negative by at most the sum of the radii
 };
 
 /// How finely a motion is checked, relative to the checker's settings.

@@ -206,41 +206,4 @@ struct LearnSummary {
                                                     std::span<const LocalProblem> problems,
                                                     Database& database, const LearnJob& job);
 
-/// What `make_threaded_instances` draws from.
-struct ThreadedSettings {
-  std::array<double, 2> gap = {0.1, 0.3};  ///< metres between the two circles
-  std::array<int, 2> depth = {3, 5};  ///< links from the first one that crosses the gap to the last
-  std::uint64_t proof_iterations =
-      2000000;  ///< of the uniform planner that proves an instance feasible
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
-};
-
-/// A planar arm threaded through the gap of a pair of circles, to be brought out of it.
-struct ThreadedInstance {
-  std::vector<std::array<double, 3>> circles;  ///< x, y, radius
-  double gap = 0;
-  int depth = 0;
-  Configuration start;
-  Configuration goal;  ///< no link crosses the gap
-  Path witness;        ///< a path that proves that there is one
-};
-
-struct ThreadedInstances {
-  std::vector<ThreadedInstance> instances;
-  int dropped = 0;  ///< candidates that the proof did not solve
-};
-
-/// Changes whenever the same arguments give other instances.
-inline constexpr std::string_view kThreadedVersion = "threaded/1";
-
-/// Random instances whose feasibility is proven by RRT-Connect with uniform samples and an
-/// iteration limit; those that it cannot solve are dropped and counted. Nothing of it looks at
-/// experience, so that what is measured on the instances is not biased towards it. Depends on
-/// robot, settings, seed and instruction set alone. Errors: a robot that is no planar arm; ranges
-/// that are empty or that no instance fits.
-[[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
-                                                                const ThreadedSettings& settings,
-                                                                std::uint64_t seed);
-
 }  // namespace mneme

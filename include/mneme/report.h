@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mneme/base.h"
+#include "mneme/check.h"
 #include "mneme/pipeline.h"
 
 namespace mneme {
@@ -82,12 +83,6 @@ struct TimeSummary {
   double p25 = 0, p75 = 0;
 };
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
-
-/// True if every state of `path` at `resolution` radians or finer is free, by exact distances in
-/// double precision that share no code with the kernels. False for an empty path and for one that
-/// leaves the joint limits.
-[[nodiscard]] bool is_path_free(const CollisionChecker& checker, const Path& path,
-                                double resolution);
 
 /// One line per run below a header (RFC 4180, but lines end in a line feed); is_valid is 0 or 1 and
 /// says whether the path passed the independent check.

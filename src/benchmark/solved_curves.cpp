@@ -13,10 +13,10 @@
 namespace mneme::internal {
 namespace {
 
-constexpr double kWidth = 960;
+constexpr double kCurveWidth = 960;
 constexpr int kColumns = 2;
-constexpr double kLeft = 52;
-constexpr double kTop = 34;
+constexpr double kCurveLeft = 52;
+constexpr double kCurveTop = 34;
 constexpr double kDiagramWidth = 400;
 constexpr double kDiagramHeight = 190;
 constexpr double kColumnPitch = 480;
@@ -24,7 +24,7 @@ constexpr double kRowPitch = 262;
 constexpr double kLegendLine = 20;
 constexpr double kLegendPitch = 310;
 constexpr int kLegendColumns = 3;
-constexpr double kShortest = 1e-6;  // seconds
+constexpr double kCurveShortest = 1e-6;  // seconds
 
 std::vector<std::string> different(const std::vector<Series>& all, std::string Series::*name) {
   std::vector<std::string> names;
@@ -46,12 +46,12 @@ class Curves {
     const std::vector<const Series*> legend = legend_entries();
     const auto rows = static_cast<double>((planners_.size() + kColumns - 1) / kColumns);
     const auto lines = static_cast<double>((legend.size() + kLegendColumns - 1) / kLegendColumns);
-    const double legend_top = kTop + rows * kRowPitch - 26;
+    const double legend_top = kCurveTop + rows * kRowPitch - 26;
     const double height = legend_top + lines * kLegendLine + 8;
     svg_.open("svg", {{"class", "plot curves"},
                       {"xmlns", "http://www.w3.org/2000/svg"},
-                      {"viewBox", fmt::format("0 0 {} {}", kWidth, short_number(height))},
-                      {"width", short_number(kWidth)},
+                      {"viewBox", fmt::format("0 0 {} {}", kCurveWidth, short_number(height))},
+                      {"width", short_number(kCurveWidth)},
                       {"role", "img"},
                       {"aria-label", "Runs solved over time, " + single_line(panel_.name)}});
     svg_.element("rect", {{"class", "paper"}, {"width", "100%"}, {"height", "100%"}});
@@ -65,20 +65,20 @@ class Curves {
  private:
   void make_axis() {
     double least = panel_.longest_limit > 0 ? panel_.longest_limit : 1;
-    double most = kShortest;
+    double most = kCurveShortest;
     for (const Series& series : panel_.series) {
       if (series.solved_times.empty()) continue;
       least = std::min(least, series.solved_times.front());
       most = std::max(most, series.solved_times.back());
     }
-    least = std::max(least, kShortest);
+    least = std::max(least, kCurveShortest);
     most = std::max({most, panel_.longest_limit, 3 * least});
     axis_ = {least / 1.5, most * 1.1, 0, kDiagramWidth};
   }
 
   void draw_diagram(std::size_t i) {
-    const Point origin{kLeft + kColumnPitch * static_cast<double>(i % kColumns),
-                       kTop + kRowPitch * static_cast<double>(i / kColumns)};
+    const Point origin{kCurveLeft + kColumnPitch * static_cast<double>(i % kColumns),
+                       kCurveTop + kRowPitch * static_cast<double>(i / kColumns)};
     const double bottom = origin.y + kDiagramHeight;
     draw_text(svg_, "head", {origin.x, origin.y - 14}, "start",
               shortened(single_line(planners_[i]), 30));
@@ -141,7 +141,7 @@ class Curves {
   }
 
   void draw_legend(const Series& series, std::size_t i, double top) {
-    const double x = kLeft + kLegendPitch * static_cast<double>(i % kLegendColumns);
+    const double x = kCurveLeft + kLegendPitch * static_cast<double>(i % kLegendColumns);
     const double y = top + kLegendLine * static_cast<double>(i / kLegendColumns) + 10;
     svg_.open("g", {{"class", "legend " + color_class(series.sampler, samplers_)}});
     svg_.element("line", {{"class", "curve"},

@@ -12,7 +12,7 @@
 
 #include "collision/checked_robot.h"
 #include "collision/collision_kernels.h"
-#include "collision/contacts.h"
+#include "check/contacts.h"
 #include "collision/scene_tables.h"
 #include "robot/joint_space.h"
 

@@ -8,7 +8,7 @@
 
 #include "covering/cover_robot.h"
 #include "covering/inseparable_pairs.h"
-#include "data/cache_directory.h"
+#include "base/cache_directory.h"
 
 namespace mneme {
 namespace {

@@ -16,7 +16,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::string_view kNpyMagic = "\x93NUMPY";
 
 template <class Number>
 void swap_to_little_endian([[maybe_unused]] std::string& bytes) {
@@ -88,7 +88,7 @@ std::optional<std::size_t> byte_count(std::size_t element, const std::vector<std
 
 /// The dictionary of a header and what follows it.
 std::optional<std::pair<std::string_view, std::string_view>> split(std::string_view file) {
-  if (!file.starts_with(kMagic) || file.size() < 12) return std::nullopt;
+  if (!file.starts_with(kNpyMagic) || file.size() < 12) return std::nullopt;
   const auto byte = [&](std::size_t i) { return std::size_t{static_cast<unsigned char>(file[i])}; };
   const bool is_first_version = byte(6) == 1;
   const std::size_t begin = is_first_version ? 10 : 12;
@@ -111,7 +111,7 @@ std::string npy_header(const NpyArray& array) {
   const std::size_t used = (kPrefix + text.size() + 1) % kAlignment;
   text.append((kAlignment - used) % kAlignment, ' ');
   text += '\n';
-  return fmt::format("{}{}{}{}{}{}", kMagic, '\x01', '\0', static_cast<char>(text.size() & 0xff),
+  return fmt::format("{}{}{}{}{}{}", kNpyMagic, '\x01', '\0', static_cast<char>(text.size() & 0xff),
                      static_cast<char>(text.size() >> 8), text);
 }
 

@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kNpzFormat = 1;
 
 std::size_t triangle_of(std::size_t joints) { return joints * (joints + 1) / 2; }
 
@@ -144,8 +144,8 @@ std::vector<To> part(const std::vector<From>& numbers, const std::vector<std::in
 
 ExperienceSpace space_of(Arrays& arrays) {
   ExperienceSpace space;
-  if (arrays.number("format") != kFormat) {
-    arrays.fail_with<int>("format", fmt::format("is not {}", kFormat));
+  if (arrays.number("format") != kNpzFormat) {
+    arrays.fail_with<int>("format", fmt::format("is not {}", kNpzFormat));
   }
   space.robot_name = arrays.text("robot_name");
   space.robot_hash = arrays.text("robot_hash");
@@ -191,7 +191,7 @@ void NpzColumns::add(const Experience& row) {
 
 std::vector<std::pair<std::string, NpyArray>> NpzColumns::arrays() const {
   const auto joints = static_cast<std::size_t>(space_.joint_count);
-  return {{"format", number_of(kFormat)},
+  return {{"format", number_of(kNpzFormat)},
           {"robot_name", text_of(space_.robot_name)},
           {"robot_hash", text_of(space_.robot_hash)},
           {"decomposer", text_of(space_.decomposer)},

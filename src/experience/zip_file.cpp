@@ -32,10 +32,10 @@ constexpr std::array<std::uint32_t, 256> make_crc_table() {
 }
 
 /// Little-endian numbers one after the other.
-class Bytes {
+class Record {
  public:
   template <class... Numbers>
-  explicit Bytes(Numbers... numbers) {
+  explicit Record(Numbers... numbers) {
     (append(numbers), ...);
   }
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -98,7 +98,7 @@ struct Directory {
 std::optional<Directory> find_directory(std::string_view archive) {
   constexpr std::size_t kEndSize = 22;
   constexpr std::size_t kLocatorSize = 20;
-  const std::size_t at = archive.rfind(Bytes(kEnd).text());
+  const std::size_t at = archive.rfind(Record(kEnd).text());
   if (at == std::string_view::npos || archive.size() - at < kEndSize) return std::nullopt;
   Cursor end(archive, at + 10);
   Directory directory;
@@ -183,16 +183,16 @@ Result<void> ZipWriter::add(const std::string& name, std::string_view head, std:
   const std::uint64_t size = head.size() + body.size();
   const auto name_size = static_cast<std::uint16_t>(name.size());
   const std::string header =
-      Bytes(kLocalHeader, kVersion64, std::uint16_t{0}, kStored, std::uint16_t{0}, kFirstOf1980,
+      Record(kLocalHeader, kVersion64, std::uint16_t{0}, kStored, std::uint16_t{0}, kFirstOf1980,
             crc, kIn64, kIn64, name_size, std::uint16_t{20})
           .text() +
-      name + Bytes(kZip64Field, std::uint16_t{16}, size, size).text();
+      name + Record(kZip64Field, std::uint16_t{16}, size, size).text();
   directory_ +=
-      Bytes(kDirectoryEntry, kVersion64, kVersion64, std::uint16_t{0}, kStored, std::uint16_t{0},
+      Record(kDirectoryEntry, kVersion64, kVersion64, std::uint16_t{0}, kStored, std::uint16_t{0},
             kFirstOf1980, crc, kIn64, kIn64, name_size, std::uint16_t{28}, std::uint16_t{0},
             std::uint16_t{0}, std::uint16_t{0}, std::uint32_t{0}, kIn64)
           .text() +
-      name + Bytes(kZip64Field, std::uint16_t{24}, size, size, offset_).text();
+      name + Record(kZip64Field, std::uint16_t{24}, size, size, offset_).text();
   offset_ += header.size() + size;
   ++count_;
   return file_.write(header).and_then([&] { return file_.write(head); }).and_then([&] {
@@ -203,7 +203,7 @@ Result<void> ZipWriter::add(const std::string& name, std::string_view head, std:
 Result<void> ZipWriter::finish() {
   const std::uint64_t size = directory_.size();
   const std::string end =
-      Bytes(kEnd64, std::uint64_t{44}, kVersion64, kVersion64, std::uint32_t{0}, std::uint32_t{0},
+      Record(kEnd64, std::uint64_t{44}, kVersion64, kVersion64, std::uint32_t{0}, std::uint32_t{0},
             count_, count_, size, offset_, kEnd64Locator, std::uint32_t{0}, offset_ + size,
             std::uint32_t{1}, kEnd, std::uint16_t{0xffff}, std::uint16_t{0xffff},
             std::uint16_t{0xffff}, std::uint16_t{0xffff}, kIn64, kIn64, std::uint16_t{0})

@@ -9,7 +9,7 @@
 #include "ompl/count_samples.h"
 #include "ompl/experience.h"
 #include "ompl/verified_motion_validity.h"
-#include "planning/shortcut.h"
+#include "path/shortcut.h"
 
 namespace mneme::ompl {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/stopwatch.h"
 #include "mneme/ompl.h"
 #include "ompl/planner_table.h"
-#include "planning/verify.h"
+#include "path/verify.h"
 
 namespace mneme::ompl {
 

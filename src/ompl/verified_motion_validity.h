@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mneme/ompl.h"
-#include "planning/verify.h"
+#include "path/verify.h"
 
 namespace mneme::ompl {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "planning/path_conversion.h"
-#include "planning/shortcut.h"
+#include "path/path_conversion.h"
+#include "path/shortcut.h"
 
 namespace mneme::internal {
 namespace {

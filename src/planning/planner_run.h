@@ -14,7 +14,7 @@
 
 #include "mneme/planning.h"
 #include "base/stopwatch.h"
-#include "planning/verify.h"
+#include "path/verify.h"
 #include "robot/joint_space.h"
 
 namespace mneme::internal {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "mneme/planning.h"
-#include "planning/path_conversion.h"
+#include "path/path_conversion.h"
 
 namespace mneme {
 namespace {

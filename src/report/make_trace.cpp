@@ -7,7 +7,7 @@
 
 #include "mneme/report.h"
 #include "report/arms.h"
-#include "report/clearance.h"
+#include "check/clearance.h"
 #include "report/skeleton.h"
 #include "robot/link_shapes.h"
 

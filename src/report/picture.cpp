@@ -16,7 +16,7 @@ namespace mneme {
 namespace internal {
 namespace {
 
-constexpr double kWidth = 640;
+constexpr double kPictureWidth = 640;
 constexpr double kSide = 12;  // pixels around the panel
 constexpr double kTitleHeight = 38;
 
@@ -50,14 +50,14 @@ LabelPlacer make_placer(const Drawing& drawing, const PlanarView& view, const Pi
 
 void open_document(SvgWriter& svg, double height, const std::string& title) {
   svg.open("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
-                   {"width", short_number(kWidth)},
+                   {"width", short_number(kPictureWidth)},
                    {"height", short_number(height)},
-                   {"viewBox", fmt::format("0 0 {} {}", kWidth, short_number(height))},
+                   {"viewBox", fmt::format("0 0 {} {}", kPictureWidth, short_number(height))},
                    {"font-family", std::string(kFontFamily)},
                    {"role", "img"}});
   svg.text_element("title", {}, title);
   svg.element("rect", {{"class", "background"},
-                       {"width", short_number(kWidth)},
+                       {"width", short_number(kPictureWidth)},
                        {"height", short_number(height)},
                        {"rx", "10"},
                        {"fill", "#ffffff"}});
@@ -134,10 +134,10 @@ Result<std::string> to_svg(const PlanarPicture& picture) {
   const Result<Drawing> drawing = make_drawing(picture);
   if (!drawing) return tl::unexpected(drawing.error());
   const double top = picture.title.empty() ? kSide : kTitleHeight;
-  const PlanarView view(bounds_of(*drawing), {kSide, top}, kWidth - 2 * kSide);
-  const PixelBox panel = {kSide, top, kWidth - kSide, top + view.height()};
+  const PlanarView view(bounds_of(*drawing), {kSide, top}, kPictureWidth - 2 * kSide);
+  const PixelBox panel = {kSide, top, kPictureWidth - kSide, top + view.height()};
   const std::vector<LegendEntry> legend = legend_of(*drawing, !picture.path.empty());
-  const double legend_width = kWidth - 2 * kSide;
+  const double legend_width = kPictureWidth - 2 * kSide;
   const double height = panel.bottom + 6 + legend_height(legend, legend_width) + 6;
   SvgWriter svg;
   open_document(svg, height, picture.title.empty() ? picture.problem->name : picture.title);

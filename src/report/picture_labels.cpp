@@ -16,7 +16,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kFontSize = 12;
-constexpr double kRowHeight = 20;
+constexpr double kLegendRowHeight = 20;
 constexpr double kMarkWidth = 26;
 constexpr double kMarkGap = 7;
 constexpr double kEntryGap = 20;
@@ -34,7 +34,7 @@ std::vector<Point> entry_corners(std::span<const LegendEntry> entries, double wi
   Point next;
   for (const LegendEntry& entry : entries) {
     const double right = next.x + entry_width(entry);
-    if (next.x > 0 && right > width) next = {0, next.y + kRowHeight};
+    if (next.x > 0 && right > width) next = {0, next.y + kLegendRowHeight};
     corners.push_back(next);
     next.x += entry_width(entry) + kEntryGap;
   }
@@ -66,7 +66,7 @@ void write_fan(SvgWriter& svg, const Point& corner) {
 }
 
 void write_mark(SvgWriter& svg, const LegendEntry& entry, const Point& corner) {
-  const double middle = corner.y + kRowHeight / 2 - 1;
+  const double middle = corner.y + kLegendRowHeight / 2 - 1;
   switch (entry.mark) {
     case LegendMark::bold_line:
       write_line(svg, {corner.x + 2, middle}, {corner.x + kMarkWidth - 2, middle}, entry.color,
@@ -180,7 +180,7 @@ std::string path_color(double fraction) {
 }
 
 double legend_height(std::span<const LegendEntry> entries, double width) {
-  return entries.empty() ? 0 : entry_corners(entries, width).back().y + kRowHeight;
+  return entries.empty() ? 0 : entry_corners(entries, width).back().y + kLegendRowHeight;
 }
 
 void write_legend(SvgWriter& svg, std::span<const LegendEntry> entries, const Point& corner,
@@ -192,7 +192,7 @@ void write_legend(SvgWriter& svg, std::span<const LegendEntry> entries, const Po
     write_mark(svg, entries[i], at);
     svg.text_element("text",
                      {{"x", short_number(at.x + kMarkWidth + kMarkGap)},
-                      {"y", short_number(at.y + kRowHeight / 2 + 3.5)}},
+                      {"y", short_number(at.y + kLegendRowHeight / 2 + 3.5)}},
                      entries[i].words);
   }
   svg.close();

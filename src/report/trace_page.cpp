@@ -14,28 +14,28 @@ namespace mneme {
 namespace internal {
 namespace {
 
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
 constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
 constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
 constexpr int kMaxTraceDepth = 64;
 /// What the page cannot do without, and the kind of each.
-constexpr std::array<std::pair<const char*, Json::value_t>, 15> kMembers = {{
-    {"problem", Json::value_t::string},
-    {"robot", Json::value_t::string},
-    {"is_planar", Json::value_t::boolean},
-    {"joints", Json::value_t::array},
-    {"plan", Json::value_t::object},
-    {"times", Json::value_t::object},
-    {"links", Json::value_t::array},
-    {"obstacles", Json::value_t::array},
-    {"start", Json::value_t::array},
-    {"goals", Json::value_t::array},
-    {"waypoints", Json::value_t::array},
-    {"primitives", Json::value_t::array},
-    {"components", Json::value_t::object},
-    {"samples", Json::value_t::object},
-    {"edges", Json::value_t::object},
+constexpr std::array<std::pair<const char*, PlainJson::value_t>, 15> kMembers = {{
+    {"problem", PlainJson::value_t::string},
+    {"robot", PlainJson::value_t::string},
+    {"is_planar", PlainJson::value_t::boolean},
+    {"joints", PlainJson::value_t::array},
+    {"plan", PlainJson::value_t::object},
+    {"times", PlainJson::value_t::object},
+    {"links", PlainJson::value_t::array},
+    {"obstacles", PlainJson::value_t::array},
+    {"start", PlainJson::value_t::array},
+    {"goals", PlainJson::value_t::array},
+    {"waypoints", PlainJson::value_t::array},
+    {"primitives", PlainJson::value_t::array},
+    {"components", PlainJson::value_t::object},
+    {"samples", PlainJson::value_t::object},
+    {"edges", PlainJson::value_t::object},
 }};
 
 /// True if lists and objects stand in each other more than kMaxTraceDepth deep: writing such JSON
@@ -59,7 +59,7 @@ bool is_too_deep(std::string_view json) {
   return depth > kMaxTraceDepth;
 }
 
-Result<Json> parse_trace(std::string_view text, const std::string& source) {
+Result<PlainJson> parse_trace(std::string_view text, const std::string& source) {
   if (text.size() > kMaxTraceBytes) {
     return fail(ErrorCode::unsupported,
                 fmt::format("{}: expected a trace of at most {} bytes", source, kMaxTraceBytes));
@@ -68,7 +68,7 @@ Result<Json> parse_trace(std::string_view text, const std::string& source) {
     return fail(ErrorCode::unsupported,
                 fmt::format("{}: expected a trace nested at most {} deep", source, kMaxTraceDepth));
   }
-  Json json = Json::parse(text, nullptr, false);
+  PlainJson json = PlainJson::parse(text, nullptr, false);
   if (json.is_discarded())
     return fail(ErrorCode::parse,
                 source + ": no JSON: expected a trace, as 'mneme plan --trace' writes it");
@@ -78,22 +78,22 @@ Result<Json> parse_trace(std::string_view text, const std::string& source) {
                                       ": no trace: expected \"format\": \"mneme-trace\", as "
                                       "'mneme plan --trace' writes it");
   }
-  if (json.value("version", Json()) != 1) {
+  if (json.value("version", PlainJson()) != 1) {
     return fail(ErrorCode::unsupported, source + ": a trace of another version: expected 1");
   }
   for (const auto& [name, kind] : kMembers) {
     const auto member = json.find(name);
     if (member == json.end() || member->type() != kind) {
       return fail(ErrorCode::parse, source + ": the trace has no \"" + name + "\", or not as " +
-                                        Json(kind).type_name());
+                                        PlainJson(kind).type_name());
     }
   }
   return json;
 }
 
 /// JSON that cannot end the script element that it stands in.
-std::string script_text(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string script_text(const PlainJson& json) {
+  const std::string text = json.dump(-1, ' ', false, PlainJson::error_handler_t::replace);
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text) {
@@ -120,7 +120,7 @@ std::string replaced(std::string_view text, std::string_view place, std::string_
 
 Result<std::string> to_page(std::string_view json, const std::string& source) {
   using namespace internal;
-  const Result<Json> trace = parse_trace(json, source);
+  const Result<PlainJson> trace = parse_trace(json, source);
   if (!trace) return tl::unexpected(trace.error());
   const std::string title = trace->at("problem").get<std::string>() + ", " +
                             trace->at("robot").get<std::string>() + " - mneme";

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/robot.h"
 
-#include "mneme/data.h"
+#include "mneme/base.h"
 
 #include <algorithm>
 #include <cstdlib>

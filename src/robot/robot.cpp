@@ -12,7 +12,7 @@
 namespace mneme {
 namespace {
 
-constexpr double kLimitTolerance = 1e-5;
+constexpr double kBoundTolerance = 1e-5;
 
 /// `angle` in [-pi, pi), without rounding.
 double wrapped(double angle) {
@@ -22,7 +22,7 @@ double wrapped(double angle) {
 
 bool is_within_limits(const Joint& joint, double value) {
   return joint.type == JointType::continuous ||
-         (value >= joint.lower - kLimitTolerance && value <= joint.upper + kLimitTolerance);
+         (value >= joint.lower - kBoundTolerance && value <= joint.upper + kBoundTolerance);
 }
 
 }  // namespace

@@ -11,15 +11,15 @@
 namespace mneme::internal {
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The body of each link: the index of the body's topmost link.
 std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
                       const std::vector<bool>& is_moving) {
   std::vector<int> bodies(links.size(), 0);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    bodies[index(joints[i].child_link)] =
-        is_moving[i] ? joints[i].child_link : bodies[index(joints[i].parent_link)];
+    bodies[at(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[at(joints[i].parent_link)];
   }
   return bodies;
 }
@@ -34,7 +34,7 @@ LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> jo
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!is_moving[i]) continue;
     joined.insert(
-        std::minmax({bodies[index(joints[i].parent_link)], bodies[index(joints[i].child_link)]}));
+        std::minmax({bodies[at(joints[i].parent_link)], bodies[at(joints[i].child_link)]}));
   }
   LinkPairs neighbours;
   for (std::size_t a = 0; a < links.size(); ++a) {

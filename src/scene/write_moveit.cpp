@@ -12,11 +12,11 @@
 namespace mneme {
 namespace {
 
-std::string point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
+std::string moveit_point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
 
-std::string pose(const Transform& X) {
+std::string moveit_pose(const Transform& X) {
   const Eigen::Vector4d xyzw = Eigen::Quaterniond(X.rotation).coeffs();
-  return fmt::format("{{position: {}, orientation: {}}}", point(X.translation),
+  return fmt::format("{{position: {}, orientation: {}}}", moveit_point(X.translation),
                      internal::yaml_numbers({xyzw.data(), 4}));
 }
 
@@ -26,21 +26,21 @@ struct Primitive {
 };
 
 /// Nothing for a capsule.
-struct Describe {
+struct DescribeForMoveit {
   using Answer = std::optional<Primitive>;
   Answer operator()(const Sphere& s) const {
     return Primitive{
         fmt::format("{{type: sphere, dimensions: [{}]}}", internal::yaml_number(s.radius)),
-        pose({Eigen::Matrix3d::Identity(), s.center})};
+        moveit_pose({Eigen::Matrix3d::Identity(), s.center})};
   }
   Answer operator()(const Box& s) const {
-    return Primitive{fmt::format("{{type: box, dimensions: {}}}", point(2.0 * s.half_extents)),
-                     pose(s.pose)};
+    return Primitive{fmt::format("{{type: box, dimensions: {}}}", moveit_point(2.0 * s.half_extents)),
+                     moveit_pose(s.pose)};
   }
   Answer operator()(const Cylinder& s) const {
     return Primitive{fmt::format("{{type: cylinder, dimensions: [{}, {}]}}",
                                  internal::yaml_number(s.length), internal::yaml_number(s.radius)),
-                     pose(s.pose)};
+                     moveit_pose(s.pose)};
   }
   Answer operator()(const Capsule&) const { return std::nullopt; }
 };
@@ -49,7 +49,7 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
   std::string shapes;
   std::string poses;
   for (const Shape& shape : obstacle.shapes) {
-    const auto primitive = std::visit(Describe{}, shape);
+    const auto primitive = std::visit(DescribeForMoveit{}, shape);
     if (!primitive) {
       return fail(ErrorCode::unsupported,
                   fmt::format("obstacle \"{}\" is a capsule; expected spheres, boxes and cylinders "

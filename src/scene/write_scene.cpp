@@ -23,7 +23,7 @@ std::string pose(const Transform& X) {
   return text;
 }
 
-struct Describe {
+struct DescribeShape {
   std::string operator()(const Sphere& s) const {
     return fmt::format("position: {}, radius: {}", point(s.center), number(s.radius));
   }
@@ -49,7 +49,7 @@ std::string to_yaml(const Scene& scene) {
     for (const Shape& shape : obstacle.shapes) {
       text += fmt::format("  - {{{}: {}, type: {}, {}}}\n", naming_key,
                           internal::yaml_string(obstacle.name), shape_name(shape),
-                          std::visit(Describe{}, shape));
+                          std::visit(DescribeShape{}, shape));
     }
   }
   return text;

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json run_json(std::vector<std::string> arguments, int exit_code = 0) {
+Json run_upkeep(std::vector<std::string> arguments, int exit_code = 0) {
   arguments.emplace_back("--json");
   const ProgramRun run = run_program(arguments);
   REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
@@ -20,7 +20,7 @@ Json run_json(std::vector<std::string> arguments, int exit_code = 0) {
 /// A copy of the database with a bit of its row's key flipped.
 std::string damaged_copy(const PlanarFiles& files) {
   std::string bytes = read_file(files.database());
-  const Json key = run_json({"db", "list", files.database()})["rows"][0]["key"];
+  const Json key = run_upkeep({"db", "list", files.database()})["rows"][0]["key"];
   const double first = key[0].get<double>();
   const std::string stored(reinterpret_cast<const char*>(&first), sizeof first);
   const std::size_t at = bytes.find(stored);
@@ -33,11 +33,11 @@ std::string damaged_copy(const PlanarFiles& files) {
 TEST_SUITE("flow") {
   TEST_CASE("verify passes a sound database, reports damage and sets it aside") {
     const PlanarFiles files;
-    CHECK(run_json({"db", "verify", files.database()})["is_clean"] == true);
+    CHECK(run_upkeep({"db", "verify", files.database()})["is_clean"] == true);
     CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
 
     const std::string damaged = damaged_copy(files);
-    const Json report = run_json({"db", "verify", damaged, "--report"}, 5);
+    const Json report = run_upkeep({"db", "verify", damaged, "--report"}, 5);
     CHECK(report["is_clean"] == false);
     REQUIRE(report["damages"].size() == 1);
     CHECK(report["damages"][0]["id"] == 1);
@@ -48,25 +48,25 @@ TEST_SUITE("flow") {
     CHECK(cured.exit_code == 5);
     CHECK(has_text(cured.out, "row 1: "));
     CHECK(has_text(cured.out, "(set aside)"));
-    CHECK(run_json({"db", "verify", damaged})["is_clean"] == true);
-    CHECK(run_json({"db", "info", damaged})["tombstones"] == 1);
+    CHECK(run_upkeep({"db", "verify", damaged})["is_clean"] == true);
+    CHECK(run_upkeep({"db", "info", damaged})["tombstones"] == 1);
 
-    CHECK(run_json({"db", "merge", damaged, files.database()})["added"] == 1);
-    CHECK(run_json({"db", "compact", damaged})["removed"] == 1);
-    CHECK(run_json({"db", "info", damaged})["samplers"] == 1);
+    CHECK(run_upkeep({"db", "merge", damaged, files.database()})["added"] == 1);
+    CHECK(run_upkeep({"db", "compact", damaged})["removed"] == 1);
+    CHECK(run_upkeep({"db", "info", damaged})["samplers"] == 1);
   }
 
   TEST_CASE("merging, exporting and importing give the same set") {
     const PlanarFiles files;
     const Json merged =
-        run_json({"db", "merge", files / "all.db", files.database(), files.database()});
+        run_upkeep({"db", "merge", files / "all.db", files.database(), files.database()});
     CHECK(merged["read"] == 2);
     CHECK(merged["added"] == 1);
     for (const std::string format : {".jsonl", ".npz"}) {
       const std::string file = files / ("rows" + format);
-      CHECK(run_json({"db", "export", files.database(), file})["rows"] == 1);
-      CHECK(run_json({"db", "import", files / ("new" + format + ".db"), file})["added"] == 1);
-      CHECK(run_json({"db", "import", files / "all.db", file})["added"] == 0);
+      CHECK(run_upkeep({"db", "export", files.database(), file})["rows"] == 1);
+      CHECK(run_upkeep({"db", "import", files / ("new" + format + ".db"), file})["added"] == 1);
+      CHECK(run_upkeep({"db", "import", files / "all.db", file})["added"] == 0);
       const std::string again = files / ("again" + format);
       CHECK(run_program({"db", "export", files / ("new" + format + ".db"), again}).exit_code == 0);
       CHECK(read_file(file) == read_file(again));
@@ -77,13 +77,13 @@ TEST_SUITE("flow") {
   TEST_CASE("migrate moves an old database, and says when there is nothing to do") {
     const PlanarFiles files;
     std::filesystem::copy_file(source_file("tests/experience/schema1.db"), files / "old.db");
-    const Json migrated = run_json({"db", "migrate", files / "old.db"});
+    const Json migrated = run_upkeep({"db", "migrate", files / "old.db"});
     CHECK(migrated["from"] == 1);
     CHECK(migrated["to"] == 2);
     CHECK(migrated["rows"] == 2);
     CHECK(std::filesystem::exists(migrated["copy"].get<std::string>()));
     CHECK(has_text(run_program({"db", "migrate", files / "old.db"}).out, "nothing to do"));
-    CHECK(run_json({"db", "info", files / "old.db"})["schema_version"] == 2);
+    CHECK(run_upkeep({"db", "info", files / "old.db"})["schema_version"] == 2);
   }
 }
 

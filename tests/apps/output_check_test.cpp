@@ -8,7 +8,7 @@
 namespace mneme::test {
 namespace {
 
-std::string write_runs(const PlanarFiles& files) {
+std::string write_some_runs(const PlanarFiles& files) {
   write_file(files / "runs.csv", to_csv(suite_rows()));
   return files / "runs.csv";
 }
@@ -16,7 +16,7 @@ std::string write_runs(const PlanarFiles& files) {
 TEST_SUITE("unit") {
   TEST_CASE("no output is written over a memory") {
     const PlanarFiles files;
-    const std::string memory = files.database(), problem = files.problem(), csv = write_runs(files);
+    const std::string memory = files.database(), problem = files.problem(), csv = write_some_runs(files);
     const std::string before = read_file(memory);
     std::filesystem::create_symlink(memory, files / "link");
     const std::string read = "is the memory that is read; expected another file";
@@ -48,7 +48,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("no output is written over what is read, or over another one") {
     const PlanarFiles files;
-    const std::string problem = files.problem(), csv = write_runs(files);
+    const std::string problem = files.problem(), csv = write_some_runs(files);
     std::filesystem::create_hard_link(problem, files / "hard.yaml");
     write_file(files / "trace.json", "{}");
     write_file(files / "two.json", "{\"problems\": []}");

@@ -27,7 +27,7 @@ std::string write_suite(const PlanarFiles& files, const std::string& more = "") 
   return path;
 }
 
-std::vector<BenchmarkRow> rows_of(const std::string& path) {
+std::vector<BenchmarkRow> rows_of_suite(const std::string& path) {
   const auto runs = parse_csv(read_file(path), path);
   REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
   return runs->rows;
@@ -50,7 +50,7 @@ TEST_SUITE("flow") {
         run_program({"bench", "run", write_suite(files), "--out", out, "--json", "--jobs", "2"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["runs"] == 12);
-    const auto rows = rows_of(out + "/runs.csv");
+    const auto rows = rows_of_suite(out + "/runs.csv");
     REQUIRE(rows.size() == 12);
     CHECK(names_of(rows).size() == 12);
     for (const BenchmarkRow& row : rows) {
@@ -79,7 +79,7 @@ TEST_SUITE("flow") {
         {"bench", "run", write_suite(files), "--out", out, "--setting", "without", "--jobs", "3"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     std::string order;
-    for (const BenchmarkRow& row : rows_of(out + "/runs.csv")) {
+    for (const BenchmarkRow& row : rows_of_suite(out + "/runs.csv")) {
       order += row.planner + std::to_string(row.seed) + " ";
     }
     CHECK(order == "prm1 rrt1 rrt2 prm2 prm3 rrt3 ");
@@ -97,7 +97,7 @@ TEST_SUITE("flow") {
           run_program({"bench", "run", files / "ompl.yaml", "--out", files / jobs, "--jobs", jobs});
       REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       std::set<std::string> names;
-      for (const BenchmarkRow& row : rows_of(files / jobs + "/runs.csv")) {
+      for (const BenchmarkRow& row : rows_of_suite(files / jobs + "/runs.csv")) {
         names.insert(row.planner + std::to_string(row.seed) + " " + std::to_string(row.iterations));
       }
       return names;
@@ -128,7 +128,7 @@ TEST_SUITE("flow") {
     CHECK(has_text(run.err, "experience of ompl:Lightning from the problems of memory m"));
     CHECK(std::filesystem::file_size(out + "/memories/m.Lightning") > 1000);
     CHECK(std::filesystem::file_size(out + "/memories/m.Thunder") > 1000);
-    CHECK(rows_of(out + "/runs.csv").size() == 2);
+    CHECK(rows_of_suite(out + "/runs.csv").size() == 2);
     write("robot: planar8, count: 1, starts-per-link: 1, paths-per-start: 1, primitives: " +
           source_file("scenes/planar/grid.yaml"));
     check_bad_inputs({{{"bench", "run", files / "old.yaml", "--out", files / "other"},
@@ -148,13 +148,13 @@ TEST_SUITE("flow") {
       program.send(SIGKILL);
       CHECK(program.wait().exit_code == 128 + SIGKILL);
     }
-    const auto before = rows_of(csv);
+    const auto before = rows_of_suite(csv);
     REQUIRE_FALSE(before.empty());
     const std::uint64_t seeds = before.back().seed + 1;
     const ProgramRun run = run_program({"bench", "run", suite, "--out", out, "--resume", "--seeds",
                                         std::to_string(seeds), "--timeout", "1"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
-    const auto after = rows_of(csv);
+    const auto after = rows_of_suite(csv);
     CHECK(after.size() == 4 * seeds);
     CHECK(names_of(after).size() == after.size());
     CHECK(to_csv(std::span(after).first(before.size())) == to_csv(before));

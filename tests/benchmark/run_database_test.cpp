@@ -9,7 +9,7 @@ namespace mneme {
 namespace {
 
 /// The answer of another connection, as text.
-std::string ask(const std::string& path, const std::string& sql) {
+std::string ask_runs(const std::string& path, const std::string& sql) {
   sqlite3* handle = nullptr;
   REQUIRE(sqlite3_open_v2(path.c_str(), &handle, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK);
   sqlite3_stmt* statement = nullptr;
@@ -29,16 +29,16 @@ TEST_SUITE("unit") {
     const auto rows = test::suite_rows();
     auto database = RunDatabase::open(path, std::span(rows).first(2));
     REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-    CHECK(ask(path, "SELECT count(*) FROM runs") == "2");
+    CHECK(ask_runs(path, "SELECT count(*) FROM runs") == "2");
     REQUIRE(database->add(rows[2]).has_value());
-    CHECK(ask(path, "SELECT count(*) FROM runs") == "3");
-    CHECK(ask(path,
+    CHECK(ask_runs(path, "SELECT count(*) FROM runs") == "3");
+    CHECK(ask_runs(path,
               "SELECT seed || ' ' || sampler || ' ' || is_valid || ' ' || settings FROM runs "
               "WHERE seed = 3") == "3 gl 1 range=0.5 memory=grid");
-    CHECK(std::stod(ask(path, "SELECT planning_time_s FROM runs WHERE seed = 3")) ==
+    CHECK(std::stod(ask_runs(path, "SELECT planning_time_s FROM runs WHERE seed = 3")) ==
           doctest::Approx(rows[2].planning_time_s));
     const std::string header = csv_header();
-    CHECK(ask(path, "SELECT group_concat(name) || char(10) FROM pragma_table_info('runs')") ==
+    CHECK(ask_runs(path, "SELECT group_concat(name) || char(10) FROM pragma_table_info('runs')") ==
           header);
   }
 
@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
     const auto rows = test::suite_rows();
     REQUIRE(RunDatabase::open(path, rows).has_value());
     REQUIRE(RunDatabase::open(path, std::span(rows).first(1)).has_value());
-    CHECK(ask(path, "SELECT count(*) FROM runs") == "1");
+    CHECK(ask_runs(path, "SELECT count(*) FROM runs") == "1");
     test::write_file(directory / "text", std::string(5000, 'x'));
     CHECK_FALSE(RunDatabase::open(directory / "text", rows).has_value());
     CHECK_FALSE(RunDatabase::open(directory / "no/runs.sqlite", rows).has_value());

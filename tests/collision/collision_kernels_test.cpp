@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kKernelTolerance = 1e-5;
 
-int lanes_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
+int lane_count_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
 
 /// An arm of `links` capsules 1 m long and 2 cm in radius that bends about z, y, z, ...
 Robot folding_arm(int links) {
@@ -92,7 +92,7 @@ TEST_SUITE("unit") {
     constexpr std::array<std::pair<Isa, int>, 4> kLanes = {
         {{Isa::scalar, 1}, {Isa::sse, 4}, {Isa::avx2, 8}, {Isa::avx512, 16}}};
     for (const auto& [isa, lanes] : kLanes) {
-      if (is_available(isa)) CHECK(lanes_of(isa) == lanes);
+      if (is_available(isa)) CHECK(lane_count_of(isa) == lanes);
     }
   }
 
@@ -165,7 +165,7 @@ TEST_SUITE("law") {
     const auto rows = random_states(robot, 100, rng, 0.4);
     for (const Isa isa : available_isas()) {
       const CollisionChecker checker = require_checker(robot, scene, {.isa = isa});
-      const int lanes = lanes_of(isa);
+      const int lanes = lane_count_of(isa);
       for (const int count : {0, 1, lanes - 1, lanes, lanes + 1, 2 * lanes + 1, 100}) {
         std::vector<std::uint8_t> is_valid(static_cast<std::size_t>(count) + 1, 7);
         checker.check_states(rows, {is_valid.data(), static_cast<std::size_t>(count)});

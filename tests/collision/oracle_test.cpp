@@ -23,11 +23,11 @@ constexpr double kFclTolerance = 1e-6;
 constexpr double kFclEarlyStop = 1e-4;
 
 /// A kind of obstacle: to add a shape, add a row.
-struct ObstacleKind {
+struct RandomObstacle {
   const char* name;
   Shape (*make)(Rng&);
 };
-constexpr std::array<ObstacleKind, 5> kKinds = {{{"sphere", small_sphere},
+constexpr std::array<RandomObstacle, 5> kKinds = {{{"sphere", small_sphere},
                                                  {"box", small_box},
                                                  {"capsule", small_capsule},
                                                  {"cylinder", small_cylinder},
@@ -165,7 +165,7 @@ TEST_SUITE("oracle") {
 
   TEST_CASE("kernels agree with exact contacts of random robots with every kind of obstacle") {
     Rng rng(202);
-    for (const ObstacleKind& kind : kKinds) {
+    for (const RandomObstacle& kind : kKinds) {
       Tally tally;
       for (int i = 0; i < 10; ++i) {
         const Robot robot = random_robot(rng);
@@ -185,7 +185,7 @@ TEST_SUITE("oracle") {
     const Robot reordered = require_parsed(
         kTwoArms,
         {.joints = {"swing", "slide", "elbow", "shoulder"}, .fixed_values = {{"lift", 0.3}}});
-    for (const ObstacleKind& kind : kKinds) {
+    for (const RandomObstacle& kind : kKinds) {
       for (const Robot& arms : {robot, reordered}) {
         Tally tally;
         const Scene scene = random_scene(arms, 8, rng, kind.make);

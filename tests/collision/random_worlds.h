@@ -14,7 +14,7 @@
 
 #include "collision/clearance.h"
 #include "collision/checked_robot.h"
-#include "collision/contacts.h"
+#include "check/contacts.h"
 #include "geometry/random_shapes.h"
 #include "mneme/collision.h"
 #include "support/support.h"

@@ -21,9 +21,9 @@ SceneTables require_tables(const Scene& scene) {
   return *tables;
 }
 
-Vec3 vector_of(const float* p) { return {p[0], p[1], p[2]}; }
+Vec3 row_of(const float* p) { return {p[0], p[1], p[2]}; }
 
-Eigen::Matrix3d matrix_of(const float* r) {
+Eigen::Matrix3d turn_of(const float* r) {
   Eigen::Matrix3d m;
   for (int i = 0; i < 9; ++i) m(i / 3, i % 3) = r[i];
   return m;
@@ -50,16 +50,16 @@ TEST_SUITE("unit") {
     const SceneTables tables = require_tables(scene);
     REQUIRE(tables.obstacles.size() == 5);
     CHECK(tables.obstacles[0].kind == ObstacleKind::sphere);
-    CHECK(vector_of(tables.obstacles[0].center) == Vec3(1, 2, 3));
+    CHECK(row_of(tables.obstacles[0].center) == Vec3(1, 2, 3));
     CHECK(tables.obstacles[0].rounding == 0.5f);
     CHECK(tables.obstacles[1].kind == ObstacleKind::aligned_box);
-    CHECK(vector_of(tables.obstacles[1].half_extents).isApprox(Vec3(4, 2, 1), 1e-6));
+    CHECK(row_of(tables.obstacles[1].half_extents).isApprox(Vec3(4, 2, 1), 1e-6));
     CHECK(tables.obstacles[2].kind == ObstacleKind::capsule);
-    CHECK(vector_of(tables.obstacles[2].along) == Vec3(1, 1, 1));
+    CHECK(row_of(tables.obstacles[2].along) == Vec3(1, 1, 1));
     CHECK(tables.obstacles[2].rounding == 0.25f);
     CHECK(tables.obstacles[3].kind == ObstacleKind::cylinder);
-    CHECK(vector_of(tables.obstacles[3].half_extents) == Vec3(0.5, 0.5, 1.5));
-    CHECK(matrix_of(tables.obstacles[3].rotation).isApprox(X.rotation.transpose(), 1e-6));
+    CHECK(row_of(tables.obstacles[3].half_extents) == Vec3(0.5, 0.5, 1.5));
+    CHECK(turn_of(tables.obstacles[3].rotation).isApprox(X.rotation.transpose(), 1e-6));
     CHECK(tables.obstacles[4].kind == ObstacleKind::upright_cylinder);
     CHECK(tables.obstacles[4].rounding == 0);
   }
@@ -71,19 +71,19 @@ TEST_SUITE("unit") {
       CHECK(tables.obstacles[0].kind == ObstacleKind::aligned_box);
       CHECK(tables.obstacles[1].kind == ObstacleKind::aligned_box);
       CHECK(tables.obstacles[2].kind == ObstacleKind::box);
-      CHECK(vector_of(tables.obstacles[0].center)
-                .isApprox(matrix_of(tables.rotation) * Vec3(1, 0, 0), 1e-6));
-      const Eigen::Matrix3d in_scene = matrix_of(tables.rotation) * turn;
+      CHECK(row_of(tables.obstacles[0].center)
+                .isApprox(turn_of(tables.rotation) * Vec3(1, 0, 0), 1e-6));
+      const Eigen::Matrix3d in_scene = turn_of(tables.rotation) * turn;
       CHECK(in_scene.cwiseAbs().rowwise().maxCoeff().isApprox(Vec3::Ones(), 1e-6));
     }
   }
 
   TEST_CASE("the robot's own axes are those of a scene without boxes, or of one that has them") {
     auto shapes = turned_boxes(0);
-    CHECK(matrix_of(require_tables(scene_of(shapes)).rotation).isIdentity());
+    CHECK(turn_of(require_tables(scene_of(shapes)).rotation).isIdentity());
     shapes = {Cylinder{{rotation_about(Vec3::UnitX(), 0.3), {1, 0, 0}}, 0.1, 0.2}};
-    CHECK(matrix_of(require_tables(scene_of(shapes)).rotation).isIdentity());
-    CHECK(matrix_of(require_tables({}).rotation).isIdentity());
+    CHECK(turn_of(require_tables(scene_of(shapes)).rotation).isIdentity());
+    CHECK(turn_of(require_tables({}).rotation).isIdentity());
   }
 
   TEST_CASE("bounds fill whole blocks, the rest of which nothing overlaps") {
@@ -117,7 +117,7 @@ TEST_SUITE("law") {
       shapes.push_back(random_shape(i % kShapeKinds, rng));
       const SceneTables tables = require_tables(scene_of(shapes));
       // The rotation of floats is not orthogonal enough for so long a view.
-      const Eigen::Quaterniond turn(matrix_of(tables.rotation));
+      const Eigen::Quaterniond turn(turn_of(tables.rotation));
       const Transform X_SW{turn.normalized().toRotationMatrix(), Vec3::Zero()};
       const Shape shape = transformed(X_SW, shapes.back());
       const auto bound = [&](const auto& bounds, int axis) {

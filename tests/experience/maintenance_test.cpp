@@ -7,7 +7,7 @@
 namespace mneme::test {
 namespace {
 
-void fill(const std::string& path, const std::vector<Experience>& rows) {
+void fill_database(const std::string& path, const std::vector<Experience>& rows) {
   REQUIRE(open_database(path).insert(rows).has_value());
 }
 
@@ -49,7 +49,7 @@ TEST_SUITE("law") {
       const std::string into = directory / ("into" + std::to_string(i));
       for (const int part : orders[i]) {
         const std::string from = directory / ("part" + std::to_string(part));
-        if (!std::filesystem::exists(from)) fill(from, parts[static_cast<std::size_t>(part)]);
+        if (!std::filesystem::exists(from)) fill_database(from, parts[static_cast<std::size_t>(part)]);
         REQUIRE(merge_databases(into, from).has_value());
       }
       CHECK(verify_database(into)->empty());
@@ -67,7 +67,7 @@ TEST_SUITE("unit") {
   TEST_CASE("the rows of another robot are not merged, and neither are damaged ones") {
     const TemporaryDirectory directory;
     Rng rng(25);
-    fill(directory / "a.db", random_rows(rng, 2));
+    fill_database(directory / "a.db", random_rows(rng, 2));
     ExperienceSpace other = arm_space();
     other.robot_hash = "other";
     REQUIRE(Database::open(directory / "b.db", other, OpenMode::create).has_value());
@@ -87,8 +87,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Rng rng(26);
     const auto rows = random_rows(rng, 5);
-    fill(directory / "a.db", rows);
-    fill(directory / "b.db", rows);
+    fill_database(directory / "a.db", rows);
+    fill_database(directory / "b.db", rows);
     run_sql(directory / "a.db", "UPDATE mixture SET seed = 0 WHERE id = 2");
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     CHECK(merge_databases(directory / "a.db", directory / "b.db")->added == 1);
@@ -98,7 +98,7 @@ TEST_SUITE("unit") {
   TEST_CASE("compacting tells what it removed, and refuses a damaged database") {
     const TemporaryDirectory directory;
     Rng rng(27);
-    fill(directory / "a.db", random_rows(rng, 100));
+    fill_database(directory / "a.db", random_rows(rng, 100));
     run_sql(directory / "a.db",
             "UPDATE mixture SET seed = 0 WHERE id > 20;"
             "UPDATE experience SET cell = 0 WHERE id = 1");

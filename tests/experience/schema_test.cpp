@@ -9,14 +9,14 @@ namespace {
 
 using internal::Connection;
 
-Connection connect(const std::string& path) {
+Connection open_connection(const std::string& path) {
   auto connection = Connection::open(path, Connection::Access::create);
   REQUIRE(connection.has_value());
   return std::move(*connection);
 }
 
 void create(const std::string& path) {
-  Connection connection = connect(path);
+  Connection connection = open_connection(path);
   REQUIRE(internal::create_schema(connection, arm_space()));
 }
 
@@ -25,7 +25,7 @@ Result<int> kind_after(const std::string& sql) {
   const TemporaryDirectory directory;
   create(directory / "a.db");
   run_sql(directory / "a.db", sql);
-  Connection connection = connect(directory / "a.db");
+  Connection connection = open_connection(directory / "a.db");
   return internal::identify(connection);
 }
 
@@ -42,7 +42,7 @@ void check_refused(const std::string& sql, ErrorCode code, const std::string& re
 TEST_SUITE("unit") {
   TEST_CASE("a file is empty before its schema is created and a database after") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     CHECK(internal::identify(connection) == 0);
     REQUIRE(internal::create_schema(connection, arm_space()));
     CHECK(internal::identify(connection) == internal::kSchemaVersion);
@@ -58,7 +58,7 @@ TEST_SUITE("unit") {
   TEST_CASE("creating a schema that another process has created changes nothing") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    Connection connection = connect(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     ExperienceSpace other = arm_space();
     other.robot_name = "other";
     REQUIRE(internal::create_schema(connection, other));
@@ -68,7 +68,7 @@ TEST_SUITE("unit") {
   TEST_CASE("the pragmas that tell what the file is are set") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
-    Connection connection = connect(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     CHECK(connection.integer("PRAGMA application_id") == 0x6d6e656d);
     CHECK(connection.integer("PRAGMA user_version") == 2);
     CHECK(connection.integer("PRAGMA page_size") == 8192);
@@ -102,7 +102,7 @@ TEST_SUITE("unit") {
   TEST_CASE("the first version's tables are known, but not under another number") {
     const TemporaryDirectory directory;
     std::filesystem::copy_file(source_file("tests/experience/schema1.db"), directory / "a.db");
-    Connection connection = connect(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     CHECK(internal::identify(connection) == 1);
     check_refused("PRAGMA user_version = 1", ErrorCode::corrupt, "is not one");
     CHECK(internal::refuse_older("a.db", 1).value().message.find("mneme db migrate a.db") !=
@@ -120,7 +120,7 @@ TEST_SUITE("unit") {
       const TemporaryDirectory directory;
       create(directory / "a.db");
       run_sql(directory / "a.db", change);
-      Connection connection = connect(directory / "a.db");
+      Connection connection = open_connection(directory / "a.db");
       const auto space = internal::read_space(connection);
       INFO(change);
       REQUIRE(!space.has_value());
@@ -132,13 +132,13 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
     {
-      Connection connection = connect(directory / "a.db");
+      Connection connection = open_connection(directory / "a.db");
       CHECK(internal::check_pages(connection).has_value());
     }
     std::string bytes = read_file(directory / "a.db");
     bytes[39] = 1;  // the header now counts one free page, but the list of free pages is empty
     write_file(directory / "a.db", bytes);
-    Connection connection = connect(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     const auto checked = internal::check_pages(connection);
     REQUIRE(!checked.has_value());
     CHECK(checked.error().code == ErrorCode::corrupt);

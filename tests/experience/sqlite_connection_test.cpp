@@ -10,7 +10,7 @@ namespace {
 using internal::Connection;
 using internal::Transaction;
 
-Connection create(const std::string& path) {
+Connection create_connection(const std::string& path) {
   auto connection = Connection::open(path, Connection::Access::create);
   REQUIRE_MESSAGE(connection.has_value(), (connection ? "" : connection.error().message));
   return std::move(*connection);
@@ -25,7 +25,7 @@ std::int64_t count(Connection& connection) {
 TEST_SUITE("unit") {
   TEST_CASE("bytes and text come back as they were bound, empty ones and zeros included") {
     const TemporaryDirectory directory;
-    Connection connection = create(directory / "a.db");
+    Connection connection = create_connection(directory / "a.db");
     REQUIRE(connection.execute("CREATE TABLE t (a BLOB NOT NULL, b TEXT NOT NULL, c INTEGER)"));
     const std::string bytes("x\0y", 3);
     for (const std::string& value : {bytes, std::string()}) {
@@ -48,7 +48,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a transaction leaves nothing behind unless it is committed") {
     const TemporaryDirectory directory;
-    Connection connection = create(directory / "a.db");
+    Connection connection = create_connection(directory / "a.db");
     REQUIRE(connection.execute("CREATE TABLE t (a)"));
     {
       auto transaction = Transaction::begin(connection, Transaction::Kind::write);
@@ -66,7 +66,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a statement that a sound database would understand names the file as damaged") {
     const TemporaryDirectory directory;
-    Connection connection = create(directory / "a.db");
+    Connection connection = create_connection(directory / "a.db");
     const auto result = connection.integer("SELECT a FROM t");
     REQUIRE(!result.has_value());
     CHECK(result.error().code == ErrorCode::corrupt);
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     for (const std::string name : {":memory:", "file:a.db?mode=memory", "50%25 #1?immutable=1"}) {
       const std::string path = directory / name;
       {
-        Connection connection = create(path);
+        Connection connection = create_connection(path);
         REQUIRE(connection.execute("CREATE TABLE t (a); INSERT INTO t VALUES (1)"));
       }
       CHECK(std::filesystem::exists(path));
@@ -99,7 +99,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file that is read as immutable cannot be written") {
     const TemporaryDirectory directory;
-    REQUIRE(create(directory / "a.db").execute("CREATE TABLE t (a)"));
+    REQUIRE(create_connection(directory / "a.db").execute("CREATE TABLE t (a)"));
     auto connection = Connection::open(directory / "a.db", Connection::Access::immutable);
     REQUIRE(connection.has_value());
     CHECK(connection->is_read_only());
@@ -127,7 +127,7 @@ TEST_SUITE("unit") {
   TEST_CASE("the write-ahead log is in use after it was asked for and gone after closing") {
     const TemporaryDirectory directory;
     {
-      Connection connection = create(directory / "a.db");
+      Connection connection = create_connection(directory / "a.db");
       REQUIRE(connection.enter_wal_mode());
       REQUIRE(connection.execute("CREATE TABLE t (a)"));
       CHECK(std::filesystem::exists(directory / "a.db-wal"));

@@ -11,7 +11,7 @@ namespace {
 using internal::append_rows;
 using internal::Duplicates;
 
-std::unique_ptr<internal::Store> create(const std::string& path) {
+std::unique_ptr<internal::Store> create_store(const std::string& path) {
   auto opened = internal::open_store_of(path, arm_space(), OpenMode::create);
   REQUIRE(opened.has_value());
   return std::move(opened->store);
@@ -28,7 +28,7 @@ Experience with(Experience row, const std::string& time, const std::string& tool
 TEST_SUITE("unit") {
   TEST_CASE("appending gives ids in order and moves the head on") {
     const TemporaryDirectory directory;
-    const auto store = create(directory / "a.db");
+    const auto store = create_store(directory / "a.db");
     Rng rng(11);
     const auto first = append_rows(*store, random_rows(rng, 3), Duplicates::keep_first);
     REQUIRE(first.has_value());
@@ -52,7 +52,7 @@ TEST_SUITE("unit") {
              {late, early, early_tool}, {early_tool, late, early}, {early, early_tool, late}}) {
       for (const bool is_one_batch : {false, true}) {
         const TemporaryDirectory directory;
-        const auto store = create(directory / "a.db");
+        const auto store = create_store(directory / "a.db");
         if (is_one_batch) {
           REQUIRE(append_rows(*store, order, Duplicates::keep_earliest));
         } else {
@@ -67,7 +67,7 @@ TEST_SUITE("unit") {
       }
     }
     const TemporaryDirectory directory;
-    const auto store = create(directory / "a.db");
+    const auto store = create_store(directory / "a.db");
     REQUIRE(append_rows(*store, std::span(&late, 1), Duplicates::keep_first));
     const auto again = append_rows(*store, std::span(&early, 1), Duplicates::keep_first);
     CHECK(again->ids == std::vector<std::int64_t>{1});
@@ -76,7 +76,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("compacting removes what was set aside and keeps the ids of the rest") {
     const TemporaryDirectory directory;
-    const auto store = create(directory / "a.db");
+    const auto store = create_store(directory / "a.db");
     Rng rng(13);
     REQUIRE(append_rows(*store, random_rows(rng, 200), Duplicates::keep_first));
     std::vector<internal::Burial> burials;
@@ -96,7 +96,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a batch beyond one part is still one transaction") {
     const TemporaryDirectory directory;
-    const auto store = create(directory / "a.db");
+    const auto store = create_store(directory / "a.db");
     Rng rng(14);
     auto rows = random_rows(rng, 4100, 1);
     rows.back() = rows.front();

@@ -5,7 +5,7 @@
 namespace mneme::test {
 namespace {
 
-void create(const std::string& path) {
+void create_database(const std::string& path) {
   Rng rng(71);
   REQUIRE(open_database(path).insert(random_rows(rng, 6)));
 }
@@ -15,7 +15,7 @@ void create(const std::string& path) {
 TEST_SUITE("unit") {
   TEST_CASE("a sound database has no damage, also while it is being written") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     CHECK(verify_database(directory / "a.db")->empty());
     Rng rng(72);
     Database database = open_database(directory / "a.db", OpenMode::read_write);
@@ -25,7 +25,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("every damaged row is listed with its id, and opening names the first") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id IN (2, 5)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(damages.has_value());
@@ -43,7 +43,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("rows that lost a part are named, and one that lost both is counted") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     run_sql(directory / "a.db",
             "DELETE FROM experience WHERE id IN (3, 6); DELETE FROM mixture WHERE id IN (4, 6)");
     const auto damages = verify_database(directory / "a.db");
@@ -59,7 +59,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("reporting changes nothing, quarantine leaves what can be used") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     run_sql(directory / "a.db",
             "UPDATE mixture SET seed = seed + 1 WHERE id = 2;"
             "UPDATE experience SET cell = cell + 1 WHERE id = 5");
@@ -83,7 +83,7 @@ TEST_SUITE("unit") {
           "UPDATE experience SET checksum = 5 WHERE id = 6", "UPDATE tombstone SET row = 3",
           "DELETE FROM tombstone"}) {
       const TemporaryDirectory directory;
-      create(directory / "a.db");
+      create_database(directory / "a.db");
       run_sql(directory / "a.db", "DELETE FROM mixture WHERE id = 1");
       REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
       run_sql(directory / "a.db", change);
@@ -100,7 +100,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("what cannot be cured says why") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE space SET robot_hash = 'other'");
     const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
     REQUIRE(damages->size() == 2);
@@ -140,7 +140,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a database of a newer mneme is refused rather than judged") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_database(directory / "a.db");
     run_sql(directory / "a.db", "PRAGMA user_version = 3; CREATE TABLE more (a)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(!damages.has_value());

@@ -3,7 +3,7 @@
 #include "fuzz/fuzz_input.h"
 
 #include "mneme/benchmark.h"
-#include "mneme/variation.h"
+#include "mneme/instances.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "suite.yaml");

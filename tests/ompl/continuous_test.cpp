@@ -69,7 +69,7 @@ TEST_SUITE("flow") {
         settings.sampler = "uniform";
         settings.plan.timeout_s = 60;
         const SolveResult result = solve_or_fail(world, settings);
-        CHECK(is_path_free(make_checker(world), result.plan.path, 0.001));
+        CHECK(is_path_free(world.robot, world.scene, result.plan.path, 0.001));
       }
     }
   }

@@ -36,7 +36,7 @@ void check_path(const Problem& problem, const SolveResult& result) {
   REQUIRE(path.size() >= 2);
   CHECK(path.front() == problem.robot.normalized(problem.start));
   CHECK(path.back() == problem.robot.normalized(problem.goals[0]));
-  CHECK(is_path_free(checker_of(problem), path, kExactResolution));
+  CHECK(is_path_free(problem.robot, problem.scene, path, kExactResolution));
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     for (settings.plan.seed = 1; settings.plan.seed <= 10; ++settings.plan.seed) {
       const SolveResult careless = solve_or_fail(problem, nullptr, settings, paper);
       if (careless.plan.is_solved() &&
-          !is_path_free(checker_of(problem), careless.plan.path, kExactResolution)) {
+          !is_path_free(problem.robot, problem.scene, careless.plan.path, kExactResolution)) {
         ++tunnels;
       }
       check_path(problem, solve_or_fail(problem, nullptr, settings));

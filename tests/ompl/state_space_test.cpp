@@ -5,7 +5,7 @@
 namespace mneme::test {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261;
+constexpr std::uint64_t kSpaceSeed = 20261;
 
 struct TwoStates {
   Robot robot = planar8();
@@ -66,7 +66,7 @@ TEST_SUITE("unit") {
 TEST_SUITE("law") {
   TEST_CASE("distance and interpolation are those of the robot") {
     TwoStates states;
-    Rng rng(kSeed);
+    Rng rng(kSpaceSeed);
     for (int trial = 0; trial < 200; ++trial) {
       const Configuration from = random_configuration(states.robot, rng);
       const Configuration to = random_configuration(states.robot, rng);

@@ -7,7 +7,7 @@
 namespace mneme::test {
 namespace {
 
-constexpr std::uint64_t kSeed = 20262;
+constexpr std::uint64_t kValiditySeed = 20262;
 
 /// Metres between the robot and the obstacles by exact distances, found by inflating the robot.
 bool is_free_with_margin(const Problem& problem, const Configuration& q, double margin) {
@@ -48,8 +48,8 @@ TEST_SUITE("oracle") {
     const Problem problem = gap_problem();
     const auto information = mneme::ompl::make_space_information(checker_of(problem));
     const auto& validity = *information->getStateValidityChecker();
-    Rng rng(kSeed);
-    INFO("seed ", kSeed);
+    Rng rng(kValiditySeed);
+    INFO("seed ", kValiditySeed);
     int inside = 0;
     for (int trial = 0; trial < 60; ++trial) {
       const Configuration q = random_configuration(problem.robot, rng);

@@ -18,7 +18,7 @@ SolveSettings short_settings() {
   return settings;
 }
 
-SolveResult solve_or_fail(const Problem& problem, Database* database,
+SolveResult solve_hostile(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
@@ -58,7 +58,7 @@ TEST_SUITE("unit") {
         settings.planner = planner.name;
         settings.plan.timeout_s = 60;
         CAPTURE(planner.name);
-        const SolveResult result = solve_or_fail(problem, nullptr, settings);
+        const SolveResult result = solve_hostile(problem, nullptr, settings);
         CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
       }
     }
@@ -74,13 +74,13 @@ TEST_SUITE("unit") {
         SolveSettings settings = short_settings();
         settings.planner = planner.name;
         settings.sampler = sampler;
-        const SolveResult result = solve_or_fail(problem, nullptr, settings);
+        const SolveResult result = solve_hostile(problem, nullptr, settings);
         REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
         for (const Configuration& q : result.plan.path) CHECK(q[1] == doctest::Approx(0.3));
       }
     }
     const Problem outside = problem_of(robot, {}, {0, 0.4, 0, 0}, {0.4, 0.3, 1, 1});
-    CHECK(solve_or_fail(outside, nullptr, {}).plan.status == PlanStatus::invalid_start);
+    CHECK(solve_hostile(outside, nullptr, {}).plan.status == PlanStatus::invalid_start);
   }
 
   TEST_CASE("an arm of one joint and one of thirty are planned for") {
@@ -98,11 +98,11 @@ TEST_SUITE("unit") {
           SolveSettings settings = short_settings();
           settings.planner = planner.name;
           settings.plan.max_iterations = 50;
-          const SolveResult result = solve_or_fail(problem, nullptr, settings);
+          const SolveResult result = solve_hostile(problem, nullptr, settings);
           INFO(planner.name, " to ", angle, ": ", result.plan.message);
           if (angle < 2) CHECK(result.plan.is_solved());
           const CollisionChecker checker = make_checker(robot, scene);
-          if (result.plan.is_solved()) CHECK(is_path_free(checker, result.plan.path, 0.001));
+          if (result.plan.is_solved()) CHECK(is_path_free(checker.robot(), checker.scene(), result.plan.path, 0.001));
         }
       }
     }
@@ -115,9 +115,9 @@ TEST_SUITE("unit") {
       CAPTURE(bad);
       const Robot robot = planar_arm({1, 1});
       const Problem start = problem_of(robot, {}, {0, bad}, {0, 1});
-      CHECK(solve_or_fail(start, nullptr, {}).plan.status == PlanStatus::invalid_start);
+      CHECK(solve_hostile(start, nullptr, {}).plan.status == PlanStatus::invalid_start);
       const Problem goal = problem_of(robot, {}, {0, 0}, {0, bad});
-      CHECK(solve_or_fail(goal, nullptr, {}).plan.status == PlanStatus::invalid_goal);
+      CHECK(solve_hostile(goal, nullptr, {}).plan.status == PlanStatus::invalid_goal);
       const Scene ball{"s", {{"bad ball", {Sphere{{0, bad, 0}, 1}}}}};
       const Scene box{"s", {{"bad box", {box_at({0, 9, 0}, {1, bad, 1})}}}};
       for (const Scene& scene : {ball, box}) {
@@ -134,11 +134,11 @@ TEST_SUITE("unit") {
     CHECK(!solve(problem_of(robot, point, {0, 0}, {0, 1}), nullptr, {}).has_value());
     const Scene hill{"s", {{"hill", {Sphere{{0, -5004, 0}, 4990}}}}};
     const SolveResult past =
-        solve_or_fail(problem_of(robot, hill, {0, 0}, {0, 1}), nullptr, short_settings());
+        solve_hostile(problem_of(robot, hill, {0, 0}, {0, 1}), nullptr, short_settings());
     CHECK_MESSAGE(past.plan.is_solved(), past.plan.message);
     const Scene around{"s", {{"hill", {Sphere{{0, -4000, 0}, 4990}}}}};
     const SolveResult within =
-        solve_or_fail(problem_of(robot, around, {0, 0}, {0, 1}), nullptr, {});
+        solve_hostile(problem_of(robot, around, {0, 0}, {0, 1}), nullptr, {});
     CHECK(within.plan.status == PlanStatus::invalid_start);
     CHECK(within.plan.message.find("hill") != std::string::npos);
   }
@@ -150,7 +150,7 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     SolveSettings settings = short_settings();
     settings.retrieve_after = 0;
-    const SolveResult result = solve_or_fail(problem, &database, settings);
+    const SolveResult result = solve_hostile(problem, &database, settings);
     CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
     CHECK(result.gl.primitives.empty());
     settings.decompose.max_gap = 3;
@@ -166,12 +166,12 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.margin = 0.1;
-    const SolveResult result = solve_or_fail(problem, nullptr, settings);
+    const SolveResult result = solve_hostile(problem, nullptr, settings);
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
     const CollisionChecker strict = make_checker(robot, scene, settings.margin);
     for (const Configuration& q : result.plan.path) CHECK(strict.contacts(q).empty());
     settings.margin = 5;
-    CHECK(solve_or_fail(problem, nullptr, settings).plan.status == PlanStatus::invalid_start);
+    CHECK(solve_hostile(problem, nullptr, settings).plan.status == PlanStatus::invalid_start);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace mneme::test {
 namespace {
 
-SolveResult solve_or_fail(const Problem& problem, Database* database,
+SolveResult solve_soundly(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
@@ -72,7 +72,7 @@ void learn_paths_into(Database& database, const Problem& problem) {
   std::vector<Path> paths;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     settings.plan.seed = seed;
-    const SolveResult result = solve_or_fail(problem, nullptr, settings);
+    const SolveResult result = solve_soundly(problem, nullptr, settings);
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
     paths.push_back(result.plan.path);
   }
@@ -87,7 +87,7 @@ double mean_iterations(const Problem& problem, Database* database, SolveSettings
   std::uint64_t sum = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
     settings.plan.seed = static_cast<std::uint64_t>(seed);
-    sum += solve_or_fail(problem, database, settings).plan.iterations;
+    sum += solve_soundly(problem, database, settings).plan.iterations;
   }
   return static_cast<double>(sum) / seeds;
 }
@@ -113,7 +113,7 @@ TEST_SUITE("flow") {
     const double memory = mean_iterations(problem, &database, settings, 6);
     INFO("uniform ", uniform, ", memory ", memory);
     CHECK(memory < 0.25 * uniform);
-    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
   }
 
   TEST_CASE("every planner solves with every sampler, and its path starts and ends as asked") {
@@ -130,7 +130,7 @@ TEST_SUITE("flow") {
         INFO(planner.name, " with ", sampler);
         settings.planner = planner.name;
         settings.sampler = sampler;
-        const SolveResult result = solve_or_fail(problem, &database, settings);
+        const SolveResult result = solve_soundly(problem, &database, settings);
         REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
         CHECK(result.planner == planner.name);
         CHECK(result.sampler == sampler);
@@ -155,7 +155,7 @@ TEST_SUITE("law") {
     settings.learn = cheap_settings();
     bool has_learned = false;
     for (int round = 0; round < 3; ++round) {
-      const SolveResult result = solve_or_fail(problem, &database, settings);
+      const SolveResult result = solve_soundly(problem, &database, settings);
       CHECK(result.total_time_s > 0);
       CHECK(result.planning_time_s > 0);
       CHECK(result.planning_time_s <= result.total_time_s);
@@ -181,13 +181,13 @@ TEST_SUITE("law") {
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 1000000;
-    const SolveResult first = solve_or_fail(problem, &database, settings);
-    const SolveResult second = solve_or_fail(problem, &database, settings);
+    const SolveResult first = solve_soundly(problem, &database, settings);
+    const SolveResult second = solve_soundly(problem, &database, settings);
     REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
     CHECK(first.plan.path == second.plan.path);
     CHECK(first.plan.iterations == second.plan.iterations);
     settings.plan.seed = 2;
-    CHECK(solve_or_fail(problem, &database, settings).plan.path != first.plan.path);
+    CHECK(solve_soundly(problem, &database, settings).plan.path != first.plan.path);
   }
 
   TEST_CASE("an arm in space solves with memory, and the same seed gives the same path") {
@@ -203,14 +203,14 @@ TEST_SUITE("law") {
         settings.planner = planner.name;
         settings.plan.seed = 1;
         INFO(planner.name, " after ", after);
-        const SolveResult first = solve_or_fail(problem, &database, settings);
+        const SolveResult first = solve_soundly(problem, &database, settings);
         REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
         CHECK(first.plan.path.front() == problem.robot.normalized(problem.start));
         CHECK(first.plan.path.back() == problem.robot.normalized(problem.goals[0]));
         CheckCounters counters;
         const CollisionChecker checker = make_checker(problem.robot, problem.scene);
         CHECK(find_invalid_motion(checker, first.plan.path, counters) == -1);
-        const SolveResult second = solve_or_fail(problem, &database, settings);
+        const SolveResult second = solve_soundly(problem, &database, settings);
         CHECK(first.plan.path == second.plan.path);
         CHECK(first.plan.iterations == second.plan.iterations);
       }
@@ -224,13 +224,13 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
-    const SolveResult gl = solve_or_fail(problem, nullptr, settings);
+    const SolveResult gl = solve_soundly(problem, nullptr, settings);
     CHECK(gl.sampler == "gl");
     CHECK(gl.gl.primitives.empty());
-    const SolveResult without_match = solve_or_fail(problem, &database, settings);
+    const SolveResult without_match = solve_soundly(problem, &database, settings);
     CHECK(without_match.gl.primitives.size() == 1);
     settings.sampler = "uniform";
-    const SolveResult uniform = solve_or_fail(problem, &database, settings);
+    const SolveResult uniform = solve_soundly(problem, &database, settings);
     CHECK(uniform.gl.primitives.empty());
     REQUIRE(uniform.plan.is_solved());
     CHECK(gl.plan.path == uniform.plan.path);
@@ -264,18 +264,18 @@ TEST_SUITE("unit") {
   TEST_CASE("a bad start is an answer, not an error") {
     Problem problem = easy_problem();
     problem.start = {kPi / 4, 0, 0, 0, 0, 0, 0, 0};
-    const SolveResult result = solve_or_fail(problem, nullptr, {});
+    const SolveResult result = solve_soundly(problem, nullptr, {});
     CHECK(result.plan.status == PlanStatus::invalid_start);
     CHECK(result.plan.message.find(problem.scene.obstacles[0].name) != std::string::npos);
     problem = easy_problem();
     problem.goals.clear();
-    CHECK(solve_or_fail(problem, nullptr, {}).plan.status == PlanStatus::invalid_goal);
+    CHECK(solve_soundly(problem, nullptr, {}).plan.status == PlanStatus::invalid_goal);
   }
 
   TEST_CASE("no time is a timeout") {
     SolveSettings settings;
     settings.plan.timeout_s = 0;
-    const SolveResult result = solve_or_fail(easy_problem(), nullptr, settings);
+    const SolveResult result = solve_soundly(easy_problem(), nullptr, settings);
     CHECK(result.plan.status == PlanStatus::timeout);
     CHECK(result.plan.iterations == 0);
   }
@@ -292,7 +292,7 @@ TEST_SUITE("unit") {
     for (const bool is_merging : {false, true}) {
       settings.learn.merge_cliques = is_merging;
       settings.plan.timeout_s = is_merging ? 0.8 : 0.4;
-      const SolveResult result = solve_or_fail(problem, &database, settings);
+      const SolveResult result = solve_soundly(problem, &database, settings);
       // Without the limit it would be minutes; the slack is for busy machines.
       CHECK(result.total_time_s < settings.plan.timeout_s + 10);
     }
@@ -301,7 +301,7 @@ TEST_SUITE("unit") {
     const std::atomic<bool> is_cancelled = true;
     settings.plan.timeout_s = 100;
     settings.plan.cancel = &is_cancelled;
-    const SolveResult cancelled = solve_or_fail(problem, &database, settings);
+    const SolveResult cancelled = solve_soundly(problem, &database, settings);
     CHECK(cancelled.plan.status == PlanStatus::cancelled);
     CHECK(cancelled.total_time_s < 10);
     CHECK(database.size() == rows);
@@ -317,7 +317,7 @@ TEST_SUITE("unit") {
     settings.learn = cheap_settings();
     settings.resolution = 0.03;
     const auto learned_with = [&] {
-      solve_or_fail(problem, &database, settings);
+      solve_soundly(problem, &database, settings);
       return database.get(database.size() - 1)->provenance.settings;
     };
     CHECK(learned_with().find("learn-resolution=0.03") != std::string::npos);
@@ -340,8 +340,8 @@ TEST_SUITE("unit") {
     CHECK(refused.error().message.find("'crate'") != std::string::npos);
     SolveSettings settings;
     settings.sampler = "uniform";
-    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
-    CHECK(solve_or_fail(problem, nullptr, {}).plan.is_solved());
+    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
+    CHECK(solve_soundly(problem, nullptr, {}).plan.is_solved());
   }
 
   TEST_CASE("a database of another robot is an error, if memory is asked for") {
@@ -353,7 +353,7 @@ TEST_SUITE("unit") {
     CHECK(refused.error().code == ErrorCode::wrong_robot);
     SolveSettings settings;
     settings.sampler = "uniform";
-    CHECK(solve_or_fail(problem, &database, settings).plan.is_solved());
+    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
   }
 
   TEST_CASE("memory is asked only after so many iterations, and reported only then") {
@@ -364,18 +364,18 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.retrieve_after = 1000000000;
-    const SolveResult late = solve_or_fail(problem, &database, settings);
+    const SolveResult late = solve_soundly(problem, &database, settings);
     REQUIRE_MESSAGE(late.plan.is_solved(), late.plan.message);
     CHECK(late.gl.primitives.empty());
     CHECK(late.gl.mixture == nullptr);
     CHECK(late.gl.retrieval_time_s == 0);
     // Until then it is the uniform planner.
-    const SolveResult uniform = solve_or_fail(problem, nullptr, settings);
+    const SolveResult uniform = solve_soundly(problem, nullptr, settings);
     CHECK(late.plan.path == uniform.plan.path);
     REQUIRE(uniform.plan.iterations > 1);
     for (const int after : {0, 1}) {
       settings.retrieve_after = after;
-      const SolveResult result = solve_or_fail(problem, &database, settings);
+      const SolveResult result = solve_soundly(problem, &database, settings);
       REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
       CHECK(result.gl.primitives.size() == 3);
       REQUIRE(result.gl.mixture != nullptr);
@@ -429,9 +429,9 @@ TEST_SUITE("unit") {
     problem.start[0] = 2;
     problem.goals = {problem.start};
     SolveSettings settings;
-    const SolveResult dropped = solve_or_fail(problem, &database, settings);
+    const SolveResult dropped = solve_soundly(problem, &database, settings);
     settings.drop_invalid_means = false;
-    const SolveResult kept = solve_or_fail(problem, &database, settings);
+    const SolveResult kept = solve_soundly(problem, &database, settings);
     CHECK(kept.gl.mixture->component_count() == database.info().components);
     CHECK(dropped.gl.mixture->component_count() < kept.gl.mixture->component_count());
     const CollisionChecker checker = make_checker(robot, problem.scene);

@@ -11,7 +11,7 @@
 namespace mneme::test {
 namespace {
 
-std::vector<float> random_floats(const Robot& robot, Rng& rng) {
+std::vector<float> random_point(const Robot& robot, Rng& rng) {
   const Configuration q = random_configuration(robot, rng);
   return {q.begin(), q.end()};
 }
@@ -34,12 +34,12 @@ TEST_SUITE("oracle") {
         Rng rng(7);
         std::vector<std::vector<float>> rows;
         for (int size = 1; size <= 1500; ++size) {
-          rows.push_back(random_floats(robot, rng));
+          rows.push_back(random_point(robot, rng));
           tree.add(rows.back());
           REQUIRE(tree.size() == size);
           if (size % 37 != 1) continue;
           INFO(robot.name(), ", size ", size, ", ", to_string(isa));
-          const std::vector<float> q = random_floats(robot, rng);
+          const std::vector<float> q = random_point(robot, rng);
           double least = std::numeric_limits<double>::infinity();
           for (const auto& row : rows) least = std::min(least, squared_distance(robot, row, q));
           const auto [index, squared] = tree.nearest(q);
@@ -73,7 +73,7 @@ TEST_SUITE("unit") {
     const internal::JointSpace space(robot);
     internal::NearestTree tree(space, Isa::automatic);
     Rng rng(3);
-    for (int i = 0; i < 300; ++i) tree.add(random_floats(robot, rng));
+    for (int i = 0; i < 300; ++i) tree.add(random_point(robot, rng));
     tree.clear();
     CHECK(tree.size() == 0);
     tree.add(std::vector<float>{1, 1});

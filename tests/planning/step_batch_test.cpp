@@ -11,8 +11,8 @@ namespace mneme::test {
 namespace {
 
 /// The gantry at the origin, before a wall at x = 0.9 that reaches across its room; range 0.5.
-struct Fixture {
-  explicit Fixture(std::vector<Configuration> script) : sampler(std::move(script)) {
+struct BatchFixture {
+  explicit BatchFixture(std::vector<Configuration> script) : sampler(std::move(script)) {
     REQUIRE(run.is_ready());
     tree.add(run.start(), -1);
   }
@@ -46,7 +46,7 @@ struct Fixture {
 
 TEST_SUITE("unit") {
   TEST_CASE("a batch is one step after a success and grows with the rejections in a row") {
-    Fixture f({{0, 0, 1}});
+    BatchFixture f({{0, 0, 1}});
     REQUIRE(f.batch.draw(f.tree));
     CHECK(f.batch.size() == 1);
     f.batch.settle(0, SampleOutcome::rejected);
@@ -61,7 +61,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("steps go from the nearest node towards the sample, at most the range") {
-    Fixture f({{0, 0, 2}, {0, 0.25, 0}});
+    BatchFixture f({{0, 0, 2}, {0, 0.25, 0}});
     REQUIRE(f.batch.draw(f.tree));
     CHECK(f.batch.node(0) == 0);
     CHECK(f.batch.end(0)[2] == doctest::Approx(0.5));
@@ -74,7 +74,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("ends in contact are known before any motion is checked") {
-    Fixture f({{0.5, 0, 0}, {0.85, 0, 0}});
+    BatchFixture f({{0.5, 0, 0}, {0.85, 0, 0}});
     const int near_wall = f.tree.add(std::vector<float>{0.5f, 0.0f, 0.0f}, 0);
     f.reject_until(2);
     REQUIRE(f.batch.draw(f.tree));
@@ -85,7 +85,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("samples outside the domain of their node are rejected without a step") {
-    Fixture f({{0, 0, 2}, {0, 0, 0.5}});
+    BatchFixture f({{0, 0, 2}, {0, 0, 0.5}});
     for (int i = 0; i < 20000; ++i) f.tree.adapt_domain(0, false);
     REQUIRE(f.batch.draw(f.tree));
     REQUIRE(f.batch.size() == 1);
@@ -96,7 +96,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("after many rejections a step starts at any node, wherever its sample is") {
-    Fixture f({{0, 0, 2}});
+    BatchFixture f({{0, 0, 2}});
     f.tree.add(std::vector<float>{0.0f, 0.0f, 0.5f}, 0);
     for (int i = 0; i < 20000; ++i) f.tree.adapt_domain(1, false);
     int from_root = 0;
@@ -111,7 +111,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a batch that a limit ends early has the steps that were drawn") {
-    Fixture f({{0, 0, 1}});
+    BatchFixture f({{0, 0, 1}});
     f.reject_until(16);
     f.settings.max_iterations = f.sampler.log().drawn + 5;
     REQUIRE(f.batch.draw(f.tree));

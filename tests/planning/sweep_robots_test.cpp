@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "planning/sweep.h"
+#include "path/sweep.h"
 
 namespace mneme::test {
 namespace {

@@ -13,8 +13,8 @@ namespace {
 using Row = std::vector<float>;
 
 /// A tree on a robot in a world, at the range of 0.5.
-struct Fixture {
-  explicit Fixture(World world_)
+struct TreeFixture {
+  explicit TreeFixture(World world_)
       : world(std::move(world_)),
         checker(make_checker(world)),
         sampler(make_uniform_sampler(world.robot)),
@@ -60,7 +60,7 @@ std::map<Row, Row> edges_of(const internal::Tree& tree) {
 
 TEST_SUITE("unit") {
   TEST_CASE("a step is at most as long as the range and stops at what it is aimed at") {
-    Fixture f(sliding_world());
+    TreeFixture f(sliding_world());
     const int root = f.tree.add(Row{0, 0, 0}, -1);
     bool is_reached = true;
     const int step = f.tree.extend(root, Row{0, 1.5f, 0}, is_reached);
@@ -77,7 +77,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("connecting goes on until it sees its aim or is blocked") {
-    Fixture f(sliding_world());
+    TreeFixture f(sliding_world());
     f.tree.add(Row{0, 0, 0}, -1);
     const int last = f.tree.connect(0, Row{0, 1.8f, 0});
     CHECK(last == 3);
@@ -91,7 +91,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("steps of a continuous joint go through its jump and stay wrapped") {
-    Fixture f({"", planar_arm({1, 1}), {}, {{3, 0}, {{-2, 0}}}});
+    TreeFixture f({"", planar_arm({1, 1}), {}, {{3, 0}, {{-2, 0}}}});
     f.tree.add(Row{3, 0}, -1);
     const int last = f.tree.connect(0, Row{-2, 0});
     REQUIRE(last == 2);
@@ -100,7 +100,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("nodes know their roots and ancestors") {
-    Fixture f(sliding_world());
+    TreeFixture f(sliding_world());
     const int a = f.tree.add(Row{0, 0, 0}, -1), b = f.tree.add(Row{0, 1, 0}, -1);
     const int a1 = f.tree.add(Row{0, 0, 0.3f}, a), b1 = f.tree.add(Row{0, 1, 0.3f}, b);
     const int a2 = f.tree.add(Row{0, 0, 0.6f}, a1);
@@ -115,7 +115,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("removing a node removes what descends from it and nothing else") {
-    Fixture f(sliding_world());
+    TreeFixture f(sliding_world());
     const int root = f.tree.add(Row{0, 0, 0}, -1), other = f.tree.add(Row{0, 1, 0}, -1);
     const int a = f.tree.add(Row{0, 0, 0.1f}, root);
     f.tree.add(Row{0, 1, 0.1f}, other);
@@ -139,7 +139,7 @@ TEST_SUITE("law") {
     Rng rng(31);
     for (int round = 0; round < 20; ++round) {
       INFO("round ", round);
-      Fixture f(sliding_world());
+      TreeFixture f(sliding_world());
       f.tree.add(Row{0, 0, 0}, -1);
       f.tree.add(Row{0, 1, 0}, -1);
       for (int step = 0; step < 100; ++step) {

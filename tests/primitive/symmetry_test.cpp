@@ -7,14 +7,14 @@
 namespace mneme::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 /// Those of a planar arm.
 constexpr SymmetricJoints kFirst{0, -1, 0, 0};
 
 /// The same configuration up to full turns of joint 1.
 double angular_difference(const Configuration& a, const Configuration& b) {
   Configuration turned = b;
-  turned[0] += 2 * kPi * std::round((a[0] - b[0]) / (2 * kPi));
+  turned[0] += 2 * kHalfTurn * std::round((a[0] - b[0]) / (2 * kHalfTurn));
   return largest_difference(a, turned);
 }
 
@@ -28,7 +28,7 @@ Vec3 moved_point(const Symmetry& motion, const Vec3& point) {
 TEST_SUITE("unit") {
   TEST_CASE("a mirror image comes before the rotation") {
     const PrimitiveKey key =
-        moved_key(Symmetry{kPi / 2, true}, PrimitiveKey{1, 2, 0.5, 3, 0, 0.25});
+        moved_key(Symmetry{kHalfTurn / 2, true}, PrimitiveKey{1, 2, 0.5, 3, 0, 0.25});
     CHECK(largest_difference(key, PrimitiveKey{2, 1, 0.5, 0, 3, 0.25}) < 1e-15);
     const Configuration q =
         moved_configuration(kFirst, Symmetry{0.5, true}, Configuration{0.25, 1.0, -2.0});
@@ -36,13 +36,13 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("joint 1 is wrapped into the half-open interval from -pi to pi") {
-    CHECK(moved_configuration(kFirst, Symmetry{kPi, false}, Configuration{0.0, 1.0})[0] == -kPi);
+    CHECK(moved_configuration(kFirst, Symmetry{kHalfTurn, false}, Configuration{0.0, 1.0})[0] == -kHalfTurn);
     CHECK(moved_configuration(kFirst, Symmetry{2.0, false}, Configuration{2.0})[0] ==
-          doctest::Approx(4 - 2 * kPi));
+          doctest::Approx(4 - 2 * kHalfTurn));
     CHECK(moved_configuration(kFirst, Symmetry{-3.0, false}, Configuration{-3.0})[0] ==
-          doctest::Approx(2 * kPi - 6));
-    const double just_below = std::nextafter(-kPi, -4.0);
-    CHECK(moved_configuration(kFirst, Symmetry{0, false}, Configuration{just_below})[0] < kPi);
+          doctest::Approx(2 * kHalfTurn - 6));
+    const double just_below = std::nextafter(-kHalfTurn, -4.0);
+    CHECK(moved_configuration(kFirst, Symmetry{0, false}, Configuration{just_below})[0] < kHalfTurn);
   }
 }
 
@@ -56,7 +56,7 @@ TEST_SUITE("law") {
       const PrimitiveKey key = random_pair(rng);
       REQUIRE(largest_difference(moved_key(both, key), moved_key(second, moved_key(first, key))) <
               1e-13);
-      const Configuration q = {rng.uniform(-kPi, kPi), rng.uniform(-kPi, kPi), 0.3};
+      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn), rng.uniform(-kHalfTurn, kHalfTurn), 0.3};
       REQUIRE(angular_difference(
                   moved_configuration(kFirst, both, q),
                   moved_configuration(kFirst, second, moved_configuration(kFirst, first, q))) <
@@ -73,7 +73,7 @@ TEST_SUITE("law") {
       const Symmetry neither = compose(motion, inverse(motion));
       REQUIRE(!neither.is_mirrored);
       REQUIRE(std::abs(neither.rotation) < 1e-13);
-      const Configuration q = {rng.uniform(-kPi, kPi), rng.uniform(-kPi, kPi)};
+      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn), rng.uniform(-kHalfTurn, kHalfTurn)};
       REQUIRE(angular_difference(moved_configuration(kFirst, inverse(motion),
                                                      moved_configuration(kFirst, motion, q)),
                                  q) < 1e-13);

@@ -11,7 +11,7 @@ namespace {
 
 using internal::read_moveit_request;
 
-std::string failure(const std::string& yaml) { return failure_of(yaml, read_moveit_request); }
+std::string request_failure(const std::string& yaml) { return failure_of(yaml, read_moveit_request); }
 
 const std::string kGoal =
     "goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}]}]\n";
@@ -39,41 +39,41 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("goals and paths that are constrained otherwise are refused by name") {
-    CHECK(failure("goal_constraints:\n  - position_constraints: [{link_name: hand}]") ==
+    CHECK(request_failure("goal_constraints:\n  - position_constraints: [{link_name: hand}]") ==
           "f:2: key goal_constraints[0].position_constraints: position_constraints are not "
           "supported; expected a goal of joint_constraints alone");
-    CHECK(failure("goal_constraints:\n  - orientation_constraints: [{link_name: hand}]") ==
+    CHECK(request_failure("goal_constraints:\n  - orientation_constraints: [{link_name: hand}]") ==
           "f:2: key goal_constraints[0].orientation_constraints: orientation_constraints are not "
           "supported; expected a goal of joint_constraints alone");
-    CHECK(failure(kGoal + "path_constraints: {orientation_constraints: [{link_name: hand}]}") ==
+    CHECK(request_failure(kGoal + "path_constraints: {orientation_constraints: [{link_name: hand}]}") ==
           "f:2: key path_constraints.orientation_constraints: orientation_constraints are not "
           "supported; expected a path without constraints");
-    CHECK(failure(kGoal + "path_constraints: {joint_constraints: [{joint_name: a}]}") ==
+    CHECK(request_failure(kGoal + "path_constraints: {joint_constraints: [{joint_name: a}]}") ==
           "f:2: key path_constraints: joint_constraints are not supported here; expected a path "
           "without constraints");
     CHECK(
-        failure(kGoal + "trajectory_constraints: {constraints: [{}]}") ==
+        request_failure(kGoal + "trajectory_constraints: {constraints: [{}]}") ==
         "f:2: key trajectory_constraints: trajectory_constraints are not supported; expected none");
   }
 
   TEST_CASE("requests that are malformed are refused with line and key") {
-    CHECK(failure("group_name: arm") == "f:1: expected the key goal_constraints, which is missing");
-    CHECK(failure("goal_constraints: []") ==
+    CHECK(request_failure("group_name: arm") == "f:1: expected the key goal_constraints, which is missing");
+    CHECK(request_failure("goal_constraints: []") ==
           "f:1: key goal_constraints: expected at least one goal, got a list of 0");
-    CHECK(failure("goal_constraints: [{name: g}]") ==
+    CHECK(request_failure("goal_constraints: [{name: g}]") ==
           "f:1: key goal_constraints[0]: expected joint_constraints, got none");
-    CHECK(failure("goal_constraints: [{joint_constraints: [{joint_name: a}]}]") ==
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a}]}]") ==
           "f:1: key goal_constraints[0].joint_constraints[0]: expected the key position, which is "
           "missing");
-    CHECK(failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1, "
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1, "
                   "tolerance_below: -1}]}]") ==
           "f:1: key goal_constraints[0].joint_constraints[0].tolerance_below: expected a tolerance "
           "of 0 or more, got -1");
-    CHECK(failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}, "
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}, "
                   "{joint_name: a, position: 1}]}]") ==
           "f:1: key goal_constraints[0].joint_constraints[1].joint_name: expected each joint once, "
           "got a again");
-    CHECK(failure(kGoal + "goal: 1").find("f:2: key goal: unknown key, expected one of ") == 0);
+    CHECK(request_failure(kGoal + "goal: 1").find("f:2: key goal: unknown key, expected one of ") == 0);
   }
 }
 

@@ -9,14 +9,14 @@
 namespace mneme::test {
 namespace {
 
-const std::string kSource = "f";
+const std::string kInputSource = "f";
 
 using internal::Input;
 
 Result<Problem> read(const std::string& yaml, const ProblemOptions& options = {}) {
   return internal::without_throwing([&] {
     const auto value = internal::parse_yaml("robot: planar8\n" + yaml, "f");
-    const Input input(value, kSource);
+    const Input input(value, kInputSource);
     return internal::read_problem({input, input, "p", "", make_circle_scene("s", {{3, 4, 1}})},
                                   options);
   });

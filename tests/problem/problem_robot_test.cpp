@@ -9,7 +9,7 @@
 namespace mneme::test {
 namespace {
 
-const std::string kSource = "f";
+const std::string kRobotSource = "f";
 
 using internal::Input;
 using internal::ProblemRobot;
@@ -22,7 +22,7 @@ class Lifter {
   Result<ProblemRobot> read(const std::string& yaml, const ProblemOptions& options = {}) const {
     return internal::without_throwing([&] {
       const auto value = internal::parse_yaml(yaml, "f");
-      return internal::read_robot(Input(value, kSource), directory_ / ".", options);
+      return internal::read_robot(Input(value, kRobotSource), directory_ / ".", options);
     });
   }
   Result<ProblemRobot> read(const std::string& yaml, const std::string& override_path) const {
@@ -41,7 +41,7 @@ template <class Check>
 Result<Transform> apply(const std::string& yaml, Check&& check) {
   return internal::without_throwing([&] {
     const auto value = internal::parse_yaml(yaml, "f");
-    return check(Input(value, kSource));
+    return check(Input(value, kRobotSource));
   });
 }
 

@@ -16,7 +16,7 @@ namespace {
 using internal::apply_srdf;
 using test::contains;
 using Names = std::vector<std::string>;
-using Pairs = std::vector<std::pair<std::string, std::string>>;
+using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 
 /// A chain of five joints to which an SRDF with these elements is applied.
 Robot::Parts applied(const std::string& elements, Robot::Parts parts = test::make_chain(5)) {
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     const Robot::Parts parts = applied(R"(<disable_default_collisions link="l1"/>
       <enable_collisions link1="l1" link2="l2"/>)",
                                        test::make_chain(2));
-    CHECK(parts.allowed_pairs == Pairs{{"l0", "l1"}});
+    CHECK(parts.allowed_pairs == LinkPairs{{"l0", "l1"}});
   }
 
   TEST_CASE("names that the robot lacks are left aside with one warning each") {
@@ -96,7 +96,7 @@ TEST_SUITE("unit") {
       <disable_collisions link1="l0" link2="wheel"/>
       <disable_collisions link1="wheel" link2="l1"/>)");
     CHECK(parts.groups.at(0).joints == Names{"j1"});
-    CHECK(parts.allowed_pairs == Pairs());
+    CHECK(parts.allowed_pairs == LinkPairs());
     CHECK(parts.warnings == Names{"a.srdf:2: robot 'chain' has no joint 'elbow'",
                                   "a.srdf:3: robot 'chain' has no link 'hand'",
                                   "a.srdf:3: robot 'chain' has no group 'nobody'",

@@ -47,15 +47,15 @@ Robot require_parsed(const std::string& urdf) {
 }
 
 /// One replacement that breaks kArm, and what the message must begin with and contain.
-struct Malformed {
+struct MalformedUrdf {
   std::string from, to;
   int line;
   std::string part;
   ErrorCode code = ErrorCode::parse;
 };
 
-void check_refusals(const std::vector<Malformed>& cases) {
-  for (const Malformed& c : cases) {
+void check_refusals(const std::vector<MalformedUrdf>& cases) {
+  for (const MalformedUrdf& c : cases) {
     CAPTURE(c.from);
     CAPTURE(c.to);
     const auto robot = parse_robot(replaced(c.from, c.to), "arm.urdf");

@@ -9,7 +9,7 @@
 namespace mneme::test {
 namespace {
 
-const std::string kSource = "f";
+const std::string kObstacleSource = "f";
 
 using internal::ObstacleSpelling;
 
@@ -18,7 +18,7 @@ Result<Scene> read(const std::string& yaml,
   return internal::without_throwing([&] {
     const auto value = internal::parse_yaml(yaml, "f");
     internal::SceneBuilder builder;
-    internal::read_obstacles(internal::Input(value, kSource), spelling, builder);
+    internal::read_obstacles(internal::Input(value, kObstacleSource), spelling, builder);
     return builder.take("");
   });
 }
@@ -114,7 +114,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("circles lie in the plane z = 0, named by a map or numbered in a list") {
     const auto value = internal::parse_yaml("[{a: [1, 2, 3]}, [[4, 5, 6]]]", "f");
-    const auto both = internal::Input(value, kSource).items();
+    const auto both = internal::Input(value, kObstacleSource).items();
     internal::SceneBuilder builder;
     internal::read_circles(both[0], builder);
     internal::read_circles(both[1], builder);

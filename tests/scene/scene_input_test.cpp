@@ -9,12 +9,12 @@
 namespace mneme::test {
 namespace {
 
-const std::string kSource = "f";
+const std::string kSceneSource = "f";
 
 Result<Scene> read(const std::string& yaml) {
   return internal::without_throwing([&] {
     const auto value = internal::parse_yaml(yaml, "f");
-    return internal::read_scene(internal::Input(value, kSource), "default");
+    return internal::read_scene(internal::Input(value, kSceneSource), "default");
   });
 }
 

@@ -7,12 +7,12 @@
 namespace mneme::test {
 namespace {
 
-const Transform kPose{rotation_from_rpy({0.1, -0.2, 2.5}), {0.5, -0.25, 1.125}};
+const Transform kTurnedPose{rotation_from_rpy({0.1, -0.2, 2.5}), {0.5, -0.25, 1.125}};
 
 FramedScene strange_scene() {
   return {{"a: scene",
            {{"ball", {Sphere{{1, 2, 3}, 0.1}}},
-            {"table", {Box{kPose, {0.1, 0.2, 0.3}}, Cylinder{kPose, 0.05, 0.7}}}}},
+            {"table", {Box{kTurnedPose, {0.1, 0.2, 0.3}}, Cylinder{kTurnedPose, 0.05, 0.7}}}}},
           "base_link"};
 }
 
@@ -28,8 +28,8 @@ TEST_SUITE("unit") {
     const auto& table = read->scene.obstacles[1];
     CHECK(table.name == "table");
     const auto& box = std::get<Box>(table.shapes.at(0));
-    CHECK((box.pose.rotation - kPose.rotation).norm() < 1e-12);
-    CHECK(box.pose.translation == kPose.translation);
+    CHECK((box.pose.rotation - kTurnedPose.rotation).norm() < 1e-12);
+    CHECK(box.pose.translation == kTurnedPose.translation);
     CHECK(box.half_extents == Vec3(0.1, 0.2, 0.3));
     const auto& can = std::get<Cylinder>(table.shapes.at(1));
     CHECK(can.radius == 0.05);

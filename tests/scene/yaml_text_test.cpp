@@ -13,7 +13,7 @@
 namespace mneme::test {
 namespace {
 
-const std::string kSource = "f";
+const std::string kTextSource = "f";
 
 using internal::Input;
 
@@ -43,7 +43,7 @@ TEST_SUITE("law") {
       const double value = (rng.uniform() - 0.5) * std::pow(10.0, rng.uniform(-300, 300));
       const internal::InputValue read = {
           internal::InputValue::Text{internal::yaml_number(value), false}, 1};
-      REQUIRE(Input(read, kSource).number() == value);
+      REQUIRE(Input(read, kTextSource).number() == value);
     }
   }
 
@@ -61,7 +61,7 @@ TEST_SUITE("law") {
     for (const std::string& text : texts) {
       CAPTURE(text);
       const auto read = internal::parse_yaml("k: " + internal::yaml_string(text), "f");
-      REQUIRE(Input(read, kSource).at("k").text() == text);
+      REQUIRE(Input(read, kTextSource).at("k").text() == text);
     }
   }
 }

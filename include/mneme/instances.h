@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Random scenes and problems: scenes like a given one, to learn for a workcell that is never quite
+/// the same, and problems that are proven to have a path.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mneme/base.h"
+#include "mneme/path.h"
+#include "mneme/scene.h"
+
+namespace mneme {
+
+/// Random numbers, one per entry: uniform within plus and minus the entry, or normal with the entry
+/// as standard deviation. Without entries nothing varies.
+struct Spread {
+  std::vector<double> values;
+  bool is_gaussian = false;
+};
+
+/// What varies about an obstacle, or about the scene as a whole.
+struct Variation {
+  /// The name of the obstacles meant, `*` standing for any characters; not of the whole scene.
+  std::string name;
+  Spread position;  ///< x, y, z, metres
+  Spread rpy;       ///< radians, about fixed axes through the obstacle's middle or `center`
+  Spread scale;     ///< one number, added to the factor 1 of all lengths, about the same point
+  /// Metres, of an obstacle of one shape: full extents of a box; radius and length of a cylinder or
+  /// capsule; radius of a sphere. Not of the whole scene.
+  Spread size;
+  Vec3 center = Vec3::Zero();  ///< of the whole scene only
+};
+struct Variations {
+  Variation scene;                   ///< applied last
+  std::vector<Variation> obstacles;  ///< each obstacle may be meant once
+};
+/// Reads a file of variations (docs/file_formats.md); strict, errors name file, line and key.
+[[nodiscard]] Result<Variations> load_variations(const std::string& path);
+/// A random scene like `scene`. Sizes are drawn again until they are positive. Errors: a name that
+/// no obstacle has, or one that is meant twice; numbers that the obstacle's shape has no use for; a
+/// spread that leaves no positive size.
+[[nodiscard]] Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng);
+
+/// What `make_threaded_instances` draws from.
+struct ThreadedSettings {
+  std::array<double, 2> gap = {0.1, 0.3};  ///< metres between the two circles
+  std::array<int, 2> depth = {3, 5};  ///< links from the first one that crosses the gap to the last
+  std::uint64_t proof_iterations =
+      2000000;  ///< of the uniform planner that proves an instance feasible
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
+};
+
+/// A planar arm threaded through the gap of a pair of circles, to be brought out of it.
+struct ThreadedInstance {
+  std::vector<std::array<double, 3>> circles;  ///< x, y, radius
+  double gap = 0;
+  int depth = 0;
+  Configuration start;
+  Configuration goal;  ///< no link crosses the gap
+  Path witness;        ///< a path that proves that there is one
+};
+
+struct ThreadedInstances {
+  std::vector<ThreadedInstance> instances;
+  int dropped = 0;  ///< candidates that the proof did not solve
+};
+
+/// Changes whenever the same arguments give other instances.
+inline constexpr std::string_view kThreadedVersion = "threaded/1";
+
+/// Random instances whose feasibility is proven by RRT-Connect with uniform samples and an
+/// iteration limit; those that it cannot solve are dropped and counted. Nothing of it looks at
+/// experience, so that what is measured on the instances is not biased towards it. Depends on
+/// robot, settings, seed and instruction set alone. Errors: a robot that is no planar arm; ranges
+/// that are empty or that no instance fits.
+[[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
+                                                                const ThreadedSettings& settings,
+                                                                std::uint64_t seed);
+
+}  // namespace mneme

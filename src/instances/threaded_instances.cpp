@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Frozen: whoever changes what is drawn here, or the order of it, raises kThreadedVersion.
+#include <cmath>
+#include <numbers>
+
+#include "learning/planar_chain.h"
+#include "learning/threaded.h"
+#include "mneme/instances.h"
+#include "mneme/learning.h"
+
+namespace mneme {
+namespace {
+
+constexpr int kThreadedAttempts = 200;
+constexpr int kGoalAttempts = 1000;
+/// So many candidates in a row without a threaded start: the ranges fit no instance of this robot.
+constexpr int kHopeless = 2000;
+
+class InstanceMaker {
+ public:
+  InstanceMaker(const Robot& robot, const internal::PlanarChain& chain,
+                const ThreadedSettings& settings, std::uint64_t seed)
+      : robot_(robot),
+        chain_(chain),
+        settings_(settings),
+        rng_(seed),
+        sampler_(make_uniform_sampler(robot)) {}
+
+  Result<ThreadedInstances> make(int count) {
+    ThreadedInstances made;
+    for (int barren = 0; static_cast<int>(made.instances.size()) < count;) {
+      if (settings_.cancel != nullptr && settings_.cancel->load()) break;
+      auto candidate = draw();
+      if (!candidate) return tl::unexpected(candidate.error());
+      if (!*candidate) {
+        if (++barren < kHopeless) continue;
+        return fail(ErrorCode::invalid,
+                    "no arm of robot '" + robot_.name() +
+                        "' was found threaded through a gap of that width and depth");
+      }
+      barren = 0;
+      if ((*candidate)->witness.empty()) {
+        ++made.dropped;
+      } else {
+        made.instances.push_back(*std::move(*candidate));
+      }
+      if (settings_.on_progress) {
+        settings_.on_progress(static_cast<int>(made.instances.size()), made.dropped);
+      }
+    }
+    return made;
+  }
+
+ private:
+  /// Nothing if no arm fits; without a witness if the proof gave up.
+  Result<std::optional<ThreadedInstance>> draw() {
+    const PrimitiveKey key = draw_circles();
+    const auto depth_count =
+        static_cast<std::uint32_t>(settings_.depth[1] - settings_.depth[0] + 1);
+    const int depth = settings_.depth[0] + static_cast<int>(rng_.index(depth_count));
+    const auto checker = CollisionChecker::make(robot_, make_scene(key));
+    if (!checker) return tl::unexpected(checker.error());
+    const bool is_base_free =
+        std::hypot(key[0], key[1]) > key[2] && std::hypot(key[3], key[4]) > key[5];
+    if (!is_base_free) return std::nullopt;
+    const auto start = internal::sample_threaded(*checker, chain_, key, chain_.link_count() - depth,
+                                                 kThreadedAttempts, rng_);
+    const auto goal = draw_goal(*checker, key);
+    if (!start || !goal) return std::nullopt;
+    ThreadedInstance instance;
+    instance.circles = {{key[0], key[1], key[2]}, {key[3], key[4], key[5]}};
+    instance.gap = make_primitive(key).gap;
+    instance.depth = depth;
+    instance.start = *start;
+    instance.goal = *goal;
+    instance.witness = prove(*checker, instance);
+    return instance;
+  }
+
+  PrimitiveKey draw_circles() {
+    const double gap = rng_.uniform(settings_.gap[0], settings_.gap[1]);
+    const double radius_a = rng_.uniform(1, 2), radius_b = rng_.uniform(1, 2);
+    const double distance = rng_.uniform(0, chain_.reach());
+    const double azimuth = rng_.uniform(-std::numbers::pi, std::numbers::pi);
+    const double tilt = rng_.uniform(-std::numbers::pi, std::numbers::pi);
+    const internal::Vec2 middle = distance * internal::Vec2(std::cos(azimuth), std::sin(azimuth));
+    const internal::Vec2 along(std::cos(tilt), std::sin(tilt));
+    const internal::Vec2 a = middle + (gap / 2 + radius_a) * along;
+    const internal::Vec2 b = middle - (gap / 2 + radius_b) * along;
+    return {a.x(), a.y(), radius_a, b.x(), b.y(), radius_b};
+  }
+
+  std::optional<Configuration> draw_goal(const CollisionChecker& checker, const PrimitiveKey& key) {
+    for (int i = 0; i < kGoalAttempts; ++i) {
+      Configuration q;
+      for (int j = 0; j < robot_.joint_count(); ++j) {
+        q.push_back(rng_.uniform(robot_.group_joint(j).lower, robot_.group_joint(j).upper));
+      }
+      const bool is_out = internal::first_crossing_link(chain_, key, q) < 0;
+      if (is_out && checker.is_valid(std::span<const double>(q))) return q;
+    }
+    return std::nullopt;
+  }
+
+  Path prove(const CollisionChecker& checker, const ThreadedInstance& instance) {
+    PlanSettings plan;
+    plan.timeout_s = 1e6;
+    plan.max_iterations = settings_.proof_iterations;
+    plan.seed = rng_.next();
+    plan.cancel = settings_.cancel;
+    return rrt_connect(checker, {instance.start, {instance.goal}}, *sampler_, plan).path;
+  }
+
+  const Robot& robot_;
+  const internal::PlanarChain& chain_;
+  const ThreadedSettings& settings_;
+  Rng rng_;
+  std::unique_ptr<Sampler> sampler_;
+};
+
+}  // namespace
+
+Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
+                                                  const ThreadedSettings& settings,
+                                                  std::uint64_t seed) {
+  const auto chain = internal::PlanarChain::make(robot);
+  if (!chain) return tl::unexpected(chain.error());
+  if (!(settings.gap[0] > 0 && settings.gap[0] <= settings.gap[1])) {
+    return fail(ErrorCode::invalid, "the range of gaps must be positive, the least first");
+  }
+  if (settings.depth[0] < 1 || settings.depth[0] > settings.depth[1] ||
+      settings.depth[1] > chain->link_count()) {
+    return fail(ErrorCode::invalid, "the range of depths must lie between 1 and " +
+                                        std::to_string(chain->link_count()) + ", the least first");
+  }
+  return InstanceMaker(robot, *chain, settings, seed).make(count);
+}
+
+}  // namespace mneme

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/instances.h"
+
+#include "support/lifting_arm.h"
+
+#include <cmath>
+
+namespace mneme::test {
+namespace {
+
+Scene nominal() {
+  return {
+      "cell",
+      {{"can_1", {Cylinder{{Eigen::Matrix3d::Identity(), {1, 0.2, 0.5}}, 0.05, 0.2}}},
+       {"can_2", {Cylinder{{Eigen::Matrix3d::Identity(), {1, -0.2, 0.5}}, 0.05, 0.2}}},
+       {"rod", {Capsule{{0, 0, 1}, {0, 0, 1.5}, 0.02}}},
+       {"ball", {Sphere{{0.5, 0.5, 0.5}, 0.1}}},
+       {"table", {box_at({1, 0, 0.3}, {0.3, 0.4, 0.02}), box_at({1, 0, 0.1}, {0.02, 0.02, 0.1})}}}};
+}
+
+Variation of(const std::string& name) {
+  Variation variation;
+  variation.name = name;
+  return variation;
+}
+
+Scene varied(const Variations& variations, std::uint64_t seed) {
+  Rng rng(seed);
+  const auto result = vary(nominal(), variations, rng);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  return *result;
+}
+
+std::string refusal(const Variation& variation) {
+  Rng rng(1);
+  const auto result = vary(nominal(), {{}, {variation}}, rng);
+  REQUIRE(!result.has_value());
+  return result.error().message;
+}
+
+const Cylinder& can(const Scene& scene, std::size_t index = 0) {
+  return std::get<Cylinder>(scene.obstacles[index].shapes[0]);
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("without variations a scene stays as it is") {
+    CHECK(to_yaml(varied({}, 3)) == to_yaml(nominal()));
+  }
+
+  TEST_CASE("only what is named varies, and a star names several") {
+    Variation cans = of("can_*");
+    cans.position = {{0.1, 0, 0.2}, false};
+    const Scene scene = varied({{}, {cans}}, 4);
+    CHECK(can(scene).pose.translation.x() != 1);
+    CHECK(can(scene, 1).pose.translation.x() != can(scene).pose.translation.x());
+    CHECK(can(scene).pose.translation.y() == 0.2);
+    CHECK(std::get<Sphere>(scene.obstacles[3].shapes[0]).center == Vec3(0.5, 0.5, 0.5));
+  }
+
+  TEST_CASE("turning is about the obstacle's middle, and a body stays rigid") {
+    Variation table = of("table");
+    table.rpy = {{0, 0, 1}, false};
+    const Scene scene = varied({{}, {table}}, 5);
+    const auto& board = std::get<Box>(scene.obstacles[4].shapes[0]);
+    const auto& leg = std::get<Box>(scene.obstacles[4].shapes[1]);
+    CHECK((board.pose.translation - Vec3(1, 0, 0.3)).norm() < 1e-12);
+    CHECK((leg.pose.translation - Vec3(1, 0, 0.1)).norm() < 1e-12);
+    CHECK((board.pose.rotation - leg.pose.rotation).norm() < 1e-12);
+    CHECK((board.pose.rotation - Eigen::Matrix3d::Identity()).norm() > 1e-3);
+  }
+
+  TEST_CASE("sizes of every shape vary, and stay positive") {
+    Variation cans = of("can_1"), rod = of("rod"), ball = of("ball");
+    cans.size = {{0.04, 0.3}, false};
+    rod.size = {{0.01, 0.2}, true};
+    ball.size = {{0.3}, true};
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      const Scene scene = varied({{}, {cans, rod, ball}}, seed);
+      REQUIRE(can(scene).radius > 0);
+      REQUIRE(std::abs(can(scene).radius - 0.05) <= 0.04);
+      REQUIRE(can(scene).length > 0);
+      const auto& capsule = std::get<Capsule>(scene.obstacles[2].shapes[0]);
+      REQUIRE(capsule.radius > 0);
+      REQUIRE((0.5 * (capsule.a + capsule.b) - Vec3(0, 0, 1.25)).norm() < 1e-12);
+      REQUIRE(std::get<Sphere>(scene.obstacles[3].shapes[0]).radius > 0);
+    }
+  }
+
+  TEST_CASE("scale changes all lengths of a body about its middle") {
+    Variation table = of("table");
+    table.scale = {{0.5}, false};
+    const Scene scene = varied({{}, {table}}, 6);
+    const auto& board = std::get<Box>(scene.obstacles[4].shapes[0]);
+    const auto& leg = std::get<Box>(scene.obstacles[4].shapes[1]);
+    const double factor = board.half_extents.x() / 0.3;
+    CHECK(factor != 1);
+    CHECK(board.half_extents.z() == doctest::Approx(0.02 * factor));
+    CHECK((board.pose.translation - leg.pose.translation).norm() == doctest::Approx(0.2 * factor));
+  }
+
+  TEST_CASE("names that nobody has or that two variations mean, and useless numbers, are refused") {
+    CHECK(refusal(of("cup")).find("'cup'") != std::string::npos);
+    Variation wrong = of("ball");
+    wrong.size = {{0.1, 0.1}, false};
+    CHECK(refusal(wrong).find("'ball'") != std::string::npos);
+    Variation table = of("table");
+    table.size = {{0.1, 0.1, 0.1}, false};
+    CHECK(refusal(table).find("2 shapes") != std::string::npos);
+    Variation flat = of("ball");
+    flat.position = {{0.1, 0.1}, false};
+    CHECK(refusal(flat).find("'ball': its position has 2 numbers; expected 3") !=
+          std::string::npos);
+    flat.position = {};
+    flat.scale = {{0.1, 0.1, 0.1}, true};
+    CHECK(refusal(flat).find("its scale has 3 numbers; expected 1") != std::string::npos);
+    Variations whole;
+    whole.scene.size = {{0.1}, false};
+    Rng rng(1);
+    const auto result = vary(nominal(), whole, rng);
+    REQUIRE(!result.has_value());
+    CHECK(result.error().message.find("whole scene has a size") != std::string::npos);
+    const auto twice = vary(nominal(), {{}, {of("can_*"), of("can_1")}}, rng);
+    REQUIRE(!twice.has_value());
+    CHECK(twice.error().message.find("'can_1'") != std::string::npos);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("the whole scene moves rigidly about its centre") {
+    Variations variations;
+    variations.scene.position = {{0.1, 0.1, 0.1}, true};
+    variations.scene.rpy = {{0.2, 0.2, 1}, true};
+    variations.scene.center = Vec3(1, 0, 0.5);
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+      const Scene scene = varied(variations, seed);
+      const Vec3 a = can(scene).pose.translation, b = can(scene, 1).pose.translation;
+      REQUIRE((a - b).norm() == doctest::Approx(0.4));
+      REQUIRE((a - std::get<Sphere>(scene.obstacles[3].shapes[0]).center).norm() ==
+              doctest::Approx((Vec3(1, 0.2, 0.5) - Vec3(0.5, 0.5, 0.5)).norm()));
+    }
+  }
+
+  TEST_CASE("draws have the spread that was asked for") {
+    Variation uniform = of("can_1"), gaussian = of("can_2");
+    uniform.position = {{0.3, 0, 0}, false};
+    gaussian.position = {{0.3, 0, 0}, true};
+    Rng rng(9);
+    double squares_uniform = 0, squares_gaussian = 0, most = 0;
+    constexpr int kDraws = 4000;
+    for (int i = 0; i < kDraws; ++i) {
+      const auto scene = vary(nominal(), {{}, {uniform, gaussian}}, rng);
+      const double u = can(*scene).pose.translation.x() - 1;
+      const double g = can(*scene, 1).pose.translation.x() - 1;
+      most = std::max(most, std::abs(u));
+      squares_uniform += u * u;
+      squares_gaussian += g * g;
+    }
+    CHECK(most <= 0.3);
+    CHECK(std::sqrt(squares_uniform / kDraws) == doctest::Approx(0.3 / std::sqrt(3)).epsilon(0.05));
+    CHECK(std::sqrt(squares_gaussian / kDraws) == doctest::Approx(0.3).epsilon(0.05));
+  }
+
+  TEST_CASE("the same seed gives the same scene") {
+    Variations variations;
+    variations.scene.rpy = {{0.2, 0.2, 1}, true};
+    CHECK(to_yaml(varied(variations, 8)) == to_yaml(varied(variations, 8)));
+    CHECK(to_yaml(varied(variations, 8)) != to_yaml(varied(variations, 9)));
+  }
+}
+
+}  // namespace mneme::test

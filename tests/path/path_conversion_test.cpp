@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/small_worlds.h"
+
+#include "path/path_conversion.h"
+
+namespace mneme::test {
+
+TEST_SUITE("unit") {
+  TEST_CASE("values are rounded to the nearest float and widened without change") {
+    const std::vector<float> floats = internal::to_floats(Configuration{0.1, -1.5, 0});
+    CHECK(floats == std::vector<float>{0.1f, -1.5f, 0.0f});
+    CHECK(internal::to_floats({}).empty());
+    const Path path = internal::to_path(gantry(), {floats, {1, 2, -2}});
+    REQUIRE(path.size() == 2);
+    CHECK(path[0] == Configuration{static_cast<double>(0.1f), -1.5, 0});
+    CHECK(path[1] == Configuration{1, 2, -2});
+    CHECK(internal::to_path(gantry(), {}).empty());
+  }
+
+  TEST_CASE("what single precision cannot say is brought within the limits") {
+    Robot::Parts parts;
+    parts.name = "locked";
+    parts.links.push_back({"base", -1, {}, {}, {}});
+    add_link(parts, JointType::continuous, Vec3::Zero(), Vec3::UnitZ(), kPi, {});
+    add_link(parts, JointType::revolute, Vec3::Zero(), Vec3::UnitZ(), 0, {});
+    parts.joints[1].lower = parts.joints[1].upper = 0.1;
+    const auto half_turn = static_cast<float>(kPi);
+    REQUIRE(static_cast<double>(half_turn) > kPi);
+    const Path path = internal::to_path(make_small_robot(parts), {{half_turn, 0.1f}});
+    REQUIRE(path.size() == 1);
+    CHECK(path[0][0] >= -kPi);
+    CHECK(path[0][0] == doctest::Approx(-kPi));
+    CHECK(path[0][1] == 0.1);
+  }
+}
+
+}  // namespace mneme::test
