@@ -6,15 +6,32 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 namespace mneme {
+
+/// The type of a setting's value, without the std::optional of one that may be left out.
+template <class T>
+struct SettingTraits {
+  using Value = T;
+  static constexpr bool is_optional = false;
+};
+template <class T>
+struct SettingTraits<std::optional<T>> {
+  using Value = T;
+  static constexpr bool is_optional = true;
+};
+template <class T>
+using SettingValue = typename SettingTraits<std::remove_const_t<T>>::Value;
 
 /// One value per joint of the planning group, in group order: radians, or metres for a prismatic
 /// joint.
@@ -47,6 +64,17 @@ using Result = tl::expected<T, Error>;
 
 /// Receives one line of log text without a line break. Called from the thread that works.
 using LogCallback = std::function<void(std::string_view line)>;
+
+/// Seconds of wall-clock time since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double elapsed_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
 
 /// Pseudo-random stream: xoshiro256++ (Blackman and Vigna, DOI 10.1145/3460772), seeded by
 /// splitmix64. The sequence depends on the seed alone. Not thread-safe: one stream per thread.

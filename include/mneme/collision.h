@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,10 +19,10 @@
 namespace mneme {
 
 struct CheckerSettings {
-  /// Largest L2 joint distance between two checked states of a motion, radians; 0 picks the robot's
-  /// default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a motion. At
-  /// least 1e-4, because a motion that has begun is checked to its end.
-  double resolution = 0;
+  /// Largest L2 joint distance between two checked states of a motion, radians; left out, the
+  /// robot's default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a
+  /// motion. At least 1e-4, because a motion that has begun is checked to its end.
+  std::optional<double> resolution;
   /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >=
   /// 0.
   double margin = 0;
@@ -57,6 +58,8 @@ class CollisionChecker {
   [[nodiscard]] const Robot& robot() const;
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] double resolution() const;
+  /// True if the settings left the resolution out.
+  [[nodiscard]] bool has_default_resolution() const;
   /// Metres, rounded to single precision.
   [[nodiscard]] double margin() const;
   [[nodiscard]] Isa isa() const;

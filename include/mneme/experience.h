@@ -53,13 +53,6 @@ struct ExperienceSpace {
 [[nodiscard]] Result<ExperienceSpace> make_space(const Robot& robot,
                                                  const std::string& decomposer = "");
 
-/// A stored experience that is similar to a query.
-struct Match {
-  std::shared_ptr<const Experience> experience;  ///< never null
-  double similarity_error = 0;                   ///< squared distance of the keys
-  Symmetry to_scene;                             ///< takes the stored means to the query's scene
-};
-
 struct DatabaseInfo {
   std::string url;  ///< without a password
   ExperienceSpace space;

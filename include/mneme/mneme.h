@@ -17,6 +17,7 @@
 #include "mneme/planning.h"
 #include "mneme/primitive.h"
 #include "mneme/experience.h"
+#include "mneme/memory.h"
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
 #include "mneme/instances.h"

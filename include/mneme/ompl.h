@@ -88,14 +88,10 @@ struct WorkCounters {
 [[nodiscard]] ::ompl::base::StateSamplerAllocator sampler_allocator(
     std::shared_ptr<const Sampler> sampler, std::uint64_t seed = 1);
 
-/// Algorithms 1 and 2 for StateSpace::setStateSamplerAllocator: with probability
-/// `settings.lambda` a state is drawn from what `database` knows of the scene, otherwise uniformly.
-/// Memory is asked now; the first `settings.retrieve_after` states are uniform nevertheless.
-/// Errors: those of create_gl_sampler and CollisionChecker::make.
-[[nodiscard]] Result<::ompl::base::StateSamplerAllocator> gl_sampler_allocator(
-    const Robot& robot, const Scene& scene, Database& database, const SolveSettings& settings = {});
-
-/// The same for a problem: a memory of whole paths needs its start and goals.
+/// Algorithms 1 and 2 for StateSpace::setStateSamplerAllocator: with probability lambda a state is
+/// drawn from what `database` knows of the problem, otherwise uniformly; see make_sampler(). A
+/// problem without start and goals will do for kinds of memory that know scenes only. Errors: those
+/// of make_sampler().
 [[nodiscard]] Result<::ompl::base::StateSamplerAllocator> gl_sampler_allocator(
     const Problem& problem, Database& database, const SolveSettings& settings = {});
 
@@ -116,39 +112,13 @@ struct WorkCounters {
 
 namespace mneme {
 
-struct OmplSettings {
-  /// OMPL's defaults: range of a fifth of the extent, motions checked state by state at a hundredth
-  /// of the extent, path returned without verification or repair, and not remembered. Planners may
-  /// then tunnel through obstacles: check the path (is_path_free). Otherwise tuned: range 0.4 rad,
-  /// motions on the kernels at mneme's resolution, paths verified; one that fails is planned again
-  /// within the limits, with every motion verified as paths are. A range or resolution
-  /// above 0 in the settings counts in both.
-  bool as_in_paper = false;
-  /// What train_ompl_experience wrote, for Lightning and Thunder; without it they know nothing.
-  std::string experience_path;
-};
-
-/// Plans as solve() does, with a planner of OMPL. `settings.planner` is one of
-/// ompl_planner_names(), with or without "ompl:" before it. `settings.sampler` is one of
-/// sampler_names(), or, for planners that draw valid states (PRM), one of ompl_sampler_names().
-/// Stops at the first path. `plan.max_nodes` limits the states that OMPL holds. In the result,
-/// iterations are samples drawn, nodes are not counted; with `plan.simplify` the path is shortened
-/// as solve() does. One run at a time repeats itself for equal seeds, as far as the planner does
-/// (PRM starts a thread); runs in parallel threads of one process share OMPL's source of seeds.
-/// OMPL's log is silent meanwhile. Errors: those of solve().
-[[nodiscard]] Result<SolveResult> solve_with_ompl(const Problem& problem, Database* database,
-                                                  const SolveSettings& settings,
-                                                  const OmplSettings& ompl = {});
-
-/// "RRTConnect", "PRM", "BKPIECE1" and so on.
-[[nodiscard]] std::span<const std::string_view> ompl_planner_names();
-/// Samplers of valid states: "gaussian", "obstacle_based", "bridge_test", "max_clearance".
-[[nodiscard]] std::span<const std::string_view> ompl_sampler_names();
-
-/// Writes the experience of "Lightning" or "Thunder" from solved paths of the robot, whatever scene
-/// each was solved in. Errors: another planner; io.
-[[nodiscard]] Result<void> train_ompl_experience(std::string_view planner, const Robot& robot,
-                                                 std::span<const Path> paths,
-                                                 const std::string& path);
+/// Adds OMPL's planners to planners(), as "ompl:RRTConnect" and so on; call it before planning. Of
+/// their runs: PlanSettings::ompl_defaults says how they are set up; they stop at the first path,
+/// and one that fails verification is planned again within the limits, with every motion verified
+/// as paths are; `max_nodes` limits the states that OMPL holds. In the result, iterations are
+/// samples drawn, and nodes are not counted. One run at a time repeats itself for equal seeds, as
+/// far as the planner does (PRM starts a thread); runs in parallel threads of one process share
+/// OMPL's source of seeds. OMPL's log is silent meanwhile.
+void add_ompl_planners();
 
 }  // namespace mneme

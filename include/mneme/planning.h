@@ -45,9 +45,9 @@ class PlanObserver {
 };
 
 struct PlanSettings {
-  double range = 0;
+  std::optional<double> range;
   double timeout_s = 10;
-  std::uint64_t max_iterations = 0;
+  std::optional<std::uint64_t> max_iterations;
   std::uint64_t max_nodes = 10000000;
   std::uint64_t seed = 1;
   bool simplify = true;
@@ -55,6 +55,10 @@ struct PlanSettings {
   bool continuous = false;
   int neighbours = 10;
   double goal_bias = 0.05;
+  bool ompl_defaults = false;
+  /// What PlannerEntry::train wrote, for planners that plan from experience of their own; without
+  /// it they know nothing.
+  std::string experience_path;
   /// Set by another thread to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
   /// Sees what the planner draws and keeps; may be null, which costs nothing.
@@ -64,26 +68,28 @@ struct PlanSettings {
     if (!verify) return Verification::none;
     return continuous ? Verification::motions : Verification::states;
   }
+  [[nodiscard]] FinishSettings finish() const {
+    return {simplify, verification(), seed, timeout_s, cancel};
+  }
 };
 
-/// Declares each setting once, for command line, files, Python and report.
-/// `visit(name, value, least, most, sentence)` is called for each.
+/// Declares each setting once, for command line, files, Python, documents and report:
+/// `visit(name, value, least, most, sentence)` is called for each. A value that is std::optional
+/// has no number of its own until one is given: the sentence says what happens then.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
-  visit("range", s.range, 0.0, 1e3,
-        "longest single extension of a tree, radians of L2 joint distance, at least 0.001; 0 picks "
-        "the robot's default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more "
-        "often, short ones "
-        "explore slowly");
+  visit("range", s.range, 1e-3, 1e3,
+        "longest single extension of a tree, radians of L2 joint distance; left out, the robot's "
+        "default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short "
+        "ones explore slowly");
   visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
-  visit("max-iterations", s.max_iterations, std::uint64_t{0}, ~std::uint64_t{0},
-        "iteration limit, 0 for none; with a seed it makes a run repeatable whatever the machine's "
-        "load");
-  visit(
-      "max-nodes", s.max_nodes, std::uint64_t{0}, ~std::uint64_t{0},
-      "most nodes of all trees or of the roadmap, which bounds memory: about 100 bytes each for 7 "
-      "joints, 300 with prm; 0 for no limit");
+  visit("max-iterations", s.max_iterations, std::uint64_t{1}, ~std::uint64_t{0},
+        "iteration limit; left out, none; with a seed it makes a run repeatable whatever the "
+        "machine's load");
+  visit("max-nodes", s.max_nodes, std::uint64_t{1}, ~std::uint64_t{0},
+        "most nodes of all trees or of the roadmap, which bounds memory: about 100 bytes each for "
+        "7 joints, 300 with prm");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0},
         "seed of all random numbers: same seed, inputs and instruction set, same path");
   visit("simplify", s.simplify, false, true, "shorten the path by random shortcuts");
@@ -97,6 +103,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "prm: connections tried per new milestone; more cost more motion checks");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,
         "rrt: probability of extending towards a goal instead of a sample");
+  visit("ompl-defaults", s.ompl_defaults, false, true,
+        "OMPL's planners as OMPL sets them up: range of a fifth of the extent, motions checked at "
+        "a hundredth of it, paths returned without verification and not remembered; they may "
+        "tunnel through obstacles. Otherwise they are tuned: range 0.4 rad, motions checked and "
+        "paths verified as for mneme's own");
 }
 
 /// The motion planning question: reach any of `goals` from `start`.
@@ -125,31 +136,54 @@ struct PlanResult {
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query);
 
-/// Validates start and goals, then plans. Never throws; allocation of memory counts in the times.
-using Planner = PlanResult (*)(const CollisionChecker& checker, const PlanQuery& query,
-                               const Sampler& sampler, const PlanSettings& settings);
+/// One call of a planner. Refers to all of it.
+struct PlanTask {
+  const CollisionChecker& checker;
+  const PlanQuery& query;  ///< sound: refuse_query() has nothing to say
+  const Sampler& sampler;
+  const PlanSettings& settings;
+  PathFinisher& shorten_and_verify;  ///< what a path must become and pass before it is returned
+  /// The sampler of valid states to draw through, of planners that can; empty for none.
+  std::string_view valid_states = {};
+};
+
+/// A planner never throws; allocation of memory counts in its times. Errors: what it needs besides
+/// the task cannot be read.
+using Planner = std::function<Result<PlanResult>(const PlanTask& task)>;
 
 /// A single tree from the start. LaValle and Kuffner, DOI 10.1177/02783640122067453.
-[[nodiscard]] PlanResult rrt(const CollisionChecker& checker, const PlanQuery& query,
-                             const Sampler& sampler, const PlanSettings& settings = {});
+[[nodiscard]] PlanResult rrt(const PlanTask& task);
 /// Trees from the start and from all goals. Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730.
-[[nodiscard]] PlanResult rrt_connect(const CollisionChecker& checker, const PlanQuery& query,
-                                     const Sampler& sampler, const PlanSettings& settings = {});
+[[nodiscard]] PlanResult rrt_connect(const PlanTask& task);
 /// An incremental roadmap. Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439.
-[[nodiscard]] PlanResult prm(const CollisionChecker& checker, const PlanQuery& query,
-                             const Sampler& sampler, const PlanSettings& settings = {});
+[[nodiscard]] PlanResult prm(const PlanTask& task);
 
 struct PlannerEntry {
-  std::string_view name;
-  Planner plan = nullptr;
-  std::string_view summary;
+  std::string name;
+  std::string summary;
+  Planner plan;
+  bool draws_valid_states = false;  ///< through the sampler that PlanTask::valid_states names
+  bool is_exclusive = false;        ///< one run at a time in a process: it shares random numbers
+  /// Writes what a planner that learns by itself makes of solved paths, whatever scene each was
+  /// solved in, to a file for PlanSettings::experience_path; empty if it does not learn.
+  std::function<Result<void>(const Robot& robot, std::span<const Path> paths,
+                             const std::string& file)>
+      train = {};
 };
-/// All planners. To add one: src/planning/<name>.cpp, a declaration above, a row in
-/// src/planning/planners.cpp; command line, benchmark and the shared planner test pick it up from
-/// there.
+/// All planners: mneme's own, and those of add_planners(). To add one of mneme's own:
+/// src/planning/NAME.cpp, a declaration above, a row in src/planning/planners.cpp, a test; command
+/// line, Python, benchmark and the tests that all planners share take it from there.
 [[nodiscard]] std::span<const PlannerEntry> planners();
-/// Null if there is no planner of that name.
-[[nodiscard]] const PlannerEntry* find_planner(std::string_view name);
+/// Appends to the table those whose names it does not have yet. Before any other use of the table.
+void add_planners(std::vector<PlannerEntry> entries);
+/// Errors: invalid, with the names there are; unsupported for one of OMPL's if they were not added.
+[[nodiscard]] Result<const PlannerEntry*> find_planner(std::string_view name);
+
+/// One of mneme's own planners by itself: checks start and goals, then plans, and finishes paths as
+/// the settings say.
+[[nodiscard]] PlanResult plan_with(PlanResult (*planner)(const PlanTask&),
+                                   const CollisionChecker& checker, const PlanQuery& query,
+                                   const Sampler& sampler, const PlanSettings& settings = {});
 
 /// The robot's default extension range, radians.
 [[nodiscard]] double default_range(const Robot& robot);

@@ -3,7 +3,7 @@
 #include "experience/space.h"
 
 #include "base/utf8.h"
-#include "primitive/decomposers.h"
+#include 
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "learning/planar_chain.h"
-#include "learning/threaded.h"
+#include "memory/planar_chain.h"
+#include "memory/threaded.h"
 #include "mneme/instances.h"
 #include "mneme/learning.h"
 
@@ -110,7 +110,7 @@ class InstanceMaker {
     plan.max_iterations = settings_.proof_iterations;
     plan.seed = rng_.next();
     plan.cancel = settings_.cancel;
-    return rrt_connect(checker, {instance.start, {instance.goal}}, *sampler_, plan).path;
+    return plan_with(rrt_connect, checker, {instance.start, {instance.goal}}, *sampler_, plan).path;
   }
 
   const Robot& robot_;

@@ -7,7 +7,6 @@
 #include <set>
 #include <thread>
 
-#include "base/stopwatch.h"
 #include "learning/lesson.h"
 #include "learning/shared_run.h"
 #include "mneme/learning.h"
@@ -135,7 +134,7 @@ class LearnRun {
         {summary_.learned + summary_.skipped, total, summary_.components, stopwatch_.elapsed_s()});
   }
 
-  internal::Stopwatch stopwatch_;
+  Stopwatch stopwatch_;
   const Robot& robot_;
   std::span<const Lesson> lessons_;
   Database& database_;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/shared_run.h"
 
-#include "base/stopwatch.h"
 #include "experience/open_store.h"
 
 #include <unistd.h>

@@ -135,15 +135,8 @@ Result<ob::PlannerPtr> make_experience_planner(std::string_view name,
   return std::make_shared<ExperiencePlanner>(information, repair.planner, scratch, repair.roadmap);
 }
 
-}  // namespace ompl
-
-Result<void> train_ompl_experience(std::string_view planner, const Robot& robot,
-                                   std::span<const Path> paths, const std::string& path) {
-  using namespace ompl;
-  if (planner != kLightning && planner != kThunder) {
-    return fail(ErrorCode::invalid, "planner '" + std::string(planner) +
-                                        "' has no experience: expected Lightning or Thunder");
-  }
+Result<void> train_experience(std::string_view planner, const Robot& robot,
+                              std::span<const Path> paths, const std::string& path) {
   for (const Path& solved : paths) {
     if (auto checked = check_path(robot, solved); !checked) return checked;
   }
@@ -167,4 +160,5 @@ Result<void> train_ompl_experience(std::string_view planner, const Robot& robot,
   return {};
 }
 
+}  // namespace ompl
 }  // namespace mneme

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
 #include <ompl/base/Planner.h>
 
-#include "mneme/base.h"
+#include "mneme/path.h"
 
 namespace mneme::ompl {
 
@@ -20,5 +21,10 @@ inline constexpr std::string_view kThunder = "Thunder";
 [[nodiscard]] Result<::ompl::base::PlannerPtr> make_experience_planner(
     std::string_view name, const ::ompl::base::SpaceInformationPtr& information,
     const std::string& file, double range);
+
+/// Writes the experience of Lightning or Thunder from solved paths of the robot. Errors: io; paths
+/// that are none of the robot's.
+[[nodiscard]] Result<void> train_experience(std::string_view planner, const Robot& robot,
+                                            std::span<const Path> paths, const std::string& path);
 
 }  // namespace mneme::ompl

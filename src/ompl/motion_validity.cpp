@@ -8,7 +8,6 @@
 #include "ompl/joint_values.h"
 #include "ompl/verified_motion_validity.h"
 #include "ompl/work.h"
-#include "robot/joint_space.h"
 
 namespace mneme::ompl {
 namespace {
@@ -19,10 +18,9 @@ class MotionValidity final : public ob::MotionValidator {
  public:
   MotionValidity(const ob::SpaceInformationPtr& information, const CollisionChecker& checker,
                  std::shared_ptr<WorkCounters> counters, const MotionDetail& detail,
-                 const internal::MotionVerifier* verifier = nullptr)
+                 const MotionVerifier* verifier = nullptr)
       : MotionValidator(information),
         checker_(checker),
-        space_(checker.robot()),
         values_(information->getStateSpace().get()),
         counters_(std::move(counters)),
         detail_(detail),
@@ -66,10 +64,14 @@ class MotionValidity final : public ob::MotionValidator {
   /// How much of the invalid motion between the scratch slots is free. With a verifier the way
   /// there passes it too: it is halved until it does.
   double valid_fraction() const {
-    const std::span<const float> from = scratch<0>(checker_.robot());
-    const std::span<const float> to = scratch<1>(checker_.robot());
-    std::vector<float> delta(from.size()), last(from.size());
-    const float length = space_.difference(from.data(), to.data(), delta.data());
+    const Robot& robot = checker_.robot();
+    const std::span<const float> from = scratch<0>(robot);
+    const std::span<const float> to = scratch<1>(robot);
+    const Configuration first(from.begin(), from.end()), end(to.begin(), to.end());
+    const Configuration difference = robot.difference(first, end);
+    const std::vector<float> delta(difference.begin(), difference.end());
+    const auto length = static_cast<float>(robot.distance(first, end));
+    std::vector<float> last(from.size());
     double fraction = free_states_fraction(from, delta, length);
     if (verifier_ == nullptr) return fraction;
     for (int halving = 0; halving < kHalvings; ++halving, fraction /= 2) {
@@ -114,11 +116,10 @@ class MotionValidity final : public ob::MotionValidator {
   }
 
   CollisionChecker checker_;
-  internal::JointSpace space_;
   JointValues values_;
   std::shared_ptr<WorkCounters> counters_;
   MotionDetail detail_;
-  const internal::MotionVerifier* verifier_;  ///< null if none
+  const MotionVerifier* verifier_;  ///< null if none
 };
 
 }  // namespace
@@ -133,7 +134,7 @@ ob::MotionValidatorPtr make_motion_validity(const ob::SpaceInformationPtr& infor
 ob::MotionValidatorPtr make_verified_motion_validity(const ob::SpaceInformationPtr& information,
                                                      const CollisionChecker& checker,
                                                      std::shared_ptr<WorkCounters> counters,
-                                                     const internal::MotionVerifier& verifier) {
+                                                     const MotionVerifier& verifier) {
   return std::make_shared<MotionValidity>(information, checker, std::move(counters), MotionDetail(),
                                           &verifier);
 }

@@ -3,13 +3,15 @@
 #include "ompl/ompl_run.h"
 
 #include <algorithm>
+#include <exception>
 
 #include <ompl/base/goals/GoalStates.h>
+#include <ompl/util/RandomNumbers.h>
 
 #include "ompl/count_samples.h"
 #include "ompl/experience.h"
+#include "ompl/silence.h"
 #include "ompl/verified_motion_validity.h"
-#include "path/shortcut.h"
 
 namespace mneme::ompl {
 namespace {
@@ -18,7 +20,6 @@ namespace ob = ::ompl::base;
 
 constexpr double kTunedRange = 0.4;      ///< radians
 constexpr double kTunedDeviation = 0.4;  ///< radians, of OMPL's Gaussian and bridge-test samplers
-constexpr int kShortcutAttempts = 100;
 
 ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Configuration& q) {
   ob::ScopedState<> state(information);
@@ -28,33 +29,31 @@ ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Con
 
 }  // namespace
 
-OmplRun::OmplRun(const Problem& problem, const CollisionChecker& checker,
-                 const SolveSettings& settings, const OmplSettings& ompl,
-                 const OmplPlanner& planner, const ob::StateSamplerAllocator& allocator)
-    : problem_(problem),
-      checker_(checker),
-      settings_(settings),
-      ompl_(ompl),
-      planner_(planner),
-      // What simplification makes is verified in any case.
-      verifier_(checker, std::max(settings.plan.verification(), Verification::states),
-                [this] { return is_over(); }) {
-  set_up_information(allocator);
+OmplRun::OmplRun(const OmplPlanner& planner, const PlanTask& task)
+    : planner_(planner),
+      task_(task),
+      settings_(task.settings),
+      robot_(task.checker.robot()) {
+  set_up_information();
   define_problem();
 }
 
-void OmplRun::set_up_information(const ob::StateSamplerAllocator& allocator) {
-  if (ompl_.as_in_paper && settings_.resolution == 0) {
-    const auto space = std::make_shared<JointStateSpace>(problem_.robot);
+void OmplRun::set_up_information() {
+  if (settings_.ompl_defaults && task_.checker.has_default_resolution()) {
+    const auto space = std::make_shared<JointStateSpace>(robot_);
     information_ = std::make_shared<ob::SpaceInformation>(space);
-    information_->setStateValidityChecker(make_state_validity(information_, checker_, counters_));
+    information_->setStateValidityChecker(
+        make_state_validity(information_, task_.checker, counters_));
     information_->setup();
   } else {
-    information_ = make_space_information(checker_, counters_);
+    information_ = make_space_information(task_.checker, counters_);
   }
-  information_->getStateSpace()->setStateSamplerAllocator(count_samples(allocator, counters_));
-  if (auto valid =
-          valid_sampler_allocator(settings_.sampler, ompl_.as_in_paper ? 0.0 : kTunedDeviation)) {
+  // The sampler belongs to whoever gave the task.
+  const std::shared_ptr<const Sampler> sampler(&task_.sampler, [](const Sampler*) {});
+  information_->getStateSpace()->setStateSamplerAllocator(
+      count_samples(sampler_allocator(sampler, settings_.seed), counters_));
+  const double deviation = settings_.ompl_defaults ? 0.0 : kTunedDeviation;
+  if (auto valid = valid_sampler_allocator(task_.valid_states, deviation)) {
     information_->setValidStateSamplerAllocator(valid);
   }
 }
@@ -62,10 +61,10 @@ void OmplRun::set_up_information(const ob::StateSamplerAllocator& allocator) {
 void OmplRun::define_problem() {
   definition_ = std::make_shared<ob::ProblemDefinition>(information_);
   definition_->addStartState(
-      to_state(information_, problem_.robot.normalized(problem_.start)).get());
+      to_state(information_, robot_.normalized(task_.query.start)).get());
   const auto goals = std::make_shared<ob::GoalStates>(information_);
-  for (const Configuration& goal : problem_.goals) {
-    goals->addState(to_state(information_, problem_.robot.normalized(goal)).get());
+  for (const Configuration& goal : task_.query.goals) {
+    goals->addState(to_state(information_, robot_.normalized(goal)).get());
   }
   definition_->setGoal(goals);
   const auto objective = make_path_length_objective(information_);
@@ -76,122 +75,124 @@ void OmplRun::define_problem() {
 
 ob::PlannerTerminationCondition OmplRun::limits() const {
   return ob::PlannerTerminationCondition([this] {
-    const std::uint64_t most = settings_.plan.max_iterations;
-    if (most > 0 && counters_->samples.load(std::memory_order_relaxed) >= most) return true;
+    const auto most = settings_.max_iterations;
+    if (most && counters_->samples.load(std::memory_order_relaxed) >= *most) return true;
     if (is_full()) was_full_ = true;
     return was_full_ || is_over();
   });
 }
 
 bool OmplRun::is_over() const {
-  const std::atomic<bool>* cancel = settings_.plan.cancel;
+  const std::atomic<bool>* cancel = settings_.cancel;
   return (cancel != nullptr && cancel->load(std::memory_order_relaxed)) ||
-         stopwatch_.elapsed_s() >= timeout_s_;
+         stopwatch_.elapsed_s() >= settings_.timeout_s;
 }
 
 bool OmplRun::is_full() const {
   const auto& space = *information_->getStateSpace()->as<JointStateSpace>();
-  return settings_.plan.max_nodes > 0 && space.state_count() >= settings_.plan.max_nodes;
+  return space.state_count() >= settings_.max_nodes;
 }
 
 Result<ob::PlannerPtr> OmplRun::make_planner() const {
-  const double wanted = settings_.plan.range;
-  const double range = wanted > 0 || ompl_.as_in_paper ? wanted : kTunedRange;
+  const double range = settings_.range.value_or(settings_.ompl_defaults ? 0.0 : kTunedRange);
   if (planner_.make == nullptr) {
-    return make_experience_planner(planner_.name, information_, ompl_.experience_path, range);
+    return make_experience_planner(planner_.name, information_, settings_.experience_path, range);
   }
   const ob::PlannerPtr planner = planner_.make(information_);
   set_range(*planner, range);
   return planner;
 }
 
-Result<PlanResult> OmplRun::plan(double spent_s) {
+Result<PlanResult> OmplRun::plan() {
   const auto made = make_planner();
   if (!made) return tl::unexpected(made.error());
   const ob::PlannerPtr& planner = *made;
   planner->setProblemDefinition(definition_);
-  timeout_s_ = settings_.plan.timeout_s - spent_s + stopwatch_.elapsed_s();
   // One per attempt, because parallel planners end theirs when they have a path.
   for (auto limit = limits(); !limit; limit = limits()) {
     planner->solve(limit);
     if (!definition_->hasExactSolution()) break;
-    const Path path = solution();
-    if (ompl_.as_in_paper || !settings_.plan.verify || is_free(path)) {
+    Path path = solution();
+    if (is_accepted(path)) {
       result_.status = PlanStatus::solved;
-      result_.path = path;
+      result_.path = std::move(path);
       break;
     }
-    ++refused_path_count_;
     planner->clear();
     definition_->clearSolutionPaths();
-    information_->setMotionValidator(
-        make_verified_motion_validity(information_, checker_, counters_, verifier_));
+    information_->setMotionValidator(make_verified_motion_validity(
+        information_, task_.checker, counters_, task_.shorten_and_verify.verifier()));
     information_->setup();
   }
-  if (result_.is_solved() && settings_.plan.simplify) simplify();
   if (!result_.is_solved()) explain_failure();
   result_.iterations = counters_->samples.load();
   result_.states_checked = counters_->states.load() + checks_.states;
   result_.motions_checked = counters_->motions.load() + checks_.motions;
+  result_.simplification_time_s = task_.shorten_and_verify.simplification_time_s();
+  result_.verification_time_s = task_.shorten_and_verify.verification_time_s();
   result_.planning_time_s =
       stopwatch_.elapsed_s() - result_.simplification_time_s - result_.verification_time_s;
   return std::move(result_);
+}
+
+/// With OMPL's defaults a path that is not free is returned as it is: shortcuts might cut out the
+/// motion that tunnels through an obstacle, and hide what the planner did.
+bool OmplRun::is_accepted(Path& path) {
+  // The motions of planning until now say what shortening may cost.
+  const std::uint64_t motions = counters_->motions.load();
+  CheckCounters work{0, motions};
+  const bool is_taken = task_.shorten_and_verify(path, work) < 0;
+  checks_.states += work.states;
+  checks_.motions += work.motions - motions;
+  return is_taken || settings_.ompl_defaults;
 }
 
 /// The ends are the query's own, as if they had not been copied and wrapped on the way.
 Path OmplRun::solution() const {
   const auto& states =
       dynamic_cast<const ::ompl::geometric::PathGeometric&>(*definition_->getSolutionPath());
-  const Robot& robot = problem_.robot;
-  Path path = from_ompl(states, robot);
-  path.front() = robot.normalized(problem_.start);
+  Path path = from_ompl(states, robot_);
+  path.front() = robot_.normalized(task_.query.start);
   const auto goal =
-      std::min_element(problem_.goals.begin(), problem_.goals.end(),
+      std::min_element(task_.query.goals.begin(), task_.query.goals.end(),
                        [&](const Configuration& a, const Configuration& b) {
-                         return robot.distance(path.back(), a) < robot.distance(path.back(), b);
+                         return robot_.distance(path.back(), a) < robot_.distance(path.back(), b);
                        });
-  path.back() = robot.normalized(*goal);
+  path.back() = robot_.normalized(*goal);
   return path;
 }
 
-bool OmplRun::is_free(const Path& path) {
-  const internal::Stopwatch stopwatch;
-  const bool is_free = verifier_.find_invalid_motion(path, checks_) < 0;
-  result_.verification_time_s += stopwatch.elapsed_s();
-  return is_free;
-}
-
-/// Shortcuts may cut out a motion that tunnels through an obstacle, and hide what the planner did.
-void OmplRun::simplify() {
-  if (ompl_.as_in_paper && !is_free(result_.path)) return;
-  const internal::Stopwatch stopwatch;
-  Path path = result_.path;
-  internal::shortcut_until(checker_, path, derive_seed(settings_.plan.seed, 1),
-                           {kShortcutAttempts, kShortcutAttempts, 0}, &verifier_, checks_,
-                           [this] { return is_over(); });
-  result_.simplification_time_s += stopwatch.elapsed_s();
-  // Cutting a motion moves the states that are looked at.
-  if (!settings_.plan.verify || is_free(path)) result_.path = std::move(path);
-}
-
 void OmplRun::explain_failure() {
-  const PlanSettings& plan = settings_.plan;
-  if (plan.cancel != nullptr && plan.cancel->load()) {
+  const auto most = settings_.max_iterations;
+  if (settings_.cancel != nullptr && settings_.cancel->load()) {
     result_.status = PlanStatus::cancelled;
     result_.message = "cancelled";
-  } else if (plan.max_iterations > 0 && counters_->samples.load() >= plan.max_iterations) {
+  } else if (most && counters_->samples.load() >= *most) {
     result_.status = PlanStatus::iteration_limit;
-    result_.message = "no path within " + std::to_string(plan.max_iterations) + " iterations";
+    result_.message = "no path within " + std::to_string(*most) + " iterations";
   } else if (was_full_) {
     result_.status = PlanStatus::node_limit;
-    result_.message = "no path within " + std::to_string(plan.max_nodes) + " nodes";
+    result_.message = "no path within " + std::to_string(settings_.max_nodes) + " nodes";
   } else {
     result_.status = PlanStatus::timeout;
-    result_.message = stopwatch_.elapsed_s() >= timeout_s_
+    result_.message = stopwatch_.elapsed_s() >= settings_.timeout_s
                           ? "no path within the time limit"
                           : "the planner gave up before the time limit";
   }
-  result_.message += internal::describe_refused(refused_path_count_);
+  result_.message += task_.shorten_and_verify.describe_refused();
+}
+
+Result<PlanResult> run(const OmplPlanner& planner, const PlanTask& task) {
+  const Silence silence;
+  try {
+    // OMPL's seeds are a sequence of its own, shared by the process; 0 is none.
+    const std::uint64_t seed = derive_seed(task.settings.seed, 0) % 0xFFFFFFFEu + 1;
+    ::ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
+    return OmplRun(planner, task).plan();
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::unsupported,
+                "OMPL's " + std::string(planner.name) + ": " + error.what());
+  }
 }
 
 }  // namespace mneme::ompl

@@ -7,10 +7,8 @@
 #include <ompl/base/PlannerTerminationCondition.h>
 #include <ompl/base/ProblemDefinition.h>
 
-#include "base/stopwatch.h"
 #include "mneme/ompl.h"
 #include "ompl/planner_table.h"
-#include "path/verify.h"
 
 namespace mneme::ompl {
 
@@ -18,17 +16,14 @@ namespace mneme::ompl {
 /// throw from each of its functions.
 class OmplRun {
  public:
-  /// Refers to its arguments except the allocator; the query is sound.
-  OmplRun(const Problem& problem, const CollisionChecker& checker, const SolveSettings& settings,
-          const OmplSettings& ompl, const OmplPlanner& planner,
-          const ::ompl::base::StateSamplerAllocator& allocator);
+  /// Refers to its arguments.
+  OmplRun(const OmplPlanner& planner, const PlanTask& task);
 
-  /// Plans until the limits are reached, of which `spent_s` seconds are gone.
-  /// Errors: experience that cannot be read.
-  [[nodiscard]] Result<PlanResult> plan(double spent_s);
+  /// Plans until the limits are reached. Errors: experience that cannot be read.
+  [[nodiscard]] Result<PlanResult> plan();
 
  private:
-  void set_up_information(const ::ompl::base::StateSamplerAllocator& allocator);
+  void set_up_information();
   void define_problem();
   [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
   [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
@@ -36,26 +31,25 @@ class OmplRun {
   /// The time is up, or the run is cancelled.
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] Path solution() const;
-  [[nodiscard]] bool is_free(const Path& path);
-  void simplify();
+  /// Shortens and verifies a path, as far as the settings say; false if it is refused.
+  [[nodiscard]] bool is_accepted(Path& path);
   void explain_failure();
 
-  const Problem& problem_;
-  const CollisionChecker& checker_;
-  const SolveSettings& settings_;
-  const OmplSettings& ompl_;
   const OmplPlanner& planner_;
-  internal::MotionVerifier verifier_;
+  const PlanTask& task_;
+  const PlanSettings& settings_;
+  const Robot& robot_;
   std::shared_ptr<WorkCounters> counters_ = std::make_shared<WorkCounters>();
   std::shared_ptr<::ompl::base::SpaceInformation> information_;
   ::ompl::base::ProblemDefinitionPtr definition_;
-  internal::Stopwatch stopwatch_;
-  double timeout_s_ = 0;  ///< on the stopwatch
+  Stopwatch stopwatch_;
   CheckCounters checks_;  ///< of simplification and verification
   /// Planners free what they worked with when they end, and may ask from several threads.
   mutable std::atomic<bool> was_full_{false};
-  int refused_path_count_ = 0;
   PlanResult result_;
 };
+
+/// PlannerEntry::plan of one of OMPL's planners.
+[[nodiscard]] Result<PlanResult> run(const OmplPlanner& planner, const PlanTask& task);
 
 }  // namespace mneme::ompl

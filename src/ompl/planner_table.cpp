@@ -25,6 +25,7 @@
 
 #include "mneme/ompl.h"
 #include "ompl/experience.h"
+#include "ompl/ompl_run.h"
 
 namespace mneme {
 namespace ompl {
@@ -59,22 +60,9 @@ constexpr std::array kPlanners = {
     OmplPlanner{kThunder},
 };
 
-constexpr auto kNames = [] {
-  std::array<std::string_view, kPlanners.size()> names;
-  for (std::size_t i = 0; i < names.size(); ++i) names[i] = kPlanners[i].name;
-  return names;
-}();
-
 }  // namespace
 
-const OmplPlanner* find_ompl_planner(std::string_view name) {
-  constexpr std::string_view kPrefix = "ompl:";
-  if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
-  for (const OmplPlanner& planner : kPlanners) {
-    if (planner.name == name) return &planner;
-  }
-  return nullptr;
-}
+std::span<const OmplPlanner> ompl_planners() { return kPlanners; }
 
 void set_range(ob::Planner& planner, double range) {
   if (!(range > 0) || !planner.params().hasParam("range")) return;
@@ -86,6 +74,24 @@ void set_range(ob::Planner& planner, double range) {
 
 }  // namespace ompl
 
-std::span<const std::string_view> ompl_planner_names() { return ompl::kNames; }
+void add_ompl_planners() {
+  std::vector<PlannerEntry> entries;
+  for (const ompl::OmplPlanner& planner : ompl::kPlanners) {
+    const std::string name(planner.name);
+    PlannerEntry& entry = entries.emplace_back();
+    entry.name = "ompl:" + name;
+    entry.summary = "OMPL's " + name;
+    entry.plan = [&planner](const PlanTask& task) { return ompl::run(planner, task); };
+    entry.draws_valid_states = planner.draws_valid_states;
+    entry.is_exclusive = true;
+    if (planner.make != nullptr) continue;
+    entry.summary += ", which plans from experience of its own";
+    entry.train = [&planner](const Robot& robot, std::span<const Path> paths,
+                             const std::string& file) {
+      return ompl::train_experience(planner.name, robot, paths, file);
+    };
+  }
+  add_planners(std::move(entries));
+}
 
 }  // namespace mneme

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include <ompl/base/Planner.h>
@@ -16,13 +17,12 @@ struct OmplPlanner {
   bool draws_valid_states = false;  ///< through the information's sampler of valid states
 };
 
-/// Null if there is none of that name, with or without "ompl:" before it.
-[[nodiscard]] const OmplPlanner* find_ompl_planner(std::string_view name);
+[[nodiscard]] std::span<const OmplPlanner> ompl_planners();
 
 /// The longest extension, radians, of a planner that has one; 0: OMPL's default.
 void set_range(::ompl::base::Planner& planner, double range);
 
-/// Sampler of valid states by name (ompl_sampler_names()). `deviation` above 0 counts for those
+/// Sampler of valid states by name, or nothing. `deviation` above 0 counts for those
 /// that draw from a bell, radians.
 [[nodiscard]] ::ompl::base::ValidStateSamplerAllocator valid_sampler_allocator(
     std::string_view name, double deviation);

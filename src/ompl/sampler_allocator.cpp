@@ -5,9 +5,6 @@
 #include "mneme/ompl.h"
 #include "ompl/count_samples.h"
 #include "ompl/joint_values.h"
-#include "pipeline/complete_settings.h"
-#include "pipeline/recall.h"
-#include "pipeline/valid_components.h"
 
 namespace mneme::ompl {
 namespace {
@@ -88,41 +85,12 @@ ob::StateSamplerAllocator sampler_allocator(std::shared_ptr<const Sampler> sampl
   };
 }
 
-namespace {
-
-/// Algorithm 1 with what was recalled. The settings are complete.
-Result<ob::StateSamplerAllocator> allocate_from(Result<GlSampler> gl, const Robot& robot,
-                                                const Scene& scene, const SolveSettings& settings) {
-  if (!gl) return tl::unexpected(gl.error());
-  if (settings.drop_invalid_means) {
-    const auto checker =
-        CollisionChecker::make(robot, scene, {settings.resolution, settings.margin, settings.isa});
-    if (!checker) return tl::unexpected(checker.error());
-    gl->mixture = std::make_shared<const GaussianMixture>(
-        internal::keep_valid_components(*checker, *gl->mixture));
-  }
-  std::shared_ptr<const Sampler> sampler = internal::make_sampler(robot, settings, *gl);
-  if (settings.retrieve_after > 0) {
-    sampler = make_lazy_sampler(make_uniform_sampler(robot), settings.retrieve_after,
-                                [rest = std::move(sampler)] { return rest; });
-  }
-  return sampler_allocator(std::move(sampler), settings.plan.seed);
-}
-
-}  // namespace
-
-Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Robot& robot, const Scene& scene,
-                                                       Database& database,
-                                                       const SolveSettings& asked) {
-  const SolveSettings settings = internal::complete_settings(asked, robot, &database);
-  return allocate_from(create_gl_sampler(robot, scene, database, settings), robot, scene, settings);
-}
-
 Result<ob::StateSamplerAllocator> gl_sampler_allocator(const Problem& problem, Database& database,
-                                                       const SolveSettings& asked) {
-  const SolveSettings settings = internal::complete_settings(asked, problem.robot, &database);
-  return allocate_from(create_gl_sampler(problem, database, settings), problem.robot, problem.scene,
-                       settings);
+                                                       const SolveSettings& settings) {
+  return make_sampler(problem, &database, settings)
+      .map([&](std::shared_ptr<const Sampler> sampler) {
+        return sampler_allocator(std::move(sampler), settings.plan.seed);
+      });
 }
 
 }  // namespace mneme::ompl

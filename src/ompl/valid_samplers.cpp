@@ -45,7 +45,4 @@ ob::ValidStateSamplerAllocator valid_sampler_allocator(std::string_view name, do
 }
 
 }  // namespace ompl
-
-std::span<const std::string_view> ompl_sampler_names() { return ompl::kSamplers; }
-
 }  // namespace mneme

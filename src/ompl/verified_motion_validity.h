@@ -3,13 +3,12 @@
 #pragma once
 
 #include "mneme/ompl.h"
-#include "path/verify.h"
 
 namespace mneme::ompl {
 
 /// Motions are valid if they pass the verification of final paths. Refers to `verifier`.
 [[nodiscard]] ::ompl::base::MotionValidatorPtr make_verified_motion_validity(
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
-    std::shared_ptr<WorkCounters> counters, const internal::MotionVerifier& verifier);
+    std::shared_ptr<WorkCounters> counters, const MotionVerifier& verifier);
 
 }  // namespace mneme::ompl

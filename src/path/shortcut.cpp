@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <optional>
-
 #include "mneme/path.h"
+
 #include "path/path_conversion.h"
-#include "path/shortcut.h"
-#include "path/verify.h"
 #include "robot/joint_space.h"
+
+#include <algorithm>
 
 namespace mneme {
 namespace {
@@ -20,7 +18,7 @@ struct PathPoint {
 
 class Shortcutter {
  public:
-  Shortcutter(const CollisionChecker& checker, Path& path, const internal::MotionVerifier* verifier,
+  Shortcutter(const CollisionChecker& checker, Path& path, const MotionVerifier* verifier,
               CheckCounters& counters)
       : checker_(checker),
         path_(path),
@@ -124,7 +122,7 @@ class Shortcutter {
   const CollisionChecker& checker_;
   Path& path_;
   internal::JointSpace space_;
-  const internal::MotionVerifier* verifier_;
+  const MotionVerifier* verifier_;
   CheckCounters& counters_;
   std::vector<std::vector<float>> nodes_;
   std::vector<float> lengths_, delta_;
@@ -139,26 +137,19 @@ double path_length(const Robot& robot, const Path& path) {
   return length;
 }
 
-void internal::shortcut_until(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-                              ShortcutEffort effort, const MotionVerifier* verifier,
-                              CheckCounters& counters, const std::function<bool()>& must_stop) {
+void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+              const ShortcutEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
+              const std::function<bool()>& must_stop) {
   if (path.size() < 3) return;
+  const auto is_over = [&] { return must_stop && must_stop(); };
   Shortcutter shortcutter(checker, path, verifier, counters);
-  shortcutter.drop_waypoints(must_stop);
+  shortcutter.drop_waypoints(is_over);
   Rng rng(seed);
-  for (int i = 0, idle = 0; i < effort.attempts && idle < effort.patience && !must_stop(); ++i) {
+  for (int i = 0, idle = 0; i < effort.attempts && idle < effort.patience && !is_over(); ++i) {
     idle = shortcutter.attempt(rng, effort.least_gain) ? 0 : idle + 1;
   }
-  shortcutter.drop_waypoints(must_stop);
+  shortcutter.drop_waypoints(is_over);
   shortcutter.store();
-}
-
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed, int attempts,
-              Verification verification, CheckCounters& counters) {
-  std::optional<internal::MotionVerifier> verifier;
-  if (verification != Verification::none) verifier.emplace(checker, verification);
-  internal::shortcut_until(checker, path, seed, {attempts, attempts, 0},
-                           verifier ? &*verifier : nullptr, counters, [] { return false; });
 }
 
 }  // namespace mneme

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "path/verify.h"
+#include "mneme/path.h"
+
+#include "path/path_conversion.h"
+#include "path/sweep.h"
 
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
-#include "path/path_conversion.h"
-
 namespace mneme {
-namespace internal {
 namespace {
 
 constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision loses
@@ -19,11 +19,13 @@ constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision
 
 MotionVerifier::MotionVerifier(const CollisionChecker& checker, Verification verification,
                                std::function<bool()> must_stop)
-    : checker_(checker), must_stop_(std::move(must_stop)) {
+    : checker_(checker), verification_(verification), must_stop_(std::move(must_stop)) {
   // Links of planar arms are so thin that they pass through each other between two states, however
   // close.
-  if (verification == Verification::motions || checker.robot().is_planar()) {
-    sweep_.emplace(checker.robot(), checker.scene(), checker.margin());
+  const bool is_thin = verification == Verification::states && checker.robot().is_planar();
+  if (verification == Verification::motions || is_thin) {
+    sweep_ = std::make_shared<const internal::Sweep>(checker.robot(), checker.scene(),
+                                                     checker.margin());
   }
 }
 
@@ -35,6 +37,7 @@ bool MotionVerifier::is_free(std::span<const float> from, std::span<const float>
 
 bool MotionVerifier::is_free(std::span<const double> from, std::span<const double> to,
                              bool is_at_end, CheckCounters& counters) const {
+  if (verification_ == Verification::none) return true;
   return has_one_way(from, to) && are_states_free(from, to, is_at_end, counters) &&
          (!sweep_ || sweep_->is_free(from, to, must_stop_));
 }
@@ -52,7 +55,7 @@ bool MotionVerifier::has_one_way(std::span<const double> from, std::span<const d
 
 bool MotionVerifier::are_states_free(std::span<const double> from, std::span<const double> to,
                                      bool is_at_end, CheckCounters& counters) const {
-  const std::vector<float> begin = to_floats(from), end = to_floats(to);
+  const std::vector<float> begin = internal::to_floats(from), end = internal::to_floats(to);
   const auto has_margin = [&](const std::vector<float>& q) {
     return checker_.is_motion_valid(q, q, counters, {1, kVerificationMargin});
   };
@@ -69,18 +72,9 @@ int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counter
   return -1;
 }
 
-std::string describe_refused(int path_count) {
-  if (path_count == 0) return {};
-  return "; verification refused " + std::to_string(path_count) +
-         (path_count == 1 ? " path" : " paths");
-}
-
-}  // namespace internal
-
 int find_invalid_motion(const CollisionChecker& checker, const Path& path, CheckCounters& counters,
                         Verification verification) {
-  if (verification == Verification::none) return -1;
-  return internal::MotionVerifier(checker, verification).find_invalid_motion(path, counters);
+  return MotionVerifier(checker, verification).find_invalid_motion(path, counters);
 }
 
 }  // namespace mneme

@@ -6,16 +6,20 @@
 #include <cmath>
 #include <limits>
 
+#include "memory/moved_means.h"
+#include "pipeline/memory_steps.h"
 #include "pipeline/scene_image.h"
-#include "pipeline/synthesize.h"
 
 namespace mneme::internal {
 namespace {
 
-GaussianMixture synthesize_matches(const Robot& robot, std::vector<Match> matches) {
+/// The kind of memory whose keys are circles.
+constexpr std::string_view kCircles = "pairs";
+
+GaussianMixture pool_matches(const Query& query, std::vector<Match> matches) {
   PrimitiveRetrieval retrieval;
   retrieval.matches = std::move(matches);
-  return synthesize(robot, {&retrieval, 1});
+  return pool_moved_means(query.query, {&retrieval, 1});
 }
 
 /// Mean over the circles of `a` of the squared distance to the nearest of `b`.
@@ -39,42 +43,39 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
   return one_way_distance(a, b) + one_way_distance(b, a);
 }
 
-Result<GaussianMixture> pool_all(const Robot& robot, const Database& database) {
+Result<GaussianMixture> pool_all(const Query& query) {
   std::vector<Match> matches;
-  return database.for_each([&](const auto& row) {
-                   matches.push_back({row, 0, {}});
-                 })
-      .map([&] { return synthesize_matches(robot, std::move(matches)); });
+  return query.database->for_each([&](const auto& row) { matches.push_back({row, 0, {}}); })
+      .map([&] { return pool_matches(query, std::move(matches)); });
 }
 
-Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& scene,
-                                              const Database& database,
-                                              const SolveSettings& settings) {
-  const auto primitives = decompose(robot, scene, settings.decompose);
+Result<GaussianMixture> recall_nearest_scenes(const Query& query) {
+  const KindSettings& kind = query.kinds.front();
+  const auto primitives = decompose(query, kind);
   if (!primitives) return tl::unexpected(primitives.error());
-  if (!database.space().decomposer.starts_with("pairs")) {
+  if (kind.kind->name != kCircles) {
     return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
   }
-  const PrimitiveKey circles = circles_of(scene);
-  if (circles.empty()) return GaussianMixture{robot.joint_count(), {}, {}, {}, {}};
+  const PrimitiveKey circles = circles_of(query.problem.scene);
+  if (circles.empty()) return GaussianMixture{query.problem.robot.joint_count(), {}, {}, {}, {}};
   const double direction = mean_direction(circles);
   std::vector<Match> matches;
   for (const bool is_mirrored : {false, true}) {
     // A mirror image reflects the direction too.
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
-    const auto visited = database.for_each([&](const auto& row) {
+    const auto visited = query.database->for_each([&](const auto& row) {
+      if (row->kind != kind.kind->version) return;
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
     });
     if (!visited) return tl::unexpected(visited.error());
   }
-  const auto wanted = static_cast<std::size_t>(settings.max_matches) * primitives->size();
-  const auto count = settings.max_matches == 0 ? matches.size() : std::min(wanted, matches.size());
+  const auto wanted = static_cast<std::size_t>(kind.max_matches) * primitives->size();
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
     return a.similarity_error < b.similarity_error;
   });
-  matches.resize(count);
-  return synthesize_matches(robot, std::move(matches));
+  matches.resize(std::min(wanted, matches.size()));
+  return pool_matches(query, std::move(matches));
 }
 
 }  // namespace mneme::internal

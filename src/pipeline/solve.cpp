@@ -1,96 +1,124 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// decompose the scene -> retrieve (or learn) a local sampler per primitive -> synthesize one
-// sampler -> plan
-#include <algorithm>
-#include <array>
-
-#include "base/stopwatch.h"
+// The page to read first: decompose the scene -> retrieve or learn local samplers -> synthesize one
+// sampler -> plan -> shorten and verify -> remember.
 #include "mneme/pipeline.h"
-#include "pipeline/check_settings.h"
-#include "pipeline/complete_settings.h"
-#include "pipeline/database_check.h"
-#include "pipeline/make_checker.h"
-#include "pipeline/recall.h"
-#include "pipeline/remember.h"
+
+#include "pipeline/memory_steps.h"
+#include "pipeline/query.h"
+#include "pipeline/recollection.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <utility>
 
 namespace mneme {
 namespace {
 
-constexpr std::array<std::string_view, 6> kSamplerNames = {"gl",     "uniform",        "halton",
-                                                           "pooled", "nearest_scenes", "cvae"};
+using internal::KindSettings;
+using internal::MemoryRequest;
+using internal::Query;
 
-Result<const PlannerEntry*> choose_planner(const std::string& name) {
-  if (const PlannerEntry* planner = find_planner(name)) return planner;
-  std::vector<std::string_view> names;
-  for (const PlannerEntry& planner : planners()) names.push_back(planner.name);
-  return fail(ErrorCode::invalid,
-              "unknown planner '" + name + "': expected one of " + internal::join(names));
+/// Algorithm 2 of the paper, "Create GL-Sampler", for one kind of memory.
+Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings& kind,
+                               GlSampler& gl) {
+  const Stopwatch stopwatch;
+  const double learned_before_s = gl.learning_time_s;
+  auto primitives = decompose(request, kind);                                    // line 1
+  if (!primitives) return tl::unexpected(primitives.error());
+  std::vector<PrimitiveRetrieval> known;
+  for (PrimitiveRetrieval& primitive : *primitives) {                            // line 2
+    if (request.is_over()) break;
+    const auto done = retrieve(request, kind, primitive).and_then([&] {          // lines 3 to 5
+      return learn(request, kind, primitive, gl.learning_time_s);                // lines 6 and 7
+    });
+    if (!done) return tl::unexpected(done.error());
+    known.push_back(std::move(primitive));
+  }
+  GaussianMixture mixture = synthesize(request, kind, known);                    // line 10
+  for (Origin& origin : mixture.origins) origin += static_cast<Origin>(gl.primitives.size());
+  std::ranges::move(known, std::back_inserter(gl.primitives));
+  gl.retrieval_time_s += stopwatch.elapsed_s() - (gl.learning_time_s - learned_before_s);
+  return mixture;
 }
 
-/// The planner with memory: its time and that of retrieval are one.
-Result<void> plan_with_memory(const Problem& problem, Database& database,
-                              const CollisionChecker& checker, Planner plan,
-                              const SolveSettings& settings, double spent_s, SolveResult& result) {
-  if (auto checked = internal::check_database(problem.robot, settings, database); !checked) {
-    return checked;
-  }
-  const internal::Stopwatch stopwatch;
-  internal::Recall recall(problem, database, checker, settings);
-  const std::shared_ptr<const Sampler> sampler = recall.make_sampler();
+/// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
+Result<void> plan(const Query& query, SolveResult& result) {
+  const Stopwatch stopwatch;
+  internal::Recollection recollection(query, recall);
+  const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
+  if (recollection.failure()) return tl::unexpected(*recollection.failure());
   const double recall_time_s = stopwatch.elapsed_s();
-  if (recall.failure()) return tl::unexpected(*recall.failure());
-  PlanSettings rest = settings.plan;
-  rest.timeout_s = std::max(0.0, rest.timeout_s - spent_s - recall_time_s);
-  result.plan = plan(checker, {problem.start, problem.goals}, *sampler, rest);
+
+  PlanSettings settings = query.settings.plan;
+  settings.timeout_s = std::max(0.0, settings.timeout_s - query.stopwatch.elapsed_s());
+  PathFinisher shorten_and_verify(query.checker, settings.finish());
+  const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
+  auto planned = query.planner.plan(
+      {query.checker, query.ends, *sampler, settings, shorten_and_verify, valid_states});
+  if (!planned) return tl::unexpected(planned.error());
+  if (recollection.failure()) return tl::unexpected(*recollection.failure());
+  result.plan = *std::move(planned);
   result.plan.planning_time_s += recall_time_s;
-  if (recall.failure()) return tl::unexpected(*recall.failure());
-  result.gl = recall.take();
+  result.gl = recollection.take();
   return {};
 }
 
 }  // namespace
 
-std::span<const std::string_view> sampler_names() { return kSamplerNames; }
-
 Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
-  const internal::Stopwatch stopwatch;
-  for (const auto& checked :
-       {internal::check_sampler(settings, kSamplerNames), internal::check_ranges(settings),
-        internal::check_verification(settings.plan)}) {
-    if (!checked) return tl::unexpected(checked.error());
-  }
-  const SolveSettings complete = internal::complete_settings(settings, problem.robot, database);
-  const auto planner = choose_planner(settings.planner);
-  if (!planner) return tl::unexpected(planner.error());
-  const auto checker = internal::make_checker(problem, settings);
-  if (!checker) return tl::unexpected(checker.error());
-
+  const Stopwatch stopwatch;
+  const auto query = internal::make_query(problem, database, settings);
+  if (!query) return tl::unexpected(query.error());
   SolveResult result;
-  const PlanQuery query = {problem.start, problem.goals};
-  if (auto refused = refuse_query(*checker, query)) {
+  if (auto refused = refuse_query(query->checker, query->ends)) {
     result.plan = *std::move(refused);
-  } else if (internal::is_memory_sampler(settings.sampler) && database != nullptr) {
-    auto planned = plan_with_memory(problem, *database, *checker, (*planner)->plan, complete,
-                                    stopwatch.elapsed_s(), result);
-    if (!planned) return tl::unexpected(planned.error());
-    result.remembered = internal::remember(problem, result.plan, *database, complete);
-  } else {
-    PlanSettings plan = settings.plan;
-    plan.timeout_s = std::max(0.0, plan.timeout_s - stopwatch.elapsed_s());
-    result.plan = (*planner)->plan(*checker, query,
-                                   *internal::make_sampler(problem.robot, complete, {}), plan);
+  } else if (const auto planned = plan(*query, result); !planned) {
+    return tl::unexpected(planned.error());
   }
-  result.planner = settings.planner;
-  result.sampler = settings.sampler;
+  result.remembered = remember(*query, result.plan);
+  result.planner = query->planner.name;
+  result.sampler = query->sampler.name;
   result.seed = settings.plan.seed;
-  result.isa = checker->isa();
+  result.isa = query->checker.isa();
   result.total_time_s = stopwatch.elapsed_s();
   result.planning_time_s = result.total_time_s - result.plan.simplification_time_s -
                            result.plan.verification_time_s - result.remembered.time_s;
   return result;
+}
+
+Result<GlSampler> create_gl_sampler(const MemoryQuery& query, Database& database,
+                                    const SolveSettings& settings) {
+  const auto request = internal::make_memory_request(query, &database, settings);
+  if (!request) return tl::unexpected(request.error());
+  GlSampler gl;
+  GaussianMixture all;
+  for (const KindSettings& kind : request->kinds) {
+    const auto mixture = recall(*request, kind, gl);
+    if (!mixture) return tl::unexpected(mixture.error());
+    internal::append(all, *mixture);
+  }
+  gl.mixture = std::make_shared<const GaussianMixture>(std::move(all));
+  return gl;
+}
+
+Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem, Database* database,
+                                                    const SolveSettings& settings) {
+  auto query = internal::make_query(problem, database, settings);
+  if (!query) return tl::unexpected(query.error());
+  int after = std::numeric_limits<int>::max();
+  for (KindSettings& kind : query->kinds) {
+    after = std::min(after, std::exchange(kind.retrieve_after, 0));
+  }
+  internal::Recollection recollection(*query, recall);
+  std::shared_ptr<const Sampler> sampler = query->sampler.make(recollection);
+  if (recollection.failure()) return tl::unexpected(*recollection.failure());
+  if (query->kinds.empty() || after == 0) return sampler;
+  return make_lazy_sampler(make_uniform_sampler(problem.robot), after,
+                           [rest = std::move(sampler)] { return rest; });
 }
 
 }  // namespace mneme

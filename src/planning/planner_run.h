@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What all planners do around their algorithm: validation, limits, verification, simplification.
+/// What all planners do around their algorithm: limits, and what becomes of a path.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,6 @@
 #include <vector>
 
 #include "mneme/planning.h"
-#include "base/stopwatch.h"
-#include "path/verify.h"
 #include "robot/joint_space.h"
 
 namespace mneme::internal {
@@ -24,13 +22,10 @@ using FloatPath = std::vector<std::vector<float>>;
 /// One call of a planner. Not thread-safe.
 class PlannerRun {
  public:
-  /// Validates start and goals; check is_ready() before planning.
-  PlannerRun(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-             const PlanSettings& settings);
+  explicit PlannerRun(const PlanTask& task);
   PlannerRun(const PlannerRun&) = delete;
   PlannerRun& operator=(const PlannerRun&) = delete;
 
-  [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] const JointSpace& space() const { return space_; }
   /// Length of a step; shorter in a long search unless the settings name it.
   [[nodiscard]] float range() const { return is_long_search() ? long_range_ : range_; }
@@ -72,16 +67,15 @@ class PlannerRun {
     counters_.states += is_valid.size();
     checker_.check_states(configurations, is_valid);
   }
-  /// The goal that a straight motion from the start reaches, or -1.
-  [[nodiscard]] int find_direct_goal();
+  /// True if a straight motion from the start reaches a goal, and the path passes: then finish().
+  [[nodiscard]] bool find_direct_path();
 
-  /// The first motion of `path` that fails verification, or -1; its time is not planning time. What
-  /// shortcuts at the planner's resolution leave of a path nearly always passes and has less to
-  /// verify: so it is looked at first, and is then what finish() returns.
+  /// Offers a path from the start to a goal: -1 if it passes, shortened or not, and is what
+  /// finish() returns; otherwise the first motion that fails.
   [[nodiscard]] int find_invalid_motion(const FloatPath& path);
 
-  /// Ends the run with a path from the start to goal number `goal`, which was verified before.
-  [[nodiscard]] PlanResult finish(const FloatPath& path, int goal, int node_count);
+  /// Ends the run with the path that passed last.
+  [[nodiscard]] PlanResult finish(int node_count);
   /// Ends the run without a path.
   [[nodiscard]] PlanResult give_up(int node_count);
 
@@ -89,23 +83,18 @@ class PlannerRun {
   /// Iterations. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
 
-  void validate();
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_time_up() const;
   [[nodiscard]] bool is_full() const;
-  [[nodiscard]] int find_invalid_motion(const Path& path);
   /// With the query's own start and goal at its ends, not rounded to single precision.
-  [[nodiscard]] Path to_query_path(const FloatPath& path, std::size_t goal) const;
-  /// Made when it is first wanted.
-  [[nodiscard]] const MotionVerifier& verifier();
-  /// Each shortcut passes `verifier`, unless that is null.
-  [[nodiscard]] Path shortened(Path path, const MotionVerifier* verifier);
+  [[nodiscard]] Path to_query_path(const FloatPath& path) const;
   void refuse(PlanStatus status, std::string message);
   [[nodiscard]] PlanResult take_result(int node_count);
 
   Stopwatch stopwatch_;
   const CollisionChecker& checker_;
   const PlanQuery& query_;
+  PathFinisher& shorten_and_verify_;
   const PlanSettings& settings_;
   JointSpace space_;
   float range_;
@@ -115,15 +104,19 @@ class PlannerRun {
   FloatPath goals_;
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
-  std::optional<MotionVerifier> verifier_;
-  std::optional<Path> shortened_;  ///< and verified
   CheckCounters counters_;
   PlanResult result_;
-  bool is_ready_ = false;
   bool is_stopped_ = false;
   std::int64_t node_count_ = 0;
-  int refused_path_count_ = 0;
   std::uint64_t next_clock_check_ = 0;  ///< in iterations and motions
 };
+
+/// Tries the straight way, then the algorithm: a class that is made of a run and has solve().
+template <class Algorithm>
+[[nodiscard]] PlanResult run_planner(const PlanTask& task) {
+  PlannerRun run(task);
+  if (run.find_direct_path()) return run.finish(2);
+  return Algorithm(run).solve();
+}
 
 }  // namespace mneme::internal

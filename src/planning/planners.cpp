@@ -1,33 +1,63 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <array>
-
 #include "mneme/planning.h"
+
+#include <algorithm>
+#include <utility>
 
 namespace mneme {
 namespace {
 
 // To add a planner: its file, its declaration in mneme/planning.h, a row here.
-constexpr std::array<PlannerEntry, 3> kPlanners = {{
-    {"rrt_connect", &rrt_connect,
-     "trees from start and goal, each reaching for the other's newest node"},
-    {"rrt", &rrt, "a single tree from the start with goal bias"},
-    {"prm", &prm, "a roadmap grown until start and goal are connected"},
-}};
+std::vector<PlannerEntry>& table() {
+  static std::vector<PlannerEntry> entries = {
+      {"rrt_connect", "trees from start and goal, each reaching for the other's newest node",
+       &rrt_connect},
+      {"rrt", "a single tree from the start with goal bias", &rrt},
+      {"prm", "a roadmap grown until start and goal are connected", &prm},
+  };
+  return entries;
+}
+
+const PlannerEntry* entry_of(std::string_view name) {
+  const auto entry = std::ranges::find(table(), name, &PlannerEntry::name);
+  return entry == table().end() ? nullptr : &*entry;
+}
 
 constexpr double kPlanarRange = 0.64;
 constexpr double kSpatialRange = 0.5;
 
 }  // namespace
 
-std::span<const PlannerEntry> planners() { return kPlanners; }
+std::span<const PlannerEntry> planners() { return table(); }
 
-const PlannerEntry* find_planner(std::string_view name) {
-  const auto entry =
-      std::find_if(kPlanners.begin(), kPlanners.end(),
-                   [&](const PlannerEntry& planner) { return planner.name == name; });
-  return entry == kPlanners.end() ? nullptr : &*entry;
+void add_planners(std::vector<PlannerEntry> entries) {
+  for (PlannerEntry& entry : entries) {
+    if (entry_of(entry.name) == nullptr) table().push_back(std::move(entry));
+  }
+}
+
+Result<const PlannerEntry*> find_planner(std::string_view name) {
+  if (const PlannerEntry* entry = entry_of(name)) return entry;
+  std::string known;
+  for (const PlannerEntry& planner : table()) {
+    known += (known.empty() ? "" : ", ") + planner.name;
+  }
+  const bool is_foreign = name.starts_with("ompl:") && known.find("ompl:") == std::string::npos;
+  if (is_foreign) {
+    return fail(ErrorCode::unsupported,
+                std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
+  }
+  return fail(ErrorCode::invalid,
+              "unknown planner '" + std::string(name) + "': expected one of " + known);
+}
+
+PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChecker& checker,
+                     const PlanQuery& query, const Sampler& sampler,
+                     const PlanSettings& settings) {
+  if (auto refused = refuse_query(checker, query)) return *std::move(refused);
+  PathFinisher shorten_and_verify(checker, settings.finish());
+  return planner({checker, query, sampler, settings, shorten_and_verify});
 }
 
 double default_range(const Robot& robot) {

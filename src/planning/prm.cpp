@@ -43,8 +43,8 @@ class Prm {
         }
         const int degree = add_milestone({batch.data() + i * joints, joints});
         run_.report(origins[i], degree > 1 ? SampleOutcome::connected : SampleOutcome::extended);
-        if (const int goal = find_connected_goal(); goal >= 0) {
-          return run_.finish(path_, goal, milestones_.size());
+        if (find_connected_goal() >= 0) {
+          return run_.finish(milestones_.size());
         }
       }
     }
@@ -175,14 +175,6 @@ class Prm {
 }  // namespace
 }  // namespace internal
 
-PlanResult prm(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-               const PlanSettings& settings) {
-  internal::PlannerRun run(checker, query, sampler, settings);
-  if (!run.is_ready()) return run.give_up(0);
-  if (const int goal = run.find_direct_goal(); goal >= 0) {
-    return run.finish({run.start(), run.goals()[static_cast<std::size_t>(goal)]}, goal, 2);
-  }
-  return internal::Prm(run).solve();
-}
+PlanResult prm(const PlanTask& task) { return internal::run_planner<internal::Prm>(task); }
 
 }  // namespace mneme

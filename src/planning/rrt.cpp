@@ -34,7 +34,7 @@ class Rrt {
       }
       const int reached_goal = goal >= 0 ? goal : nearest_goal_in_range(node);
       if (reached_goal >= 0 && is_goal_reached(node, reached_goal)) {
-        return run_.finish(path_, reached_goal, tree_.size());
+        return run_.finish(tree_.size());
       }
     }
     return run_.give_up(tree_.size());
@@ -101,14 +101,6 @@ class Rrt {
 }  // namespace
 }  // namespace internal
 
-PlanResult rrt(const CollisionChecker& checker, const PlanQuery& query, const Sampler& sampler,
-               const PlanSettings& settings) {
-  internal::PlannerRun run(checker, query, sampler, settings);
-  if (!run.is_ready()) return run.give_up(0);
-  if (const int goal = run.find_direct_goal(); goal >= 0) {
-    return run.finish({run.start(), run.goals()[static_cast<std::size_t>(goal)]}, goal, 2);
-  }
-  return internal::Rrt(run).solve();
-}
+PlanResult rrt(const PlanTask& task) { return internal::run_planner<internal::Rrt>(task); }
 
 }  // namespace mneme

@@ -42,7 +42,7 @@ class RrtConnect {
         batch_.settle(i, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
         if (facing < 0) continue;
         if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
-          return run_.finish(path_, goal_, node_count());
+          return run_.finish(node_count());
         }
         // The nodes that the rest of the batch starts at may be gone.
         while (++i < batch_.size()) batch_.settle(i, SampleOutcome::rejected);
@@ -77,7 +77,6 @@ class RrtConnect {
     const int goal_edges = static_cast<int>(rest.size()) - 1;
     std::reverse(rest.begin(), rest.end());
     path_.insert(path_.end(), rest.begin(), rest.end());
-    goal_ = goal_tree_.root_of(goal_node);
     const int invalid = run_.find_invalid_motion(path_);
     if (invalid < 0) return true;
     if (invalid < start_edges) {
@@ -95,20 +94,11 @@ class RrtConnect {
   Tree start_tree_, goal_tree_;
   StepBatch batch_;
   FloatPath path_;
-  int goal_ = 0;
 };
 
 }  // namespace
 }  // namespace internal
 
-PlanResult rrt_connect(const CollisionChecker& checker, const PlanQuery& query,
-                       const Sampler& sampler, const PlanSettings& settings) {
-  internal::PlannerRun run(checker, query, sampler, settings);
-  if (!run.is_ready()) return run.give_up(0);
-  if (const int goal = run.find_direct_goal(); goal >= 0) {
-    return run.finish({run.start(), run.goals()[static_cast<std::size_t>(goal)]}, goal, 2);
-  }
-  return internal::RrtConnect(run).solve();
-}
+PlanResult rrt_connect(const PlanTask& task) { return internal::run_planner<internal::RrtConnect>(task); }
 
 }  // namespace mneme

@@ -10,7 +10,6 @@
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 
-#include "base/stopwatch.h"
 #include "ompl/silence.h"
 #include "pipeline/valid_components.h"
 
@@ -32,7 +31,7 @@ int count_draws() {
   Planner planner(information);
   planner.setProblemDefinition(definition);
   planner.setup();
-  const internal::Stopwatch stopwatch;
+  const Stopwatch stopwatch;
   planner.solve(ob::PlannerTerminationCondition(
       [&] { return sampler->drawn() >= 20 || stopwatch.elapsed_s() > kPatience; }));
   return sampler->drawn();

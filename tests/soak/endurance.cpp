@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soak/endurance.h"
 
-#include "base/stopwatch.h"
 #include "soak/random_problem.h"
 
 #include <algorithm>
@@ -108,7 +107,7 @@ Value median_of(std::span<const Round> rounds, Value Round::*member) {
 
 Result<std::vector<Round>> endure(const Robot& robot, const std::string& directory, double seconds,
                                   std::uint64_t seed) {
-  const internal::Stopwatch stopwatch;
+  const Stopwatch stopwatch;
   std::vector<Round> rounds;
   while (rounds.size() < 3 || stopwatch.elapsed_s() < seconds) {
     const auto round = run_round(robot, directory + "/endurance.db", seed);

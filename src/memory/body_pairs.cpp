@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "mneme/memory.h"
+
+#include "memory/moved_means.h"
+#include "primitive/near_pairs.h"
+#include "primitive/passage.h"
+
+namespace mneme {
+namespace {
+
+constexpr std::string_view kBodyPairsVersion = "body_pairs/1";
+
+/// Volume, centroid and covariance of a solid.
+struct Moments {
+  double volume = 0;
+  Vec3 centroid = Vec3::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+Moments posed(double volume, const Transform& pose, const Vec3& variances) {
+  return {volume, pose.translation,
+          pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
+}
+
+Moments moments_of_cylinder(const Transform& pose, double radius, double length) {
+  const double across = radius * radius / 4;
+  return posed(std::numbers::pi * radius * radius * length, pose,
+               {across, across, length * length / 12});
+}
+
+Moments moments(const Shape& shape) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    const double r = sphere->radius;
+    return posed(4.0 / 3 * std::numbers::pi * r * r * r,
+                 {Eigen::Matrix3d::Identity(), sphere->center}, Vec3::Constant(r * r / 5));
+  }
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    return posed(8 * box->half_extents.prod(), box->pose, box->half_extents.cwiseAbs2() / 3);
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    return moments_of_cylinder(cylinder->pose, cylinder->radius, cylinder->length);
+  }
+  // A capsule as the cylinder of the same radius and volume.
+  const auto& capsule = std::get<Capsule>(shape);
+  const Vec3 along = capsule.b - capsule.a;
+  const double length = along.norm();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+      Vec3::UnitZ(), length > 0 ? Vec3(along / length) : Vec3(Vec3::UnitZ()));
+  return moments_of_cylinder({turn.toRotationMatrix(), 0.5 * (capsule.a + capsule.b)},
+                             capsule.radius, length + 4.0 / 3 * capsule.radius);
+}
+
+Moments moments(const Obstacle& obstacle) {
+  Moments sum;
+  for (const Shape& shape : obstacle.shapes) {
+    const Moments part = moments(shape);
+    sum.volume += part.volume;
+    sum.centroid += part.volume * part.centroid;
+    sum.covariance += part.volume * (part.covariance + part.centroid * part.centroid.transpose());
+  }
+  if (sum.volume <= 0) return sum;
+  sum.centroid /= sum.volume;
+  sum.covariance = sum.covariance / sum.volume - sum.centroid * sum.centroid.transpose();
+  return sum;
+}
+
+Eigen::Matrix3d square_root(const Eigen::Matrix3d& m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// Centroid and S of an obstacle.
+struct Body {
+  Vec3 centroid;
+  Eigen::Matrix3d spread;
+};
+
+Body make_body(const Obstacle& obstacle) {
+  const Moments of_all = moments(obstacle);
+  return {of_all.centroid, square_root(3 * of_all.covariance)};
+}
+
+void write(const Body& body, double* key) {
+  const Eigen::Matrix3d& s = body.spread;
+  constexpr double kTwice = std::numbers::sqrt2;
+  const std::array<double, kBodyKeySize> values = {
+      body.centroid.x(), body.centroid.y(), body.centroid.z(), s(0, 0),         s(1, 1),
+      s(2, 2),           kTwice * s(0, 1),  kTwice * s(0, 2),  kTwice * s(1, 2)};
+  std::copy(values.begin(), values.end(), key);
+}
+
+LocalPrimitive make_primitive_of(const SymmetricJoints& joints, const Body& a, const Body& b) {
+  const Vec3 axis(joints.axis_x, joints.axis_y, 0);
+  const Vec3 middle = 0.5 * (a.centroid + b.centroid) - axis;
+  LocalPrimitive primitive;
+  primitive.obstacles = {0, 1};
+  primitive.kind = kBodyPairsVersion;
+  if (joints.turn >= 0) primitive.to_scene.rotation = std::atan2(middle.y(), middle.x());
+  if (joints.lift >= 0) primitive.to_scene.lift = middle.z();
+  const Eigen::Matrix3d turn = rotation_about(Vec3::UnitZ(), -primitive.to_scene.rotation);
+  const auto canonical = [&](const Body& body) {
+    const Vec3 shift(0, 0, primitive.to_scene.lift);
+    return Body{turn * (body.centroid - axis - shift), turn * body.spread * turn.transpose()};
+  };
+  primitive.key.resize(2 * kBodyKeySize);
+  write(canonical(a), primitive.key.data());
+  write(canonical(b), primitive.key.data() + kBodyKeySize);
+  return primitive;
+}
+
+}  // namespace
+
+std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
+  std::array<double, kBodyKeySize> key{};
+  write(make_body(obstacle), key.data());
+  return key;
+}
+
+LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
+                                   const Obstacle& b) {
+  LocalPrimitive primitive = make_primitive_of(joints, make_body(a), make_body(b));
+  primitive.gap = internal::closest_shapes(a, b, std::numeric_limits<double>::infinity()).distance;
+  return primitive;
+}
+
+namespace internal {
+namespace {
+
+Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(const MemoryQuery& query,
+                                                              double max_gap) {
+  const auto& [robot, scene, start, goals] = query;
+  const SymmetricJoints joints = find_symmetric_joints(robot);
+  std::vector<Body> bodies;
+  for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
+  const auto pairs = find_near_pairs(scene, max_gap);
+  if (!pairs) return tl::unexpected(pairs.error());
+  std::vector<LocalPrimitive> primitives;
+  for (const auto& [first, second] : *pairs) {
+    const auto i = static_cast<std::size_t>(first);
+    const auto j = static_cast<std::size_t>(second);
+    const double gap = closest_shapes(scene.obstacles[i], scene.obstacles[j], max_gap).distance;
+    if (gap > max_gap) continue;
+    primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
+    primitives.back().obstacles = {first, second};
+    primitives.back().gap = gap;
+  }
+  return primitives;
+}
+
+std::vector<KeyImage> images_of_bodies(const PrimitiveKey& canonical) {
+  PrimitiveKey swapped = canonical;
+  std::rotate(swapped.begin(), swapped.begin() + kBodyKeySize, swapped.end());
+  return {{canonical, false}, {std::move(swapped), false}};
+}
+
+}  // namespace
+
+extern constinit const MemoryKind kBodyPairs = {
+    .name = "body_pairs",
+    .version = kBodyPairsVersion,
+    .summary = "two near obstacles of any shapes, by place and moments; for arms in space",
+    // Samples around a mean just inside an obstacle are at its surface, where they help.
+    .defaults = {.sigma = 0.3,
+                 .similarity = 0.05,
+                 .drop_invalid_means = false,
+                 .retrieve_after = 1500,
+                 .first_components = 20,
+                 .max_gap = 0.25},
+    .key_size = [](const Robot&) { return 2 * kBodyKeySize; },
+    .decompose = decompose_into_body_pairs,
+    .images = images_of_bodies,
+    .synthesize = pool_moved_means,
+    .learn_from_paths = learn_waypoints<decompose_into_body_pairs>,
+    .learn = learn_local_sampler,
+    .no_learning_on_a_miss = kLearnsPassagesOffline,
+};
+
+}  // namespace internal
+}  // namespace mneme

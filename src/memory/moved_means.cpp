@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "memory/moved_means.h"
+
+#include "memory/body_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robot/joint_space.h"
+
+namespace mneme::internal {
+namespace {
+
+class Synthesizer {
+ public:
+  Synthesizer(const Robot& robot, std::size_t component_count)
+      : space_(robot), symmetric_(find_symmetric_joints(robot)) {
+    pooled_.joint_count = robot.joint_count();
+    pooled_.means.reserve(component_count * static_cast<std::size_t>(robot.joint_count()));
+    pooled_.origins.reserve(component_count);
+    pooled_.factor_rows.reserve(component_count);
+  }
+
+  void add(const Match& match, Origin origin) {
+    const GaussianMixture& local = match.experience->sampler;
+    const auto joints = static_cast<std::size_t>(local.joint_count);
+    const std::size_t row_size = joints * (joints + 1) / 2;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(local.component_count()); ++i) {
+      if (!add_moved_mean(match.to_scene, {local.means.data() + i * joints, joints})) continue;
+      pooled_.origins.push_back(origin);
+      const int row = local.factor_rows.empty() ? -1 : local.factor_rows[i];
+      if (row < 0) {
+        pooled_.factor_rows.push_back(-1);
+        continue;
+      }
+      // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
+      pooled_.factor_rows.push_back(static_cast<int>(pooled_.factors.size() / row_size));
+      const auto begin = local.factors.begin() +
+                         static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * row_size);
+      pooled_.factors.insert(pooled_.factors.end(), begin,
+                             begin + static_cast<std::ptrdiff_t>(row_size));
+    }
+  }
+
+  GaussianMixture take() { return std::move(pooled_); }
+
+ private:
+  bool add_moved_mean(const Symmetry& motion, std::span<const float> mean) {
+    const std::size_t begin = pooled_.means.size();
+    pooled_.means.resize(begin + mean.size());
+    float* moved = pooled_.means.data() + begin;
+    const float sign = motion.is_mirrored ? -1.0f : 1.0f;
+    for (std::size_t j = 0; j < mean.size(); ++j) moved[j] = sign * mean[j];
+    if (symmetric_.turn >= 0) turn(moved[symmetric_.turn], motion.rotation);
+    if (symmetric_.lift >= 0) moved[symmetric_.lift] += static_cast<float>(motion.lift);
+    bool is_inside = true;
+    for (std::size_t j = 0; j < mean.size(); ++j) {
+      const float inside = space_.into_limits(static_cast<int>(j), moved[j]);
+      is_inside &= space_.periods()[j] > 0 || std::abs(inside - moved[j]) <= kLimitTolerance;
+      moved[j] = inside;
+    }
+    if (!is_inside) pooled_.means.resize(begin);
+    return is_inside;
+  }
+
+  /// A turn and a half of a joint with limits may be half a turn, which lies within them.
+  void turn(float& value, double rotation) const {
+    const float middle = 0.5f * (space_.lower(symmetric_.turn) + space_.upper(symmetric_.turn));
+    value += static_cast<float>(rotation);
+    value -= kTurn * std::nearbyint((value - middle) / kTurn);
+  }
+
+  static constexpr float kTurn = 6.28318530718f;
+  static constexpr float kLimitTolerance = 1e-5f;
+  JointSpace space_;
+  SymmetricJoints symmetric_;
+  GaussianMixture pooled_;
+};
+
+/// Distances between the moving shapes of a robot and the obstacles of a scene.
+class Nearness {
+ public:
+  Nearness(const Robot& robot, const Scene& scene, double reach)
+      : robot_(robot), scene_(scene), reach_(reach), is_moving_(internal::arm_links(robot)) {}
+
+  /// Poses the robot: near(shape, obstacle) for each of its moving shapes.
+  void look_at(const Configuration& q) {
+    const std::vector<Transform> poses = robot_.link_poses(q);
+    near_.clear();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (!is_moving_[i]) continue;
+      for (const Sphere& sphere : robot_.links()[i].spheres) {
+        const Vec3 center = poses[i] * sphere.center;
+        add(center, center, sphere.radius);
+      }
+      for (const Capsule& capsule : robot_.links()[i].capsules) {
+        add(poses[i] * capsule.a, poses[i] * capsule.b, capsule.radius);
+      }
+    }
+  }
+
+  /// True if one shape is close to all of `obstacles`.
+  [[nodiscard]] bool is_close_to_all(const std::vector<int>& obstacles) const {
+    return std::ranges::any_of(near_, [&](const std::vector<bool>& near) {
+      return std::ranges::all_of(
+          obstacles, [&](int obstacle) { return near[static_cast<std::size_t>(obstacle)]; });
+    });
+  }
+
+ private:
+  void add(const Vec3& a, const Vec3& b, double radius) {
+    std::vector<bool> near;
+    for (const Obstacle& obstacle : scene_.obstacles) {
+      near.push_back(std::ranges::any_of(obstacle.shapes, [&](const Shape& shape) {
+        return distance_to_segment(a, b, shape) < radius + reach_;
+      }));
+    }
+    near_.push_back(std::move(near));
+  }
+
+  const Robot& robot_;
+  const Scene& scene_;
+  double reach_;
+  std::vector<bool> is_moving_;
+  std::vector<std::vector<bool>> near_;
+};
+
+}  // namespace
+
+GaussianMixture pool_moved_means(const MemoryQuery& query,
+                                 std::span<const PrimitiveRetrieval> primitives) {
+  std::size_t component_count = 0;
+  for (const PrimitiveRetrieval& retrieval : primitives) {
+    for (const Match& match : retrieval.matches) {
+      component_count += static_cast<std::size_t>(match.experience->sampler.component_count());
+    }
+  }
+  std::vector<std::pair<const Match*, Origin>> matches;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    for (const Match& match : primitives[i].matches) {
+      matches.emplace_back(&match, static_cast<Origin>(i));
+    }
+  }
+  std::ranges::stable_sort(matches, {},
+                           [](const auto& entry) { return entry.first->similarity_error; });
+  Synthesizer synthesizer(query.robot, component_count);
+  for (const auto& [match, origin] : matches) synthesizer.add(*match, origin);
+  return synthesizer.take();
+}
+
+std::vector<Experience> gather_waypoints(const MemoryQuery& query,
+                                         const std::vector<LocalPrimitive>& primitives,
+                                         std::span<const Path> paths) {
+  const SymmetricJoints joints = find_symmetric_joints(query.robot);
+  Nearness nearness(query.robot, query.scene, kLessonReach);
+  std::vector<Experience> rows(primitives.size());
+  for (const Path& path : paths) {
+    for (const Configuration& q : path) {
+      nearness.look_at(q);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const LocalPrimitive& primitive = primitives[i];
+        if (!nearness.is_close_to_all(primitive.obstacles)) continue;
+        const Configuration mean = moved_configuration(joints, inverse(primitive.to_scene), q);
+        LocalSampler& sampler = rows[i].sampler;
+        sampler.joint_count = query.robot.joint_count();
+        sampler.means.insert(sampler.means.end(), mean.begin(), mean.end());
+        rows[i].kind = primitive.kind;
+        rows[i].key = primitive.key;
+      }
+    }
+  }
+  std::erase_if(rows, [](const Experience& row) { return row.key.empty(); });
+  return rows;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What kinds of memory share whose primitives are pairs of obstacles: means that a symmetry of the
+/// robot moves to the query, and waypoints of solved paths that belong to a primitive.
+#pragma once
+
+#include "mneme/memory.h"
+
+namespace mneme::internal {
+
+/// Algorithm 2, line 10: pools the components of all matches, each moved to the scene by its
+/// symmetry, equally likely; that is what a_i = M_i / N says. Components count for the primitive
+/// that they were retrieved for, and stand in order of relevance: the most similar match first.
+/// Those that a symmetry moves outside the joint limits are dropped.
+[[nodiscard]] GaussianMixture pool_moved_means(const MemoryQuery& query,
+                                               std::span<const PrimitiveRetrieval> primitives);
+
+/// Per primitive one row with the waypoints of `paths` that belong to it, moved to the canonical
+/// frame; see learn_from_paths(). Primitives without a waypoint have none.
+[[nodiscard]] std::vector<Experience> gather_waypoints(
+    const MemoryQuery& query, const std::vector<LocalPrimitive>& primitives,
+    std::span<const Path> paths);
+
+/// MemoryKind::learn_from_paths of a kind that decomposes so.
+template <Result<std::vector<LocalPrimitive>> (*decompose)(const MemoryQuery&, double)>
+[[nodiscard]] Result<std::vector<Experience>> learn_waypoints(const MemoryQuery& query,
+                                                              std::span<const Path> paths,
+                                                              double max_gap) {
+  return decompose(query, max_gap).map([&](const std::vector<LocalPrimitive>& primitives) {
+    return gather_waypoints(query, primitives, paths);
+  });
+}
+
+inline constexpr std::string_view kLearnsPassagesOffline =
+    "passages in space take minutes to learn: 'learn --scenes' does that beforehand, "
+    "'remember-after' from solved problems";
+
+}  // namespace mneme::internal

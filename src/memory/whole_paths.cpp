@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/memory.h"
+
+#include "robot/joint_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme {
+namespace {
+
+constexpr std::string_view kWholePathsVersion = "paths/1";
+
+bool is_continuous(const Robot& robot, int joint) {
+  return robot.group_joint(joint).type == JointType::continuous;
+}
+
+void append(const Robot& robot, std::span<const double> q, PrimitiveKey& key) {
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const double value = q[static_cast<std::size_t>(i)];
+    if (is_continuous(robot, i)) {
+      key.insert(key.end(), {std::cos(value), std::sin(value)});
+    } else {
+      key.push_back(value);
+    }
+  }
+}
+
+}  // namespace
+
+int query_key_size(const Robot& robot) {
+  int end_size = 0;
+  for (int i = 0; i < robot.joint_count(); ++i) end_size += is_continuous(robot, i) ? 2 : 1;
+  return 1 + 2 * end_size;
+}
+
+LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> start,
+                                    std::span<const double> goal) {
+  LocalPrimitive primitive;
+  primitive.kind = kWholePathsVersion;
+  PrimitiveKey& key = primitive.key;
+  key.push_back(0);
+  append(robot, start, key);
+  const std::size_t end_size = key.size() - 1;
+  append(robot, goal, key);
+  double sum = 0;
+  for (std::size_t i = 1; i <= end_size; ++i) sum += std::pow(key[i + end_size] - key[i], 2);
+  key[0] = std::sqrt(sum);
+  return primitive;
+}
+
+namespace internal {
+namespace {
+
+/// The waypoints between the ends of remembered paths, each twice: warped, so that the path's ends
+/// become those of the query, and as it was. The warp of a waypoint adds the differences of the
+/// ends, each in proportion to how near the waypoint is to that end along the path. A path that was
+/// remembered the other way round is turned round.
+class PathWarper {
+ public:
+  PathWarper(const Robot& robot, std::span<const double> start, std::span<const double> goal)
+      : space_(robot),
+        joints_(static_cast<std::size_t>(robot.joint_count())),
+        start_(start.begin(), start.end()),
+        goal_(goal.begin(), goal.end()),
+        start_shift_(joints_),
+        goal_shift_(joints_),
+        delta_(joints_) {}
+
+  void add(std::span<const float> path, std::vector<float>& means) {
+    const std::size_t count = path.size() / joints_;
+    if (count < 3) return;
+    const float* first = path.data();
+    const float* last = path.data() + (count - 1) * joints_;
+    const bool is_reversed = distance(first, goal_) + distance(last, start_) <
+                             distance(first, start_) + distance(last, goal_);
+    space_.difference(first, (is_reversed ? goal_ : start_).data(), start_shift_.data());
+    space_.difference(last, (is_reversed ? start_ : goal_).data(), goal_shift_.data());
+    measure(path, count);
+    for (std::size_t i = 1; i + 1 < count; ++i) {
+      const float* q = path.data() + i * joints_;
+      const float fraction = lengths_[i] / lengths_.back();
+      for (std::size_t j = 0; j < joints_; ++j) {
+        const float shift = fraction * goal_shift_[j] + (1 - fraction) * start_shift_[j];
+        means.push_back(space_.into_limits(static_cast<int>(j), q[j] + shift));
+      }
+      means.insert(means.end(), q, q + joints_);
+    }
+  }
+
+ private:
+  float distance(const float* a, const std::vector<float>& b) {
+    return space_.difference(a, b.data(), delta_.data());
+  }
+
+  /// Arc lengths from the path's start to each waypoint.
+  void measure(std::span<const float> path, std::size_t count) {
+    lengths_.assign(count, 0);
+    for (std::size_t i = 1; i < count; ++i) {
+      const float* q = path.data() + i * joints_;
+      lengths_[i] = lengths_[i - 1] + space_.difference(q - joints_, q, delta_.data());
+    }
+    lengths_.back() = std::max(lengths_.back(), kLeastLength);
+  }
+
+  static constexpr float kLeastLength = 1e-6f;
+  JointSpace space_;
+  std::size_t joints_;
+  std::vector<float> start_, goal_, start_shift_, goal_shift_, delta_, lengths_;
+};
+
+Result<std::vector<LocalPrimitive>> find_queries(const MemoryQuery& query, double) {
+  if (query.start == nullptr) {
+    return fail(ErrorCode::invalid, "scene '" + query.scene.name +
+                                        "': memory of whole paths needs a problem with start and "
+                                        "goal");
+  }
+  std::vector<LocalPrimitive> queries;
+  auto violation = query.robot.describe_violation(*query.start, "start");
+  for (const Configuration& goal : query.goals) {
+    if (!violation) violation = query.robot.describe_violation(goal, "goal");
+    if (violation) return fail(ErrorCode::invalid, *violation);
+    queries.push_back(make_query_primitive(query.robot, *query.start, goal));
+  }
+  return queries;
+}
+
+/// The query, and the one from the goal to the start, whose key is as long.
+std::vector<KeyImage> images_of_query(const PrimitiveKey& canonical) {
+  PrimitiveKey reversed = canonical;
+  const auto ends = reversed.begin() + 1;
+  std::rotate(ends, ends + (reversed.end() - ends) / 2, reversed.end());
+  return {{canonical, false}, {std::move(reversed), false}};
+}
+
+/// `retrievals` has one entry per goal, in their order.
+GaussianMixture warp_paths(const MemoryQuery& query,
+                           std::span<const PrimitiveRetrieval> retrievals) {
+  GaussianMixture mixture;
+  mixture.joint_count = query.robot.joint_count();
+  std::size_t size = 0;
+  for (const PrimitiveRetrieval& retrieval : retrievals) {
+    for (const Match& match : retrieval.matches) {
+      size += 2 * match.experience->sampler.means.size();
+    }
+  }
+  mixture.means.reserve(size);
+  mixture.origins.reserve(size / static_cast<std::size_t>(query.robot.joint_count()));
+  for (std::size_t i = 0; i < retrievals.size(); ++i) {
+    PathWarper warper(query.robot, *query.start, query.goals[i]);
+    for (const Match& match : retrievals[i].matches) {
+      warper.add(match.experience->sampler.means, mixture.means);
+    }
+    mixture.origins.resize(static_cast<std::size_t>(mixture.component_count()),
+                           static_cast<Origin>(i));
+  }
+  return mixture;
+}
+
+/// Per path that is not empty one row whose key is that of its ends and whose means are its
+/// waypoints, ends included, in their order.
+Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
+                                               std::span<const Path> paths, double) {
+  std::vector<Experience> rows;
+  for (const Path& path : paths) {
+    if (path.empty()) continue;
+    Experience& row = rows.emplace_back();
+    row.kind = kWholePathsVersion;
+    row.key = make_query_primitive(query.robot, path.front(), path.back()).key;
+    row.sampler.joint_count = query.robot.joint_count();
+    for (const Configuration& q : path) {
+      row.sampler.means.insert(row.sampler.means.end(), q.begin(), q.end());
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+extern constinit const MemoryKind kWholePaths = {
+    .name = "paths",
+    .version = kWholePathsVersion,
+    .summary = "whole solved paths, found by their ends and bent to those of the query",
+    .defaults = {.lambda = 0.7,
+                 .sigma = 0.4,
+                 .similarity = 1e9,
+                 .max_matches = 50,
+                 .drop_invalid_means = false,
+                 .retrieve_after = 2500,
+                 .first_components = 20},
+    .key_size = query_key_size,
+    .decompose = find_queries,
+    .images = images_of_query,
+    .synthesize = warp_paths,
+    .learn_from_paths = remember_paths,
+    .learn = nullptr,
+    .no_learning_on_a_miss = "whole paths are learned from solved problems alone: "
+                             "'remember-after' does that while planning",
+};
+
+}  // namespace internal
+}  // namespace mneme

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/memory_steps.h"
+
+#include <algorithm>
+
+namespace mneme::internal {
+namespace {
+
+/// Seconds of the time limit that learning leaves, because an insertion waits for the disk.
+constexpr double kInsertionTime = 0.01;
+
+/// The obstacles of a primitive alone.
+LocalProblem local_problem(const MemoryRequest& request, const LocalPrimitive& primitive) {
+  return local_problems(request.query.scene, {&primitive, 1}).front();
+}
+
+Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& primitive,
+                           LocalSampler sampler, const LearnSettings& settings) {
+  Experience row;
+  row.kind = primitive.kind;
+  row.key = primitive.key;
+  row.sampler = std::move(sampler);
+  row.provenance = {"mneme " + std::string(version()), describe(settings) + " budget",
+                    request.settings.plan.seed, {}};
+  std::vector<Experience> rows;
+  rows.push_back(std::move(row));
+  return request.database->insert(std::move(rows)).map([](const auto&) {});
+}
+
+}  // namespace
+
+Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryRequest& request,
+                                                  const KindSettings& kind) {
+  return kind.kind->decompose(request.query, kind.max_gap)
+      .map([](std::vector<LocalPrimitive> primitives) {
+        std::vector<PrimitiveRetrieval> retrievals;
+        for (LocalPrimitive& primitive : primitives) {
+          retrievals.emplace_back().primitive = std::move(primitive);
+        }
+        return retrievals;
+      });
+}
+
+Result<void> retrieve(const MemoryRequest& request, const KindSettings& kind,
+                      PrimitiveRetrieval& primitive) {
+  return find_matches(*request.database, *kind.kind, primitive.primitive, kind.similarity,
+                      kind.max_matches)
+      .map([&](std::vector<Match> matches) { primitive.matches = std::move(matches); });
+}
+
+Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
+                   PrimitiveRetrieval& primitive, double& learning_time_s) {
+  const SolveSettings& settings = request.settings;
+  const double rest_s =
+      settings.plan.timeout_s - request.stopwatch.elapsed_s() - kInsertionTime;
+  const double budget_s = std::min(settings.learn_budget_s - learning_time_s, rest_s);
+  const bool can_learn = kind.kind->no_learning_on_a_miss.empty();
+  if (!primitive.matches.empty() || budget_s <= 0 || !can_learn) return {};
+  const Stopwatch stopwatch;
+  LearnSettings learning = settings.learn;
+  if (!learning.resolution) learning.resolution = settings.resolution;
+  auto learned =
+      kind.kind->learn(request.query.robot, local_problem(request, primitive.primitive), learning,
+                       settings.plan.seed, budget_s, settings.plan.cancel);
+  if (!learned) return tl::unexpected(learned.error());
+  // What a short budget left without a component may be no obstacle with a longer one.
+  Result<void> done;
+  if (learned->sampler.component_count() > 0) {
+    primitive.is_learned = true;
+    done = insert_lesson(request, primitive.primitive, std::move(learned->sampler), learning)
+               .and_then([&] { return retrieve(request, kind, primitive); });
+  }
+  learning_time_s += stopwatch.elapsed_s();
+  return done;
+}
+
+GaussianMixture synthesize(const MemoryRequest& request, const KindSettings& kind,
+                           std::span<const PrimitiveRetrieval> primitives) {
+  return kind.kind->synthesize(request.query, primitives);
+}
+
+void append(GaussianMixture& all, const GaussianMixture& more) {
+  const int joints = more.joint_count;
+  const int factors = joints == 0 ? 0
+                                  : static_cast<int>(all.factors.size()) /
+                                        (joints * (joints + 1) / 2);
+  const auto before = static_cast<std::size_t>(all.component_count());
+  const auto count = static_cast<std::size_t>(more.component_count());
+  all.joint_count = joints;
+  all.means.insert(all.means.end(), more.means.begin(), more.means.end());
+  all.factors.insert(all.factors.end(), more.factors.begin(), more.factors.end());
+  all.factor_rows.resize(before, -1);
+  all.origins.resize(before, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int row = more.factor_rows.empty() ? -1 : more.factor_rows[i];
+    all.factor_rows.push_back(row < 0 ? -1 : factors + row);
+    all.origins.push_back(more.origins.empty() ? 0 : more.origins[i]);
+  }
+}
+
+GaussianMixture keep_valid_components(const CollisionChecker& checker,
+                                      const GaussianMixture& mixture) {
+  const auto count = static_cast<std::size_t>(mixture.component_count());
+  const auto joints = static_cast<std::size_t>(mixture.joint_count);
+  std::vector<std::uint8_t> is_valid(count);
+  checker.check_states(mixture.means, is_valid);
+  if (std::find(is_valid.begin(), is_valid.end(), 1) == is_valid.end()) return mixture;
+  GaussianMixture kept;
+  kept.joint_count = mixture.joint_count;
+  kept.factors = mixture.factors;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (is_valid[i] == 0) continue;
+    const auto mean = mixture.means.begin() + static_cast<std::ptrdiff_t>(i * joints);
+    kept.means.insert(kept.means.end(), mean, mean + static_cast<std::ptrdiff_t>(joints));
+    if (!mixture.factor_rows.empty()) kept.factor_rows.push_back(mixture.factor_rows[i]);
+    if (!mixture.origins.empty()) kept.origins.push_back(mixture.origins[i]);
+  }
+  return kept;
+}
+
+namespace {
+
+Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind) {
+  const std::vector<Path> paths = {path};
+  auto rows = kind.kind->learn_from_paths(query.query, paths, kind.max_gap);
+  if (!rows) return tl::unexpected(rows.error());
+  for (Experience& row : *rows) {
+    row.provenance = {"mneme " + std::string(version()), "solved problem " + query.problem.name,
+                      query.settings.plan.seed, {}};
+  }
+  if (rows->empty()) return 0;
+  return query.database->insert(std::move(*rows)).map([](const auto& ids) {
+    return static_cast<int>(ids.size());
+  });
+}
+
+}  // namespace
+
+Remembered remember(const Query& query, const PlanResult& plan) {
+  Remembered remembered;
+  const std::optional<int> after = query.settings.remember_after;
+  // Paths with OMPL's defaults are not verified: they teach nothing.
+  const bool is_wanted = after && plan.is_solved() && query.database != nullptr &&
+                         plan.iterations >= static_cast<std::uint64_t>(*after) &&
+                         !query.settings.plan.ompl_defaults;
+  if (!is_wanted) return remembered;
+  const Stopwatch stopwatch;
+  for (const KindSettings& kind : query.kinds) {
+    if (const auto rows = insert_solved(query, plan.path, kind)) {
+      remembered.rows += *rows;
+    } else {
+      remembered.failure = rows.error().message;
+    }
+  }
+  remembered.time_s = stopwatch.elapsed_s();
+  return remembered;
+}
+
+}  // namespace mneme::internal

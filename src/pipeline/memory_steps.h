@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The steps of Algorithm 2 for one kind of memory, and what a solved problem leaves in it.
+#pragma once
+
+#include "pipeline/query.h"
+
+namespace mneme::internal {
+
+/// Line 1: the primitives of the query, nothing known of them yet.
+[[nodiscard]] Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryRequest& request,
+                                                                const KindSettings& kind);
+
+/// Lines 3 to 5: the stored samplers that are similar.
+[[nodiscard]] Result<void> retrieve(const MemoryRequest& request, const KindSettings& kind,
+                                    PrimitiveRetrieval& primitive);
+
+/// Lines 6 and 7: creates the sampler of a primitive that has no match, inserts it and retrieves
+/// it, within what is left of the budget, which `learning_time_s` counts.
+[[nodiscard]] Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
+                                 PrimitiveRetrieval& primitive, double& learning_time_s);
+
+/// Line 10: one mixture of all that was retrieved.
+[[nodiscard]] GaussianMixture synthesize(const MemoryRequest& request, const KindSettings& kind,
+                                         std::span<const PrimitiveRetrieval> primitives);
+
+/// Adds the components of another mixture to `all`, after those that it has.
+void append(GaussianMixture& all, const GaussianMixture& more);
+
+/// The components of `mixture` whose means are valid; all of them if none is, because a mean just
+/// inside an obstacle still has free configurations around it.
+[[nodiscard]] GaussianMixture keep_valid_components(const CollisionChecker& checker,
+                                                    const GaussianMixture& mixture);
+
+/// Inserts what the path of a solved problem teaches, if `remember_after` asks for it.
+[[nodiscard]] Remembered remember(const Query& query, const PlanResult& plan);
+
+}  // namespace mneme::internal

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/query.h"
+
+#include "experience/space.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace mneme::internal {
+namespace {
+
+/// The first setting that is not within its declared range.
+template <class Settings>
+Result<void> check_ranges(const Settings& settings) {
+  std::string problem;
+  const auto check = [&](const char* name, const auto& value, auto least, auto most) {
+    // Written so that a value that is not a number fails too.
+    if (problem.empty() && !(value >= least && value <= most)) {
+      problem = fmt::format("setting '{}' is {}: expected {} to {}", name, value, least, most);
+    }
+  };
+  visit_settings(settings, [&](const char* name, const auto& value, auto least, auto most,
+                               const char*) {
+    if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+      if (value) check(name, *value, least, most);
+    } else {
+      check(name, value, least, most);
+    }
+  });
+  if (!problem.empty()) return fail(ErrorCode::invalid, problem);
+  return {};
+}
+
+Result<void> check_settings(const SolveSettings& settings) {
+  for (const auto& checked : {check_ranges(settings), check_ranges(settings.plan),
+                              check_ranges(settings.memory), check_ranges(settings.learn)}) {
+    if (!checked) return checked;
+  }
+  if (settings.plan.verify || !settings.plan.continuous) return {};
+  return fail(ErrorCode::invalid,
+              "setting 'continuous' is a way to verify: expected it with 'verify' only");
+}
+
+Result<void> check_robot(const Robot& robot, const Database& database) {
+  const ExperienceSpace wanted = make_space(robot);
+  if (is_same_space(database.space(), wanted)) return {};
+  return refuse_space(database.info().url, database.space(), wanted);
+}
+
+/// Those that the settings name; or those that the database holds and this mneme knows; or, of an
+/// empty one, the one that is about to be filled.
+Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Database& database,
+                                                    const SolveSettings& settings) {
+  std::vector<const MemoryKind*> kinds;
+  if (settings.memory.kind) {
+    const auto kind = find_memory_kind(*settings.memory.kind);
+    if (!kind) return tl::unexpected(kind.error());
+    kinds.push_back(*kind);
+    return kinds;
+  }
+  const std::vector<KindInfo> held = database.kinds();
+  for (const KindInfo& info : held) {
+    if (const MemoryKind* kind = memory_kind_of(info.kind)) kinds.push_back(kind);
+  }
+  if (kinds.empty() && !held.empty()) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: holds experience of the kind {}, which this mneme does not know",
+                            database.info().url, held.front().kind));
+  }
+  const bool only_remembers = settings.remember_after && settings.learn_budget_s == 0;
+  if (kinds.empty()) {
+    kinds.push_back(only_remembers ? &default_kind_of_paths(robot) : &default_memory_kind(robot));
+  }
+  return kinds;
+}
+
+KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
+  const MemoryDefaults& defaults = kind.defaults;
+  KindSettings complete;
+  complete.kind = &kind;
+  complete.lambda = settings.lambda.value_or(defaults.lambda);
+  complete.sigma = settings.sigma.value_or(defaults.sigma);
+  complete.similarity = std::max(settings.similarity.value_or(defaults.similarity),
+                                 std::numeric_limits<double>::denorm_min());
+  complete.max_matches = settings.max_matches.value_or(defaults.max_matches);
+  complete.drop_invalid_means = settings.drop_invalid_means.value_or(defaults.drop_invalid_means);
+  complete.retrieve_after = settings.retrieve_after.value_or(defaults.retrieve_after);
+  // Components are drawn from in a fraction lambda of the iterations.
+  complete.widening = {settings.first_components.value_or(defaults.first_components),
+                       settings.component_growth / std::max(complete.lambda, 1e-3)};
+  complete.max_gap = settings.memory.max_gap.value_or(defaults.max_gap);
+  return complete;
+}
+
+Result<void> check_budget(const SolveSettings& settings, const std::vector<KindSettings>& kinds) {
+  const auto learns = [](const KindSettings& kind) {
+    return kind.kind->no_learning_on_a_miss.empty();
+  };
+  if (settings.learn_budget_s == 0 || std::ranges::any_of(kinds, learns)) return {};
+  const MemoryKind& kind = *kinds.front().kind;
+  return fail(ErrorCode::unsupported,
+              fmt::format("setting 'learn-budget': memory of the kind '{}' does not learn on a "
+                          "miss: {}",
+                          kind.name, kind.no_learning_on_a_miss));
+}
+
+Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler) {
+  if (planner.draws_valid_states || !sampler.draws_valid_states) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("sampler '{}' is for planners that draw valid states, such as ompl:PRM, "
+                          "not '{}'",
+                          sampler.name, planner.name));
+}
+
+}  // namespace
+
+bool MemoryRequest::is_over() const {
+  return (settings.plan.cancel != nullptr && settings.plan.cancel->load()) ||
+         stopwatch.elapsed_s() >= settings.plan.timeout_s;
+}
+
+Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* database,
+                                          const SolveSettings& settings) {
+  MemoryRequest request{query, database, settings, {}, {}};
+  if (auto checked = check_settings(settings); !checked) return tl::unexpected(checked.error());
+  if (database == nullptr) return request;
+  if (auto checked = check_robot(query.robot, *database); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  const auto kinds = choose_kinds(query.robot, *database, settings);
+  if (!kinds) return tl::unexpected(kinds.error());
+  for (const MemoryKind* kind : *kinds) request.kinds.push_back(complete(*kind, settings));
+  if (auto checked = check_budget(settings, request.kinds); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return request;
+}
+
+Result<Query> make_query(const Problem& problem, Database* database,
+                         const SolveSettings& settings) {
+  const auto sampler = find_sampler(settings.sampler);
+  if (!sampler) return tl::unexpected(sampler.error());
+  const auto planner = find_planner(settings.planner);
+  if (!planner) return tl::unexpected(planner.error());
+  if (auto checked = check_together(**planner, **sampler); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  auto request = make_memory_request(
+      {problem.robot, problem.scene, &problem.start, problem.goals},
+      (*sampler)->draws_from_memory ? database : nullptr, settings);
+  if (!request) return tl::unexpected(request.error());
+  auto checker = CollisionChecker::make(problem.robot, problem.scene,
+                                        {settings.resolution, settings.margin, settings.isa});
+  if (!checker) return tl::unexpected(checker.error());
+  return Query{*std::move(request),           problem,    {problem.start, problem.goals},
+               **planner, **sampler, *std::move(checker)};
+}
+
+}  // namespace mneme::internal

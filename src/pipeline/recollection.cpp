@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/recollection.h"
+
+#include "pipeline/memory_steps.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mneme::internal {
+
+std::shared_ptr<const Sampler> Recollection::draw_by_kind() {
+  std::vector<Source> sources;
+  for (const KindSettings& kind : query_.kinds) {
+    sources.push_back({kind.lambda, kind.retrieve_after, [this, &kind] {
+                         return recall_(query_, kind, gl_).map([&](GaussianMixture mixture) {
+                           return sample(kind, std::move(mixture));
+                         });
+                       }});
+  }
+  return draw(std::move(sources));
+}
+
+std::shared_ptr<const Sampler> Recollection::draw_mixture(
+    std::function<Result<GaussianMixture>()> recall) {
+  return draw_from([this, recall = std::move(recall)]() {
+    return recall().map(
+        [&](GaussianMixture mixture) { return sample(query_.kinds.front(), std::move(mixture)); });
+  });
+}
+
+std::shared_ptr<const Sampler> Recollection::draw_from(
+    std::function<Result<std::shared_ptr<const Sampler>>()> make) {
+  if (query_.kinds.empty()) return draw({});
+  const KindSettings& kind = query_.kinds.front();
+  return draw({{kind.lambda, kind.retrieve_after, [this, make = std::move(make)] {
+                  const Stopwatch stopwatch;
+                  auto made = make();
+                  gl_.retrieval_time_s = stopwatch.elapsed_s();
+                  return made;
+                }}});
+}
+
+std::shared_ptr<const Sampler> Recollection::draw(std::vector<Source> sources) {
+  sources_ = std::move(sources);
+  std::ranges::stable_sort(sources_, {}, &Source::after);
+  return drawn_after(0);
+}
+
+std::shared_ptr<const Sampler> Recollection::drawn_after(int samples) {
+  const std::lock_guard lock(mutex_);
+  const auto known = std::ranges::find(stages_, samples, [](const auto& s) { return s.first; });
+  if (known != stages_.end()) return known->second;
+  while (asked_ < sources_.size() && sources_[asked_].after <= samples) ask(sources_[asked_++]);
+  std::shared_ptr<const Sampler> sampler = mixed();
+  if (asked_ < sources_.size()) {
+    const int next = sources_[asked_].after;
+    sampler = make_lazy_sampler(std::move(sampler), next - samples,
+                                [this, next] { return drawn_after(next); });
+  }
+  stages_.emplace_back(samples, sampler);
+  return sampler;
+}
+
+/// Each source gets its lambda; several share, so that uniform samples keep their part.
+std::shared_ptr<const Sampler> Recollection::mixed() const {
+  std::shared_ptr<const Sampler> rest = make_uniform_sampler(query_.problem.robot);
+  const auto count = static_cast<double>(samplers_.size());
+  double left = 1;
+  for (const auto& [lambda, sampler] : samplers_) left -= lambda / count;
+  for (auto entry = samplers_.rbegin(); entry != samplers_.rend(); ++entry) {
+    const double share = entry->first / count;
+    left += share;
+    const double lambda = samplers_.size() == 1 ? entry->first : share / left;
+    rest = make_mixed_sampler(lambda, entry->second, std::move(rest));
+  }
+  return rest;
+}
+
+void Recollection::ask(const Source& source) {
+  auto sampler = source.ask();
+  if (!sampler) {
+    failure_ = sampler.error();
+  } else if (*sampler != nullptr) {
+    samplers_.emplace_back(source.lambda, *std::move(sampler));
+  }
+}
+
+std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind,
+                                                    GaussianMixture mixture) {
+  if (kind.drop_invalid_means) mixture = keep_valid_components(query_.checker, mixture);
+  auto own = std::make_shared<const GaussianMixture>(std::move(mixture));
+  if (gl_.mixture == nullptr) {
+    gl_.mixture = own;
+  } else {
+    GaussianMixture all = *gl_.mixture;
+    append(all, *own);
+    gl_.mixture = std::make_shared<const GaussianMixture>(std::move(all));
+  }
+  if (own->component_count() == 0) return nullptr;
+  return make_mixture_sampler(query_.problem.robot, std::move(own), kind.sigma, kind.widening);
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What one query draws from memory, asked when the planner has drawn for long enough without.
+#pragma once
+
+#include "pipeline/query.h"
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Algorithm 2 for one kind of memory: its components for the query, and in `gl` what it found.
+using Recall =
+    std::function<Result<GaussianMixture>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
+
+/// Asks memory, once only, whichever of the sampler's streams asks first and from whichever thread.
+class Recollection {
+ public:
+  /// One of the samplers that are mixed with uniform samples.
+  struct Source {
+    double lambda = 0;
+    int after = 0;  ///< iterations before it is asked
+    /// Null if there is nothing to draw from.
+    std::function<Result<std::shared_ptr<const Sampler>>()> ask;
+  };
+
+  /// Refers to the query.
+  Recollection(const Query& query, Recall recall)
+      : query_(query), recall_(std::move(recall)) {}
+
+  [[nodiscard]] const Query& query() const { return query_; }
+
+  /// Algorithm 1 over `recall` for each kind of memory of the query. Refers to this.
+  [[nodiscard]] std::shared_ptr<const Sampler> draw_by_kind();
+  /// Algorithm 1 over one mixture that needs no retrieval by kind, such as a baseline's.
+  [[nodiscard]] std::shared_ptr<const Sampler> draw_mixture(
+      std::function<Result<GaussianMixture>()> recall);
+  /// The same over any sampler.
+  [[nodiscard]] std::shared_ptr<const Sampler> draw_from(
+      std::function<Result<std::shared_ptr<const Sampler>>()> make);
+
+  /// Why memory could not be asked, until now.
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
+  [[nodiscard]] GlSampler take() { return std::move(gl_); }
+
+ private:
+  [[nodiscard]] std::shared_ptr<const Sampler> draw(std::vector<Source> sources);
+  /// What a planner draws from after so many samples.
+  [[nodiscard]] std::shared_ptr<const Sampler> drawn_after(int samples);
+  [[nodiscard]] std::shared_ptr<const Sampler> mixed() const;
+  void ask(const Source& source);
+  /// Adds the components to what was found, and samples them as the kind says; null if there are
+  /// none.
+  [[nodiscard]] std::shared_ptr<const Sampler> sample(const KindSettings& kind,
+                                                      GaussianMixture mixture);
+
+  const Query& query_;
+  Recall recall_;
+  std::vector<Source> sources_;  ///< those that are asked first, first
+  std::mutex mutex_;
+  std::size_t asked_ = 0;
+  std::vector<std::pair<double, std::shared_ptr<const Sampler>>> samplers_;  ///< with lambda
+  std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;       ///< by `after`
+  GlSampler gl_;
+  std::optional<Error> failure_;
+};
+
+}  // namespace mneme::internal

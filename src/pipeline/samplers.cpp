@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
+#include "pipeline/baseline_samplers.h"
+#include "pipeline/cvae_sampler.h"
+#include "pipeline/recollection.h"
+
+#include <algorithm>
+#include <array>
+
+namespace mneme {
+namespace {
+
+using internal::Recollection;
+using SharedSampler = std::shared_ptr<const Sampler>;
+
+SharedSampler uniform_source(Recollection& recollection) {
+  return make_uniform_sampler(recollection.query().problem.robot);
+}
+
+SharedSampler halton_source(Recollection& recollection) {
+  return make_halton_sampler(recollection.query().problem.robot);
+}
+
+SharedSampler gl(Recollection& recollection) { return recollection.draw_by_kind(); }
+
+SharedSampler pooled(Recollection& recollection) {
+  return recollection.draw_mixture([&query = recollection.query()] { return pool_all(query); });
+}
+
+SharedSampler nearest_scenes(Recollection& recollection) {
+  return recollection.draw_mixture(
+      [&query = recollection.query()] { return recall_nearest_scenes(query); });
+}
+
+SharedSampler cvae(Recollection& recollection) {
+  return recollection.draw_from([&query = recollection.query()]() -> Result<SharedSampler> {
+    const auto weights = internal::load_cvae(internal::cvae_path(*query.database));
+    if (!weights) return tl::unexpected(weights.error());
+    return internal::make_cvae_sampler(query.problem.robot, query.problem.scene, *weights);
+  });
+}
+
+// To add a sampler: what makes it, and a row here.
+constexpr bool kFromMemory = true;
+constexpr std::array<SamplerEntry, 10> kSamplers = {{
+    {"gl", "what memory knows of the scene, mixed with uniform samples (Algorithm 1)", gl,
+     kFromMemory},
+    {"uniform", "uniform within the joint limits", uniform_source},
+    {"halton", "a Halton sequence with a random shift", halton_source},
+    {"pooled", "baseline: all components of the memory, wherever they were learned", pooled,
+     kFromMemory},
+    {"nearest_scenes", "baseline: components of the scenes that are most similar as a whole",
+     nearest_scenes, kFromMemory},
+    {"cvae", "baseline: a variational autoencoder that was trained on the memory", cvae,
+     kFromMemory},
+    {"gaussian", "OMPL's sampler of valid states near obstacles", uniform_source, false, true},
+    {"obstacle_based", "OMPL's sampler of valid states at obstacles", uniform_source, false, true},
+    {"bridge_test", "OMPL's sampler of valid states between obstacles", uniform_source, false, true},
+    {"max_clearance", "OMPL's sampler of valid states far from obstacles", uniform_source, false, true},
+}};
+
+}  // namespace
+
+std::span<const SamplerEntry> samplers() { return kSamplers; }
+
+Result<const SamplerEntry*> find_sampler(std::string_view name) {
+  const auto found = std::ranges::find(kSamplers, name, &SamplerEntry::name);
+  if (found != kSamplers.end()) return &*found;
+  std::string known;
+  for (const SamplerEntry& entry : kSamplers) {
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  return fail(ErrorCode::invalid,
+              "unknown sampler '" + std::string(name) + "': expected one of " + known);
+}
+
+}  // namespace mneme
