@@ -15,19 +15,27 @@
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
-#include "learn_from_problems.h"
-#include "learn_primitive_lesson.h"
-#include "learn_sharing.h"
 #include "learning_run.h"
+#include "lessons.h"
 #include "options.h"
+#include "shard.h"
 
 namespace mneme::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Learning on many machines.
+struct Sharing {
+  Fraction shard;
+  bool is_worker = false;
+  double lease_s = SharedWork().lease_s;
+};
+
 struct LearnOptions {
   LessonSource source;
+  std::vector<std::string> problems;
+  std::string part;
   std::string grid;
   std::string db;
   DatabaseSettings kept;
@@ -85,6 +93,12 @@ void print_coverage(const Coverage& coverage, double threshold) {
              coverage.p95, coverage.max, threshold);
 }
 
+ExitCode end_of(const LearnSummary& summary) {
+  if (!summary.is_cancelled) return ExitCode::done;
+  print_note("interrupted; the same command goes on from here");
+  return ExitCode::interrupted;
+}
+
 Result<ExitCode> report(const LearnOptions& options, const LearnSummary& summary,
                         const Database& database, const std::optional<PrimitiveGrid>& grid) {
   std::optional<Coverage> coverage;
@@ -101,18 +115,34 @@ Result<ExitCode> report(const LearnOptions& options, const LearnSummary& summary
     print_summary(summary, database);
     if (coverage) print_coverage(*coverage, grid->max_similarity_error);
   }
-  if (!summary.is_cancelled) return ExitCode::done;
-  print_note("interrupted; the same command goes on from here");
-  return ExitCode::interrupted;
+  return end_of(summary);
+}
+
+void report_problems(const LearnOptions& options, const LearnSummary& summary,
+                     const Database& database) {
+  if (options.is_json) {
+    print_json({{"learned", summary.learned},
+                {"skipped", summary.skipped},
+                {"unsolved", summary.unsolved.size()},
+                {"rows", summary.rows},
+                {"components", summary.components},
+                {"time_s", summary.time_s},
+                {"is_cancelled", summary.is_cancelled},
+                {"samplers", database.size()},
+                {"bytes", database.info().bytes}});
+    return;
+  }
+  fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
+             summary.learned, summary.skipped, summary.unsolved.size(), summary.time_s);
+  fmt::print("added {} samplers with {} components; {} now holds {}\n", summary.rows,
+             summary.components, database.info().url, database.size());
 }
 
 Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   const Result<ProblemOptions> overrides =
       problem_options(options.source.robot, options.source.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
-  ProblemLesson lesson = options.lesson;
-  lesson.seed = options.job.seed;
-  const Result<std::vector<Problem>> problems = load_lesson(lesson, *overrides);
+  const auto problems = load_problem_lesson(options.problems, options.part, *overrides);
   if (!problems) return tl::unexpected(problems.error());
   if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
   const Robot& robot = problems->front().robot;
@@ -121,27 +151,12 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   Result<Database> database =
       open_database(options.db, robot, OpenMode::create, decompose.decomposer, options.kept);
   if (!database) return tl::unexpected(database.error());
-  const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
+  ProblemLesson lesson = options.lesson;
+  static_cast<LearnRun&>(lesson) = options.job;
+  const auto summary = learn_with_progress(*problems, decompose, *database, lesson);
   if (!summary) return tl::unexpected(summary.error());
-  if (options.is_json) {
-    print_json({{"learned", summary->learned},
-                {"skipped", summary->skipped},
-                {"unsolved", summary->unsolved},
-                {"rows", summary->rows},
-                {"components", summary->components},
-                {"time_s", summary->time_s},
-                {"is_cancelled", summary->is_cancelled},
-                {"samplers", database->size()},
-                {"bytes", database->info().bytes}});
-  } else {
-    fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
-               summary->learned, summary->skipped, summary->unsolved, summary->time_s);
-    fmt::print("added {} samplers with {} components; {} now holds {}\n", summary->rows,
-               summary->components, database->info().url, database->size());
-  }
-  if (!summary->is_cancelled) return ExitCode::done;
-  print_note("interrupted; the same command goes on from here");
-  return ExitCode::interrupted;
+  report_problems(options, *summary, *database);
+  return end_of(*summary);
 }
 
 /// Learns a shard of the lesson, and of what covers the grid.
@@ -163,7 +178,7 @@ Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<Pr
 }
 
 Result<ExitCode> run_learn(const LearnOptions& options) {
-  if (!options.lesson.problems.empty()) return run_problem_lesson(options);
+  if (!options.problems.empty()) return run_problem_lesson(options);
   Result<PrimitiveLesson> lesson = load_primitive_lesson(options.source);
   if (!lesson) return tl::unexpected(lesson.error());
   const Robot& robot = lesson->robot;
@@ -184,13 +199,46 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                                             options.source.decompose.decomposer, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
-  job.shared = options.sharing.work(options.db);
+  if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};
   const Result<LearnSummary> summary =
       learn_lesson(std::move(*lesson), grid, options.sharing.shard, *database, job);
   if (!summary) return tl::unexpected(summary.error());
   // What one shard covers says nothing about the whole.
   if (options.sharing.shard.count > 1) grid.reset();
   return report(options, *summary, *database, grid);
+}
+
+void add_sharing(CLI::App& command, Sharing& sharing) {
+  const auto read_shard = [&sharing](const std::string& text) {
+    const Result<Fraction> shard = parse_shard(text);
+    if (!shard) throw CLI::ValidationError("--shard", shard.error().message);
+    sharing.shard = *shard;
+  };
+  add_text(command, "--shard", read_shard,
+           "every N-th primitive beginning with the I-th, each shard into a database of its own; "
+           "merged by `mneme db merge` they are what one process learns. I counts from 1 or from "
+           "0: shards 0 and N are the same")
+      ->type_name("I/N");
+  command.add_flag("--worker", sharing.is_worker,
+                   "share the primitives with all processes that were given the same command "
+                   "line and a database on a PostgreSQL server; ends when all are learned");
+  add_number(command, "--lease", sharing.lease_s, 0.1, 86400.0,
+             "with --worker: seconds without a sign of life after which a process's primitives go "
+             "to others");
+}
+
+/// Throws what the command line cannot mean.
+void check_sharing(const CLI::App& command, const Sharing& sharing, const std::string& url,
+                   bool has_problems) {
+  const bool has_shard = command.count("--shard") > 0;
+  if (has_problems) {
+    if (has_shard) throw CLI::ExcludesError("--shard", "--problems, whose shards are --part");
+    if (sharing.is_worker) throw CLI::ExcludesError("--worker", "--problems");
+  }
+  if (sharing.is_worker && has_shard) throw CLI::ExcludesError("--worker", "--shard");
+  if (sharing.is_worker && !url.starts_with("postgres")) {
+    throw CLI::ValidationError("--worker", "needs a database on a server: --db postgresql://...");
+  }
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
@@ -201,10 +249,10 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
   command.add_option("--scenes", options.source.scenes,
                      "scenes or problems whose primitives to learn: files or patterns");
-  command.add_option("--problems", options.lesson.problems,
+  command.add_option("--problems", options.problems,
                      "problems to solve and to learn from their paths: files, FILE.json#NAME or "
                      "directories");
-  command.add_option("--part", options.lesson.part,
+  command.add_option("--part", options.part,
                      "with --problems: I/N, every N-th problem beginning with the I-th");
   add_number(command, "--paths", options.lesson.paths, 1, 1000,
              "with --problems: paths per problem");
@@ -244,7 +292,7 @@ void add_learn(CLI::App& program, Action& action) {
   add_json(*command, options->is_json);
   command->callback([options, command, &action] {
     const bool has_primitives = !options->grid.empty() || !options->source.scenes.empty();
-    if (has_primitives == !options->lesson.problems.empty()) {
+    if (has_primitives == !options->problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
     check_sharing(*command, options->sharing, options->db, !has_primitives);

@@ -14,6 +14,24 @@ namespace {
 constexpr int kCoverageProbes = 2000;
 constexpr std::uint64_t kCoverageSeed = 1;
 
+/// Lets a run heed an interrupt and show how far it is.
+void watch(LearnRun& run, Progress& progress, std::size_t count, std::string_view what) {
+  run.cancel = interrupt_flag();
+  run.on_progress = [&progress](const LearnProgress& state) {
+    progress.update(state.done, state.total, fmt::format("{} components", state.components));
+  };
+  print_note(
+      fmt::format("learning {} {} with {} threads, seed {}", count, what, run.jobs, run.seed));
+}
+
+template <class Primitive>
+Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
+                           Database& database, LearnJob job) {
+  Progress progress("learning");
+  watch(job, progress, primitives.size(), "primitives");
+  return learn_primitives(robot, primitives, database, job);
+}
+
 }  // namespace
 
 std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed) {
@@ -21,23 +39,6 @@ std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t se
   print_note("choosing primitives that cover the range");
   return cover(grid, seed, cancel);
 }
-
-namespace {
-
-template <class Primitive>
-Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
-                           Database& database, LearnJob job) {
-  job.cancel = interrupt_flag();
-  print_note(fmt::format("learning {} primitives with {} threads, seed {}", primitives.size(),
-                         job.jobs, job.seed));
-  Progress progress("learning");
-  job.on_progress = [&](const LearnProgress& state) {
-    progress.update(state.done, state.total, fmt::format("{} components", state.components));
-  };
-  return learn_primitives(robot, primitives, database, job);
-}
-
-}  // namespace
 
 Result<LearnSummary> learn_with_progress(const Robot& robot, std::span<const PrimitiveKey> keys,
                                          Database& database, LearnJob job) {
@@ -48,6 +49,21 @@ Result<LearnSummary> learn_with_progress(const Robot& robot,
                                          std::span<const LocalProblem> primitives,
                                          Database& database, LearnJob job) {
   return learn(robot, primitives, database, std::move(job));
+}
+
+Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
+                                         const DecomposeSettings& decompose, Database& database,
+                                         ProblemLesson lesson) {
+  Result<LearnSummary> summary;
+  {
+    Progress progress("learning");
+    watch(lesson, progress, problems.size(), "problems");
+    summary = learn_from_problems(problems, decompose, database, lesson);
+  }
+  if (summary) {
+    for (const std::string& problem : summary->unsolved) print_note(problem);
+  }
+  return summary;
 }
 
 Result<Coverage> measure_coverage(const Database& database, const PrimitiveGrid& grid) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Learning with progress, as `mneme learn` and `mneme demo` do it.
+/// Learning with progress, as `mneme learn`, `mneme demo` and suites do it.
 #pragma once
 
 #include <span>
@@ -23,6 +23,11 @@ namespace mneme::app {
 [[nodiscard]] Result<LearnSummary> learn_with_progress(const Robot& robot,
                                                        std::span<const LocalProblem> primitives,
                                                        Database& database, LearnJob job);
+
+/// Learns from problems in the same way, and prints which of them have no path.
+[[nodiscard]] Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
+                                                       const DecomposeSettings& decompose,
+                                                       Database& database, ProblemLesson lesson);
 
 /// The similarity errors that random primitives of the grid meet in the database; infinite if it is
 /// empty.

@@ -12,8 +12,8 @@
 #include "console.h"
 #include "inputs.h"
 #include "interrupt.h"
-#include "learn_from_problems.h"
 #include "learning_run.h"
+#include "lessons.h"
 
 namespace mneme::app {
 namespace {
@@ -54,10 +54,7 @@ Result<LearnedMemory> learn_grid(const SuiteMemory& memory, const std::string& p
 Result<std::vector<Problem>> load_lessons(const SuiteMemory& memory) {
   std::vector<Problem> all;
   for (const SuiteProblems& entry : memory.problems) {
-    ProblemLesson lesson;
-    lesson.problems = {entry.where};
-    lesson.part = entry.part;
-    Result<std::vector<Problem>> loaded = load_lesson(lesson, {});
+    Result<std::vector<Problem>> loaded = load_problem_lesson({entry.where}, entry.part, {});
     if (!loaded) return loaded;
     std::move(loaded->begin(), loaded->end(), std::back_inserter(all));
   }
@@ -70,6 +67,7 @@ ProblemLesson lesson_of(const SuiteMemory& memory) {
   lesson.paths = memory.paths;
   lesson.timeout_s = memory.path_timeout_s;
   lesson.seed = memory.seed;
+  lesson.cancel = interrupt_flag();
   return lesson;
 }
 
@@ -83,7 +81,7 @@ Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::strin
   if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
   Result<Database> database = open_database(path, robot, OpenMode::create, decompose.decomposer);
   if (!database) return tl::unexpected(database.error());
-  const auto summary = learn_from_problems(*problems, lesson_of(memory), decompose, *database);
+  const auto summary = learn_with_progress(*problems, decompose, *database, lesson_of(memory));
   if (!summary) return tl::unexpected(summary.error());
   return LearnedMemory{summary->time_s, summary->is_cancelled};
 }

@@ -17,6 +17,7 @@
 
 #include "mneme/base.h"
 #include "mneme/memory.h"
+#include "mneme/problem.h"
 
 namespace mneme {
 
@@ -55,10 +56,32 @@ struct Coverage {
                                         std::uint64_t seed);
 
 struct LearnProgress {
-  std::int64_t done = 0;  ///< primitives in the database, of those asked for
+  std::int64_t done = 0;  ///< of those asked for: primitives in the database, or problems
   std::int64_t total = 0;
-  std::int64_t components = 0;
+  std::int64_t components = 0;  ///< learned now
   double elapsed_s = 0;
+};
+
+/// How lessons of any kind are run.
+struct LearnRun {
+  std::uint64_t seed = 1;
+  int jobs = 1;  ///< threads
+  /// Set by another thread to end the run within a few milliseconds; may be null.
+  const std::atomic<bool>* cancel = nullptr;
+  /// Called about once a second and at the end, from one thread.
+  std::function<void(const LearnProgress&)> on_progress;
+};
+
+struct LearnSummary {
+  std::int64_t learned = 0;  ///< primitives, or problems, learned now
+  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings, or shared
+                             ///< work that other processes did
+  std::int64_t empty = 0;    ///< of those learned: without a component
+  std::vector<std::string> unsolved;  ///< problems without a path, and why: "NAME: not solved: ..."
+  std::int64_t rows = 0;
+  std::int64_t components = 0;
+  bool is_cancelled = false;
+  double time_s = 0;
 };
 
 /// What makes a process one of several that share a job's primitives as they go.
@@ -68,24 +91,9 @@ struct SharedWork {
   double lease_s = 30;
 };
 
-struct LearnJob {
+struct LearnJob : LearnRun {
   LearnSettings settings;
-  std::uint64_t seed = 1;
-  int jobs = 1;  ///< threads
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(const LearnProgress&)>
-      on_progress;  ///< called about once a second, from one thread
   std::optional<SharedWork> shared;
-};
-
-struct LearnSummary {
-  std::int64_t learned = 0;  ///< primitives learned now
-  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings, or shared
-                             ///< work that other processes did
-  std::int64_t empty = 0;    ///< of those learned: no query was solved
-  std::int64_t components = 0;
-  bool is_cancelled = false;
-  double time_s = 0;
 };
 
 /// Learns `keys` into `database`, in parallel; rows are inserted as they come, in key order, so
@@ -103,5 +111,30 @@ struct LearnSummary {
 [[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
                                                     std::span<const LocalProblem> problems,
                                                     Database& database, const LearnJob& job);
+
+/// Lessons from problems that are solved for the purpose.
+struct ProblemLesson : LearnRun {
+  int paths = 5;          ///< per problem
+  double timeout_s = 10;  ///< per path, 0 to 1e6
+};
+
+struct RepeatedPlan {
+  std::vector<Path> paths;
+  std::string message;  ///< why the last run without a path has none
+};
+/// Solves the problem `lesson.paths` times with rrt_connect and uniform samples, each time with
+/// another seed. Errors: those of CollisionChecker::make(); a time limit out of range.
+[[nodiscard]] Result<RepeatedPlan> solve_repeatedly(const Problem& problem,
+                                                    const ProblemLesson& lesson);
+
+/// Solves each problem several times and inserts what its paths teach, as learn_from_paths() says,
+/// in the order of the problems and the rows of each in one transaction, so that a lesson that was
+/// ended goes on where it was. A problem that taught something with the same name, number of paths
+/// and seed is skipped. All problems are of the database's robot. Errors: those of
+/// solve_repeatedly(), learn_from_paths() and Database::insert().
+[[nodiscard]] Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
+                                                       const DecomposeSettings& decompose,
+                                                       Database& database,
+                                                       const ProblemLesson& lesson);
 
 }  // namespace mneme

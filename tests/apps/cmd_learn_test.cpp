@@ -3,6 +3,7 @@
 
 #include "apps/planar_files.h"
 #include "support/exported.h"
+#include "support/posts.h"
 #ifdef MNEME_HAS_POSTGRESQL
 #include "experience/postgres_server.h"
 #endif
@@ -56,6 +57,16 @@ std::vector<std::string> listed_keys(const std::string& database) {
     keys.push_back(row["key"].dump() + " " + row["components"].dump());
   }
   return keys;
+}
+
+std::vector<std::string> with_bender(const Posts& posts, std::vector<std::string> command) {
+  command.insert(command.end(), {"--robot", posts.robot(), "--json"});
+  return command;
+}
+
+ProgramRun learn_posts(const Posts& posts, const std::string& part, const std::string& database) {
+  return run_program(with_bender(posts, {"learn", "--problems", posts.problems(), "--part", part,
+                                         "--paths", "2", "--db", database}));
 }
 
 TEST_SUITE("flow") {
@@ -203,6 +214,53 @@ TEST_SUITE("flow") {
         CHECK(has_text(run.out, "coverage: none, because the database is empty"));
       }
     }
+  }
+
+  TEST_CASE("half of the problems teach, the other half is planned from memory") {
+    const Posts posts;
+    const std::string database = posts.directory / "bender.db";
+    const ProgramRun learned = learn_posts(posts, "1/2", database);
+    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    const Json summary = Json::parse(learned.out);
+    CHECK(summary["learned"] == 2);
+    CHECK(summary["rows"] == 4);
+    CHECK(summary["components"] > 0);
+
+    const ProgramRun bench = run_program(
+        with_bender(posts, {"bench", "run", posts.problems(), "--part", "2/2", "--db", database,
+                            "--samplers", "gl", "--retrieve-after", "0", "--seeds", "2"}));
+    REQUIRE_MESSAGE(bench.exit_code == 0, bench.err);
+    CHECK(has_text(bench.out, "\"solved\": 4"));
+  }
+
+  TEST_CASE("problems without a path are counted and named") {
+    const Posts posts;
+    const ProgramRun run = run_program(
+        with_bender(posts, {"learn", "--problems", posts.directory / "posts.json#0", "--db",
+                            posts.directory / "bender.db", "--path-timeout", "0"}));
+    CHECK(run.exit_code == 0);
+    CHECK(Json::parse(run.out)["unsolved"] == 1);
+    CHECK(has_text(run.err, "0: not solved: no path within the time limit"));
+  }
+
+  TEST_CASE("wrong parts and patterns are refused") {
+    const Posts posts;
+    const std::string database = posts.directory / "bender.db";
+    for (const char* part : {"0/2", "3/2", "1", "1/", "/2", "1/2x", "-1/2", "a/b"}) {
+      INFO(part);
+      const ProgramRun run = learn_posts(posts, part, database);
+      CHECK(run.exit_code == 1);
+      CHECK(has_text(run.err, "expected I/N"));
+    }
+    check_bad_inputs({
+        {{"learn", "--problems", posts.directory / "none.json", "--db", database},
+         1,
+         {"none.json"}},
+        {{"learn", "--problems", posts.problems(), "--primitives", "grid.yaml", "--db", database},
+         2,
+         {"--problems"}},
+        {{"learn", "--primitives", "grid.yaml", "--db", database}, 2, {"--robot"}},
+    });
   }
 }
 

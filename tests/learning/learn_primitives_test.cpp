@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "experience/fixtures.h"
+#include "support/exported.h"
 #include "support/planar_memory.h"
 
 #include <atomic>
@@ -39,6 +41,14 @@ void check_same_contents(const Database& a, const Database& b) {
     CHECK(a.get(i)->provenance.settings == b.get(i)->provenance.settings);
     CHECK(a.get(i)->provenance.tool == b.get(i)->provenance.tool);
   }
+}
+
+/// The ids of the rows that are safe by now.
+std::set<std::int64_t> stored_ids(const std::string& path, const Robot& robot) {
+  std::set<std::int64_t> ids;
+  const Database database = make_database(path, robot, OpenMode::read_only);
+  REQUIRE(database.for_each([&](const auto& row) { ids.insert(row->id); }).has_value());
+  return ids;
 }
 
 }  // namespace
@@ -83,6 +93,27 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a lesson's seed depends on the job's seed and on every number of the key") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    std::vector<PrimitiveKey> keys(7, near_pair());
+    for (std::size_t i = 0; i < 6; ++i) keys[i][i] += 1e-12;
+    LearnJob job = cheap_job(1);
+    job.settings.max_iterations = 1;
+    CHECK(learn_all(robot, keys, database, job).learned == 7);
+    job.seed = 2;
+    CHECK(learn_all(robot, keys, database, job).learned == 7);
+    std::set<std::uint64_t> seeds;
+    for (std::int64_t i = 0; i < database.size(); ++i) {
+      seeds.insert(database.get(i)->provenance.seed);
+    }
+    CHECK(seeds.size() == 14);
+    Database other = make_database(directory / "b.db", robot);
+    learn_all(robot, {keys[4]}, other, job);
+    CHECK(other.get(0)->provenance.seed == database.get(11)->provenance.seed);
+  }
+
   TEST_CASE("a cancelled job goes on where it was") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
@@ -95,7 +126,7 @@ TEST_SUITE("unit") {
     std::vector<LearnProgress> progress;
     job.on_progress = [&](const LearnProgress& latest) {
       progress.push_back(latest);
-      is_cancelled = true;
+      is_cancelled = latest.done > 0;
     };
     std::int64_t done = 0;
     {
@@ -185,9 +216,9 @@ TEST_SUITE("unit") {
     std::atomic<bool> is_cancelled = false;
     job.cancel = &is_cancelled;
     std::int64_t stored = 0;
-    job.on_progress = [&](const LearnProgress&) {
+    job.on_progress = [&](const LearnProgress& latest) {
       if (!is_cancelled) stored = make_database(directory / "a.db", robot).size();
-      is_cancelled = true;
+      is_cancelled = latest.done > 0;
     };
     // Fewer than make a transaction.
     const LearnSummary summary = learn_all(robot, random_keys(30, 49), database, job);
@@ -238,6 +269,50 @@ TEST_SUITE("unit") {
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::io);
     CHECK(refused.error().message.find("a.db") != std::string::npos);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("learning that is killed again and again loses no row that was stored, and ends") {
+    const std::uint64_t seed = 71;
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    const Robot robot = planar8();
+    const int count = rounds(6);
+    const auto keys = random_keys(8 * count, 66);
+    Rng rng(seed);
+    std::set<std::int64_t> stored;
+    for (int round = 0; round < count; ++round) {
+      const pid_t child = start_child([&] {
+        const auto space = make_space(robot);
+        auto database = Database::open(path, *space, OpenMode::create);
+        if (!database) return 1;
+        LearnJob job;
+        job.settings = cheap_settings();
+        return learn_primitives(robot, keys, *database, job) ? 0 : 2;
+      });
+      spin(std::chrono::microseconds(1000 + rng.index(100000)));
+      // What another process can read is safe.
+      if (round % 2 == 1 && std::filesystem::exists(path)) {
+        const std::set<std::int64_t> now = stored_ids(path, robot);
+        stored.insert(now.begin(), now.end());
+      }
+      ::kill(child, SIGKILL);
+      const int status = wait_for(child);
+      INFO("seed " << seed << ", round " << round);
+      REQUIRE((status == -1 || status == 0));
+      if (!std::filesystem::exists(path)) continue;
+      REQUIRE(verify_database(path)->empty());
+      const std::set<std::int64_t> left = stored_ids(path, robot);
+      REQUIRE(std::includes(left.begin(), left.end(), stored.begin(), stored.end()));
+    }
+    {
+      Database database = make_database(path, robot);
+      learn_into(database, robot, keys);
+    }
+    Database whole = make_database(directory / "whole.db", robot);
+    learn_into(whole, robot, keys);
+    CHECK(exported(path) == exported(directory / "whole.db"));
   }
 }
 

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "learning/shared_run.h"
-
 #include "support/exported.h"
 #include "support/planar_memory.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "learn_primitive_lesson.h"
+#include "lessons.h"
 
 #include <algorithm>
 
@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "inputs.h"
+#include "problem_part.h"
 
 namespace mneme::app {
 namespace {
@@ -111,6 +112,29 @@ Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
     if (!added) return tl::unexpected(added.error());
   }
   return lesson;
+}
+
+Result<std::vector<Problem>> load_problem_lesson(const std::vector<std::string>& files,
+                                                 const std::string& part,
+                                                 const ProblemOptions& overrides) {
+  const auto found = find_bench_problems(files).and_then(
+      [&](auto problems) { return take_part(std::move(problems), part); });
+  if (!found) return tl::unexpected(found.error());
+  std::vector<Problem> problems;
+  for (const BenchProblem& entry : *found) {
+    Result<Problem> problem = load_problem(entry.where, overrides);
+    if (!problem) return tl::unexpected(problem.error());
+    if (!problems.empty() && problems.front().robot.hash() != problem->robot.hash()) {
+      return fail(
+          ErrorCode::invalid,
+          fmt::format("'{}': its robot '{}' differs from that of '{}'; expected problems of "
+                      "one robot",
+                      entry.where, problem->robot.name(), found->front().where));
+    }
+    problem->name = fmt::format("{}#{}", entry.set, problem->name);
+    problems.push_back(std::move(*problem));
+  }
+  return problems;
 }
 
 }  // namespace mneme::app

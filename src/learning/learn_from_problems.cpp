@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "learning/run.h"
+
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace mneme {
+namespace {
+
+/// Says in the provenance what a row was learned from.
+std::string provenance_text(const Problem& problem, const ProblemLesson& lesson) {
+  return fmt::format("{} paths of problem {}", lesson.paths, problem.name);
+}
+
+/// The problems that have taught the database nothing yet.
+Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems,
+                                               const ProblemLesson& lesson,
+                                               const Database& database) {
+  std::set<std::string> known;
+  const auto read = database.for_each([&](const auto& row) {
+    if (row->provenance.seed == lesson.seed) known.insert(row->provenance.settings);
+  });
+  if (!read) return tl::unexpected(read.error());
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    if (!known.contains(provenance_text(problems[i], lesson))) open.push_back(i);
+  }
+  return open;
+}
+
+Result<internal::Learned> learn_from_problem(const Problem& problem,
+                                             const DecomposeSettings& decompose,
+                                             const ProblemLesson& lesson) {
+  const auto plan = solve_repeatedly(problem, lesson);
+  if (!plan) return tl::unexpected(plan.error());
+  if (plan->paths.empty()) {
+    return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan->message)};
+  }
+  auto rows = learn_from_paths(problem.robot, problem.scene, plan->paths, decompose);
+  if (!rows) return tl::unexpected(rows.error());
+  for (Experience& row : *rows) {
+    row.provenance = {
+        fmt::format("mneme {}", version()), provenance_text(problem, lesson), lesson.seed, {}};
+  }
+  return internal::Learned{std::move(*rows), {}};
+}
+
+}  // namespace
+
+Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesson& lesson) {
+  if (!(lesson.timeout_s >= 0 && lesson.timeout_s <= 1e6)) {
+    return fail(ErrorCode::invalid, "a path's time limit must be 0 to 1e6 seconds");
+  }
+  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+  if (!checker) return tl::unexpected(checker.error());
+  const auto sampler = make_uniform_sampler(problem.robot);
+  PlanSettings settings;
+  settings.timeout_s = lesson.timeout_s;
+  settings.cancel = lesson.cancel;
+  RepeatedPlan repeated;
+  for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
+    settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
+    PlanResult plan = rrt_connect(*checker, {problem.start, problem.goals}, *sampler, settings);
+    if (plan.is_solved()) {
+      repeated.paths.push_back(std::move(plan.path));
+    } else {
+      repeated.message = std::move(plan.message);
+    }
+  }
+  return repeated;
+}
+
+Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
+                                         const DecomposeSettings& decompose, Database& database,
+                                         const ProblemLesson& lesson) {
+  auto open = open_problems(problems, lesson, database);
+  if (!open) return tl::unexpected(open.error());
+  const internal::Tasks tasks = {
+      std::move(*open), static_cast<std::int64_t>(problems.size()),
+      [&](std::size_t task) { return learn_from_problem(problems[task], decompose, lesson); }};
+  return internal::run_local(database, tasks, lesson);
+}
+
+}  // namespace mneme

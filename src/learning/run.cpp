@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "learning/run.h"
+
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// What is learned is saved after this time, or when there is this much of it: a transaction costs
+/// a few milliseconds, processes take turns at a server, and one that is killed loses what it
+/// holds.
+constexpr double kSaveAfter_s = 0.5;
+constexpr std::size_t kTasksPerTransaction = 32;
+/// How often a process that has nothing to do looks whether somebody's lease has expired.
+constexpr double kLongestPoll_s = 1;
+
+class Run {
+ public:
+  Run(TaskSource& source, const Tasks& tasks, const LearnRun& run)
+      : source_(source),
+        tasks_(tasks),
+        run_(run),
+        thread_count_(static_cast<std::size_t>(std::max(1, run.jobs))),
+        open_count_(tasks.asked) {}
+
+  Result<LearnSummary> run() {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < thread_count_; ++i) threads.emplace_back([this] { work(); });
+    const Result<void> served = serve();
+    stop();
+    threads.clear();
+    if (!served || is_cancelled(run_)) leave();
+    if (!served) return tl::unexpected(served.error());
+    summary_.is_cancelled = is_cancelled(run_);
+    summary_.skipped = tasks_.asked - open_count_ - summary_.learned -
+                       static_cast<std::int64_t>(summary_.unsolved.size());
+    summary_.time_s = stopwatch_.elapsed_s();
+    return std::move(summary_);
+  }
+
+ private:
+  /// A thread that learns what was taken.
+  void work() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      has_tasks_.wait(lock, [this] { return is_over_ || !ready_.empty(); });
+      if (is_over_) return;
+      const std::size_t task = ready_.front();
+      ready_.pop_front();
+      lock.unlock();
+      auto learned = tasks_.learn(task);
+      // What a cancellation cut short is not what the arguments say.
+      if (is_cancelled(run_)) return;
+      lock.lock();
+      finished_.emplace_back(task, std::move(learned));
+      has_news_.notify_one();
+    }
+  }
+
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+    has_tasks_.notify_all();
+  }
+
+  /// Speaks with the source until all is done.
+  Result<void> serve() {
+    double sound_s = stopwatch_.elapsed_s();
+    while (!is_cancelled(run_)) {
+      const Result<bool> is_done = serve_once();
+      if (is_done && *is_done) return {};
+      const double now_s = stopwatch_.elapsed_s();
+      if (is_done) {
+        sound_s = now_s;
+      } else if (is_done.error().code != ErrorCode::io || now_s - sound_s >= source_.patience_s()) {
+        return tl::unexpected(is_done.error());
+      }
+      const Result<void> collected = collect(std::chrono::milliseconds(50));
+      if (!collected) return collected;
+    }
+    return {};
+  }
+
+  Result<bool> serve_once() {
+    return source_.renew()
+        .and_then([&] { return is_time_to_save() ? save() : Result<void>(); })
+        .and_then([&] { return take(); })
+        .and_then([&] { return look_around(); })
+        .and_then([&]() -> Result<bool> {
+          if (in_work_ > 0 || !unsaved_.empty() || open_count_ > 0) return false;
+          return source_.refresh().map([] { return true; });
+        });
+  }
+
+  [[nodiscard]] bool is_time_to_save() const {
+    return unsaved_.size() >= kTasksPerTransaction ||
+           (!unsaved_.empty() &&
+            (in_work_ == 0 || stopwatch_.elapsed_s() - saved_s_ >= kSaveAfter_s));
+  }
+
+  Result<void> save() {
+    return source_.save(unsaved_, summary_).map([&] {
+      saved_s_ = stopwatch_.elapsed_s();
+      is_count_due_ = in_work_ == 0;
+    });
+  }
+
+  /// Keeps one task in hand for every thread, so that none waits for the source.
+  Result<void> take() {
+    if (in_work_ > thread_count_ || stopwatch_.elapsed_s() < next_take_s_) return {};
+    const auto taken = source_.take(2 * thread_count_ - in_work_);
+    if (!taken) return tl::unexpected(taken.error());
+    if (taken->empty()) {
+      next_take_s_ = stopwatch_.elapsed_s() + std::min(kLongestPoll_s, source_.patience_s() / 3);
+      is_count_due_ = true;
+    }
+    in_work_ += taken->size();
+    const std::lock_guard lock(mutex_);
+    ready_.insert(ready_.end(), taken->begin(), taken->end());
+    has_tasks_.notify_all();
+    return {};
+  }
+
+  /// Counts what is left when there may be nothing left, and for whoever watches.
+  Result<void> look_around() {
+    const double begin_s = stopwatch_.elapsed_s();
+    const bool is_report_due = run_.on_progress && begin_s >= next_report_s_;
+    if (!is_count_due_ && !is_report_due) return {};
+    const auto open = source_.count_open();
+    if (!open) return tl::unexpected(open.error());
+    open_count_ = *open;
+    is_count_due_ = false;
+    if (!is_report_due && open_count_ > 0) return {};
+    // Counting a million tasks is work for a server, which others need.
+    const double now_s = stopwatch_.elapsed_s();
+    next_report_s_ = now_s + std::max(1.0, 20 * (now_s - begin_s));
+    report();
+    return {};
+  }
+
+  void report() const {
+    if (!run_.on_progress) return;
+    run_.on_progress(
+        {tasks_.asked - open_count_, tasks_.asked, summary_.components, stopwatch_.elapsed_s()});
+  }
+
+  /// Waits for results.
+  Result<void> collect(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    has_news_.wait_for(lock, patience, [this] { return !finished_.empty(); });
+    for (auto& [task, learned] : std::exchange(finished_, {})) {
+      if (!learned) return tl::unexpected(learned.error());
+      unsaved_.emplace(task, std::move(*learned));
+      --in_work_;
+    }
+    return {};
+  }
+
+  /// Saves what is learned, and gives back what is not, as far as that can be done.
+  void leave() {
+    (void)collect({});
+    if (!unsaved_.empty()) (void)save();
+    source_.release();
+    if (!is_cancelled(run_)) return;
+    open_count_ = source_.count_open().value_or(open_count_);
+    report();
+    // The first call may only notice a connection that was lost.
+    if (!source_.refresh()) (void)source_.refresh();
+  }
+
+  Stopwatch stopwatch_;
+  TaskSource& source_;
+  const Tasks& tasks_;
+  const LearnRun& run_;
+  std::size_t thread_count_;
+
+  // Of the thread that serves.
+  LearnSummary summary_;
+  std::size_t in_work_ = 0;  ///< taken, and no result yet
+  Results unsaved_;
+  std::int64_t open_count_;
+  bool is_count_due_ = false;
+  double saved_s_ = 0;
+  double next_take_s_ = 0;
+  double next_report_s_ = 1;
+
+  std::mutex mutex_;
+  std::condition_variable has_tasks_;
+  std::condition_variable has_news_;
+  std::deque<std::size_t> ready_;
+  std::vector<std::pair<std::size_t, Result<Learned>>> finished_;
+  bool is_over_ = false;
+};
+
+}  // namespace
+
+bool is_cancelled(const LearnRun& run) { return run.cancel != nullptr && run.cancel->load(); }
+
+void count(const Learned& learned, LearnSummary& summary) {
+  if (!learned.failure.empty()) {
+    summary.unsolved.push_back(learned.failure);
+    return;
+  }
+  ++summary.learned;
+  summary.rows += static_cast<std::int64_t>(learned.rows.size());
+  std::int64_t components = 0;
+  for (const Experience& row : learned.rows) components += row.sampler.component_count();
+  if (components == 0) ++summary.empty;
+  summary.components += components;
+}
+
+Result<LearnSummary> run_tasks(TaskSource& source, const Tasks& tasks, const LearnRun& run) {
+  return Run(source, tasks, run).run();
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/exported.h"
+#include "support/posts.h"
+
+#include <atomic>
+
+namespace mneme::test {
+namespace {
+
+std::vector<Problem> post_problems(const Posts& posts) {
+  ProblemOptions options;
+  options.robot_path = posts.robot();
+  std::vector<Problem> problems;
+  for (int i = 0; i < 4; ++i) {
+    auto problem = load_problem(posts.problems() + "#" + std::to_string(i), options);
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    problems.push_back(std::move(*problem));
+  }
+  return problems;
+}
+
+DecomposeSettings whole_paths() {
+  DecomposeSettings decompose;
+  decompose.decomposer = "paths";
+  return decompose;
+}
+
+Database open_paths(const std::string& path, const Robot& robot) {
+  const auto space = make_space(robot, "paths");
+  REQUIRE(space.has_value());
+  auto database = Database::open(path, *space, OpenMode::create);
+  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
+  return std::move(*database);
+}
+
+ProblemLesson two_paths(std::uint64_t seed = 1, int jobs = 1) {
+  ProblemLesson lesson;
+  lesson.paths = 2;
+  lesson.seed = seed;
+  lesson.jobs = jobs;
+  return lesson;
+}
+
+LearnSummary learn_well(std::span<const Problem> problems, Database& database,
+                        const ProblemLesson& lesson) {
+  auto summary = learn_from_problems(problems, whole_paths(), database, lesson);
+  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+  return *summary;
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("what problems teach does not depend on the number of threads") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    std::vector<PrimitiveKey> keys;
+    for (const int jobs : {1, 3}) {
+      const std::string path = posts.directory / (std::to_string(jobs) + ".db");
+      Database database = open_paths(path, problems.front().robot);
+      const LearnSummary summary = learn_well(problems, database, two_paths(1, jobs));
+      CHECK(summary.learned == 4);
+      CHECK(summary.rows == 8);
+      CHECK(summary.components == database.info().components);
+      std::vector<PrimitiveKey> now;
+      for (std::int64_t i = 0; i < database.size(); ++i) now.push_back(database.get(i)->key);
+      if (keys.empty()) keys = now;
+      CHECK(now == keys);
+    }
+    CHECK(exported(posts.directory / "1.db") == exported(posts.directory / "3.db"));
+  }
+
+  TEST_CASE("the paths are those of solve() with uniform samples and the same seeds") {
+    const Posts posts;
+    const Problem problem = post_problems(posts).front();
+    const auto plan = solve_repeatedly(problem, two_paths(7));
+    REQUIRE(plan.has_value());
+    REQUIRE(plan->paths.size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      SolveSettings settings;
+      settings.sampler = "uniform";
+      settings.plan.seed = derive_seed(7, i);
+      CHECK(solve(problem, nullptr, settings)->plan.path == plan->paths[i]);
+    }
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("half of the problems teach what the other half is planned from") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    Database database = open_paths(posts.directory / "a.db", problems.front().robot);
+    const LearnSummary summary = learn_well(std::span(problems).first(2), database, two_paths());
+    CHECK(summary.learned == 2);
+    CHECK(summary.rows == 4);
+    CHECK(database.get(0)->provenance.settings == "2 paths of problem " + problems[0].name);
+    SolveSettings settings;
+    settings.retrieve_after = 0;
+    for (const Problem& problem : std::span(problems).last(2)) {
+      const auto solved = solve(problem, &database, settings);
+      REQUIRE_MESSAGE(solved.has_value(), (solved ? "" : solved.error().message));
+      CHECK(solved->plan.is_solved());
+      CHECK(solved->gl.mixture->component_count() > 0);
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("problems that taught before are skipped, another seed adds to them") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    Database database = open_paths(posts.directory / "a.db", problems.front().robot);
+    CHECK(learn_well(std::span(problems).first(2), database, two_paths()).learned == 2);
+    const LearnSummary more = learn_well(problems, database, two_paths());
+    CHECK(more.skipped == 2);
+    CHECK(more.learned == 2);
+    CHECK(database.size() == 8);
+    CHECK(learn_well(problems, database, two_paths(2)).learned == 4);
+    CHECK(database.size() == 16);
+  }
+
+  TEST_CASE("problems without a path are named, and tried again the next time") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    Database database = open_paths(posts.directory / "a.db", problems.front().robot);
+    ProblemLesson lesson = two_paths();
+    lesson.timeout_s = 0;
+    const LearnSummary summary = learn_well(problems, database, lesson);
+    CHECK(summary.learned == 0);
+    CHECK(summary.skipped == 0);
+    REQUIRE(summary.unsolved.size() == 4);
+    CHECK(summary.unsolved[1] == problems[1].name + ": not solved: no path within the time limit");
+    CHECK(learn_well(problems, database, two_paths()).learned == 4);
+  }
+
+  TEST_CASE("a lesson that is cancelled teaches nothing more, and goes on later") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    Database database = open_paths(posts.directory / "a.db", problems.front().robot);
+    std::atomic<bool> is_cancelled = true;
+    ProblemLesson lesson = two_paths();
+    lesson.cancel = &is_cancelled;
+    std::vector<LearnProgress> progress;
+    lesson.on_progress = [&](const LearnProgress& latest) { progress.push_back(latest); };
+    CHECK(learn_well(problems, database, lesson).is_cancelled);
+    CHECK(database.size() == 0);
+    is_cancelled = false;
+    CHECK(learn_well(problems, database, lesson).learned == 4);
+    REQUIRE(progress.size() >= 2);
+    CHECK(progress.front().done == 0);
+    CHECK(progress.back().done == 4);
+    CHECK(progress.back().total == 4);
+  }
+
+  TEST_CASE("a time limit that makes no sense is an error, and so is a kind that knows no paths") {
+    const Posts posts;
+    const std::vector<Problem> problems = post_problems(posts);
+    Database database = open_paths(posts.directory / "a.db", problems.front().robot);
+    ProblemLesson lesson = two_paths();
+    lesson.timeout_s = -1;
+    const auto refused = learn_from_problems(problems, whole_paths(), database, lesson);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::invalid);
+    DecomposeSettings unknown;
+    unknown.decomposer = "none";
+    CHECK(!learn_from_problems(problems, unknown, database, two_paths()).has_value());
+    CHECK(database.size() == 0);
+  }
+}
+
+}  // namespace mneme::test
