@@ -30,7 +30,7 @@ struct SceneInfoOptions {
   std::string robot;
   RobotOptions robot_options;
   bool is_json = false;
-  DecomposeSettings decompose;
+  MemorySettings memory;
 };
 
 /// Nothing if no robot is known.
@@ -39,13 +39,13 @@ using Primitives = std::optional<std::vector<LocalPrimitive>>;
 Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspace& workspace) {
   const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
   if (workspace.problem) {
-    return find_primitives(*workspace.problem, options.decompose).map(wrap);
+    return find_primitives(*workspace.problem, options.memory).map(wrap);
   }
   if (options.robot.empty()) return Primitives();
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
   return in_root_frame(workspace.framed, *robot)
-      .and_then([&](const Scene& scene) { return decompose(*robot, scene, options.decompose); })
+      .and_then([&](const Scene& scene) { return decompose({*robot, scene}, options.memory); })
       .map(wrap);
 }
 
@@ -122,7 +122,7 @@ void add_info(CLI::App& group, Action& action) {
                       "robot that decides about primitives: URDF file or name (default: that of "
                       "the problem)");
   add_robot_flags(*command, options->robot_options);
-  add_decompose_settings(*command, options->decompose);
+  add_memory_settings(*command, options->memory);
   add_json(*command, options->is_json);
   command->callback([options, &action] { action = [options] { return run_info(*options); }; });
 }

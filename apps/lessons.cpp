@@ -57,7 +57,7 @@ Result<void> check_robot(const std::string& where, const Workspace& workspace, c
 }
 
 Result<void> append_primitives(const std::string& where, const Robot& robot,
-                               const ProblemOptions& overrides, const DecomposeSettings& settings,
+                               const ProblemOptions& overrides, const MemorySettings& settings,
                                std::vector<LocalProblem>& primitives) {
   const Result<Workspace> workspace = load_workspace(where, overrides);
   if (!workspace) return tl::unexpected(workspace.error());
@@ -65,7 +65,7 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
   if (!fits) return fits;
   const Result<Scene> scene = in_root_frame(workspace->framed, robot);
   if (!scene) return tl::unexpected(scene.error());
-  const auto found = decompose(robot, *scene, settings);
+  const auto found = decompose({robot, *scene}, settings);
   if (!found) return tl::unexpected(found.error());
   for (LocalProblem& problem : local_problems(*scene, *found)) {
     const bool is_known = std::ranges::any_of(primitives, [&](const LocalProblem& known) {
@@ -108,7 +108,7 @@ Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
   PrimitiveLesson lesson{*robot, {}};
   for (const std::string& problem : *problems) {
     const Result<void> added =
-        append_primitives(problem, *robot, *overrides, source.decompose, lesson.primitives);
+        append_primitives(problem, *robot, *overrides, source.memory, lesson.primitives);
     if (!added) return tl::unexpected(added.error());
   }
   return lesson;

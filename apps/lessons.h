@@ -18,7 +18,7 @@ struct LessonSource {
   std::string robot;
   RobotOptions robot_options;
   std::vector<std::string> scenes;  ///< patterns of files, or FILE.json#NAME
-  DecomposeSettings decompose;
+  MemorySettings memory;
 };
 
 /// What is to be learned, and for which robot: that of the problems, if there are any.

@@ -104,9 +104,26 @@ void SettingsFlags::add_switch(std::string_view name, bool& value, std::string_v
                 fmt::format("{} (default {})", sentence, value ? "on" : "off"));
 }
 
-void add_decompose_settings(CLI::App& app, DecomposeSettings& settings) {
-  add_choice(app, "--decomposer", "decomposer", settings.decomposer, decomposer_names(),
-             "what makes primitives of a scene (default: that of the database, or the robot's)");
+void SettingsFlags::add_switch(std::string_view name, std::optional<bool>& value,
+                               std::string_view sentence) {
+  app_.add_flag_callback(
+      fmt::format("--{}", name), [&value] { value = true; }, std::string(sentence));
+  app_.add_flag_callback(
+      fmt::format("--no-{}", name), [&value] { value = false; }, "the opposite");
+}
+
+void add_memory_settings(CLI::App& app, MemorySettings& settings) {
+  std::vector<std::string> names;
+  for (const MemoryKind* kind : memory_kinds()) names.emplace_back(kind->name);
+  const auto read = [&settings](const std::string& name) {
+    const auto kind = find_memory_kind(name);
+    if (!kind) throw CLI::ValidationError("--kind", kind.error().message);
+    settings.kind = name;
+  };
+  add_text(app, "--kind", read,
+           fmt::format("kind of memory: {} (default: those of the database, or the robot's)",
+                       fmt::join(names, ", ")))
+      ->type_name("NAME");
   add_settings(app, settings);
 }
 

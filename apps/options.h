@@ -18,9 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "mneme/experience.h"
-#include "mneme/planning.h"
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 #include "mneme/robot.h"
 
 namespace mneme::app {
@@ -100,10 +98,10 @@ class SettingsFlags {
       : app_(app), only_(only) {}
 
   template <class T>
-  void operator()(std::string_view name, T& value, std::type_identity_t<T> least,
-                  std::type_identity_t<T> most, std::string_view sentence) {
+  void operator()(std::string_view name, T& value, SettingValue<T> least, SettingValue<T> most,
+                  std::string_view sentence) {
     if (!is_wanted(name)) return;
-    if constexpr (std::same_as<T, bool>) {
+    if constexpr (std::same_as<SettingValue<T>, bool>) {
       add_switch(name, value, sentence);
     } else {
       add_number(app_, fmt::format("--{}", name), value, least, most, std::string(sentence));
@@ -113,6 +111,7 @@ class SettingsFlags {
  private:
   [[nodiscard]] bool is_wanted(std::string_view name) const;
   void add_switch(std::string_view name, bool& value, std::string_view sentence);
+  void add_switch(std::string_view name, std::optional<bool>& value, std::string_view sentence);
   CLI::App& app_;
   std::vector<std::string_view> only_;
 };
@@ -123,8 +122,8 @@ void add_settings(CLI::App& app, Settings& settings,
   visit_settings(settings, SettingsFlags(app, only));
 }
 
-/// The flag --decomposer and those of the settings.
-void add_decompose_settings(CLI::App& app, DecomposeSettings& settings);
+/// The flag --kind and those of the settings.
+void add_memory_settings(CLI::App& app, MemorySettings& settings);
 /// The flag --isa, which forces the instruction set of all kernels.
 void add_isa(CLI::App& app);
 /// The flags --srdf, --group and --package-path.

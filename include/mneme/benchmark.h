@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mneme/base.h"
+#include "mneme/learning.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
@@ -33,7 +34,7 @@ struct SuiteMemory {
   std::string primitives;    ///< a grid to cover (see load_grid)
   std::optional<int> count;  ///< at least this many primitives instead of the grid's number
   std::vector<SuiteProblems> problems;  ///< to be solved with uniform samples and learned from
-  std::string decomposer;               ///< with `problems`; empty for the default of mneme learn
+  std::optional<std::string> kind;      ///< with `problems`; left out, default_kind_of_paths()
   int paths = 5;                        ///< per problem
   double path_timeout_s = 10;           ///< per path
   std::uint64_t seed = 1;
@@ -48,7 +49,6 @@ struct SuiteSetting {
   std::vector<std::string> samplers;
   std::vector<std::string> sets;  ///< empty for all
   SolveSettings solve;
-  bool is_ompl_as_in_paper = false;  ///< planners of OMPL with its defaults: see OmplSettings
 };
 
 struct Suite {

@@ -133,7 +133,7 @@ struct RepeatedPlan {
 /// and seed is skipped. All problems are of the database's robot. Errors: those of
 /// solve_repeatedly(), learn_from_paths() and Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
-                                                       const DecomposeSettings& decompose,
+                                                       const MemorySettings& memory,
                                                        Database& database,
                                                        const ProblemLesson& lesson);
 

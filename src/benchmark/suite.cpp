@@ -3,8 +3,6 @@
 
 #include "benchmark/suite_settings.h"
 #include "mneme/benchmark.h"
-#include "pipeline/check_settings.h"
-#include "pipeline/recall.h"
 #include "base/text_file.h"
 #include "scene/yaml_input.h"
 
@@ -107,7 +105,7 @@ class SuiteReader {
 
   [[nodiscard]] SuiteMemory read_memory(const std::string& name, const Input& input) const {
     std::vector<std::string_view> keys = internal::setting_names<LearnSettings>();
-    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "decomposer",
+    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "kind",
                              "paths", "path-timeout", "seed"});
     input.allow_keys(keys);
     if (!is_file_name(name)) {
@@ -125,10 +123,10 @@ class SuiteReader {
       memory.robot = input.at("robot").text();
     }
     if (const auto problems = input.find("problems")) memory.problems = read_problems(*problems);
-    if (const auto decomposer = input.find("decomposer")) {
-      memory.decomposer = decomposer->text();
-      if (const auto known = decomposer_version(memory.decomposer); !known) {
-        decomposer->fail(ErrorCode::parse, known.error().message);
+    if (const auto kind = input.find("kind")) {
+      memory.kind = kind->text();
+      if (const auto known = find_memory_kind(*memory.kind); !known) {
+        kind->fail(ErrorCode::parse, known.error().message);
       }
     }
     if (input.find("count")) read_number(input, "count", memory.count.emplace(), 0, 1e8);
@@ -172,16 +170,15 @@ class SuiteReader {
     setting.name = name;
     if (input.is_nothing()) return setting;
     std::vector<std::string_view> keys = internal::solve_setting_names();
-    keys.insert(keys.end(), {"memory", "planners", "samplers", "sets", "ompl-defaults"});
+    keys.insert(keys.end(), {"memory", "planners", "samplers", "sets"});
     input.allow_keys(keys);
     read_common(input, setting);
     internal::read_solve_settings(input, setting.solve);
-    if (auto checked = internal::check_verification(setting.solve.plan); !checked) {
-      input.fail(ErrorCode::parse, checked.error().message);
+    if (setting.solve.plan.continuous && !setting.solve.plan.verify) {
+      input.fail(ErrorCode::parse,
+                 "setting 'continuous' is a way to verify: expected it with 'verify' only");
     }
     if (const auto memory = input.find("memory")) setting.memory = memory->text();
-    if (const auto ompl = input.find("ompl-defaults"))
-      setting.is_ompl_as_in_paper = ompl->boolean();
     if (const auto sets = input.find("sets")) setting.sets = read_texts(*sets);
     return setting;
   }
@@ -207,7 +204,10 @@ class SuiteReader {
 
 }  // namespace
 
-bool needs_memory(std::string_view sampler) { return internal::is_memory_sampler(sampler); }
+bool needs_memory(std::string_view sampler) {
+  const auto entry = find_sampler(sampler);
+  return entry && (*entry)->draws_from_memory;
+}
 
 Result<Suite> load_suite(const std::string& path, const SuiteNames& known) {
   return internal::without_throwing([&] {

@@ -16,7 +16,11 @@ void append_texts(const Settings& settings,
                   std::vector<std::pair<std::string, std::string>>& texts) {
   visit_settings(settings,
                  [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
-                   texts.emplace_back(name, fmt::format("{}", value));
+                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+                     texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
+                   } else {
+                     texts.emplace_back(name, fmt::format("{}", value));
+                   }
                  });
 }
 
@@ -24,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> all_texts(const SolveSettings& 
   std::vector<std::pair<std::string, std::string>> texts;
   append_texts(settings, texts);
   append_texts(settings.plan, texts);
-  append_texts(settings.decompose, texts);
+  append_texts(settings.memory, texts);
   append_texts(settings.learn, texts);
   return texts;
 }
@@ -37,13 +41,13 @@ void read_solve_settings(const Input& map, SolveSettings& settings) {
   const SettingsReader reader(map);
   visit_settings(settings, reader);
   visit_settings(settings.plan, reader);
-  visit_settings(settings.decompose, reader);
+  visit_settings(settings.memory, reader);
   visit_settings(settings.learn, reader);
 }
 
 std::vector<std::string_view> solve_setting_names() {
   std::vector<std::string_view> names = setting_names<SolveSettings>();
-  for (const auto& more : {setting_names<PlanSettings>(), setting_names<DecomposeSettings>(),
+  for (const auto& more : {setting_names<PlanSettings>(), setting_names<MemorySettings>(),
                            setting_names<LearnSettings>()}) {
     names.insert(names.end(), more.begin(), more.end());
   }

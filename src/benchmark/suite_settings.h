@@ -22,24 +22,25 @@ class SettingsReader {
   explicit SettingsReader(const Input& map) : map_(map) {}
 
   template <class T>
-  void operator()(std::string_view name, T& value, std::type_identity_t<T> least,
-                  std::type_identity_t<T> most, std::string_view) const {
+  void operator()(std::string_view name, T& value, SettingValue<T> least, SettingValue<T> most,
+                  std::string_view) const {
+    using Value = SettingValue<T>;
     const auto input = map_.find(name);
     if (!input) return;
-    if constexpr (std::is_same_v<T, bool>) {
+    if constexpr (std::is_same_v<Value, bool>) {
       value = input->boolean();
     } else {
       const double number = input->number();
       // Written so that a NaN is out of range.
       const bool is_inside =
           number >= static_cast<double>(least) && number <= static_cast<double>(most);
-      const bool is_whole = !std::is_integral_v<T> || number == static_cast<double>(to<T>(number));
+      constexpr bool kIsWhole = std::is_integral_v<Value>;
+      const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
       if (!is_inside || !is_whole) {
         input->fail_expecting(fmt::format("{} from {} to {}",
-                                          std::is_integral_v<T> ? "a whole number" : "a number",
-                                          least, most));
+                                          kIsWhole ? "a whole number" : "a number", least, most));
       }
-      value = to<T>(number);
+      value = to<Value>(number);
     }
   }
 

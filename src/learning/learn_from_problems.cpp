@@ -32,14 +32,15 @@ Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems
 }
 
 Result<internal::Learned> learn_from_problem(const Problem& problem,
-                                             const DecomposeSettings& decompose,
+                                             const MemorySettings& memory,
                                              const ProblemLesson& lesson) {
   const auto plan = solve_repeatedly(problem, lesson);
   if (!plan) return tl::unexpected(plan.error());
   if (plan->paths.empty()) {
     return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan->message)};
   }
-  auto rows = learn_from_paths(problem.robot, problem.scene, plan->paths, decompose);
+  auto rows = learn_from_paths({problem.robot, problem.scene, &problem.start, problem.goals},
+                               plan->paths, memory);
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
     row.provenance = {
@@ -63,7 +64,7 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   RepeatedPlan repeated;
   for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
     settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
-    PlanResult plan = rrt_connect(*checker, {problem.start, problem.goals}, *sampler, settings);
+    PlanResult plan = plan_with(rrt_connect, *checker, {problem.start, problem.goals}, *sampler, settings);
     if (plan.is_solved()) {
       repeated.paths.push_back(std::move(plan.path));
     } else {
@@ -74,13 +75,13 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
 }
 
 Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
-                                         const DecomposeSettings& decompose, Database& database,
+                                         const MemorySettings& memory, Database& database,
                                          const ProblemLesson& lesson) {
   auto open = open_problems(problems, lesson, database);
   if (!open) return tl::unexpected(open.error());
   const internal::Tasks tasks = {
       std::move(*open), static_cast<std::int64_t>(problems.size()),
-      [&](std::size_t task) { return learn_from_problem(problems[task], decompose, lesson); }};
+      [&](std::size_t task) { return learn_from_problem(problems[task], memory, lesson); }};
   return internal::run_local(database, tasks, lesson);
 }
 

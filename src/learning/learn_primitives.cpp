@@ -73,6 +73,8 @@ class Lessons {
                                   job_.cancel);
     return std::move(learned).map([&](LearnResult&& result) {
       Experience row;
+      row.kind = lesson.problem == nullptr ? std::string(memory_kinds().front()->version)
+                                           : lesson.problem->primitive.kind;
       row.key = *lesson.key;
       row.sampler = std::move(result.sampler);
       row.provenance = {"mneme " + std::string(version()), settings_text_, lesson.seed, {}};
