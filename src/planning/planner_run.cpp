@@ -14,6 +14,8 @@ namespace {
 constexpr std::uint64_t kWorkPerClockCheck = 32;
 /// Shapes in a scene from which on a motion takes so long that the clock is looked at more often.
 constexpr std::uint64_t kManyShapes = 1000;
+/// Shorter steps round to no movement at all, or take longer to cross the space than a time limit.
+constexpr double kLeastRange = 1e-3;
 /// Radians of L2 joint distance.
 constexpr float kFirstDomainRadius = 4;
 
@@ -32,7 +34,8 @@ PlannerRun::PlannerRun(const PlanTask& task)
       shorten_and_verify_(task.shorten_and_verify),
       settings_(task.settings),
       space_(checker_.robot()),
-      range_(static_cast<float>(settings_.range.value_or(default_range(checker_.robot())))),
+      range_(static_cast<float>(std::max(
+          settings_.range.value_or(default_range(checker_.robot())), kLeastRange))),
       long_range_(settings_.range ? range_ : range_ / 2),
       first_domain_(checker_.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                  : kFirstDomainRadius * kFirstDomainRadius),

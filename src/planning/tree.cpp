@@ -44,12 +44,6 @@ void Tree::adapt_domain(int node, bool is_extended) {
   }
 }
 
-int Tree::root_of(int node) const {
-  while (parents_[static_cast<std::size_t>(node)] >= 0)
-    node = parents_[static_cast<std::size_t>(node)];
-  return node;
-}
-
 bool Tree::step(int node, std::span<const float> q, std::span<float> end) const {
   const std::span<const float> from = nodes_[node];
   const float length = run_.space().difference(from.data(), q.data(), end.data());

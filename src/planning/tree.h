@@ -23,8 +23,6 @@ class Tree {
 
   [[nodiscard]] int size() const { return nodes_.size(); }
   [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
-  /// The root that `node` descends from.
-  [[nodiscard]] int root_of(int node) const;
 
   /// Adds a node; `parent` is -1 for a root.
   int add(std::span<const float> q, int parent);

@@ -43,7 +43,7 @@ TEST_SUITE("unit") {
     CHECK(drawn.iterations >= 500);
     CHECK(drawn.iterations <= 502);
     settings.plan.max_nodes = 300;
-    settings.plan.max_iterations = 0;
+    settings.plan.max_iterations.reset();
     for (const char* planner : {"RRTConnect", "PRM", "BKPIECE1"}) {
       const PlanResult full = run(problem, planner, settings);
       CHECK_MESSAGE(full.status == PlanStatus::node_limit, planner);

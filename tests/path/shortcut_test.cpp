@@ -8,7 +8,8 @@ namespace {
 Path shortened(const CollisionChecker& checker, Path path, std::uint64_t seed,
                Verification verification = Verification::states, int attempts = 100) {
   CheckCounters counters;
-  shortcut(checker, path, seed, attempts, verification, counters);
+  const MotionVerifier verifier(checker, verification);
+  shortcut(checker, path, seed, {attempts, attempts, 0}, &verifier, counters);
   return path;
 }
 
@@ -97,9 +98,9 @@ TEST_SUITE("unit") {
       settings.seed = i;
       settings.max_iterations = 100000;
       settings.verify = settings.simplify = false;
-      Path path = prm(checker, query, *make_uniform_sampler(robot), settings).path;
+      Path path = plan_with(prm, checker, query, *make_uniform_sampler(robot), settings).path;
       CheckCounters counters;
-      shortcut(checker, path, i, 100, Verification::none, counters);
+      shortcut(checker, path, i, {}, nullptr, counters);
       for (const Configuration& q : path) in_contact += checker.is_valid(q) ? 0 : 1;
     }
     CHECK(in_contact == 0);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/small_worlds.h"
 
-#include "path/verify.h"
-
 namespace mneme::test {
 namespace {
 
@@ -121,7 +119,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("motions are judged alone as in a path") {
     const CollisionChecker checker = make_checker(table());
-    const internal::MotionVerifier verifier(checker);
+    const MotionVerifier verifier(checker);
     CheckCounters counters;
     const float close = static_cast<float>(0.1 + 0.5 * kVerificationMargin);
     const std::vector<float> low = {0, 0, close}, above = {0.5f, 0, 1};
@@ -136,7 +134,7 @@ TEST_SUITE("oracle") {
     Rng rng(21);
     World world{"", planar8(), make_circle_scene("", {{3, 3, 1.2}, {-4, 2, 1.5}, {1, -5, 2}}), {}};
     const CollisionChecker checker = make_checker(world);
-    const internal::MotionVerifier verifier(checker);
+    const MotionVerifier verifier(checker);
     int verified = 0;
     for (int i = 0; i < 150; ++i) {
       INFO("round ", i);

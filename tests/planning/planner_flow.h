@@ -26,8 +26,11 @@ inline PlanSettings patient_settings(std::uint64_t seed = 1) {
   return settings;
 }
 
-inline PlanResult run(Planner plan, const World& world, const PlanSettings& settings) {
-  return plan(make_checker(world), world.query, *make_uniform_sampler(world.robot), settings);
+/// One of mneme's own planners.
+using OwnPlanner = PlanResult (*)(const PlanTask&);
+
+inline PlanResult run(OwnPlanner plan, const World& world, const PlanSettings& settings) {
+  return plan_with(plan, make_checker(world), world.query, *make_uniform_sampler(world.robot), settings);
 }
 
 inline double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -55,7 +58,7 @@ inline void check_solution(const World& world, const CollisionChecker& checker,
   CHECK(result.motions_checked > 0);
 }
 
-inline void check_solves_small_worlds(Planner plan) {
+inline void check_solves_small_worlds(OwnPlanner plan) {
   for (const World& world : small_worlds()) {
     const CollisionChecker checker = make_checker(world);
     for (const bool simplify : {true, false}) {
@@ -68,7 +71,7 @@ inline void check_solves_small_worlds(Planner plan) {
 }
 
 /// Random starts and goals, in a scene that leaves most of the arm's space connected.
-inline void check_solves_random_queries(Planner plan) {
+inline void check_solves_random_queries(OwnPlanner plan) {
   World world{
       "random",
       spatial_arm(),
@@ -86,7 +89,7 @@ inline void check_solves_random_queries(Planner plan) {
   }
 }
 
-inline void check_reaches_any_goal(Planner plan) {
+inline void check_reaches_any_goal(OwnPlanner plan) {
   World world = locked_arm();
   const Configuration locked = world.query.goals[0];
   Configuration open = world.query.start;
@@ -99,7 +102,7 @@ inline void check_reaches_any_goal(Planner plan) {
   }
 }
 
-inline void check_start_may_be_goal(Planner plan) {
+inline void check_start_may_be_goal(OwnPlanner plan) {
   for (World world : small_worlds()) {
     INFO(world.name);
     world.query.start = world.query.goals[0];
@@ -110,7 +113,7 @@ inline void check_start_may_be_goal(Planner plan) {
   }
 }
 
-inline void check_takes_the_shorter_way_round(Planner plan) {
+inline void check_takes_the_shorter_way_round(OwnPlanner plan) {
   World world{"wrap", planar8(), {}, {Configuration(8, 0.25), {Configuration(8, 0.25)}}};
   world.query.start[0] = 3.0;
   world.query.goals[0][0] = -3.0;
@@ -126,7 +129,7 @@ inline void check_takes_the_shorter_way_round(Planner plan) {
   CHECK(path_length(world.robot, unwound.path) >= 6);
 }
 
-inline void check_iteration_limit_is_exact(Planner plan) {
+inline void check_iteration_limit_is_exact(OwnPlanner plan) {
   const World world = boxed_goal();
   Rng rng(3);
   std::vector<Configuration> script;
@@ -136,7 +139,7 @@ inline void check_iteration_limit_is_exact(Planner plan) {
     PlanSettings settings = patient_settings();
     settings.max_iterations = limit;
     settings.goal_bias = 0;
-    const PlanResult result = plan(make_checker(world), world.query, sampler, settings);
+    const PlanResult result = plan_with(plan, make_checker(world), world.query, sampler, settings);
     CHECK(result.status == PlanStatus::iteration_limit);
     CHECK(result.iterations == limit);
     CHECK(sampler.log().drawn == limit);
@@ -145,7 +148,7 @@ inline void check_iteration_limit_is_exact(Planner plan) {
   }
 }
 
-inline void check_node_limit_is_kept(Planner plan) {
+inline void check_node_limit_is_kept(OwnPlanner plan) {
   const World world = boxed_goal();
   PlanSettings settings = patient_settings();
   for (const std::uint64_t limit : {1, 2, 3, 100}) {
@@ -157,13 +160,13 @@ inline void check_node_limit_is_kept(Planner plan) {
     CHECK(result.path.empty());
     CHECK(result.message.find(std::to_string(limit)) != std::string::npos);
   }
-  settings.max_nodes = 0;
+  settings.max_nodes = 1000000000;
   settings.max_iterations = 1000;
   CHECK(run(plan, world, settings).status == PlanStatus::iteration_limit);
 }
 
 /// Steps so short that they round to no movement, or take seconds to reach a sample.
-inline void check_tiny_range_keeps_the_time_limit(Planner plan) {
+inline void check_tiny_range_keeps_the_time_limit(OwnPlanner plan) {
   for (const double range : {1e-6, 1e-8}) {
     PlanSettings settings;
     settings.timeout_s = 0.1;
@@ -171,14 +174,14 @@ inline void check_tiny_range_keeps_the_time_limit(Planner plan) {
     const World world = boxed_goal();
     const CollisionChecker checker = make_checker(world);
     const std::clock_t begin_work = std::clock();
-    CHECK(plan(checker, world.query, *make_uniform_sampler(world.robot), settings).status ==
+    CHECK(plan_with(plan, checker, world.query, *make_uniform_sampler(world.robot), settings).status ==
           PlanStatus::timeout);
     // A busy machine makes it wait, but not work for longer.
     CHECK(work_seconds_since(begin_work) < 0.4 * kSlowdown);
   }
 }
 
-inline void check_time_limit_is_kept(Planner plan) {
+inline void check_time_limit_is_kept(OwnPlanner plan) {
   for (const World& world : {locked_arm(), boxed_goal()}) {
     INFO(world.name);
     const CollisionChecker checker = make_checker(world);
@@ -188,7 +191,7 @@ inline void check_time_limit_is_kept(Planner plan) {
       settings.timeout_s = limit;
       const auto begin = std::chrono::steady_clock::now();
       const std::clock_t begin_work = std::clock();
-      const PlanResult result = plan(checker, world.query, *sampler, settings);
+      const PlanResult result = plan_with(plan, checker, world.query, *sampler, settings);
       const double elapsed = seconds_since(begin);
       CHECK(result.status == PlanStatus::timeout);
       CHECK(elapsed >= limit);
@@ -199,7 +202,7 @@ inline void check_time_limit_is_kept(Planner plan) {
   }
 }
 
-inline void check_zero_time_limit(Planner plan) {
+inline void check_zero_time_limit(OwnPlanner plan) {
   for (const World& world : small_worlds()) {
     INFO(world.name);
     PlanSettings settings;
@@ -214,7 +217,7 @@ inline void check_zero_time_limit(Planner plan) {
 
 /// Another thread cancels once the planner is at work. What the planner still does then is counted,
 /// because a busy machine may let it wait for as long as it likes.
-inline void check_can_be_cancelled(Planner plan) {
+inline void check_can_be_cancelled(OwnPlanner plan) {
   const World world = locked_arm();
   const CollisionChecker checker = make_checker(world);
   Rng rng(9);
@@ -234,9 +237,9 @@ inline void check_can_be_cancelled(Planner plan) {
     is_cancelled = true;
   });
   PlanSettings settings = patient_settings();
-  settings.max_iterations = 0;
+  settings.max_iterations.reset();
   settings.cancel = &is_cancelled;
-  const PlanResult result = plan(checker, world.query, sampler, settings);
+  const PlanResult result = plan_with(plan, checker, world.query, sampler, settings);
   canceller.join();
   CHECK(result.status == PlanStatus::cancelled);
   CHECK(result.path.empty());
@@ -255,7 +258,7 @@ inline void check_refused(const PlanResult& result, PlanStatus status,
 }
 
 /// Puts `q` in the place of the start, of the only goal, and of the second goal.
-inline void check_refuses(Planner plan, const World& good, const Configuration& q,
+inline void check_refuses(OwnPlanner plan, const World& good, const Configuration& q,
                           const std::vector<std::string>& words) {
   World world = good;
   world.query.start = q;
@@ -267,7 +270,7 @@ inline void check_refuses(Planner plan, const World& good, const Configuration& 
   check_refused(run(plan, world, {}), PlanStatus::invalid_goal, words);
 }
 
-inline void check_refuses_bad_queries(Planner plan) {
+inline void check_refuses_bad_queries(OwnPlanner plan) {
   World world{"bad",
               planar8(),
               make_circle_scene("", {{4, 4, 1.5}, {-5, -5, 1}}),
@@ -297,7 +300,7 @@ inline void check_refuses_bad_queries(Planner plan) {
 }
 
 /// Rounding in files puts values a little outside the limits; they are clamped.
-inline void check_clamps_rounding_errors(Planner plan) {
+inline void check_clamps_rounding_errors(OwnPlanner plan) {
   const World slider{"clamp", gantry(), {}, {{-2 - 1e-6, 0, 2 + 1e-6}, {{2 + 1e-6, 0, 0}}}};
   const PlanResult result = run(plan, slider, patient_settings());
   REQUIRE_MESSAGE(result.is_solved(), result.message);
@@ -310,7 +313,7 @@ inline void check_clamps_rounding_errors(Planner plan) {
   check_solution(arm, make_checker(arm), wrapped);
 }
 
-inline void check_is_repeatable(Planner plan) {
+inline void check_is_repeatable(OwnPlanner plan) {
   const World world = small_worlds()[8];
   PlanSettings settings = patient_settings(7);
   settings.simplify = false;
@@ -332,7 +335,7 @@ inline void check_is_repeatable(Planner plan) {
 }
 
 /// Thin posts between states that are far apart: what comes back survives ten times the resolution.
-inline void check_verification_catches_tunnelling(Planner plan) {
+inline void check_verification_catches_tunnelling(OwnPlanner plan) {
   World world{"posts", planar_arm({1, 1}), {}, {{-1, 0.4}, {{1, 0.4}}}};
   world.scene = make_circle_scene("", {{1.9, 0.1, 0.01}, {1.5, 0.3, 0.01}, {0.9, -0.3, 0.01}});
   CheckerSettings coarse;
@@ -346,12 +349,12 @@ inline void check_verification_catches_tunnelling(Planner plan) {
       PlanSettings settings = patient_settings(seed);
       settings.max_iterations = 20000;
       settings.simplify = simplify;
-      const PlanResult result = plan(checker, world.query, *sampler, settings);
+      const PlanResult result = plan_with(plan, checker, world.query, *sampler, settings);
       CheckCounters counters;
       if (result.is_solved()) CHECK(find_invalid_motion(checker, result.path, counters) == -1);
       solved += result.is_solved();
       settings.verify = false;
-      const PlanResult unverified = plan(checker, world.query, *sampler, settings);
+      const PlanResult unverified = plan_with(plan, checker, world.query, *sampler, settings);
       REQUIRE(unverified.is_solved());
       CHECK(unverified.verification_time_s == 0);
       tunnelled += find_invalid_motion(checker, unverified.path, counters) >= 0;
@@ -376,7 +379,7 @@ inline std::vector<Configuration> dense(const Robot& robot, const Path& path, do
   return result;
 }
 
-inline void check_continuous_verification(Planner plan) {
+inline void check_continuous_verification(OwnPlanner plan) {
   const CollisionChecker checker = make_checker(posts_between_states(), coarse_states());
   const auto sampler = make_uniform_sampler(checker.robot());
   for (const bool is_continuous : {false, true}) {
@@ -384,7 +387,7 @@ inline void check_continuous_verification(Planner plan) {
       INFO("seed ", seed, ", continuous ", is_continuous);
       PlanSettings settings = patient_settings(seed);
       settings.continuous = is_continuous;
-      const PlanResult result = plan(checker, posts_between_states().query, *sampler, settings);
+      const PlanResult result = plan_with(plan, checker, posts_between_states().query, *sampler, settings);
       REQUIRE(result.is_solved());
       bool is_free = true;
       for (const Configuration& q : dense(checker.robot(), result.path, 1e-3)) {
@@ -397,7 +400,7 @@ inline void check_continuous_verification(Planner plan) {
 
 /// From one side to just the other: two ways of the same length lead there, of which one is
 /// blocked.
-inline void check_half_turns(Planner plan) {
+inline void check_half_turns(OwnPlanner plan) {
   for (const double side : {-1.0, 1.0}) {
     const World world{"half a turn",
                       planar_arm({1, 1}),
@@ -414,7 +417,7 @@ inline void check_half_turns(Planner plan) {
 
 /// Algorithm 1 replaces the random configuration: a planner that is told the way through a narrow
 /// passage takes it within `limit` draws, while uniform configurations do not lead through it.
-inline void check_samples_lead_the_way(Planner plan, std::uint64_t limit) {
+inline void check_samples_lead_the_way(OwnPlanner plan, std::uint64_t limit) {
   World world{"narrow",
               planar8(),
               make_circle_scene("", {{0.2, -3.25, 1.3}, {-2.4, -3.45, 1.0}}),
@@ -426,7 +429,7 @@ inline void check_samples_lead_the_way(Planner plan, std::uint64_t limit) {
   const CollisionChecker checker = make_checker(world);
   PlanSettings settings = patient_settings();
   settings.max_iterations = limit;
-  const PlanResult told = plan(checker, world.query, sampler, settings);
+  const PlanResult told = plan_with(plan, checker, world.query, sampler, settings);
   check_solution(world, checker, told);
   CHECK(sampler.log().drawn > 0);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -436,7 +439,7 @@ inline void check_samples_lead_the_way(Planner plan, std::uint64_t limit) {
 }
 
 /// Each report goes to the origin of the latest draw that is not reported yet.
-inline void check_reports_every_draw(Planner plan) {
+inline void check_reports_every_draw(OwnPlanner plan) {
   const World world = boxed_goal();
   Rng rng(12);
   std::vector<Configuration> script;
@@ -446,7 +449,7 @@ inline void check_reports_every_draw(Planner plan) {
   PlanSettings settings = patient_settings();
   settings.max_iterations = script.size();
   settings.goal_bias = 0;
-  const PlanResult result = plan(make_checker(world), world.query, sampler, settings);
+  const PlanResult result = plan_with(plan, make_checker(world), world.query, sampler, settings);
   CHECK(result.status == PlanStatus::iteration_limit);
   REQUIRE(sampler.log().reports.size() == script.size());
   for (std::size_t i = 0; i < script.size(); ++i) {
@@ -475,7 +478,7 @@ struct Watcher : PlanObserver {
   }
 };
 
-inline void check_can_be_watched(Planner plan, int last_graph) {
+inline void check_can_be_watched(OwnPlanner plan, int last_graph) {
   const World world = boxed_goal();
   const CollisionChecker checker = make_checker(world);
   Watcher watcher;

@@ -18,12 +18,14 @@ struct Fixture {
         settings(settings_),
         checker(make_checker(world, checking)),
         sampler({Configuration(world.query.start.size(), 0.125)}),
-        run(checker, world.query, sampler, settings) {}
+        finisher(checker, settings.finish()),
+        run({checker, world.query, sampler, settings, finisher}) {}
 
   World world;
   PlanSettings settings;
   CollisionChecker checker;
   ScriptedSampler sampler;
+  PathFinisher finisher;
   internal::PlannerRun run;
 };
 
@@ -32,16 +34,15 @@ World open_world() { return {"open", gantry(), {}, {{0.1, 0.2, 0.3}, {{1, 1, 1},
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("a run that is ready has start and goals within the limits in single precision") {
+  TEST_CASE("a run has start and goals within the limits in single precision") {
     World world = open_world();
     world.query.goals.push_back({2 + 5e-6, 0, 0});
     const Fixture f(world);
-    REQUIRE(f.run.is_ready());
     CHECK(f.run.start() == std::vector<float>{0.1f, 0.2f, 0.3f});
     CHECK(f.run.goals() == internal::FloatPath{{1, 1, 1}, {-1, 0.7f, 0}, {2, 0, 0}});
   }
 
-  TEST_CASE("a range of zero is the robot's own") {
+  TEST_CASE("a range that is left out is the robot's own") {
     CHECK(Fixture(open_world()).run.range() == doctest::Approx(default_range(gantry())));
     PlanSettings settings;
     settings.range = 0.125;
@@ -54,9 +55,9 @@ TEST_SUITE("unit") {
       world.scene.obstacles.push_back(
           make_ball("ball" + std::to_string(i), {1, 1, 1}, 0.1 + 0.1 * i));
     }
-    Fixture f(world);
-    CHECK(!f.run.is_ready());
-    const PlanResult result = f.run.give_up(0);
+    const auto refused = refuse_query(make_checker(world), world.query);
+    REQUIRE(refused.has_value());
+    const PlanResult& result = *refused;
     CHECK(result.status == PlanStatus::invalid_goal);
     CHECK(result.message.find("goal 0 is in contact") != std::string::npos);
     CHECK(result.message.find("link 'link_3' touches obstacle 'ball0'") != std::string::npos);
@@ -91,10 +92,11 @@ TEST_SUITE("unit") {
     World world = open_world();
     world.scene.obstacles = {make_box("wall", {0.4, -3, -3}, {0.6, 3, 3})};
     Fixture f(world);
-    CHECK(f.run.find_direct_goal() == 1);
+    REQUIRE(f.run.find_direct_path());
+    CHECK(f.run.finish(2).path == Path{world.query.start, world.query.goals[1]});
     world.query.goals.pop_back();
     Fixture blocked(world);
-    CHECK(blocked.run.find_direct_goal() == -1);
+    CHECK(!blocked.run.find_direct_path());
   }
 
   TEST_CASE("a finished path ends at the query's own values") {
@@ -104,7 +106,8 @@ TEST_SUITE("unit") {
       settings.simplify = simplify;
       Fixture f(world, settings);
       const internal::FloatPath path = {f.run.start(), {1, 0, -1}, f.run.goals()[1]};
-      const PlanResult result = f.run.finish(path, 1, 3);
+      REQUIRE(f.run.find_invalid_motion(path) == -1);
+      const PlanResult result = f.run.finish(3);
       CHECK(result.status == PlanStatus::solved);
       CHECK(result.path.front() == world.query.start);
       CHECK(result.path.back() == Configuration{1.0 / 3, 0.7, -2});
@@ -119,7 +122,7 @@ TEST_SUITE("unit") {
     Fixture f(world);
     const internal::FloatPath path = {f.run.start(), {-1, -1, -1}, f.run.goals()[0]};
     REQUIRE(f.run.find_invalid_motion(path) == -1);
-    CHECK(f.run.finish(path, 0, 3).path == Path{world.query.start, world.query.goals[0]});
+    CHECK(f.run.finish(3).path == Path{world.query.start, world.query.goals[0]});
 
     PlanSettings as_planned;
     as_planned.simplify = false;
@@ -137,7 +140,7 @@ TEST_SUITE("unit") {
     const internal::FloatPath path = {f.run.start(), {-1.9f, 1, 0}, {1.9f, 1, 0}, f.run.goals()[0]};
     REQUIRE(f.run.is_motion_valid(path.front(), path.back()));
     REQUIRE(f.run.find_invalid_motion(path) == -1);
-    const PlanResult result = f.run.finish(path, 0, 4);
+    const PlanResult result = f.run.finish(4);
     CHECK(result.path.size() > 2);
     CheckCounters ignored;
     CHECK(find_invalid_motion(f.checker, result.path, ignored, Verification::motions) == -1);
@@ -147,7 +150,7 @@ TEST_SUITE("unit") {
     Fixture f(open_world());
     const internal::FloatPath path = {f.run.start(), {1, 0, -1}, f.run.goals()[1]};
     CHECK(f.run.find_invalid_motion(path) == -1);
-    const PlanResult result = f.run.finish(path, 1, 3);
+    const PlanResult result = f.run.finish(3);
     CHECK(result.verification_time_s > 0);
     CHECK(result.simplification_time_s > 0);
     CHECK(result.planning_time_s >= 0);

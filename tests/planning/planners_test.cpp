@@ -12,16 +12,17 @@ TEST_SUITE("unit") {
     std::set<std::string_view> names;
     for (const PlannerEntry& planner : planners()) {
       CHECK(names.insert(planner.name).second);
-      CHECK(find_planner(planner.name) == &planner);
-      CHECK(bool(planner.plan != nullptr));
+      CHECK(find_planner(planner.name).value() == &planner);
+      CHECK(bool(planner.plan));
       CHECK(!planner.summary.empty());
     }
-    CHECK(bool(find_planner("rrt")->plan == &rrt));
-    CHECK(bool(find_planner("rrt_connect")->plan == &rrt_connect));
-    CHECK(bool(find_planner("prm")->plan == &prm));
-    CHECK(find_planner("") == nullptr);
-    CHECK(find_planner("RRT") == nullptr);
-    CHECK(find_planner("rrt_star") == nullptr);
+    for (const char* unknown : {"", "RRT", "rrt_star"}) {
+      const auto found = find_planner(unknown);
+      REQUIRE(!found.has_value());
+      CHECK(found.error().code == ErrorCode::invalid);
+      CHECK(found.error().message.find("expected one of rrt_connect, rrt, prm") != std::string::npos);
+    }
+    CHECK(find_planner("ompl:RRTConnect").error().code == ErrorCode::unsupported);
   }
 
   TEST_CASE("every planner has a test that runs the planner flow") {

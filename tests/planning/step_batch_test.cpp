@@ -37,7 +37,8 @@ struct BatchFixture {
   CollisionChecker checker = make_checker(world);
   ScriptedSampler sampler;
   PlanSettings settings = make_settings();
-  internal::PlannerRun run{checker, world.query, sampler, settings};
+  PathFinisher finisher{checker, settings.finish()};
+  internal::PlannerRun run{PlanTask{checker, world.query, sampler, settings, finisher}};
   internal::Tree tree{run};
   internal::StepBatch batch{run};
 };

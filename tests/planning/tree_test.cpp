@@ -18,10 +18,9 @@ struct TreeFixture {
       : world(std::move(world_)),
         checker(make_checker(world)),
         sampler(make_uniform_sampler(world.robot)),
-        run(checker, world.query, *sampler, settings),
-        tree(run) {
-    REQUIRE(run.is_ready());
-  }
+        finisher(checker, settings.finish()),
+        run({checker, world.query, *sampler, settings, finisher}),
+        tree(run) {}
   static PlanSettings make_settings() {
     PlanSettings settings;
     settings.range = 0.5;
@@ -32,6 +31,7 @@ struct TreeFixture {
   CollisionChecker checker;
   std::unique_ptr<Sampler> sampler;
   PlanSettings settings = make_settings();
+  PathFinisher finisher;
   internal::PlannerRun run;
   internal::Tree tree;
 };
@@ -104,9 +104,9 @@ TEST_SUITE("unit") {
     const int a = f.tree.add(Row{0, 0, 0}, -1), b = f.tree.add(Row{0, 1, 0}, -1);
     const int a1 = f.tree.add(Row{0, 0, 0.3f}, a), b1 = f.tree.add(Row{0, 1, 0.3f}, b);
     const int a2 = f.tree.add(Row{0, 0, 0.6f}, a1);
-    CHECK(f.tree.root_of(a) == a);
-    CHECK(f.tree.root_of(a2) == a);
-    CHECK(f.tree.root_of(b1) == b);
+    CHECK(f.tree.ancestor_at(a, 0) == a);
+    CHECK(f.tree.ancestor_at(a2, 0) == a);
+    CHECK(f.tree.ancestor_at(b1, 0) == b);
     CHECK(f.tree.ancestor_at(a2, 0) == a);
     CHECK(f.tree.ancestor_at(a2, 1) == a1);
     CHECK(f.tree.ancestor_at(a2, 2) == a2);
@@ -127,7 +127,7 @@ TEST_SUITE("unit") {
                                                  {{0, 1, 0}, {0, 1, 0}},
                                                  {{0, 1, 0.1f}, {0, 1, 0}},
                                                  {{0, 0, 0.3f}, {0, 0, 0}}});
-    CHECK(f.tree.root_of(f.tree.nearest(Row{0, 1, 0.1f})) == other);
+    CHECK(f.tree.ancestor_at(f.tree.nearest(Row{0, 1, 0.1f}), 0) == other);
     f.tree.remove(f.tree.nearest(Row{0, 1, 0.1f}));
     CHECK(f.tree.size() == 3);
     CHECK(f.tree.nearest(Row{0, 1, 0.1f}) == other);
@@ -161,7 +161,7 @@ TEST_SUITE("law") {
         CHECK(edges_of(f.tree) == expected);
         CHECK(row_of(f.tree[0]) == Row{0, 0, 0});
         CHECK(row_of(f.tree[1]) == Row{0, 1, 0});
-        for (int i = 0; i < f.tree.size(); ++i) CHECK(f.tree.root_of(i) <= std::min(i, 1));
+        for (int i = 0; i < f.tree.size(); ++i) CHECK(f.tree.ancestor_at(i, 0) <= std::min(i, 1));
       }
     }
   }
