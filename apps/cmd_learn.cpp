@@ -2,14 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme learn: fills a database with local samplers.
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <optional>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include "mneme/learning.h"
 
 #include "commands.h"
@@ -19,6 +11,13 @@
 #include "lessons.h"
 #include "options.h"
 #include "shard.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <memory>
+#include <optional>
 
 namespace mneme::app {
 namespace {

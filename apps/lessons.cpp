@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lessons.h"
 
-#include <algorithm>
-
-#include <glob.h>
-
-#include <fmt/format.h>
-
 #include "inputs.h"
 #include "problem_part.h"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
 
 namespace mneme::app {
 namespace {

@@ -4,12 +4,12 @@
 /// What `mneme learn` learns: the primitives of scenes and problems, or problems themselves.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "mneme/learning.h"
 
 #include "options.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme::app {
 
