@@ -118,8 +118,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   const Robot& robot = problems->front().robot;
   DecomposeSettings decompose = options.source.decompose;
   if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
-  Result<Database> database =
-      open_database(options.db, robot, OpenMode::create, decompose.decomposer, options.kept);
+  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   const auto summary = learn_from_problems(*problems, lesson, decompose, *database);
   if (!summary) return tl::unexpected(summary.error());
@@ -180,8 +179,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                     robot.is_planar() ? "that the arm reaches are" : "are",
                     robot.is_planar() ? "" : "; --problems learns whole paths"));
   }
-  Result<Database> database = open_database(options.db, robot, OpenMode::create,
-                                            options.source.decompose.decomposer, options.kept);
+  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   job.shared = options.sharing.work(options.db);

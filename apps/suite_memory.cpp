@@ -81,7 +81,7 @@ Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::strin
   decompose.decomposer = memory.decomposer;
   // Solved problems teach arms in space most as whole paths.
   if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
-  Result<Database> database = open_database(path, robot, OpenMode::create, decompose.decomposer);
+  Result<Database> database = open_database(path, robot, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   const auto summary = learn_from_problems(*problems, lesson_of(memory), decompose, *database);
   if (!summary) return tl::unexpected(summary.error());

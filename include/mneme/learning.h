@@ -18,6 +18,7 @@
 
 #include "mneme/base.h"
 #include "mneme/experience.h"
+#include "mneme/primitive.h"
 #include "mneme/planning.h"
 
 namespace mneme {
@@ -74,9 +75,11 @@ struct LearnResult {
 struct LocalProblem {
   LocalPrimitive primitive;
   Scene scene;
+  std::string kind;  ///< of the row that is learned: decomposer_version()
 };
 [[nodiscard]] std::vector<LocalProblem> local_problems(const Scene& scene,
-                                                       std::span<const LocalPrimitive> primitives);
+                                                       std::span<const LocalPrimitive> primitives,
+                                                       const std::string& kind);
 /// The same for any arm. In space, queries start with the robot's body covering the middle of the
 /// passage between the first two obstacles, stratified by the joint that carries the part that
 /// does, last joint first, and end with the body clear of that middle. Two obstacles that touch, or

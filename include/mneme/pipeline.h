@@ -91,6 +91,19 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// The same for `max_matches`.
 [[nodiscard]] int default_max_matches(std::string_view decomposer);
 
+/// A stored experience that is similar to a primitive.
+struct Match {
+  std::shared_ptr<const Experience> experience;  ///< never null
+  double similarity_error = 0;                   ///< squared distance of the keys
+  Symmetry to_scene;  ///< takes the stored means to the primitive's scene
+};
+/// The experiences of `kind` whose similarity error to `primitive` is less than `threshold`, as
+/// Database::find() says; its errors.
+[[nodiscard]] Result<std::vector<Match>> find_matches(const Database& database,
+                                                      std::string_view kind,
+                                                      const LocalPrimitive& primitive,
+                                                      double threshold, int max_matches);
+
 /// A primitive of the scene and what the memory knew of it.
 struct PrimitiveRetrieval {
   LocalPrimitive primitive;

@@ -64,6 +64,10 @@ Result<std::vector<Experience>> learn_from_paths(const Robot& robot, const Scene
   if (settings.decomposer == "paths") return learn_whole_paths(robot, paths);
   const auto primitives = decompose(robot, scene, settings);
   if (!primitives) return tl::unexpected(primitives.error());
+  const std::string kind =
+      decomposer_version(settings.decomposer.empty() ? default_decomposer(robot)
+                                                     : settings.decomposer)
+          .value();
   const SymmetricJoints joints = find_symmetric_joints(robot);
   Nearness nearness(robot, scene, reach);
   std::vector<Experience> rows(primitives->size());
@@ -77,6 +81,7 @@ Result<std::vector<Experience>> learn_from_paths(const Robot& robot, const Scene
         LocalSampler& sampler = rows[i].sampler;
         sampler.joint_count = robot.joint_count();
         sampler.means.insert(sampler.means.end(), mean.begin(), mean.end());
+        rows[i].kind = kind;
         rows[i].key = primitive.key;
       }
     }

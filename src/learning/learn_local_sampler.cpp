@@ -49,8 +49,11 @@ Result<CollisionChecker> make_checker(const Robot& robot, const Scene& scene,
 
 /// A key of another decomposer would be read as circles that nobody meant.
 Result<void> check_circles(const PrimitiveKey& key) {
-  constexpr int kPairKeySize = 6;
-  const auto flaw = internal::describe_key_flaw(key, kPairKeySize);
+  constexpr std::size_t kPairKeySize = 6;
+  auto flaw = internal::describe_key_flaw("pairs", key);
+  if (key.size() != kPairKeySize) {
+    flaw = fmt::format("its key has {} numbers; expected {}", key.size(), kPairKeySize);
+  }
   if (!flaw) return {};
   return fail(ErrorCode::invalid,
               fmt::format("a primitive of a planar arm cannot be learned: {} of a pair of circles "
@@ -110,12 +113,14 @@ Result<LearnResult> learn_local_sampler(const Robot& robot, const LocalProblem& 
 }
 
 std::vector<LocalProblem> local_problems(const Scene& scene,
-                                         std::span<const LocalPrimitive> primitives) {
+                                         std::span<const LocalPrimitive> primitives,
+                                         const std::string& kind) {
   std::vector<LocalProblem> problems;
   for (const LocalPrimitive& primitive : primitives) {
     LocalProblem& problem = problems.emplace_back();
     problem.primitive = primitive;
     problem.scene.name = scene.name;
+    problem.kind = kind;
     for (const int index : primitive.obstacles) {
       problem.scene.obstacles.push_back(scene.obstacles[static_cast<std::size_t>(index)]);
     }

@@ -9,6 +9,7 @@ std::vector<Experience> learn_whole_paths(const Robot& robot, std::span<const Pa
   for (const Path& path : paths) {
     if (path.empty()) continue;
     Experience& row = rows.emplace_back();
+    row.kind = decomposer_version("paths").value();
     row.key = make_query_primitive(robot, path.front(), path.back()).key;
     row.sampler.joint_count = robot.joint_count();
     for (const Configuration& q : path) {

@@ -38,6 +38,7 @@ Result<LearnResult> learn(const Robot& robot, const Lesson& lesson, const LearnJ
 Experience make_row(const Lesson& lesson, LocalSampler sampler, std::string settings_text,
                     std::uint64_t seed) {
   Experience row;
+  row.kind = lesson.problem == nullptr ? decomposer_version("pairs").value() : lesson.problem->kind;
   row.key = *lesson.key;
   row.sampler = std::move(sampler);
   row.provenance.tool = "mneme " + std::string(version());

@@ -52,9 +52,10 @@ Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& s
                                               const SolveSettings& settings) {
   const auto primitives = decompose(robot, scene, settings.decompose);
   if (!primitives) return tl::unexpected(primitives.error());
-  if (!database.space().decomposer.starts_with("pairs")) {
+  if (settings.decompose.decomposer != "pairs") {
     return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
   }
+  const std::string kind = decomposer_version("pairs").value();
   const PrimitiveKey circles = circles_of(scene);
   if (circles.empty()) return GaussianMixture{robot.joint_count(), {}, {}, {}, {}};
   const double direction = mean_direction(circles);
@@ -64,6 +65,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Robot& robot, const Scene& s
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
     const auto visited = database.for_each([&](const auto& row) {
+      if (row->kind != kind) return;
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
     });
     if (!visited) return tl::unexpected(visited.error());

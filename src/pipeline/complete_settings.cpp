@@ -44,12 +44,31 @@ double default_similarity(std::string_view decomposer) {
 int default_max_matches(std::string_view decomposer) { return defaults_of(decomposer).max_matches; }
 
 namespace internal {
+namespace {
+
+/// The robot's own if there are rows of it, or else that of the first rows. Into an empty database
+/// that only remembers, arms in space put whole paths.
+std::string decomposer_of(const Database& database, const SolveSettings& settings,
+                          const Robot& robot) {
+  const std::vector<KindInfo> kinds = database.kinds();
+  const bool only_remembers = settings.remember_after >= 0 && settings.learn_budget_s == 0;
+  if (kinds.empty()) return only_remembers && !robot.is_planar() ? "paths" : "";
+  std::string first;
+  for (const KindInfo& kind : kinds) {
+    const std::string known = decomposer_of_version(kind.kind).value_or("");
+    if (known == default_decomposer(robot)) return known;
+    if (first.empty()) first = known;
+  }
+  return first;
+}
+
+}  // namespace
 
 SolveSettings complete_settings(SolveSettings settings, const Robot& robot,
                                 const Database* database) {
   std::string& decomposer = settings.decompose.decomposer;
   if (decomposer.empty() && database != nullptr) {
-    decomposer = decomposer_of_version(database->space().decomposer).value_or("");
+    decomposer = decomposer_of(*database, settings, robot);
   }
   if (decomposer.empty()) decomposer = default_decomposer(robot);
   const Defaults& defaults = defaults_of(decomposer);

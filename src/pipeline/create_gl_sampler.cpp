@@ -21,7 +21,8 @@ constexpr double kInsertionTime = 0.01;
 
 /// Lines 6 and 7: creates the local sampler of a primitive that has no match, and inserts it.
 Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, double deadline_s,
-                           Database& database, PrimitiveRetrieval& retrieval) {
+                           const std::string& kind, Database& database,
+                           PrimitiveRetrieval& retrieval) {
   LearnSettings learning = settings.learn;
   if (learning.resolution == 0) learning.resolution = settings.resolution;
   auto learned = learn_local_sampler(robot, retrieval.primitive.key, learning, settings.plan.seed,
@@ -30,6 +31,7 @@ Result<void> learn_on_miss(const Robot& robot, const SolveSettings& settings, do
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned->sampler.component_count() == 0) return {};
   Experience row;
+  row.kind = kind;
   row.key = retrieval.primitive.key;
   row.sampler = std::move(learned->sampler);
   row.provenance = {
@@ -57,10 +59,11 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
   }
   auto primitives = decompose(robot, scene, settings.decompose);
   if (!primitives) return tl::unexpected(primitives.error());
+  const std::string kind = decomposer_version(settings.decompose.decomposer).value();
   // A key always matches itself: what was learned for it, now or before, serves it.
   const double threshold = std::max(settings.similarity, std::numeric_limits<double>::denorm_min());
   const auto retrieve = [&](PrimitiveRetrieval& retrieval) {
-    return database.find(retrieval.primitive, threshold, settings.max_matches)
+    return find_matches(database, kind, retrieval.primitive, threshold, settings.max_matches)
         .map([&](std::vector<Match> matches) { retrieval.matches = std::move(matches); });
   };
   // Local queries are made for arms threaded through pairs of circles only.
@@ -78,7 +81,7 @@ Result<GlSampler> create_gl_sampler(const Robot& robot, const Scene& scene, Data
     const double budget_s = std::min(settings.learn_budget_s - gl.learning_time_s, rest_s);
     if (!retrieval.matches.empty() || budget_s <= 0 || !can_learn) continue;
     const internal::Stopwatch learning;
-    auto learned = learn_on_miss(robot, settings, budget_s, database, retrieval);
+    auto learned = learn_on_miss(robot, settings, budget_s, kind, database, retrieval);
     if (!learned) return tl::unexpected(learned.error());
     if (retrieval.is_learned) {
       if (auto done = retrieve(retrieval); !done) return tl::unexpected(done.error());

@@ -8,11 +8,13 @@ namespace mneme::internal {
 
 Result<void> check_database(const Robot& robot, const SolveSettings& settings,
                             const Database& database) {
-  const auto wanted = make_space(robot, settings.decompose.decomposer);
-  if (!wanted) return tl::unexpected(wanted.error());
+  const std::string& decomposer = settings.decompose.decomposer;
+  const auto kind = decomposer_version(decomposer.empty() ? default_decomposer(robot) : decomposer);
+  if (!kind) return tl::unexpected(kind.error());
+  const ExperienceSpace wanted = make_space(robot);
   const ExperienceSpace& found = database.space();
-  if (found.key_size == 0 || is_same_space(found, *wanted)) return {};
-  return refuse_space(database.info().url, found, *wanted);
+  if (found.joint_count == 0 || is_same_space(found, wanted)) return {};
+  return refuse_space(database.info().url, found, wanted);
 }
 
 }  // namespace mneme::internal

@@ -6,7 +6,8 @@
 
 namespace mneme::internal {
 
-/// wrong_robot unless `database` holds experience of `robot` and the decomposer. A database that
+/// wrong_robot unless `database` holds experience of `robot`; invalid if there is no such
+/// decomposer. A database that
 /// was opened to look at it may be of any space, or of none if it is empty.
 [[nodiscard]] Result<void> check_database(const Robot& robot, const SolveSettings& settings,
                                           const Database& database);

@@ -14,12 +14,14 @@ Result<GlSampler> recall_paths(const Problem& problem, const Database& database,
                                const SolveSettings& settings) {
   const Stopwatch stopwatch;
   GlSampler gl;
+  const std::string kind = decomposer_version("paths").value();
   // A query that is remembered exactly always matches itself.
   const double threshold = std::max(settings.similarity, std::numeric_limits<double>::denorm_min());
   for (const Configuration& goal : problem.goals) {
     PrimitiveRetrieval& retrieval = gl.primitives.emplace_back();
     retrieval.primitive = make_query_primitive(problem.robot, problem.start, goal);
-    auto matches = database.find(retrieval.primitive, threshold, settings.max_matches);
+    auto matches =
+        find_matches(database, kind, retrieval.primitive, threshold, settings.max_matches);
     if (!matches) return tl::unexpected(matches.error());
     retrieval.matches = std::move(*matches);
   }

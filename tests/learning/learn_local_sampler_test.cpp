@@ -185,9 +185,10 @@ TEST_SUITE("unit") {
     gaps.decomposer = "gaps";
     const auto primitives = decompose(robot, scene, gaps);
     REQUIRE(primitives.has_value());
-    const auto problems = local_problems(scene, *primitives);
+    const auto problems = local_problems(scene, *primitives, "gaps/1");
     REQUIRE(problems.size() == 1);
     CHECK(problems[0].scene.obstacles.size() == 2);
+    CHECK(problems[0].kind == "gaps/1");
     const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
     REQUIRE(learned.has_value());
     CHECK(learned->solved > 0);
@@ -207,7 +208,7 @@ TEST_SUITE("unit") {
     const Robot robot = lifting_arm();
     const auto primitives = decompose(robot, shelf_scene());
     REQUIRE(primitives.has_value());
-    const auto problems = local_problems(shelf_scene(), *primitives);
+    const auto problems = local_problems(shelf_scene(), *primitives, "body_pairs/1");
     const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
     REQUIRE(learned.has_value());
     CHECK(learned->queries == 0);

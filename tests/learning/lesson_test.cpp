@@ -26,6 +26,7 @@ TEST_SUITE("unit") {
     sampler.means = {1, 2, 3, 4};
     const internal::Lesson lesson{&key, nullptr};
     const Experience row = internal::make_row(lesson, sampler, "settings", 5);
+    CHECK(row.kind == "pairs/1");
     CHECK(row.key == key);
     CHECK(row.sampler.means == sampler.means);
     CHECK(row.provenance.settings == "settings");
