@@ -40,26 +40,30 @@ struct DbOptions {
 };
 
 /// The decomposer whose keys are pairs of circles.
-constexpr std::string_view kCircles = "pairs";
+constexpr const char* kCircles = "pairs";
 
-std::string decomposer_of(const Database& database) {
-  return decomposer_of_version(database.space().decomposer).value_or("");
-}
+std::string circles_kind() { return decomposer_version(kCircles).value(); }
 
 // info
 
 Json to_json(const DatabaseInfo& info) {
+  Json kinds = Json::array();
+  for (const KindInfo& kind : info.kinds) {
+    kinds.push_back({{"kind", kind.kind},
+                     {"key_size", kind.key_size},
+                     {"samplers", kind.samplers},
+                     {"components", kind.components}});
+  }
   const Json space = {{"robot_name", info.space.robot_name},
                       {"robot_hash", info.space.robot_hash},
-                      {"decomposer", info.space.decomposer},
                       {"joint_count", info.space.joint_count},
-                      {"key_size", info.space.key_size}};
+                      {"kinds", kinds}};
   return {{"url", info.url},
           {"samplers", info.samplers},
           {"components", info.components},
           {"spaces", Json::array({space})},
           {"robot_hash", info.space.robot_hash},
-          {"decomposer", info.space.decomposer},
+          {"kinds", kinds},
           {"bytes", info.bytes},
           {"schema_version", info.schema_version},
           {"generation", info.generation},
@@ -74,8 +78,10 @@ void print_info(const DatabaseInfo& info) {
   line("robot", printable(info.space.robot_name));
   line("robot hash", info.space.robot_hash);
   line("joints", info.space.joint_count);
-  line("decomposer",
-       fmt::format("{}, keys of {} numbers", info.space.decomposer, info.space.key_size));
+  for (const KindInfo& kind : info.kinds) {
+    line("kind", fmt::format("{}, keys of {} numbers, {}", printable(kind.kind), kind.key_size,
+                             counted(static_cast<std::size_t>(kind.samplers), "row", "rows")));
+  }
   line("samplers", info.samplers);
   line("components", info.components);
   line("set aside", counted(static_cast<std::size_t>(info.tombstones), "row", "rows"));
@@ -98,6 +104,7 @@ Result<ExitCode> run_info(const DbOptions& options) {
 
 Json to_json(const Experience& row) {
   return {{"id", row.id},
+          {"kind", row.kind},
           {"key", row.key},
           {"components", row.sampler.component_count()},
           {"seed", row.provenance.seed},
@@ -107,8 +114,9 @@ Json to_json(const Experience& row) {
 }
 
 void print_row(const Experience& row) {
-  fmt::print("{:>8}  {:>8.4f}  {:>10}  {:>20}  {}\n", row.id, fmt::join(row.key, " "),
-             row.sampler.component_count(), row.provenance.seed, row.provenance.time);
+  fmt::print("{:>8}  {:<12}  {:>8.4f}  {:>10}  {:>20}  {}\n", row.id, printable(row.kind),
+             fmt::join(row.key, " "), row.sampler.component_count(), row.provenance.seed,
+             row.provenance.time);
 }
 
 Result<void> visit_first(const Database& database, std::int64_t count,
@@ -133,9 +141,10 @@ Result<ExitCode> run_list(const DbOptions& options) {
     print_json({{"samplers", database->size()}, {"rows", rows}});
     return ExitCode::done;
   }
-  const bool has_circles = decomposer_of(*database) == kCircles;
-  fmt::print("{:>8}  {:<53}  {:>10}  {:>20}  {}\n", "id", has_circles ? "key (x y r x y r)" : "key",
-             "components", "seed", "time");
+  const std::vector<KindInfo> kinds = database->kinds();
+  const bool has_circles = kinds.size() == 1 && kinds.front().kind == circles_kind();
+  fmt::print("{:>8}  {:<12}  {:<53}  {:>10}  {:>20}  {}\n", "id", "kind",
+             has_circles ? "key (x y r x y r)" : "key", "components", "seed", "time");
   const auto listed = visit_first(*database, count, print_row);
   if (!listed) return tl::unexpected(listed.error());
   if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
@@ -144,15 +153,28 @@ Result<ExitCode> run_list(const DbOptions& options) {
 
 // query
 
-Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
-                                                       const Database& database) {
-  if (options.key && decomposer_of(database) != kCircles) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' has keys of the decomposer {}, --key is two circles; expected "
-                            "--problem",
-                            database.info().url, database.space().decomposer));
+/// What to look up among the rows of one kind.
+struct Lookup {
+  std::string kind;
+  std::vector<LocalPrimitive> primitives;
+};
+
+bool has_kind(const std::vector<KindInfo>& kinds, const std::string& wanted) {
+  return std::ranges::any_of(kinds, [&](const KindInfo& kind) { return kind.kind == wanted; });
+}
+
+Result<std::vector<Lookup>> look_up_key(const DbOptions& options, const Database& database) {
+  const std::vector<KindInfo> kinds = database.kinds();
+  if (kinds.empty() || has_kind(kinds, circles_kind())) {
+    return std::vector<Lookup>{{circles_kind(), {make_primitive(*options.key)}}};
   }
-  if (options.key) return std::vector<LocalPrimitive>{make_primitive(*options.key)};
+  return fail(ErrorCode::invalid,
+              fmt::format("'{}' has keys of kind {}, --key is two circles; expected --problem",
+                          database.info().url, printable(kinds.front().kind)));
+}
+
+Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const Database& database) {
+  if (options.key) return look_up_key(options, database);
   const Result<Problem> problem = problem_options(options.robot, options.robot_options)
                                       .and_then([&](const ProblemOptions& given) {
                                         return read_problem(options.problem, given);
@@ -166,9 +188,17 @@ Result<std::vector<LocalPrimitive>> queried_primitives(const DbOptions& options,
                     database.info().url, database.space().robot_name, database.space().robot_hash,
                     problem->robot.name(), problem->robot.hash()));
   }
-  DecomposeSettings settings = options.settings.decompose;
-  settings.decomposer = decomposer_of(database);
-  return find_primitives(*problem, settings);
+  std::vector<Lookup> lookups;
+  for (const KindInfo& kind : database.kinds()) {
+    const auto decomposer = decomposer_of_version(kind.kind);
+    if (!decomposer) continue;
+    DecomposeSettings settings = options.settings.decompose;
+    settings.decomposer = *decomposer;
+    auto primitives = find_primitives(*problem, settings);
+    if (!primitives) return tl::unexpected(primitives.error());
+    lookups.push_back({kind.kind, std::move(*primitives)});
+  }
+  return lookups;
 }
 
 Json to_json(const Match& match) {
@@ -195,25 +225,35 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
   }
 }
 
-Result<ExitCode> run_query(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
-  if (!database) return tl::unexpected(database.error());
-  const double similarity = options.settings.similarity > 0
-                                ? options.settings.similarity
-                                : default_similarity(database->space().decomposer);
-  const int max_matches = options.settings.max_matches >= 0
-                              ? options.settings.max_matches
-                              : default_max_matches(database->space().decomposer);
-  const auto primitives = queried_primitives(options, *database);
-  if (!primitives) return tl::unexpected(primitives.error());
-  Json found = Json::array();
-  for (const LocalPrimitive& primitive : *primitives) {
-    const auto matches = database->find(primitive, similarity, max_matches);
+/// Prints what is like the primitives, or adds it to `found`.
+Result<void> print_lookup(const DbOptions& options, const Database& database, const Lookup& lookup,
+                          Json& found) {
+  const SolveSettings& settings = options.settings;
+  const double similarity =
+      settings.similarity > 0 ? settings.similarity : default_similarity(lookup.kind);
+  const int max_matches =
+      settings.max_matches >= 0 ? settings.max_matches : default_max_matches(lookup.kind);
+  for (const LocalPrimitive& primitive : lookup.primitives) {
+    const auto matches = find_matches(database, lookup.kind, primitive, similarity, max_matches);
     if (!matches) return tl::unexpected(matches.error());
     if (!options.is_json) print_matches(primitive, *matches);
     Json rows = Json::array();
     for (const Match& match : *matches) rows.push_back(to_json(match));
-    found.push_back({{"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
+    found.push_back(
+        {{"kind", lookup.kind}, {"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
+  }
+  return {};
+}
+
+Result<ExitCode> run_query(const DbOptions& options) {
+  const Result<Database> database = inspect_database(options.url);
+  if (!database) return tl::unexpected(database.error());
+  const auto lookups = queried_primitives(options, *database);
+  if (!lookups) return tl::unexpected(lookups.error());
+  Json found = Json::array();
+  for (const Lookup& lookup : *lookups) {
+    const auto looked_up = print_lookup(options, *database, lookup, found);
+    if (!looked_up) return tl::unexpected(looked_up.error());
   }
   if (options.is_json) print_json({{"primitives", found}});
   return ExitCode::done;

@@ -147,8 +147,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   const Robot& robot = problems->front().robot;
   DecomposeSettings decompose = options.source.decompose;
   if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
-  Result<Database> database =
-      open_database(options.db, robot, OpenMode::create, decompose.decomposer, options.kept);
+  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
@@ -194,8 +193,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                     robot.is_planar() ? "that the arm reaches are" : "are",
                     robot.is_planar() ? "" : "; --problems learns whole paths"));
   }
-  Result<Database> database = open_database(options.db, robot, OpenMode::create,
-                                            options.source.decompose.decomposer, options.kept);
+  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};

@@ -107,7 +107,7 @@ Result<ExitCode> run_import(const UpkeepOptions& options) {
   });
 }
 
-// compact, migrate
+// compact
 
 Result<ExitCode> run_compact(const UpkeepOptions& options) {
   return compact_database(options.url).map([&](const CompactSummary& summary) {
@@ -120,40 +120,6 @@ Result<ExitCode> run_compact(const UpkeepOptions& options) {
                  counted(static_cast<std::size_t>(summary.removed), "row", "rows"),
                  summary.bytes_before, summary.bytes_after);
     }
-    return ExitCode::done;
-  });
-}
-
-void print_migration(const MigrateSummary& summary) {
-  if (summary.from == summary.to) {
-    fmt::print("schema version {}: nothing to do\n", summary.to);
-    return;
-  }
-  fmt::print("schema version {} to {}: {} moved, the file as it was is {}\n", summary.from,
-             summary.to, counted(static_cast<std::size_t>(summary.rows), "row", "rows"),
-             summary.copy);
-  if (summary.duplicates > 0) fmt::print("{} repetitions left out\n", summary.duplicates);
-  for (const Damage& damage : summary.left_out) {
-    fmt::print("row {} left out: {}\n", damage.id, damage.what);
-  }
-}
-
-Result<ExitCode> run_migrate(const UpkeepOptions& options) {
-  return migrate_database(options.url).map([&](const MigrateSummary& summary) {
-    if (!options.is_json) {
-      print_migration(summary);
-      return ExitCode::done;
-    }
-    Json left_out = Json::array();
-    for (const Damage& damage : summary.left_out) {
-      left_out.push_back({{"id", damage.id}, {"what", damage.what}});
-    }
-    print_json({{"from", summary.from},
-                {"to", summary.to},
-                {"copy", summary.copy},
-                {"rows", summary.rows},
-                {"duplicates", summary.duplicates},
-                {"left_out", left_out}});
     return ExitCode::done;
   });
 }
@@ -206,8 +172,6 @@ void add_db_upkeep(CLI::App& group, Action& action) {
       upkeep.add("import", "Add the rows of a file", "planar.db planar.npz", run_import));
   upkeep.add("compact", "Remove what was set aside and give its space back", "planar.db",
              run_compact);
-  upkeep.add("migrate", "Bring an older database to the present schema, after a copy", "planar.db",
-             run_migrate);
 }
 
 }  // namespace mneme::app

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme db verify, merge, export, import, compact and migrate.
+/// mneme db verify, merge, export, import and compact.
 #pragma once
 
 #include "commands.h"

@@ -66,18 +66,8 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
 }
 
 Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
-                               const std::string& decomposer, const DatabaseSettings& kept) {
-  const Result<ExperienceSpace> space = make_space(robot, decomposer);
-  if (!space) return tl::unexpected(space.error());
-  Result<Database> database = Database::open(url, *space, mode, kept);
-  const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
-  if (!is_other || !decomposer.empty()) return database;
-  // Of the same robot and another decomposer, which nobody asked not to use.
-  const Result<ExperienceSpace> found =
-      Database::inspect(url, kept).map([](const Database& any) { return any.space(); });
-  if (!found || found->robot_hash != robot.hash()) return database;
-  const auto own = decomposer_of_version(found->decomposer);
-  return own ? open_database(url, robot, mode, *own, kept) : std::move(database);
+                               const DatabaseSettings& kept) {
+  return Database::open(url, make_space(robot), mode, kept);
 }
 
 std::string decomposer_of_paths(const Robot& robot) { return robot.is_planar() ? "" : "paths"; }
@@ -86,12 +76,7 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings, const DatabaseSettings& kept) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
-  std::string decomposer = settings.decompose.decomposer;
-  const bool only_remembers = settings.remember_after >= 0 && settings.learn_budget_s == 0;
-  if (decomposer.empty() && only_remembers && !Database::inspect(url, kept)) {
-    decomposer = decomposer_of_paths(robot);
-  }
-  return open_database(url, robot, mode, decomposer, kept).map_error([&](Error error) {
+  return open_database(url, robot, mode, kept).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
       error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";

@@ -36,16 +36,13 @@ struct Workspace {
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
-/// Opens the database at `url` for the experience of `robot`. An empty `decomposer` is that of the
-/// database, or the robot's own if it is a new one.
+/// Opens the database at `url` for the experience of `robot`.
 [[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
-                                             OpenMode mode, const std::string& decomposer = "",
-                                             const DatabaseSettings& kept = {});
+                                             OpenMode mode, const DatabaseSettings& kept = {});
 /// What solved problems teach a robot most as: whole paths for arms in space, otherwise, empty, the
 /// robot's own.
 [[nodiscard]] std::string decomposer_of_paths(const Robot& robot);
-/// Opens it for planning: for writing only if planning may add to it. A new one that only remembers
-/// solved problems is of decomposer_of_paths().
+/// Opens it for planning: for writing only if planning may add to it.
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings,
                                            const DatabaseSettings& kept = {});

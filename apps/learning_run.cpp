@@ -68,9 +68,12 @@ Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
 
 Result<Coverage> measure_coverage(const Database& database, const PrimitiveGrid& grid) {
   std::vector<PrimitiveKey> keys;
-  return database.for_each([&](const auto& row) { keys.push_back(row->key); }).map([&] {
-    return mneme::measure_coverage(grid, keys, kCoverageProbes, kCoverageSeed);
-  });
+  const std::string kind = decomposer_version("pairs").value();
+  const auto add = [&](const auto& row) {
+    if (row->kind == kind) keys.push_back(row->key);
+  };
+  return database.for_each(add).map(
+      [&] { return mneme::measure_coverage(grid, keys, kCoverageProbes, kCoverageSeed); });
 }
 
 }  // namespace mneme::app

@@ -79,7 +79,7 @@ Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::strin
   decompose.decomposer = memory.decomposer;
   // Solved problems teach arms in space most as whole paths.
   if (decompose.decomposer.empty() && !robot.is_planar()) decompose.decomposer = "paths";
-  Result<Database> database = open_database(path, robot, OpenMode::create, decompose.decomposer);
+  Result<Database> database = open_database(path, robot, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   const auto summary = learn_with_progress(*problems, decompose, *database, lesson_of(memory));
   if (!summary) return tl::unexpected(summary.error());

@@ -13,7 +13,7 @@ int main(int count, char** arguments) {
   if (count != 3) return std::cerr << "usage: 04_with_ompl PROBLEM.yaml MEMORY.db\n", 2;
   const auto problem = mneme::load_problem(arguments[1]).value();
   const auto checker = mneme::CollisionChecker::make(problem.robot, problem.scene).value();
-  const auto space = mneme::make_space(problem.robot).value();
+  const auto space = mneme::make_space(problem.robot);
   auto memory = mneme::Database::open(arguments[2], space, mneme::OpenMode::read_only).value();
   ompl::geometric::SimpleSetup setup(mneme::ompl::make_space_information(checker));  // mneme
   setup.getStateSpace()->setStateSamplerAllocator(                                   // mneme

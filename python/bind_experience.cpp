@@ -38,7 +38,8 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
   if (!robot) return Memory(unwrap(app::inspect_database(path.string(), kept)));
-  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer, kept)));
+  if (!decomposer.empty()) unwrap(decomposer_version(decomposer));
+  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, kept)), decomposer);
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {
@@ -51,6 +52,7 @@ py::array_t<float> means_of(const GaussianMixture& mixture) {
 py::dict to_dict(const Experience& experience) {
   py::dict row;
   row["id"] = experience.id;
+  row["kind"] = experience.kind;
   row["key"] = to_array(experience.key);
   row["means"] = means_of(experience.sampler);
   row["tool"] = experience.provenance.tool;
@@ -72,16 +74,21 @@ py::dict get(const Memory& memory, std::int64_t position) {
 py::list find(const Memory& memory, const LocalPrimitive& primitive,
               std::optional<double> similarity, int max_matches) {
   const std::shared_ptr<Database> database = memory.get();
-  const ExperienceSpace& space = database->space();
-  if (static_cast<int>(primitive.key.size()) != space.key_size) {
-    raise_invalid(fmt::format("primitive: expected a key of {} numbers, got {}", space.key_size,
-                              primitive.key.size()));
+  const std::vector<KindInfo> kinds = database->kinds();
+  const auto kind = std::ranges::find_if(kinds, [&](const KindInfo& known) {
+    return known.key_size == static_cast<int>(primitive.key.size());
+  });
+  if (kind == kinds.end() && !kinds.empty()) {
+    raise_invalid(fmt::format("primitive: expected a key of {} numbers, got {}",
+                              kinds.front().key_size, primitive.key.size()));
   }
-  const double threshold = similarity.value_or(default_similarity(space.decomposer));
+  const std::string name = kind == kinds.end() ? "" : kind->kind;
+  const double threshold = similarity.value_or(default_similarity(name));
   if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
-  for (const Match& match : unwrap(database->find(primitive, threshold, max_matches))) {
+  for (const Match& match :
+       unwrap(find_matches(*database, name, primitive, threshold, max_matches))) {
     py::dict row = to_dict(*match.experience);
     row["similarity_error"] = match.similarity_error;
     rows.append(row);
@@ -95,9 +102,17 @@ py::dict info(const Memory& memory) {
   row["url"] = info.url;
   row["robot_name"] = info.space.robot_name;
   row["robot_hash"] = info.space.robot_hash;
-  row["decomposer"] = info.space.decomposer;
   row["joint_count"] = info.space.joint_count;
-  row["key_size"] = info.space.key_size;
+  py::list kinds;
+  for (const KindInfo& info_of_kind : info.kinds) {
+    py::dict kind;
+    kind["kind"] = info_of_kind.kind;
+    kind["key_size"] = info_of_kind.key_size;
+    kind["samplers"] = info_of_kind.samplers;
+    kind["components"] = info_of_kind.components;
+    kinds.append(kind);
+  }
+  row["kinds"] = kinds;
   row["samplers"] = info.samplers;
   row["components"] = info.components;
   row["bytes"] = info.bytes;
@@ -123,8 +138,8 @@ void bind_experience(py::module_& module) {
                   py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
                   "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
                   "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
-                  "decomposer: one of decomposer_names(); default that of the database, or the\n"
-                  "robot's own.\n"
+                  "decomposer: one of decomposer_names(), to learn with; default that of the\n"
+                  "rows, or the robot's own.\n"
                   "memory_mib: a larger database is not in memory; rows are read as they match.")
       .def_static("verify", &verify, py::arg("path"),
                   "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")
@@ -133,11 +148,11 @@ void bind_experience(py::module_& module) {
           py::arg("max_matches") = 8,
           "Rows whose squared key distance to the primitive is less than similarity (m^2, default\n"
           "the key's own), nearest first, with their similarity_error; 0 matches are all.")
-      .def("info", &info, "Robot, decomposer, numbers of samplers and components, bytes.")
+      .def("info", &info, "Robot, kinds of rows, numbers of samplers and components, bytes.")
       .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })
       .def("__getitem__", &get, py::arg("position"),
-           "A row in order of insertion: id, key, means of shape (components, joint_count),\n"
+           "A row in order of insertion: id, kind, key, means of shape (components, joint_count),\n"
            "float32, and where it is from.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Memory& self, const py::args&) { self.close(); })

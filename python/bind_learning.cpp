@@ -67,10 +67,6 @@ void add_primitives(const py::object& primitives, const std::optional<int>& coun
   }
 }
 
-std::string decomposer_of(const Memory& memory) {
-  return decomposer_of_version(memory.get()->space().decomposer).value_or("");
-}
-
 void add_scenes(const py::iterable& scenes, const Robot& robot, const DecomposeSettings& settings,
                 Lesson& lesson) {
   for (const py::handle item : scenes) {
@@ -125,7 +121,7 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
   keywords.apply(job.settings);
   keywords.apply(decomposing);
   keywords.finish();
-  decomposing.decomposer = decomposer_of(memory);
+  decomposing.decomposer = memory.decomposer();
   job.seed = seed;
   job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Lesson lesson;
@@ -145,7 +141,7 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
   std::vector<Path> rows;
   for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
   const std::shared_ptr<Database> database = memory.get();
-  decomposing.decomposer = decomposer_of(memory);
+  decomposing.decomposer = memory.decomposer();
   const py::gil_scoped_release released;
   auto learned = unwrap(learn_from_paths(robot, scene, rows, decomposing, reach));
   for (Experience& row : learned) {

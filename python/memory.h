@@ -9,6 +9,7 @@
 #include <string>
 
 #include "mneme/experience.h"
+#include "mneme/primitive.h"
 
 #include "errors.h"
 
@@ -16,7 +17,10 @@ namespace mneme::python {
 
 class Memory {
  public:
-  explicit Memory(Database database) : database_(std::make_shared<Database>(std::move(database))) {}
+  /// A `decomposer` is the one that is to be learned with; if it is empty, that of the rows.
+  explicit Memory(Database database, std::string decomposer = "")
+      : database_(std::make_shared<Database>(std::move(database))),
+        decomposer_(std::move(decomposer)) {}
 
   /// The open database; a mneme.Error if it was closed.
   [[nodiscard]] std::shared_ptr<Database> get() const {
@@ -24,9 +28,16 @@ class Memory {
     return database_;
   }
   void close() { database_.reset(); }
+  /// Empty if there are neither rows nor a wish: then it is the robot's own.
+  [[nodiscard]] std::string decomposer() const {
+    if (!decomposer_.empty()) return decomposer_;
+    const std::vector<KindInfo> kinds = get()->kinds();
+    return kinds.empty() ? "" : decomposer_of_version(kinds.front().kind).value_or("");
+  }
 
  private:
   std::shared_ptr<Database> database_;
+  std::string decomposer_;
 };
 
 }  // namespace mneme::python

@@ -99,8 +99,11 @@ void measure_index(std::int64_t count, int size) {
       1e3 * found.seconds[kQueries / 2], 1e3 * found.seconds[kQueries * 99 / 100]);
 }
 
+constexpr const char* kKind = "scale/1";
+
 Experience make_row(int size, double edge, Rng& rng) {
   Experience row;
+  row.kind = kKind;
   row.key = random_key(size, edge, rng);
   row.sampler.joint_count = kJoints;
   for (int i = 0; i < kMeans * kJoints; ++i) {
@@ -112,7 +115,7 @@ Experience make_row(int size, double edge, Rng& rng) {
 
 /// Rows per second of the processor, or nothing if the disk is full.
 std::optional<double> fill(const std::string& path, const ExperienceSpace& space,
-                           std::int64_t count, double edge) {
+                           std::int64_t count, int size, double edge) {
   Rng rng(1);
   double seconds = 0;
   auto database = Database::open(path, space, OpenMode::create);
@@ -120,7 +123,7 @@ std::optional<double> fill(const std::string& path, const ExperienceSpace& space
   for (std::int64_t done = 0; done < count;) {
     std::vector<Experience> rows;
     for (; rows.size() < kRowsPerInsert && done < count; ++done) {
-      rows.push_back(make_row(space.key_size, edge, rng));
+      rows.push_back(make_row(size, edge, rng));
     }
     const auto begin = processor_seconds();
     if (!database->insert(std::move(rows))) return std::nullopt;
@@ -131,7 +134,7 @@ std::optional<double> fill(const std::string& path, const ExperienceSpace& space
 
 /// Times the opening of a database, and queries of one image which find rows that were not asked
 /// for before.
-bool measure_opening(const std::string& path, const ExperienceSpace& space, double edge,
+bool measure_opening(const std::string& path, const ExperienceSpace& space, int size, double edge,
                      const char* what) {
   const double before = allocated_bytes();
   const auto begin = processor_seconds();
@@ -142,10 +145,9 @@ bool measure_opening(const std::string& path, const ExperienceSpace& space, doub
   Rng rng(2);
   Latencies found;
   for (int i = 0; i < kQueries; ++i) {
-    LocalPrimitive primitive;
-    primitive.key = random_key(space.key_size, edge, rng);
+    const PrimitiveKey key = random_key(size, edge, rng);
     const auto start = processor_seconds();
-    const auto matches = opened->find(primitive, kThreshold, kMatches);
+    const auto matches = opened->find(kKind, {&key, 1}, kThreshold, kMatches);
     found.seconds.push_back(processor_seconds() - start);
     if (!matches) return false;
     found.matches += static_cast<double>(matches->size()) / kQueries;
@@ -163,20 +165,20 @@ bool measure_database(std::int64_t count, int size) {
   const std::string path = std::filesystem::temp_directory_path() /
                            ("mneme_scale_" + std::to_string(::getpid()) + ".db");
   const std::string index = path + ".index";
-  const ExperienceSpace space{"scale", "0123456789abcdef", "scale/1", kJoints, size};
+  const ExperienceSpace space{"scale", "0123456789abcdef", kJoints};
   const double edge = cube_edge(count, size);
-  const auto rows_per_s = fill(path, space, count, edge);
+  const auto rows_per_s = fill(path, space, count, size, edge);
   if (rows_per_s) {
     std::printf("database: %lld keys of %d numbers: %.0f rows/s inserted, %.0f bytes per row\n",
                 static_cast<long long>(count), size, *rows_per_s,
                 static_cast<double>(std::filesystem::file_size(path)) / static_cast<double>(count));
   }
   const bool has_index = std::filesystem::exists(index);
-  bool is_sound = rows_per_s && measure_opening(path, space, edge,
+  bool is_sound = rows_per_s && measure_opening(path, space, size, edge,
                                                 has_index ? "with its index" : "all in memory");
   if (is_sound && has_index) {
     std::filesystem::remove(index);
-    is_sound = measure_opening(path, space, edge, "without its index");
+    is_sound = measure_opening(path, space, size, edge, "without its index");
   }
   std::filesystem::remove(path);
   std::filesystem::remove(index);

@@ -21,7 +21,8 @@
 namespace mneme::bench {
 namespace {
 
-const ExperienceSpace kSpace = {"latency", "0123456789abcdef", "pairs/1", 8, 6};
+const ExperienceSpace kSpace = {"latency", "0123456789abcdef", 8};
+constexpr const char* kKind = "latency/1";
 constexpr int kMeans = 24;
 constexpr double kEdge = 4;
 
@@ -34,6 +35,7 @@ PrimitiveKey random_key(Rng& rng) {
 std::vector<Experience> random_rows(Rng& rng, int count) {
   std::vector<Experience> rows(static_cast<std::size_t>(count));
   for (Experience& row : rows) {
+    row.kind = kKind;
     row.key = random_key(rng);
     row.sampler.joint_count = kSpace.joint_count;
     for (int i = 0; i < kMeans * kSpace.joint_count; ++i) {
@@ -69,11 +71,10 @@ Latencies measure(const Database& database, std::uint64_t seed, const std::atomi
   rusage before{};
   rusage after{};
   while (!is_over) {
-    LocalPrimitive primitive;
-    primitive.key = random_key(rng);
+    const PrimitiveKey key = random_key(rng);
     ::getrusage(RUSAGE_THREAD, &before);
     const auto begin = std::chrono::steady_clock::now();
-    const auto found = database.find(primitive, 0.3, 8);
+    const auto found = database.find(kKind, {&key, 1}, 0.3, 8);
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
     ::getrusage(RUSAGE_THREAD, &after);
     if (!found) std::fprintf(stderr, "%s\n", found.error().message.c_str());

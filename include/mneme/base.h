@@ -43,7 +43,7 @@ enum class ErrorCode {
   parse,        ///< a file's text is malformed, or a value in it has the wrong type or range
   unsupported,  ///< well-formed, but this version of mneme does not handle it
   invalid,      ///< an argument is out of range, or two inputs do not fit together
-  wrong_robot,  ///< a database holds the experience of another robot or decomposer
+  wrong_robot,  ///< a database holds the experience of another robot
   corrupt,      ///< a database or one of its rows is damaged
 };
 

@@ -10,10 +10,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mneme/base.h"
-#include "mneme/primitive.h"
+#include "mneme/robot.h"
 #include "mneme/sampling.h"
 
 namespace mneme {
@@ -36,7 +37,9 @@ struct Provenance {
 /// and that nothing passes it.
 struct Experience {
   std::int64_t id = 0;  ///< given by the database
-  PrimitiveKey key;
+  std::string kind;     ///< what the key means, such as "pairs/1": 1 to 64 bytes of UTF-8 without
+                        ///< control characters
+  std::vector<double> key;  ///< as many numbers as the other keys of its kind
   LocalSampler sampler;
   Provenance provenance;
 };
@@ -45,17 +48,29 @@ struct Experience {
 struct ExperienceSpace {
   std::string robot_name;  ///< for messages only
   std::string robot_hash;  ///< Robot::hash()
-  std::string decomposer;  ///< decomposer_version()
   int joint_count = 0;
-  int key_size = 0;
 };
-/// An empty `decomposer` is the robot's own.
-[[nodiscard]] Result<ExperienceSpace> make_space(const Robot& robot,
-                                                 const std::string& decomposer = "");
+[[nodiscard]] ExperienceSpace make_space(const Robot& robot);
+
+/// A stored experience whose key is near one that was asked for.
+struct KeyMatch {
+  std::shared_ptr<const Experience> experience;  ///< never null
+  double similarity_error = 0;                   ///< squared distance of the keys
+  std::size_t image = 0;  ///< which of the keys that were asked for is nearest
+};
+
+/// The rows of one kind.
+struct KindInfo {
+  std::string kind;
+  int key_size = 0;  ///< numbers in a key
+  std::int64_t samplers = 0;
+  std::int64_t components = 0;
+};
 
 struct DatabaseInfo {
   std::string url;  ///< without a password
   ExperienceSpace space;
+  std::vector<KindInfo> kinds;  ///< in order of name
   std::int64_t samplers = 0;
   std::int64_t components = 0;
   std::int64_t bytes = 0;       ///< of the file and its write-ahead log, or of the server's tables
@@ -94,8 +109,7 @@ class Database {
   /// an empty database of `space`; a file that was being created when its process was killed counts
   /// as empty. An empty file that is only read is an empty database too. Errors: wrong_robot if the
   /// database is not of `space`; corrupt if it is no database, or damaged; unsupported if a newer
-  /// mneme wrote it, if an older one did and it is to be written (migrate_database() helps), or if
-  /// this mneme was built without the engine; io.
+  /// or an older mneme wrote it, or if this mneme was built without the engine; io.
   [[nodiscard]] static Result<Database> open(const std::string& url, const ExperienceSpace& space,
                                              OpenMode mode, const DatabaseSettings& settings = {});
   /// Opens for reading whatever space it is of, to look at it.
@@ -108,25 +122,32 @@ class Database {
 
   [[nodiscard]] const ExperienceSpace& space() const;
   [[nodiscard]] DatabaseInfo info() const;
+  /// The kinds of rows that are there, in order of name.
+  [[nodiscard]] std::vector<KindInfo> kinds() const;
   [[nodiscard]] std::int64_t size() const;
-  /// Experience by position, 0 to size() - 1, in order of insertion. Errors: invalid; as of find().
+  /// Experience by position, 0 to size() - 1: kind by kind as in kinds(), each in order of
+  /// insertion. Errors: invalid; as of find().
   [[nodiscard]] Result<Experience> get(std::int64_t position) const;
-  /// Visits all experience in order of insertion. Errors: as of find().
+  /// Visits all experience in the order of positions. Errors: as of find().
   [[nodiscard]] Result<void> for_each(
       const std::function<void(const std::shared_ptr<const Experience>&)>& visit) const;
 
-  /// The experiences whose similarity error to `primitive` is less than `threshold`, nearest first,
-  /// at most `max_matches` (0: all). Ties are broken by id. O(log size) for few matches. Errors, of
-  /// rows that are not in memory: corrupt, naming a damaged one; io.
-  [[nodiscard]] Result<std::vector<Match>> find(const LocalPrimitive& primitive, double threshold,
-                                                int max_matches) const;
+  /// The experiences of `kind` whose key's squared distance to the nearest of `images` is less than
+  /// `threshold`, nearest first, at most `max_matches` (0: all). Ties are broken by id; each row
+  /// comes once. `images` are the ways to write down one key; of another length than the kind's
+  /// keys they match nothing. O(log size) for few matches. Errors, of rows that are not in memory:
+  /// corrupt, naming a damaged one; io.
+  [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
+                                                   std::span<const std::vector<double>> images,
+                                                   double threshold, int max_matches) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
-  /// process and a loss of power. A row whose key, mixture, settings and seed are those of a row
-  /// that is there already is not added again, so that a failed insertion can be repeated safely.
-  /// Returns the ids. Errors: io (disk full, read-only, locked, connection lost), invalid (wrong
-  /// sizes, not finite, a number of a key beyond 1e6, text that is not UTF-8); then nothing was
-  /// inserted, unless the connection was lost during the very last step.
+  /// process and a loss of power. A row whose kind, key, mixture, settings and seed are those of a
+  /// row that is there already is not added again, so that a failed insertion can be repeated
+  /// safely. The first row of a kind decides how long its keys are. Returns the ids. Errors: io
+  /// (disk full, read-only, locked, connection lost), invalid (wrong sizes, not finite, a number of
+  /// a key beyond 1e6, text that is not UTF-8); then nothing was inserted, unless the connection
+  /// was lost during the very last step.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
 
   /// Reads what other processes have added since it was opened or refreshed, and forgets rows that
@@ -148,7 +169,8 @@ enum class VerifyMode {
 };
 /// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
 /// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
-/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer mneme wrote it.
+/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer or an older mneme
+/// wrote it.
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
                                                           VerifyMode mode = VerifyMode::report);
 
@@ -158,9 +180,9 @@ struct MergeSummary {
   std::int64_t replaced = 0;  ///< that the target had, learned later; the earlier provenance stays
 };
 /// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
-/// rows are the same if their keys, mixtures, settings and seeds are. Idempotent, and what results
-/// does not depend on the order of merging. In transactions of some hundred rows: repeat it if it
-/// was interrupted. Errors: wrong_robot if the two are not of one space; those of
+/// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
+/// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
+/// if it was interrupted. Errors: wrong_robot if the two are not of one space; those of
 /// Database::open().
 [[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
                                                    const std::string& from);
@@ -180,17 +202,5 @@ struct CompactSummary {
 };
 /// Removes rows that were set aside, and gives the space back. Other processes may go on.
 [[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
-
-struct MigrateSummary {
-  int from = 0;  ///< schema versions; if they are equal nothing was done
-  int to = 0;
-  std::string copy;  ///< the file as it was
-  std::int64_t rows = 0;
-  std::int64_t duplicates = 0;   ///< rows that say what another one says: only in the copy
-  std::vector<Damage> left_out;  ///< damaged rows: only in the copy
-};
-/// Brings a database of an older schema to the present one, in one transaction after a copy beside
-/// it. Errors: unsupported if a newer mneme wrote it; corrupt; io.
-[[nodiscard]] Result<MigrateSummary> migrate_database(const std::string& url);
 
 }  // namespace mneme

@@ -14,12 +14,11 @@ namespace mneme::internal {
 namespace {
 
 // The columns of our tables: null (SQLite keeps a row's id apart), integers, texts, blobs.
-constexpr std::string_view kSpaceShape = "ntttiii";
+constexpr std::string_view kSpaceShape = "nttii";
 constexpr std::string_view kHeadShape = "niiiiiiiii";
 constexpr std::string_view kTombstoneShape = "niitti";
-constexpr std::string_view kKeyShape = "niibibi";
+constexpr std::string_view kKeyShape = "niitbibi";
 constexpr std::string_view kMixtureShape = "nibbbbttiti";
-constexpr std::string_view kLegacyShape = "nbbbbbttiti";
 
 bool has_shape(const LeafRecord& record, std::string_view shape) {
   constexpr std::string_view kLetters = "nirtb";  // in the order of Field::Kind
@@ -32,14 +31,14 @@ void fill_key(const LeafRecord& record, StoredRow& row) {
   row.id = record.id;
   row.generation = record.fields[1].integer;
   row.cell = record.fields[2].integer;
-  row.content = record.fields[3].bytes;
-  row.components = record.fields[4].integer;
-  row.columns.key = record.fields[5].bytes;
-  row.key_checksum = record.fields[6].integer;
-  row.tally_checksum = row.key_checksum;
+  row.columns.kind = record.fields[3].text();
+  row.content = record.fields[4].bytes;
+  row.components = record.fields[5].integer;
+  row.columns.key = record.fields[6].bytes;
+  row.key_checksum = record.fields[7].integer;
 }
 
-/// All columns but the key; those of schema 1 stand at the same places.
+/// All columns but those that stand with the key.
 void fill_mixture(const LeafRecord& record, StoredRow& row) {
   const auto& fields = record.fields;
   row.id = record.id;
@@ -52,13 +51,6 @@ void fill_mixture(const LeafRecord& record, StoredRow& row) {
   row.columns.seed = fields[8].integer;
   row.columns.time = fields[9].text();
   row.mixture_checksum = fields[10].integer;
-}
-
-RowView legacy_columns(const LeafRecord& record) {
-  StoredRow row;
-  fill_mixture(record, row);
-  row.columns.key = record.fields[1].bytes;
-  return row.columns;
 }
 
 }  // namespace
@@ -78,9 +70,7 @@ Result<CarvedRows> CarvedRows::read(const std::string& path) {
                     : "there are rows that name different robots");
   }
   rows.space_ = rows.spaces_.front();
-  // Pages that are not in use any more may still hold rows of schema 1 that were brought over.
-  if (rows.head_ || !rows.keys_.empty() || !rows.mixtures_.empty()) rows.legacy_.clear();
-  for (auto* parts : {&rows.keys_, &rows.mixtures_, &rows.legacy_}) {
+  for (auto* parts : {&rows.keys_, &rows.mixtures_}) {
     std::ranges::sort(*parts, {},
                       [](const Part& part) { return std::pair(part.id, part.is_sound ? 0 : 1); });
     const auto repeated = std::ranges::unique(*parts, {}, &Part::id);
@@ -98,9 +88,6 @@ void CarvedRows::take(const LeafRecord& record, RecordPlace place) {
     fill_mixture(record, row);
     row.cell = record.fields[1].integer;
     mixtures_.push_back({row.id, place, mixture_checksum(row) == row.mixture_checksum});
-  } else if (has_shape(record, kLegacyShape)) {
-    const bool is_sound = checksum_of(legacy_columns(record)) == record.fields[10].integer;
-    legacy_.push_back({record.id, place, is_sound});
   } else if (has_shape(record, kSpaceShape)) {
     take_space(record);
   } else if (has_shape(record, kHeadShape)) {
@@ -115,12 +102,8 @@ void CarvedRows::take_space(const LeafRecord& record) {
   ExperienceSpace space;
   space.robot_name = fields[1].text();
   space.robot_hash = fields[2].text();
-  space.decomposer = fields[3].text();
-  space.joint_count = static_cast<int>(fields[4].integer);
-  space.key_size = static_cast<int>(fields[5].integer);
-  if (checksum_of(space) != fields[6].integer || space.joint_count < 1 || space.key_size < 1) {
-    return;
-  }
+  space.joint_count = static_cast<int>(fields[3].integer);
+  if (checksum_of(space) != fields[4].integer || space.joint_count < 1) return;
   const bool is_known = std::ranges::any_of(
       spaces_, [&](const ExperienceSpace& known) { return is_same_space(known, space); });
   if (!is_known) spaces_.push_back(std::move(space));
@@ -149,7 +132,7 @@ void CarvedRows::take_tombstone(const LeafRecord& record) {
 
 std::vector<std::int64_t> CarvedRows::ids() const {
   std::vector<std::int64_t> ids;
-  for (const auto* parts : {&keys_, &mixtures_, &legacy_}) {
+  for (const auto* parts : {&keys_, &mixtures_}) {
     for (const Part& part : *parts) ids.push_back(part.id);
   }
   std::ranges::sort(ids);
@@ -166,7 +149,6 @@ Result<bool> CarvedRows::read_part(const std::vector<Part>& parts, std::int64_t 
 }
 
 Result<StoredRow> CarvedRows::row(std::int64_t id) {
-  if (!legacy_.empty()) return legacy_row(id);
   StoredRow row;
   const auto has_mixture = read_part(mixtures_, id, mixture_);
   if (!has_mixture) return tl::unexpected(has_mixture.error());
@@ -177,25 +159,6 @@ Result<StoredRow> CarvedRows::row(std::int64_t id) {
   if (!*has_mixture) row.flaw = "its mixture is missing";
   if (!*has_key) row.flaw = "its key is missing";
   return row;
-}
-
-Result<StoredRow> CarvedRows::legacy_row(std::int64_t id) {
-  const auto is_read = read_part(legacy_, id, key_);
-  if (!is_read) return tl::unexpected(is_read.error());
-  const RowView columns = legacy_columns(key_);
-  StoredRow damaged;
-  damaged.id = id;
-  legacy_experience_ = {};
-  if (checksum_of(columns) != key_.fields[10].integer) {
-    damaged.flaw = "its checksum is not that of its content";
-    return damaged;
-  }
-  if (const auto flaw = decode_columns(columns, space_, legacy_experience_)) {
-    damaged.flaw = *flaw;
-    return damaged;
-  }
-  legacy_encoded_.emplace(legacy_experience_);
-  return legacy_encoded_->stored(id, id);
 }
 
 }  // namespace mneme::internal

@@ -15,14 +15,14 @@
 
 namespace mneme::internal {
 
-/// Finds everything of ours that a file holds, of schema 2 or 1. Not thread-safe.
+/// Finds everything of ours that a file holds. Not thread-safe.
 class CarvedRows {
  public:
   /// Errors: io; corrupt if the one sound row that names the robot is not there.
   [[nodiscard]] static Result<CarvedRows> read(const std::string& path);
 
   [[nodiscard]] const ExperienceSpace& space() const { return space_; }
-  /// Nothing if it is lost, or of schema 1.
+  /// Nothing if it is lost.
   [[nodiscard]] const std::optional<StoreState>& head() const { return head_; }
   /// Rows with a sound tombstone.
   [[nodiscard]] const std::set<std::int64_t>& dead() const { return dead_; }
@@ -46,20 +46,16 @@ class CarvedRows {
   /// False if there is no part of that id.
   [[nodiscard]] Result<bool> read_part(const std::vector<Part>& parts, std::int64_t id,
                                        LeafRecord& record);
-  [[nodiscard]] Result<StoredRow> legacy_row(std::int64_t id);
 
   PageFile file_;
   std::vector<Part> keys_;
   std::vector<Part> mixtures_;
-  std::vector<Part> legacy_;
   std::vector<ExperienceSpace> spaces_;
   ExperienceSpace space_;
   std::optional<StoreState> head_;
   std::set<std::int64_t> dead_;
   LeafRecord key_;
   LeafRecord mixture_;
-  Experience legacy_experience_;
-  std::optional<EncodedRow> legacy_encoded_;
 };
 
 }  // namespace mneme::internal

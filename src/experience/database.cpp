@@ -4,6 +4,7 @@
 
 #include "experience/index_file.h"
 #include "experience/open_store.h"
+#include "experience/row_check.h"
 #include "experience/row_loader.h"
 #include "experience/space.h"
 #include "experience/store_reads.h"
@@ -19,6 +20,7 @@
 namespace mneme {
 
 using internal::ExperienceIndex;
+using internal::KindIndexes;
 using internal::RowParts;
 using internal::SharedExperience;
 using internal::StoreState;
@@ -27,15 +29,40 @@ namespace {
 
 /// Rows on their way into a database's memory.
 struct FreshRows {
-  internal::IndexRows keys;
+  std::map<std::string, internal::IndexRows> kinds;
+  std::int64_t count = 0;
   std::vector<SharedExperience> rows;  // those that were read whole
 
   void add(const Experience& row, std::int64_t components) {
+    internal::IndexRows& keys = kinds[row.kind];
     keys.ids.push_back(row.id);
     keys.components.push_back(static_cast<std::int32_t>(components));
     keys.keys.insert(keys.keys.end(), row.key.begin(), row.key.end());
+    ++count;
   }
 };
+
+std::int64_t size_of(const KindIndexes& kinds) {
+  std::int64_t size = 0;
+  for (const auto& [kind, index] : kinds) size += index.size();
+  return size;
+}
+
+/// Hands the ids of each tree to `visit`, kind by kind.
+template <class Visit>
+void visit_trees(const KindIndexes& kinds, const Visit& visit) {
+  for (const auto& [kind, index] : kinds) {
+    for (const auto& tree : index.trees()) visit(std::span<const std::int64_t>(tree->data().ids));
+  }
+}
+
+internal::KeySizes sizes_of(const KindIndexes& kinds) {
+  internal::KeySizes sizes;
+  for (const auto& [kind, index] : kinds) {
+    (void)sizes.check(kind, static_cast<std::size_t>(index.key_size()));
+  }
+  return sizes;
+}
 
 }  // namespace
 
@@ -61,7 +88,7 @@ struct Database::State {
   void change(const std::vector<std::int64_t>& gone, FreshRows fresh);
   void save_if_useful();
 
-  [[nodiscard]] std::shared_ptr<const ExperienceIndex> index() const {
+  [[nodiscard]] std::shared_ptr<const KindIndexes> kinds() const {
     const std::lock_guard lock(publishing);
     return published;
   }
@@ -82,7 +109,7 @@ struct Database::State {
   std::int64_t saved_size = 0;  // of the index in the file
 
   mutable std::mutex publishing;
-  std::shared_ptr<const ExperienceIndex> published;
+  std::shared_ptr<const KindIndexes> published;  // never null
 };
 
 Database::State::State(internal::OpenedStore opened, const std::string& asked_url,
@@ -94,7 +121,7 @@ Database::State::State(internal::OpenedStore opened, const std::string& asked_ur
       rows(asked_url, space, settings.memory_bytes),
       schema_version(opened.schema_version),
       store(std::move(opened.store)),
-      published(std::make_shared<const ExperienceIndex>(std::max(space.key_size, 1))) {}
+      published(std::make_shared<const KindIndexes>()) {}
 
 Result<void> Database::State::take_saved_index() {
   if (!is_too_large || index_file.empty()) return {};
@@ -108,8 +135,8 @@ Result<void> Database::State::take_saved_index() {
   // those of the index. Otherwise it may be that of another file which had this one's name.
   if (head->epoch != saved->state.epoch || head->row_count < saved->state.row_count) return {};
   reached = saved->state;
-  saved_size = saved->index.size();
-  published = std::make_shared<const ExperienceIndex>(std::move(saved->index));
+  saved_size = size_of(saved->kinds);
+  published = std::make_shared<const KindIndexes>(std::move(saved->kinds));
   return {};
 }
 
@@ -119,7 +146,7 @@ Result<void> Database::State::read() {
   if (!done && saved_size > 0) {
     reached = {};
     saved_size = 0;
-    published = std::make_shared<const ExperienceIndex>(std::max(space.key_size, 1));
+    published = std::make_shared<const KindIndexes>();
     done = catch_up();
   }
   if (!done) return tl::unexpected(done.error());
@@ -128,7 +155,7 @@ Result<void> Database::State::read() {
 }
 
 void Database::State::save_if_useful() {
-  const std::int64_t size = published->size();
+  const std::int64_t size = size_of(*published);
   const bool is_stale = size - saved_size > size / 8 || saved_size > size;
   if (index_file.empty() || !is_stale || !is_partial()) return;
   if (internal::save_index(index_file, space, reached, *published)) saved_size = size;
@@ -136,22 +163,26 @@ void Database::State::save_if_useful() {
 
 std::unordered_set<std::int64_t> Database::State::known_ids() const {
   std::unordered_set<std::int64_t> known;
-  for (const auto& tree : published->trees()) {
-    known.insert(tree->data().ids.begin(), tree->data().ids.end());
-  }
+  visit_trees(*published, [&](auto ids) { known.insert(ids.begin(), ids.end()); });
   return known;
 }
 
 void Database::State::change(const std::vector<std::int64_t>& gone, FreshRows fresh) {
-  auto next = std::make_shared<ExperienceIndex>(*published);
+  auto next = std::make_shared<KindIndexes>(*published);
   if (!gone.empty()) {
     const std::unordered_set<std::int64_t> ids(gone.begin(), gone.end());
-    next->remove([&](std::int64_t id) { return ids.contains(id); });
+    for (auto& [kind, index] : *next) {
+      index.remove([&](std::int64_t id) { return ids.contains(id); });
+    }
+    std::erase_if(*next, [](const auto& kind) { return kind.second.size() == 0; });
     rows.cache().forget(gone);
   }
-  next->append(std::move(fresh.keys));
+  for (auto& [kind, keys] : fresh.kinds) {
+    const auto key_size = static_cast<int>(keys.keys.size() / keys.ids.size());
+    next->try_emplace(kind, key_size).first->second.append(std::move(keys));
+  }
   rows.cache().keep(fresh.rows);
-  std::shared_ptr<const ExperienceIndex> last = std::move(next);
+  std::shared_ptr<const KindIndexes> last = std::move(next);
   const std::lock_guard lock(publishing);
   std::swap(published, last);
 }
@@ -172,6 +203,7 @@ Result<internal::StoreChanges> Database::State::read_fresh(FreshRows& fresh,
                                                            std::unordered_set<std::int64_t>& seen) {
   const auto parts = is_partial() ? RowParts::keys : RowParts::all;
   std::unordered_set<std::int64_t> known;
+  internal::KeySizes sizes = sizes_of(*published);
   const auto visit = [&](const internal::StoredRow& row) -> Result<void> {
     if (row.id <= reached.last_row) {
       if (known.empty()) known = known_ids();
@@ -179,8 +211,9 @@ Result<internal::StoreChanges> Database::State::read_fresh(FreshRows& fresh,
       if (known.contains(row.id)) return {};
     }
     auto experience = std::make_shared<Experience>();
-    const auto flaw = parts == RowParts::all ? internal::decode(row, space, *experience)
-                                             : internal::decode_key(row, space, *experience);
+    auto flaw = parts == RowParts::all ? internal::decode(row, space, *experience)
+                                       : internal::decode_key(row, *experience);
+    if (!flaw) flaw = sizes.check(experience->kind, experience->key.size());
     if (flaw) {
       return fail(ErrorCode::corrupt, fmt::format("{}: row {} is damaged: {}", url, row.id, *flaw));
     }
@@ -201,13 +234,13 @@ Result<std::int64_t> Database::State::catch_up() {
   if (!changes) return tl::unexpected(changes.error());
   std::vector<std::int64_t> gone;
   if (changes->is_complete || !changes->buried.empty()) {
-    for (const auto& tree : published->trees()) {
-      std::ranges::copy_if(tree->data().ids, std::back_inserter(gone), [&](std::int64_t id) {
+    visit_trees(*published, [&](auto ids) {
+      std::ranges::copy_if(ids, std::back_inserter(gone), [&](std::int64_t id) {
         return changes->buried.contains(id) || (changes->is_complete && !seen.contains(id));
       });
-    }
+    });
   }
-  const auto count = static_cast<std::int64_t>(fresh.keys.ids.size());
+  const std::int64_t count = fresh.count;
   rows.set_epoch(changes->state.epoch);
   if (count > 0 || !gone.empty()) change(gone, std::move(fresh));
   reached = changes->state;
@@ -244,12 +277,14 @@ const ExperienceSpace& Database::space() const { return state_->space; }
 
 DatabaseInfo Database::info() const {
   const std::lock_guard writing(state_->writing);
-  const auto index = state_->index();
   DatabaseInfo info;
   info.url = state_->url;
   info.space = state_->space;
-  info.samplers = index->size();
-  info.components = index->components();
+  info.kinds = kinds();
+  for (const KindInfo& kind : info.kinds) {
+    info.samplers += kind.samplers;
+    info.components += kind.components;
+  }
   info.bytes = state_->store->bytes().value_or(0);
   info.schema_version = state_->schema_version;
   info.generation = state_->reached.generation;
@@ -257,15 +292,26 @@ DatabaseInfo Database::info() const {
   return info;
 }
 
-std::int64_t Database::size() const { return state_->index()->size(); }
+std::vector<KindInfo> Database::kinds() const {
+  std::vector<KindInfo> infos;
+  for (const auto& [kind, index] : *state_->kinds()) {
+    infos.push_back({kind, index.key_size(), index.size(), index.components()});
+  }
+  return infos;
+}
+
+std::int64_t Database::size() const { return size_of(*state_->kinds()); }
 
 Result<Experience> Database::get(std::int64_t position) const {
-  const auto index = state_->index();
-  if (position < 0 || position >= index->size()) {
+  const auto kinds = state_->kinds();
+  const std::int64_t size = size_of(*kinds);
+  if (position < 0 || position >= size) {
     return fail(ErrorCode::invalid, fmt::format("{}: there is no row {}; expected 0 to {}",
-                                                state_->url, position, index->size() - 1));
+                                                state_->url, position, size - 1));
   }
-  const std::int64_t id = index->id(position);
+  auto kind = kinds->begin();
+  for (; position >= kind->second.size(); ++kind) position -= kind->second.size();
+  const std::int64_t id = kind->second.id(position);
   const auto rows = state_->rows.load({&id, 1}, true);
   if (!rows) return tl::unexpected(rows.error());
   if (rows->front() != nullptr) return *rows->front();
@@ -275,37 +321,41 @@ Result<Experience> Database::get(std::int64_t position) const {
 Result<void> Database::for_each(
     const std::function<void(const std::shared_ptr<const Experience>&)>& visit) const {
   constexpr std::size_t kRowsAtOnce = 500;
-  const auto index = state_->index();
-  for (const auto& tree : index->trees()) {
-    std::span<const std::int64_t> ids = tree->data().ids;
-    while (!ids.empty()) {
+  const auto kinds = state_->kinds();
+  Result<void> done;
+  visit_trees(*kinds, [&](std::span<const std::int64_t> ids) {
+    while (!ids.empty() && done) {
       const auto part = ids.first(std::min(kRowsAtOnce, ids.size()));
       ids = ids.subspan(part.size());
-      const auto rows = state_->rows.load(part, false);
-      if (!rows) return tl::unexpected(rows.error());
-      for (const SharedExperience& row : *rows) {
-        if (row != nullptr) visit(row);
-      }
+      done = state_->rows.load(part, false).map([&](const std::vector<SharedExperience>& rows) {
+        for (const SharedExperience& row : rows) {
+          if (row != nullptr) visit(row);
+        }
+      });
     }
-  }
-  return {};
+  });
+  return done;
 }
 
-Result<std::vector<Match>> Database::find(const LocalPrimitive& primitive, double threshold,
-                                          int max_matches) const {
-  std::vector<Match> matches;
-  if (primitive.key.size() != static_cast<std::size_t>(state_->space.key_size)) return matches;
-  const std::vector<KeyImage> queries = images(primitive.key);
-  const auto found = state_->index()->find(queries, threshold, max_matches);
+Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
+                                             std::span<const std::vector<double>> images,
+                                             double threshold, int max_matches) const {
+  std::vector<KeyMatch> matches;
+  const auto kinds = state_->kinds();
+  const auto index = kinds->find(kind);
+  if (index == kinds->end()) return matches;
+  const auto key_size = static_cast<std::size_t>(index->second.key_size());
+  if (std::ranges::any_of(images, [&](const auto& key) { return key.size() != key_size; })) {
+    return matches;
+  }
+  const auto found = index->second.find(images, threshold, max_matches);
   std::vector<std::int64_t> ids;
   for (const internal::IndexMatch& match : found) ids.push_back(match.id);
   auto rows = state_->rows.load(ids, true);
   if (!rows) return tl::unexpected(rows.error());
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (rows->at(i) == nullptr) continue;
-    const Symmetry to_canonical{0, queries[found[i].image].is_mirrored};
-    matches.push_back(
-        {std::move(rows->at(i)), found[i].error, compose(primitive.to_scene, to_canonical)});
+    matches.push_back({std::move(rows->at(i)), found[i].error, found[i].image});
   }
   return matches;
 }
@@ -328,7 +378,7 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
     fresh.add(rows[i], rows[i].sampler.component_count());
     fresh.rows.push_back(std::make_shared<const Experience>(std::move(rows[i])));
   }
-  state_->change({}, std::move(fresh));
+  if (fresh.count > 0) state_->change({}, std::move(fresh));
   state_->reached = appended->state;
   return appended->ids;
 }

@@ -85,7 +85,9 @@ class Import {
 
   /// `where` names the row in messages.
   Result<void> add(Experience row, const std::string& where) {
-    if (const auto flaw = internal::describe_flaw(row, opened_.space)) {
+    auto flaw = internal::describe_flaw(row, opened_.space);
+    if (!flaw) flaw = sizes_.check(row.kind, row.key.size());
+    if (flaw) {
       return fail(ErrorCode::parse, fmt::format("{}: {}: {}", path_, where, *flaw));
     }
     row.sampler.joint_count = opened_.space.joint_count;
@@ -110,6 +112,7 @@ class Import {
   std::string url_;
   std::string path_;
   internal::OpenedStore opened_;
+  internal::KeySizes sizes_;
   std::vector<Experience> rows_;
   MergeSummary summary_;
 };
@@ -221,7 +224,7 @@ Result<std::int64_t> export_database(const std::string& url, const std::string& 
     return fail(ErrorCode::invalid,
                 fmt::format("{}: is empty, and of no robot yet", opened->store->name()));
   }
-  const auto list = internal::list_by_content(*opened->store, opened->space);
+  const auto list = internal::list_by_content(*opened->store);
   if (!list) return tl::unexpected(internal::with_advice(list.error(), url));
   auto file = internal::NewFile::create(path);
   if (!file) return tl::unexpected(file.error());

@@ -27,7 +27,7 @@ std::int64_t bytes_of(const Experience& row) {
   const LocalSampler& sampler = row.sampler;
   const Provenance& provenance = row.provenance;
   return static_cast<std::int64_t>(
-      sizeof row + kOverhead + bytes_in(row.key) + bytes_in(sampler.means) +
+      sizeof row + kOverhead + row.kind.capacity() + bytes_in(row.key) + bytes_in(sampler.means) +
       bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) + bytes_in(sampler.origins) +
       provenance.tool.capacity() + provenance.settings.capacity() + provenance.time.capacity());
 }

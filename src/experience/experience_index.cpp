@@ -72,13 +72,13 @@ void ExperienceIndex::remove(const std::function<bool(std::int64_t)>& is_gone) {
   count();
 }
 
-std::vector<IndexMatch> ExperienceIndex::find(std::span<const KeyImage> images, double threshold,
-                                              int max_matches) const {
+std::vector<IndexMatch> ExperienceIndex::find(std::span<const std::vector<double>> images,
+                                              double threshold, int max_matches) const {
   const auto bound = static_cast<std::size_t>(std::max(max_matches, 0));
   std::vector<IndexMatch> found;
   for (std::uint32_t image = 0; image < images.size(); ++image) {
     NearestMatches nearest(threshold, bound, image);
-    for (const auto& tree : trees_) tree->search(images[image].key.data(), nearest);
+    for (const auto& tree : trees_) tree->search(images[image].data(), nearest);
     found.insert(found.end(), nearest.matches().begin(), nearest.matches().end());
     threshold = nearest.limit();
   }

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Nearest canonical keys among rows that come and, rarely, go.
+/// Nearest keys among rows that come and, rarely, go.
 #pragma once
 
 #include "experience/key_tree.h"
-#include "mneme/primitive.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace mneme::internal {
 
@@ -29,8 +30,8 @@ class ExperienceIndex {
 
   /// The rows whose key's squared distance to the nearest of `images` is less than `threshold`:
   /// nearest first, ties by id, at most `max_matches` (0: all).
-  [[nodiscard]] std::vector<IndexMatch> find(std::span<const KeyImage> images, double threshold,
-                                             int max_matches) const;
+  [[nodiscard]] std::vector<IndexMatch> find(std::span<const std::vector<double>> images,
+                                             double threshold, int max_matches) const;
 
   [[nodiscard]] int key_size() const { return key_size_; }
   [[nodiscard]] std::int64_t size() const { return size_; }
@@ -48,5 +49,8 @@ class ExperienceIndex {
   std::int64_t size_ = 0;
   std::int64_t components_ = 0;
 };
+
+/// The indexes of all kinds of rows.
+using KindIndexes = std::map<std::string, ExperienceIndex, std::less<>>;
 
 }  // namespace mneme::internal

@@ -11,7 +11,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::string_view kKeyColumns =
-    "e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum";
+    "e.id, e.generation, e.cell, e.kind, e.content, e.components, e.key, e.checksum";
 constexpr std::string_view kMixtureColumns =
     "m.means, m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum, "
     "m.id";
@@ -22,22 +22,22 @@ StoredRow stored_row(const Statement& statement, RowParts parts) {
   row.id = statement.integer(0);
   row.generation = statement.integer(1);
   row.cell = statement.integer(2);
-  row.content = statement.blob(3);
-  row.components = statement.integer(4);
-  row.columns.key = statement.blob(5);
-  row.key_checksum = statement.integer(6);
-  row.tally_checksum = row.key_checksum;
+  row.columns.kind = statement.text(3);
+  row.content = statement.blob(4);
+  row.components = statement.integer(5);
+  row.columns.key = statement.blob(6);
+  row.key_checksum = statement.integer(7);
   if (parts == RowParts::keys) return row;
-  row.columns.means = statement.blob(7);
-  row.columns.factor_rows = statement.blob(8);
-  row.columns.factors = statement.blob(9);
-  row.columns.origins = statement.blob(10);
-  row.columns.tool = statement.text(11);
-  row.columns.settings = statement.text(12);
-  row.columns.seed = statement.integer(13);
-  row.columns.time = statement.text(14);
-  row.mixture_checksum = statement.integer(15);
-  if (statement.integer(16) != row.id) row.flaw = "its mixture is missing";
+  row.columns.means = statement.blob(8);
+  row.columns.factor_rows = statement.blob(9);
+  row.columns.factors = statement.blob(10);
+  row.columns.origins = statement.blob(11);
+  row.columns.tool = statement.text(12);
+  row.columns.settings = statement.text(13);
+  row.columns.seed = statement.integer(14);
+  row.columns.time = statement.text(15);
+  row.mixture_checksum = statement.integer(16);
+  if (statement.integer(17) != row.id) row.flaw = "its mixture is missing";
   return row;
 }
 
@@ -61,9 +61,9 @@ Result<void> run(Statement& statement) {
 }
 
 Result<void> add_row(Statement& key, Statement& mixture, const StoredRow& row) {
-  key.bind(1, row.id).bind(2, row.generation).bind(3, row.cell).bind(4, row.content);
-  key.bind(5, row.components).bind(6, row.columns.key).bind(7, row.key_checksum);
   const RowView& columns = row.columns;
+  key.bind(1, row.id).bind(2, row.generation).bind(3, row.cell).bind(4, columns.kind);
+  key.bind(5, row.content).bind(6, row.components).bind(7, columns.key).bind(8, row.key_checksum);
   mixture.bind(1, row.id).bind(2, row.cell).bind(3, columns.means).bind(4, columns.factor_rows);
   mixture.bind(5, columns.factors).bind(6, columns.origins).bind(7, columns.tool);
   mixture.bind(8, columns.settings).bind(9, columns.seed).bind(10, columns.time);
@@ -165,6 +165,21 @@ Result<std::vector<KnownRow>> find_contents(Connection& connection,
   return known;
 }
 
+Result<std::optional<std::size_t>> find_key_size(Connection& connection, std::string_view kind) {
+  auto statement = connection.prepare(
+      "SELECT length(e.key) FROM experience e WHERE e.kind = ? "
+      "AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = e.id) ORDER BY e.id LIMIT 1");
+  if (!statement) return tl::unexpected(statement.error());
+  statement->bind(1, kind);
+  std::optional<std::size_t> size;
+  const auto found = for_each(*statement, [&] {
+    size = static_cast<std::size_t>(statement->integer(0)) / sizeof(double);
+    return Result<void>();
+  });
+  if (!found) return tl::unexpected(found.error());
+  return size;
+}
+
 Result<std::vector<std::int64_t>> find_orphans(Connection& connection) {
   auto statement = connection.prepare(
       "SELECT m.id FROM mixture m LEFT JOIN experience e ON e.id = m.id WHERE e.id IS NULL "
@@ -180,7 +195,7 @@ Result<std::vector<std::int64_t>> find_orphans(Connection& connection) {
 }
 
 Result<void> add_rows(Connection& connection, std::span<const StoredRow> rows) {
-  auto key = connection.prepare("INSERT INTO experience VALUES (?, ?, ?, ?, ?, ?, ?)");
+  auto key = connection.prepare("INSERT INTO experience VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!key) return tl::unexpected(key.error());
   auto mixture = connection.prepare("INSERT INTO mixture VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   if (!mixture) return tl::unexpected(mixture.error());

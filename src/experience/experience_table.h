@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The statements of an SQLite file of schema 2.
+/// The statements of an SQLite file.
 #pragma once
 
 #include "experience/sqlite_connection.h"
@@ -22,6 +22,8 @@ namespace mneme::internal {
                                            const RowVisitor& visit);
 [[nodiscard]] Result<std::vector<KnownRow>> find_contents(Connection& connection,
                                                           std::span<const ContentHash> contents);
+[[nodiscard]] Result<std::optional<std::size_t>> find_key_size(Connection& connection,
+                                                               std::string_view kind);
 [[nodiscard]] Result<std::vector<std::int64_t>> find_orphans(Connection& connection);
 [[nodiscard]] Result<void> add_rows(Connection& connection, std::span<const StoredRow> rows);
 [[nodiscard]] Result<void> add_tombstones(Connection& connection,

@@ -23,10 +23,10 @@ constexpr bool kIsLittleEndian = std::endian::native == std::endian::little;
 
 /// "mneme ix" and the version of the layout.
 constexpr std::int64_t kMagic = 0x6d6e656d65206978;
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 constexpr std::int64_t kLeaf = KeyTree::kLeafSize;
-/// Magic, version, keys in a leaf, space, key size, trees; then the store's state.
-constexpr std::size_t kOwnNumbers = 6;
+/// Magic, version, keys in a leaf, space, kinds; then the store's state.
+constexpr std::size_t kOwnNumbers = 5;
 using Header = std::array<std::int64_t, kOwnNumbers + kHeadSize>;
 
 template <class Value>
@@ -58,6 +58,9 @@ class Taker {
   std::string_view rest_;
 };
 
+/// Before the trees of a kind: the length of its name, its key size, the number of trees.
+using KindHeader = std::array<std::int64_t, 3>;
+
 std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
   std::int64_t count = 0;
   KeyTreeData data;
@@ -72,9 +75,45 @@ std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
   return is_inside ? std::optional(std::move(data)) : std::nullopt;
 }
 
+/// Puts the index of the next kind among `kinds`.
+bool take_kind(Taker& taker, KindIndexes& kinds) {
+  KindHeader header{};
+  std::vector<char> name;
+  constexpr int kMostNumbers = 1 << 20;
+  if (!taker.take(header.data(), header.size()) || header[0] < 0 || header[1] < 1 ||
+      header[1] > kMostNumbers || !taker.take(name, static_cast<std::size_t>(header[0]))) {
+    return false;
+  }
+  const int key_size = static_cast<int>(header[1]);
+  std::vector<std::shared_ptr<const KeyTree>> trees;
+  for (std::int64_t i = 0; i < header[2]; ++i) {
+    auto data = take_tree(taker, static_cast<std::size_t>(key_size));
+    if (!data) return false;
+    trees.push_back(std::make_shared<const KeyTree>(key_size, std::move(*data)));
+  }
+  kinds.emplace(std::string(name.begin(), name.end()), ExperienceIndex(key_size, std::move(trees)));
+  return true;
+}
+
+void append_kind(std::string& bytes, const std::string& kind, const ExperienceIndex& index) {
+  const KindHeader header = {static_cast<std::int64_t>(kind.size()), index.key_size(),
+                             static_cast<std::int64_t>(index.trees().size())};
+  bytes += bytes_of(header.data(), header.size());
+  bytes += kind;
+  for (const auto& tree : index.trees()) {
+    const KeyTreeData& data = tree->data();
+    const auto count = static_cast<std::int64_t>(tree->size());
+    bytes += bytes_of(&count, 1);
+    bytes += bytes_of(data.ids.data(), data.ids.size());
+    bytes += bytes_of(data.components.data(), data.components.size());
+    bytes += bytes_of(data.order.data(), data.order.size());
+    bytes += bytes_of(data.keys.data(), data.keys.size());
+  }
+}
+
 bool is_of(const Header& header, const ExperienceSpace& space) {
   return header[0] == kMagic && header[1] == kVersion && header[2] == kLeaf &&
-         header[3] == checksum_of(space) && header[4] == space.key_size;
+         header[3] == checksum_of(space);
 }
 
 /// Nothing if it does not begin as the index of `space` does: then it may be any large file.
@@ -113,25 +152,13 @@ std::string index_file_of(const std::string& url) {
 }
 
 bool save_index(const std::string& file, const ExperienceSpace& space, const StoreState& state,
-                const ExperienceIndex& index) {
+                const KindIndexes& kinds) {
   if (!kIsLittleEndian) return false;
-  Header header = {kMagic,
-                   kVersion,
-                   kLeaf,
-                   checksum_of(space),
-                   index.key_size(),
-                   static_cast<std::int64_t>(index.trees().size())};
+  Header header = {kMagic, kVersion, kLeaf, checksum_of(space),
+                   static_cast<std::int64_t>(kinds.size())};
   std::ranges::copy(to_numbers(state), header.begin() + kOwnNumbers);
   std::string bytes(bytes_of(header.data(), header.size()));
-  for (const auto& tree : index.trees()) {
-    const KeyTreeData& data = tree->data();
-    const auto count = static_cast<std::int64_t>(tree->size());
-    bytes += bytes_of(&count, 1);
-    bytes += bytes_of(data.ids.data(), data.ids.size());
-    bytes += bytes_of(data.components.data(), data.components.size());
-    bytes += bytes_of(data.order.data(), data.order.size());
-    bytes += bytes_of(data.keys.data(), data.keys.size());
-  }
+  for (const auto& [kind, index] : kinds) append_kind(bytes, kind, index);
   const std::int64_t checksum = hash_bytes(std::as_bytes(std::span(bytes)));
   bytes += bytes_of(&checksum, 1);
   std::error_code ignored;
@@ -147,15 +174,13 @@ std::optional<SavedIndex> load_index(const std::string& file, const ExperienceSp
   Taker taker(checked(bytes));
   Header header{};
   if (!taker.take(header.data(), header.size())) return std::nullopt;
-  std::vector<std::shared_ptr<const KeyTree>> trees;
-  for (std::int64_t i = 0; i < header[5]; ++i) {
-    auto data = take_tree(taker, static_cast<std::size_t>(space.key_size));
-    if (!data) return std::nullopt;
-    trees.push_back(std::make_shared<const KeyTree>(space.key_size, std::move(*data)));
+  SavedIndex saved;
+  for (std::int64_t i = 0; i < header[4]; ++i) {
+    if (!take_kind(taker, saved.kinds)) return std::nullopt;
   }
   if (!taker.is_empty()) return std::nullopt;
-  const StoreState state = to_state(std::span(header).subspan<kOwnNumbers, kHeadSize>());
-  return SavedIndex{state, ExperienceIndex(space.key_size, std::move(trees))};
+  saved.state = to_state(std::span(header).subspan<kOwnNumbers, kHeadSize>());
+  return saved;
 }
 
 }  // namespace mneme::internal

@@ -16,7 +16,7 @@ namespace mneme::internal {
 /// An index, and the state of the store that it is of.
 struct SavedIndex {
   StoreState state;
-  ExperienceIndex index;
+  KindIndexes kinds;
 };
 
 /// Beside a file with `.index` behind its name; of a server in the user's cache. Empty if there is
@@ -25,7 +25,7 @@ struct SavedIndex {
 
 /// Makes the directory if it is missing. False if it cannot be written.
 bool save_index(const std::string& file, const ExperienceSpace& space, const StoreState& state,
-                const ExperienceIndex& index);
+                const KindIndexes& kinds);
 
 /// Nothing if there is no file, or it is damaged, or of another space or version.
 [[nodiscard]] std::optional<SavedIndex> load_index(const std::string& file,

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kFormat = "mneme experience 1";
+constexpr const char* kFormat = "mneme experience 2";
 
 /// The shortest digits, but "-0.0" for "-0": whole numbers have no sign of zero.
 template <class Number>
@@ -148,10 +148,9 @@ class Fields {
 }  // namespace
 
 std::string json_of(const ExperienceSpace& space) {
-  return fmt::format(
-      R"({{"format":{},"robot_name":{},"robot_hash":{},"decomposer":{},"joint_count":{},"key_size":{}}})",
-      quoted(kFormat), quoted(space.robot_name), quoted(space.robot_hash), quoted(space.decomposer),
-      space.joint_count, space.key_size);
+  return fmt::format(R"({{"format":{},"robot_name":{},"robot_hash":{},"joint_count":{}}})",
+                     quoted(kFormat), quoted(space.robot_name), quoted(space.robot_hash),
+                     space.joint_count);
 }
 
 std::string json_of(const Experience& row) {
@@ -159,11 +158,12 @@ std::string json_of(const Experience& row) {
   const auto joints = static_cast<std::size_t>(sampler.joint_count);
   const Provenance& provenance = row.provenance;
   return fmt::format(
-      R"({{"content":"{}","key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
-      to_hex(EncodedRow(row).content()), list_of<double>(row.key), table_of(sampler.means, joints),
-      list_of<int>(sampler.factor_rows), table_of(sampler.factors, joints * (joints + 1) / 2),
-      list_of<int>(sampler.origins), quoted(provenance.settings), provenance.seed,
-      quoted(provenance.tool), quoted(provenance.time));
+      R"({{"content":"{}","kind":{},"key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
+      to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key),
+      table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
+      table_of(sampler.factors, joints * (joints + 1) / 2), list_of<int>(sampler.origins),
+      quoted(provenance.settings), provenance.seed, quoted(provenance.tool),
+      quoted(provenance.time));
 }
 
 Result<ExperienceSpace> parse_space(std::string_view line) {
@@ -176,9 +176,7 @@ Result<ExperienceSpace> parse_space(std::string_view line) {
   (void)fields.text("format");
   space.robot_name = fields.text("robot_name");
   space.robot_hash = fields.text("robot_hash");
-  space.decomposer = fields.text("decomposer");
   space.joint_count = fields.count("joint_count");
-  space.key_size = fields.count("key_size");
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
   return space;
 }
@@ -188,6 +186,7 @@ Result<Experience> parse_row(std::string_view line) {
   Experience row;
   std::size_t joints = 0;
   std::size_t triangle = 0;
+  row.kind = fields.text("kind");
   row.key = fields.list<double>("key");
   row.sampler.means = fields.table("means", joints);
   row.sampler.factor_rows = fields.list<int>("factor_rows");
@@ -201,7 +200,7 @@ Result<Experience> parse_row(std::string_view line) {
   row.provenance.tool = fields.text("tool");
   row.provenance.time = fields.text("time");
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
-  if (const auto flaw = describe_key_flaw(row.key, static_cast<int>(row.key.size()))) {
+  if (const auto flaw = describe_key_flaw(row.kind, row.key)) {
     return fail(ErrorCode::parse, *flaw);
   }
   if (triangle != 0 && triangle != joints * (joints + 1) / 2) {

@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr std::int64_t kNpzFormat = 1;
+constexpr std::int64_t kNpzFormat = 2;
 
 std::size_t triangle_of(std::size_t joints) { return joints * (joints + 1) / 2; }
 
@@ -149,16 +149,13 @@ ExperienceSpace space_of(Arrays& arrays) {
   }
   space.robot_name = arrays.text("robot_name");
   space.robot_hash = arrays.text("robot_hash");
-  space.decomposer = arrays.text("decomposer");
   const std::int64_t joints = arrays.number("joint_count");
-  const std::int64_t key_size = arrays.number("key_size");
   constexpr std::int64_t kMost = 10000;
-  if (joints < 1 || joints > kMost || key_size < 1 || key_size > kMost) {
-    arrays.fail_with<int>("joint_count", "or 'key_size' is out of range");
+  if (joints < 1 || joints > kMost) {
+    arrays.fail_with<int>("joint_count", "is out of range");
     return space;
   }
   space.joint_count = static_cast<int>(joints);
-  space.key_size = static_cast<int>(key_size);
   return space;
 }
 
@@ -177,7 +174,8 @@ void NpzColumns::add(const Experience& row) {
     all.insert(all.end(), more.begin(), more.end());
     return all.size();
   };
-  append(keys_, row.key);
+  kinds_.add(row.kind);
+  key_ends_.push_back(static_cast<std::int64_t>(append(keys_, row.key)));
   mean_ends_.push_back(static_cast<std::int64_t>(append(means_, sampler.means) / joints));
   factor_ends_.push_back(
       static_cast<std::int64_t>(append(factors_, sampler.factors) / triangle_of(joints)));
@@ -194,10 +192,11 @@ std::vector<std::pair<std::string, NpyArray>> NpzColumns::arrays() const {
   return {{"format", number_of(kNpzFormat)},
           {"robot_name", text_of(space_.robot_name)},
           {"robot_hash", text_of(space_.robot_hash)},
-          {"decomposer", text_of(space_.decomposer)},
           {"joint_count", number_of(space_.joint_count)},
-          {"key_size", number_of(space_.key_size)},
-          {"keys", table_of(keys_, static_cast<std::size_t>(space_.key_size))},
+          {"kinds", to_npy(kinds_.unique)},
+          {"kind_rows", list_of(kinds_.rows)},
+          {"keys", list_of(keys_)},
+          {"key_ends", list_of(key_ends_)},
           {"means", table_of(means_, joints)},
           {"mean_ends", list_of(mean_ends_)},
           {"factors", table_of(factors_, triangle_of(joints))},
@@ -220,14 +219,11 @@ Result<NpzRows> rows_of(const std::map<std::string, NpyArray>& files) {
   NpzRows result;
   result.space = space_of(arrays);
   const auto joints = static_cast<std::size_t>(result.space.joint_count);
-  const auto key_width = static_cast<std::size_t>(result.space.key_size);
   constexpr std::size_t kAny = Arrays::kAnySize;
   const auto seeds = arrays.numbers<std::uint64_t>("seeds", 1, kAny);
   const std::size_t count = seeds.size();
-  std::size_t width = key_width;
-  const auto keys = arrays.numbers<double>("keys", 2, count, &width);
-  if (width != key_width) arrays.fail_with<int>("keys", "has rows of another size than key_size");
-  width = joints;
+  const auto keys = arrays.numbers<double>("keys", 1, kAny);
+  std::size_t width = joints;
   const auto means = arrays.numbers<float>("means", 2, kAny, &width);
   if (width != joints) arrays.fail_with<int>("means", "has rows of another size than joint_count");
   width = triangle_of(joints);
@@ -236,18 +232,20 @@ Result<NpzRows> rows_of(const std::map<std::string, NpyArray>& files) {
   const auto factor_rows = arrays.numbers<std::int32_t>("factor_rows", 1, kAny);
   const auto origins = arrays.numbers<std::int32_t>("origins", 1, kAny);
   if (arrays.error()) return fail(ErrorCode::parse, *arrays.error());
+  const auto key_ends = arrays.ends("key_ends", count, keys.size());
   const auto mean_ends = arrays.ends("mean_ends", count, means.size() / joints);
   const auto factor_ends = arrays.ends("factor_ends", count, factors.size() / triangle_of(joints));
   const auto factor_row_ends = arrays.ends("factor_row_ends", count, factor_rows.size());
   const auto origin_ends = arrays.ends("origin_ends", count, origins.size());
+  const auto kinds = arrays.shared_texts("kinds", "kind_rows", count);
   const auto settings = arrays.shared_texts("settings", "settings_rows", count);
   const auto tools = arrays.shared_texts("tools", "tool_rows", count);
   const auto times = arrays.shared_texts("times", "time_rows", count);
   if (arrays.error()) return fail(ErrorCode::parse, *arrays.error());
   for (std::size_t i = 0; i < count; ++i) {
     Experience& row = result.rows.emplace_back();
-    row.key.assign(keys.begin() + static_cast<std::ptrdiff_t>(i * key_width),
-                   keys.begin() + static_cast<std::ptrdiff_t>((i + 1) * key_width));
+    row.kind = kinds[i];
+    row.key = part<double>(keys, key_ends, i, 1);
     row.sampler = {result.space.joint_count, part<float>(means, mean_ends, i, joints),
                    part<int>(factor_rows, factor_row_ends, i, 1),
                    part<float>(factors, factor_ends, i, triangle_of(joints)),

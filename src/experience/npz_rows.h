@@ -33,6 +33,7 @@ class NpzColumns {
 
   ExperienceSpace space_;
   std::vector<double> keys_;
+  std::vector<std::int64_t> key_ends_;
   std::vector<float> means_;
   std::vector<float> factors_;
   std::vector<std::int32_t> factor_rows_;
@@ -42,7 +43,7 @@ class NpzColumns {
   std::vector<std::int64_t> factor_row_ends_;
   std::vector<std::int64_t> origin_ends_;
   std::vector<std::uint64_t> seeds_;
-  Texts settings_, tools_, times_;
+  Texts kinds_, settings_, tools_, times_;
 };
 
 /// What the arrays of a file hold.

@@ -3,7 +3,6 @@
 #include "experience/open_store.h"
 
 #include "experience/salvage.h"
-#include "experience/schema.h"
 #include "experience/space.h"
 #include "experience/sqlite_store.h"
 #include "experience/store_url.h"
@@ -57,7 +56,7 @@ Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode)
 
 Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace& space,
                                   OpenMode mode) {
-  if (space.joint_count < 1 || space.key_size < 1) {
+  if (space.joint_count < 1) {
     return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
                                                 without_password(url), describe(space)));
   }
@@ -75,9 +74,6 @@ Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace&
   }
   if (!is_same_space(opened->space, space)) {
     return refuse_space(opened->store->name(), opened->space, space);
-  }
-  if (mode != OpenMode::read_only && opened->schema_version != kSchemaVersion) {
-    return refuse_older(opened->store->name(), opened->schema_version);
   }
   return opened;
 }

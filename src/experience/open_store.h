@@ -16,7 +16,7 @@ namespace mneme::internal {
 [[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
 
 /// Opens a store that must hold experience of `space`, and creates it if `mode` says so; returns it
-/// with its schema version. Errors: wrong_robot; unsupported if it is to be written but is older.
+/// with its schema version. Errors: wrong_robot.
 struct OpenedStore {
   std::unique_ptr<Store> store;
   ExperienceSpace space;
@@ -24,7 +24,7 @@ struct OpenedStore {
 };
 [[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
                                                 const ExperienceSpace& space, OpenMode mode);
-/// Opens a store for reading, whatever space it is of; the space of an empty one has no keys.
+/// Opens a store for reading, whatever space it is of; the space of an empty one has no joints.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
 
 /// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of

@@ -14,16 +14,18 @@ namespace {
 // Primary keys hold the cell, so that a cluster may spread the two large tables by it.
 constexpr std::array kTables = {
     "CREATE TABLE mneme_space (id integer PRIMARY KEY CHECK (id = 1), schema_version integer NOT "
-    "NULL, robot_name text NOT NULL, robot_hash text NOT NULL, decomposer text NOT NULL, "
-    "joint_count integer NOT NULL, key_size integer NOT NULL, checksum bigint NOT NULL)",
+    "NULL, robot_name text NOT NULL, robot_hash text NOT NULL, joint_count integer NOT NULL, "
+    "checksum bigint NOT NULL)",
     "CREATE TABLE mneme_head (id integer PRIMARY KEY CHECK (id = 1), generation bigint NOT NULL, "
     "epoch bigint NOT NULL, last_row bigint NOT NULL, last_tombstone bigint NOT NULL, row_count "
     "bigint NOT NULL, row_digest bigint NOT NULL, tombstone_count bigint NOT NULL, "
     "tombstone_digest bigint NOT NULL, checksum bigint NOT NULL)",
     "CREATE TABLE mneme_experience (id bigint NOT NULL, generation bigint NOT NULL, cell bigint "
-    "NOT NULL, content bytea NOT NULL, components bigint NOT NULL, key bytea NOT NULL, checksum "
+    "NOT NULL, kind text NOT NULL, content bytea NOT NULL, components bigint NOT NULL, key bytea "
+    "NOT NULL, checksum "
     "bigint NOT NULL, PRIMARY KEY (id, cell))",
     "CREATE INDEX mneme_experience_content ON mneme_experience (content)",
+    "CREATE INDEX mneme_experience_kind ON mneme_experience (kind, id)",
     "CREATE TABLE mneme_mixture (id bigint NOT NULL, cell bigint NOT NULL, means bytea NOT NULL, "
     "factor_rows bytea NOT NULL, factors bytea NOT NULL, origins bytea NOT NULL, tool text NOT "
     "NULL, settings text NOT NULL, seed bigint NOT NULL, time text NOT NULL, checksum bigint NOT "
@@ -39,11 +41,9 @@ Result<void> create_all(PostgresConnection& connection, const ExperienceSpace& s
     if (!created) return tl::unexpected(created.error());
   }
   const auto inserted = connection.query(
-      "INSERT INTO mneme_space VALUES (1, $1::integer, $2, $3, $4, $5::integer, $6::integer, "
-      "$7::bigint)",
-      {std::to_string(kSchemaVersion), space.robot_name, space.robot_hash, space.decomposer,
-       std::to_string(space.joint_count), std::to_string(space.key_size),
-       std::to_string(checksum_of(space))});
+      "INSERT INTO mneme_space VALUES (1, $1::integer, $2, $3, $4::integer, $5::bigint)",
+      {std::to_string(kSchemaVersion), space.robot_name, space.robot_hash,
+       std::to_string(space.joint_count), std::to_string(checksum_of(space))});
   if (!inserted) return tl::unexpected(inserted.error());
   return write_postgres_head(connection, StoreState{});
 }
@@ -69,15 +69,14 @@ Result<int> read_postgres_version(PostgresConnection& connection) {
     return damaged(connection, "the row that names the robot is missing");
   }
   const std::int64_t number = version->integer(0, 0);
-  if (number > kSchemaVersion) return refuse_newer(connection.name(), number);
-  if (number != kSchemaVersion) return damaged(connection, "its schema version was never in use");
+  if (number < 1) return damaged(connection, "its schema version was never in use");
+  if (number != kSchemaVersion) return refuse_schema(connection.name(), number);
   return static_cast<int>(number);
 }
 
 Result<ExperienceSpace> read_postgres_space(PostgresConnection& connection) {
-  const auto row = connection.query(
-      "SELECT robot_name, robot_hash, decomposer, joint_count, key_size, checksum FROM "
-      "mneme_space");
+  const auto row =
+      connection.query("SELECT robot_name, robot_hash, joint_count, checksum FROM mneme_space");
   if (!row) return tl::unexpected(row.error());
   if (row->row_count() == 0) {
     return damaged(connection, "the row that names the robot is missing");
@@ -85,10 +84,8 @@ Result<ExperienceSpace> read_postgres_space(PostgresConnection& connection) {
   ExperienceSpace space;
   space.robot_name = row->text(0, 0);
   space.robot_hash = row->text(0, 1);
-  space.decomposer = row->text(0, 2);
-  space.joint_count = static_cast<int>(row->integer(0, 3));
-  space.key_size = static_cast<int>(row->integer(0, 4));
-  if (row->integer(0, 5) != checksum_of(space) || space.joint_count < 1 || space.key_size < 1) {
+  space.joint_count = static_cast<int>(row->integer(0, 2));
+  if (row->integer(0, 3) != checksum_of(space) || space.joint_count < 1) {
     return damaged(connection, "the row that names the robot is damaged");
   }
   return space;

@@ -15,15 +15,17 @@ namespace mneme::internal {
 namespace {
 
 constexpr const char* kSelectKeys =
-    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum "
+    "SELECT e.id, e.generation, e.cell, e.kind, e.content, e.components, e.key, e.checksum "
     "FROM mneme_experience e WHERE e.id > $1::bigint ORDER BY e.id";
 constexpr const char* kSelectRows =
-    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum, m.means, "
+    "SELECT e.id, e.generation, e.cell, e.kind, e.content, e.components, e.key, e.checksum, "
+    "m.means, "
     "m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum "
     "FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell "
     "WHERE e.id > $1::bigint ORDER BY e.id";
 constexpr const char* kSelectRowsById =
-    "SELECT e.id, e.generation, e.cell, e.content, e.components, e.key, e.checksum, m.means, "
+    "SELECT e.id, e.generation, e.cell, e.kind, e.content, e.components, e.key, e.checksum, "
+    "m.means, "
     "m.factor_rows, m.factors, m.origins, m.tool, m.settings, m.seed, m.time, m.checksum "
     "FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell "
     "WHERE e.id = ANY($1::bigint[])";
@@ -33,22 +35,22 @@ StoredRow stored_row(const PostgresAnswer& answer, RowParts parts) {
   row.id = answer.integer(0, 0);
   row.generation = answer.integer(0, 1);
   row.cell = answer.integer(0, 2);
-  row.content = answer.blob(0, 3);
-  row.components = answer.integer(0, 4);
-  row.columns.key = answer.blob(0, 5);
-  row.key_checksum = answer.integer(0, 6);
-  row.tally_checksum = row.key_checksum;
+  row.columns.kind = answer.text(0, 3);
+  row.content = answer.blob(0, 4);
+  row.components = answer.integer(0, 5);
+  row.columns.key = answer.blob(0, 6);
+  row.key_checksum = answer.integer(0, 7);
   if (parts == RowParts::keys) return row;
-  row.columns.means = answer.blob(0, 7);
-  row.columns.factor_rows = answer.blob(0, 8);
-  row.columns.factors = answer.blob(0, 9);
-  row.columns.origins = answer.blob(0, 10);
-  row.columns.tool = answer.text(0, 11);
-  row.columns.settings = answer.text(0, 12);
-  row.columns.seed = answer.integer(0, 13);
-  row.columns.time = answer.text(0, 14);
-  row.mixture_checksum = answer.integer(0, 15);
-  if (answer.is_null(0, 15)) row.flaw = "its mixture is missing";
+  row.columns.means = answer.blob(0, 8);
+  row.columns.factor_rows = answer.blob(0, 9);
+  row.columns.factors = answer.blob(0, 10);
+  row.columns.origins = answer.blob(0, 11);
+  row.columns.tool = answer.text(0, 12);
+  row.columns.settings = answer.text(0, 13);
+  row.columns.seed = answer.integer(0, 14);
+  row.columns.time = answer.text(0, 15);
+  row.mixture_checksum = answer.integer(0, 16);
+  if (answer.is_null(0, 16)) row.flaw = "its mixture is missing";
   return row;
 }
 
@@ -126,6 +128,17 @@ class PostgresTransaction final : public StoreTransaction {
     return known;
   }
 
+  Result<std::optional<std::size_t>> find_key_size(std::string_view kind) override {
+    const auto found = connection_.query(
+        "SELECT length(e.key) FROM mneme_experience e WHERE e.kind = $1 "
+        "AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id) "
+        "ORDER BY e.id LIMIT 1",
+        {std::string(kind)});
+    if (!found) return tl::unexpected(found.error());
+    if (found->row_count() == 0) return std::nullopt;
+    return static_cast<std::size_t>(found->integer(0, 0)) / sizeof(double);
+  }
+
   Result<std::vector<std::int64_t>> find_orphans() override {
     std::vector<std::int64_t> ids;
     if (is_empty_) return ids;
@@ -145,9 +158,9 @@ class PostgresTransaction final : public StoreTransaction {
     BinaryCopy keys;
     BinaryCopy mixtures;
     for (const StoredRow& row : rows) {
-      keys.row(7).add(row.id).add(row.generation).add(row.cell).add(row.content);
-      keys.add(row.components).add(row.columns.key).add(row.key_checksum);
       const RowView& columns = row.columns;
+      keys.row(8).add(row.id).add(row.generation).add(row.cell).add(columns.kind);
+      keys.add(row.content).add(row.components).add(columns.key).add(row.key_checksum);
       mixtures.row(11).add(row.id).add(row.cell).add(columns.means).add(columns.factor_rows);
       mixtures.add(columns.factors).add(columns.origins).add(columns.tool).add(columns.settings);
       mixtures.add(columns.seed).add(columns.time).add(row.mixture_checksum);

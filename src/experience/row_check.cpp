@@ -37,6 +37,15 @@ std::optional<std::string> describe_factor_flaw(const LocalSampler& sampler, std
   return describe_not_finite(sampler.factors, "factors");
 }
 
+bool is_kind(const std::string& kind) {
+  const auto characters = decode_utf8(kind);
+  if (!characters || kind.empty() || kind.size() > kMostKindBytes) return false;
+  // The ranges that Unicode calls control characters.
+  return std::ranges::none_of(*characters, [](char32_t character) {
+    return character < 0x20 || (character >= 0x7f && character < 0xa0);
+  });
+}
+
 std::optional<std::string> describe_text_flaw(const Provenance& provenance) {
   for (const auto& [what, text] :
        {std::pair("tool", &provenance.tool), std::pair("settings", &provenance.settings),
@@ -48,10 +57,13 @@ std::optional<std::string> describe_text_flaw(const Provenance& provenance) {
 
 }  // namespace
 
-std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size) {
-  if (key.size() != static_cast<std::size_t>(key_size)) {
-    return fmt::format("its key has {} numbers; expected {}", key.size(), key_size);
+std::optional<std::string> describe_key_flaw(const std::string& kind,
+                                             const std::vector<double>& key) {
+  if (!is_kind(kind)) {
+    return fmt::format("its kind is no text of 1 to {} bytes without control characters",
+                       kMostKindBytes);
   }
+  if (key.empty()) return "its key has no numbers";
   // Written so that a NaN fails it.
   const auto is_length = [](double value) { return std::abs(value) <= kMaxKeyMagnitude; };
   const auto flaw = std::find_if_not(key.begin(), key.end(), is_length);
@@ -60,9 +72,20 @@ std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_si
                      *flaw, kMaxKeyMagnitude);
 }
 
+std::optional<std::string> KeySizes::check(std::string_view kind, std::size_t size) {
+  const auto known = sizes_.find(kind);
+  if (known == sizes_.end()) {
+    sizes_.emplace(kind, size);
+    return std::nullopt;
+  }
+  if (known->second == size) return std::nullopt;
+  return fmt::format("its key has {} numbers; expected {}, as others of kind '{}'", size,
+                     known->second, kind);
+}
+
 std::optional<std::string> describe_flaw(const Experience& experience,
                                          const ExperienceSpace& space) {
-  if (auto flaw = describe_key_flaw(experience.key, space.key_size)) return flaw;
+  if (auto flaw = describe_key_flaw(experience.kind, experience.key)) return flaw;
   if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
   const LocalSampler& sampler = experience.sampler;
   const bool is_blank = sampler.joint_count == 0 && sampler.means.empty();

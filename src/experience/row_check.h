@@ -6,8 +6,12 @@
 
 #include "mneme/experience.h"
 
+#include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -15,12 +19,27 @@ namespace mneme::internal {
 /// distances.
 inline constexpr double kMaxKeyMagnitude = 1e6;
 
-/// Why `key` cannot be one of `key_size` numbers, or nothing if it can.
-[[nodiscard]] std::optional<std::string> describe_key_flaw(const PrimitiveKey& key, int key_size);
+/// Bytes in the name of a kind.
+inline constexpr std::size_t kMostKindBytes = 64;
+
+/// Why there cannot be rows of `kind` with `key`, or nothing if there can.
+[[nodiscard]] std::optional<std::string> describe_key_flaw(const std::string& kind,
+                                                           const std::vector<double>& key);
+
+/// How long the keys of each kind are.
+class KeySizes {
+ public:
+  /// Why a key of `size` numbers cannot be of `kind`, or nothing if it can. The first one decides.
+  [[nodiscard]] std::optional<std::string> check(std::string_view kind, std::size_t size);
+  [[nodiscard]] bool knows(std::string_view kind) const { return sizes_.contains(kind); }
+
+ private:
+  std::map<std::string, std::size_t, std::less<>> sizes_;
+};
 
 /// Why `experience` cannot belong to `space` (sizes, values that are not finite, rows that do not
-/// exist, texts that are not UTF-8), or nothing if it can. An empty sampler may have a joint count
-/// of 0.
+/// exist, texts that are not UTF-8), or nothing if it can; how long the key should be is not
+/// checked. An empty sampler may have a joint count of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
                                                        const ExperienceSpace& space);
 

@@ -81,7 +81,8 @@ EncodedRow::EncodedRow(const Experience& experience)
     : blobs_{to_bytes(experience.key), to_bytes(experience.sampler.means),
              to_bytes(experience.sampler.factor_rows), to_bytes(experience.sampler.factors),
              to_bytes(experience.sampler.origins)} {
-  stored_.columns = {blobs_[0],
+  stored_.columns = {experience.kind,
+                     blobs_[0],
                      blobs_[1],
                      blobs_[2],
                      blobs_[3],
@@ -102,11 +103,10 @@ StoredRow EncodedRow::stored(std::int64_t id, std::int64_t generation) const {
   row.generation = generation;
   row.key_checksum = key_checksum(row);
   row.mixture_checksum = mixture_checksum(row);
-  row.tally_checksum = row.key_checksum;
   return row;
 }
 
-std::int64_t cell_of(const PrimitiveKey& key) {
+std::int64_t cell_of(const std::vector<double>& key) {
   std::vector<std::int64_t> steps;
   // Numbers of stored keys are at most kMaxKeyMagnitude, so that no conversion overflows.
   for (const double number : key) {
@@ -130,16 +130,17 @@ std::int64_t hash_numbers(std::span<const std::int64_t> numbers) {
 
 ContentHash content_hash(const RowView& row) {
   std::vector<std::byte> bytes;
-  bytes.reserve(row.key.size() + row.means.size() + row.factor_rows.size() + row.factors.size() +
-                row.origins.size() + row.settings.size() + 7 * sizeof(std::int64_t));
+  bytes.reserve(row.kind.size() + row.key.size() + row.means.size() + row.factor_rows.size() +
+                row.factors.size() + row.origins.size() + row.settings.size() +
+                8 * sizeof(std::int64_t));
   const auto add_number = [&](std::int64_t number) {
     const auto at = bytes.size();
     const auto raw = std::as_bytes(std::span(&number, 1));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
     swap_to_little_endian(std::span(bytes).subspan(at), sizeof number);
   };
-  for (const auto column : {row.key, row.means, row.factor_rows, row.factors, row.origins,
-                            std::as_bytes(std::span(row.settings))}) {
+  for (const auto column : {std::as_bytes(std::span(row.kind)), row.key, row.means, row.factor_rows,
+                            row.factors, row.origins, std::as_bytes(std::span(row.settings))}) {
     add_number(static_cast<std::int64_t>(column.size()));
     bytes.insert(bytes.end(), column.begin(), column.end());
   }
@@ -161,27 +162,24 @@ std::string to_hex(std::span<const std::byte> bytes) {
 std::int64_t key_checksum(const StoredRow& row) {
   ColumnDigest digest;
   digest.add(row.id).add(row.generation).add(row.cell).add(row.content).add(row.components);
-  return digest.add(row.columns.key).value();
+  return digest.add(row.columns.kind).add(row.columns.key).value();
 }
 
 std::int64_t mixture_checksum(const StoredRow& row) {
   return ColumnDigest().add(row.id).add(row.cell).add_mixture(row.columns).value();
 }
 
-std::int64_t checksum_of(const RowView& row) {
-  ColumnDigest digest;
-  digest.add(row.key).add(row.means).add(row.factor_rows).add(row.factors).add(row.origins);
-  return digest.add(row.tool).add(row.settings).add(row.time).add(row.seed).value();
-}
-
 std::int64_t tally_mark(std::int64_t id, std::int64_t checksum) {
   return hash_numbers(std::array{id, checksum});
 }
 
-std::optional<std::string> decode_columns(const RowView& columns, const ExperienceSpace& space,
+namespace {
+
+/// All but id, kind and key.
+std::optional<std::string> decode_mixture(const RowView& columns, const ExperienceSpace& space,
                                           Experience& experience) {
   LocalSampler& sampler = experience.sampler;
-  if (!from_bytes(columns.key, experience.key) || !from_bytes(columns.means, sampler.means) ||
+  if (!from_bytes(columns.means, sampler.means) ||
       !from_bytes(columns.factor_rows, sampler.factor_rows) ||
       !from_bytes(columns.factors, sampler.factors) ||
       !from_bytes(columns.origins, sampler.origins)) {
@@ -193,24 +191,26 @@ std::optional<std::string> decode_columns(const RowView& columns, const Experien
   return describe_flaw(experience, space);
 }
 
-std::optional<std::string> decode_key(const StoredRow& row, const ExperienceSpace& space,
-                                      Experience& experience) {
+}  // namespace
+
+std::optional<std::string> decode_key(const StoredRow& row, Experience& experience) {
   if (!row.flaw.empty()) return row.flaw;
   if (auto flaw = describe_mismatch("key", row.key_checksum, key_checksum(row))) return flaw;
   if (!from_bytes(row.columns.key, experience.key)) {
     return "its key ends in the middle of a number";
   }
   experience.id = row.id;
-  return describe_key_flaw(experience.key, space.key_size);
+  experience.kind = row.columns.kind;
+  return describe_key_flaw(experience.kind, experience.key);
 }
 
 std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
                                   Experience& experience) {
-  if (auto flaw = decode_key(row, space, experience)) return flaw;
+  if (auto flaw = decode_key(row, experience)) return flaw;
   if (auto flaw = describe_mismatch("mixture", row.mixture_checksum, mixture_checksum(row))) {
     return flaw;
   }
-  if (auto flaw = decode_columns(row.columns, space, experience)) return flaw;
+  if (auto flaw = decode_mixture(row.columns, space, experience)) return flaw;
   const ContentHash hash = content_hash(row.columns);
   if (std::ranges::equal(row.content, hash) &&
       row.components == experience.sampler.component_count() &&

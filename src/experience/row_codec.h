@@ -19,12 +19,13 @@
 
 namespace mneme::internal {
 
-/// XXH3 (128 bits) of a row's key, mixture, settings and seed: rows with the same hash are the same
-/// experience, whenever, wherever and with whichever version of mneme they were learned.
+/// XXH3 (128 bits) of a row's kind, key, mixture, settings and seed: rows with the same hash are
+/// the same experience, whenever, wherever and with whichever version of mneme they were learned.
 using ContentHash = std::array<std::byte, 16>;
 
 /// What an experience consists of; views into a statement or an EncodedRow.
 struct RowView {
+  std::string_view kind;
   std::span<const std::byte> key;          ///< float64 each
   std::span<const std::byte> means;        ///< float32 each
   std::span<const std::byte> factor_rows;  ///< int32 each
@@ -47,11 +48,10 @@ struct StoredRow {
   RowView columns;
   std::int64_t key_checksum = 0;      ///< of the record in `experience`
   std::int64_t mixture_checksum = 0;  ///< of the record in `mixture`
-  std::int64_t tally_checksum = 0;    ///< what the store's head counts: the key's, unless legacy
   std::string flaw;                   ///< what the store already knows to be wrong with it
 };
 
-/// The bytes of an experience. Refers to its provenance, which must outlive it.
+/// The bytes of an experience. Refers to its texts, which must outlive it.
 class EncodedRow {
  public:
   explicit EncodedRow(const Experience& experience);
@@ -71,7 +71,7 @@ class EncodedRow {
 inline constexpr double kCellEdge = 1.0;
 /// The cell of a key, by which a cluster may spread rows over machines: XXH3 of its numbers in
 /// units of kCellEdge, rounded down, as int64 each.
-[[nodiscard]] std::int64_t cell_of(const PrimitiveKey& key);
+[[nodiscard]] std::int64_t cell_of(const std::vector<double>& key);
 
 /// XXH3 of some bytes, as a signed integer.
 [[nodiscard]] std::int64_t hash_bytes(std::span<const std::byte> bytes);
@@ -84,21 +84,14 @@ inline constexpr double kCellEdge = 1.0;
 /// XXH3 over all columns of a record in `experience` and in `mixture`.
 [[nodiscard]] std::int64_t key_checksum(const StoredRow& row);
 [[nodiscard]] std::int64_t mixture_checksum(const StoredRow& row);
-/// XXH3 over the columns of a row of schema 1, but for its id.
-[[nodiscard]] std::int64_t checksum_of(const RowView& row);
 /// What a row or tombstone adds, by exclusive or, to a digest of the store.
 [[nodiscard]] std::int64_t tally_mark(std::int64_t id, std::int64_t checksum);
 
-/// Fills `experience`. Returns what is wrong with the row, if anything is.
+/// Fills `experience`. Returns what is wrong with the row, if anything is; how long its key should
+/// be is not checked.
 [[nodiscard]] std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
                                                 Experience& experience);
-/// Fills id and key of `experience` from a row that was read without its mixture.
-[[nodiscard]] std::optional<std::string> decode_key(const StoredRow& row,
-                                                    const ExperienceSpace& space,
-                                                    Experience& experience);
-/// The same as decode() for the columns alone, whatever their checksum.
-[[nodiscard]] std::optional<std::string> decode_columns(const RowView& columns,
-                                                        const ExperienceSpace& space,
-                                                        Experience& experience);
+/// Fills id, kind and key of `experience` from a row that was read without its mixture.
+[[nodiscard]] std::optional<std::string> decode_key(const StoredRow& row, Experience& experience);
 
 }  // namespace mneme::internal

@@ -5,6 +5,7 @@
 #include "experience/carved_rows.h"
 #include "experience/experience_table.h"
 #include "experience/file_copy.h"
+#include "experience/row_check.h"
 #include "experience/schema.h"
 #include "experience/sqlite_connection.h"
 #include "experience/store_reads.h"
@@ -63,7 +64,9 @@ class Salvage {
       const auto row = rows_.row(id);
       if (!row) return tl::unexpected(row.error());
       Experience experience;
-      if (const auto flaw = decode(*row, rows_.space(), experience)) {
+      auto flaw = decode(*row, rows_.space(), experience);
+      if (!flaw) flaw = sizes_.check(experience.kind, experience.key.size());
+      if (flaw) {
         // An id that was never given away is a damaged one.
         if (!rows_.head() || (id >= 1 && id <= old_head_.last_row)) lose(id, *flaw);
         continue;
@@ -125,6 +128,7 @@ class Salvage {
   std::set<std::int64_t> known_;
   std::vector<std::int64_t> saved_;  ///< in order
   std::int64_t lost_count_ = 0;
+  KeySizes sizes_;
   Tally tally_{StoreState{}};
 };
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,35 +18,17 @@ struct Table {
   std::string_view sql;  ///< as SQLite keeps it, so that a changed schema is noticed
 };
 
-constexpr Table kSpace = {
-    "space",
-    "CREATE TABLE space ("
-    "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, robot_hash TEXT NOT NULL, "
-    "decomposer TEXT NOT NULL, joint_count INTEGER NOT NULL, key_size INTEGER NOT NULL, "
-    "checksum INTEGER NOT NULL) STRICT"};
-
 // In alphabetical order of names.
-constexpr std::array kTables1 = {
-    Table{"experience",
-          "CREATE TABLE experience ("
-          "id INTEGER PRIMARY KEY, key BLOB NOT NULL, means BLOB NOT NULL, factor_rows BLOB NOT "
-          "NULL, factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings TEXT "
-          "NOT NULL, seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
-    kSpace,
-    Table{"tally",
-          "CREATE TABLE tally ("
-          "id INTEGER PRIMARY KEY CHECK (id = 1), row_count INTEGER NOT NULL, digest INTEGER NOT "
-          "NULL) STRICT"},
-};
-
 // Keys stand apart from mixtures, so that an index over all keys reads a tenth of the bytes.
-constexpr std::array kTables2 = {
+constexpr std::array kFileTables = {
     Table{"experience",
           "CREATE TABLE experience ("
-          "id INTEGER PRIMARY KEY, generation INTEGER NOT NULL, cell INTEGER NOT NULL, content "
-          "BLOB NOT NULL, components INTEGER NOT NULL, key BLOB NOT NULL, checksum INTEGER NOT "
+          "id INTEGER PRIMARY KEY, generation INTEGER NOT NULL, cell INTEGER NOT NULL, kind TEXT "
+          "NOT NULL, content BLOB NOT NULL, components INTEGER NOT NULL, key BLOB NOT NULL, "
+          "checksum INTEGER NOT "
           "NULL) STRICT"},
     Table{"experience_content", "CREATE INDEX experience_content ON experience (content)"},
+    Table{"experience_kind", "CREATE INDEX experience_kind ON experience (kind)"},
     Table{"head",
           "CREATE TABLE head ("
           "id INTEGER PRIMARY KEY CHECK (id = 1), generation INTEGER NOT NULL, epoch INTEGER NOT "
@@ -60,18 +41,16 @@ constexpr std::array kTables2 = {
           "NOT NULL, factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings "
           "TEXT NOT NULL, seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) "
           "STRICT"},
-    kSpace,
+    Table{"space",
+          "CREATE TABLE space ("
+          "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, robot_hash TEXT NOT "
+          "NULL, joint_count INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT"},
     Table{"tombstone",
           "CREATE TABLE tombstone ("
           "id INTEGER PRIMARY KEY, row INTEGER NOT NULL, generation INTEGER NOT NULL, reason TEXT "
           "NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
     Table{"tombstone_row", "CREATE INDEX tombstone_row ON tombstone (row)"},
 };
-
-std::span<const Table> tables_of(std::int64_t version) {
-  if (version == 1) return kTables1;
-  return kTables2;
-}
 
 // Nine mixtures of 24 means of an eight-joint arm fill such a page.
 constexpr const char* kPageSize = "PRAGMA page_size = 8192";
@@ -80,8 +59,8 @@ tl::unexpected<Error> damaged(const Connection& connection, std::string_view wha
   return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
 }
 
-/// Errors unless the tables are exactly `tables`.
-Result<void> check_tables(Connection& connection, std::span<const Table> tables) {
+/// Errors unless the tables are exactly kFileTables.
+Result<void> check_tables(Connection& connection) {
   auto statement = connection.prepare(
       "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY name");
   if (!statement) return tl::unexpected(statement.error());
@@ -90,29 +69,24 @@ Result<void> check_tables(Connection& connection, std::span<const Table> tables)
     const auto has_row = statement->step();
     if (!has_row) return tl::unexpected(has_row.error());
     if (!*has_row) break;
-    if (count >= tables.size() || statement->text(0) != tables[count].name ||
-        statement->text(1) != tables[count].sql) {
+    if (count >= kFileTables.size() || statement->text(0) != kFileTables[count].name ||
+        statement->text(1) != kFileTables[count].sql) {
       return damaged(connection, fmt::format("the table '{}' is not one that mneme creates",
                                              statement->text(0)));
     }
   }
-  if (count == tables.size()) return {};
-  return damaged(connection, fmt::format("the table '{}' is missing", tables[count].name));
+  if (count == kFileTables.size()) return {};
+  return damaged(connection, fmt::format("the table '{}' is missing", kFileTables[count].name));
 }
 
 }  // namespace
 
-tl::unexpected<Error> refuse_newer(const std::string& name, std::int64_t version) {
+tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version) {
+  const bool is_newer = version > kSchemaVersion;
   return fail(ErrorCode::unsupported,
-              fmt::format("{}: written by a newer mneme (schema {}; this one reads up to {})", name,
-                          version, kSchemaVersion));
-}
-
-tl::unexpected<Error> refuse_older(const std::string& name, std::int64_t version) {
-  return fail(ErrorCode::unsupported,
-              fmt::format("{}: has schema {}, which this mneme only reads; `mneme db migrate {}` "
-                          "brings it to schema {}, after a copy",
-                          name, version, name, kSchemaVersion));
+              fmt::format("{}: was written by {} mneme (schema {}); this one reads schema {}: {}",
+                          name, is_newer ? "a newer" : "an older", version, kSchemaVersion,
+                          is_newer ? "use that one" : "learn anew, into another database"));
 }
 
 Result<int> identify(Connection& connection) {
@@ -133,23 +107,21 @@ Result<int> identify(Connection& connection) {
     return damaged(connection,
                    "an SQLite file, but no mneme database, or its application_id is damaged");
   }
-  if (version > kSchemaVersion) {
-    // A newer schema has other tables.
-    if (!check_tables(connection, kTables1) && !check_tables(connection, kTables2)) {
-      return refuse_newer(connection.path(), version);
-    }
-    return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
+  if (version == kSchemaVersion) {
+    return check_tables(connection).map([] { return kSchemaVersion; });
   }
   if (version < 1) {
     return damaged(connection, fmt::format("schema {} was never in use", version));
   }
-  return check_tables(connection, tables_of(version)).map([v = version] {
-    return static_cast<int>(v);
-  });
+  // Another schema has other tables.
+  if (!check_tables(connection)) return refuse_schema(connection.path(), version);
+  return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
 }
 
+namespace {
+
 Result<void> create_tables(Connection& connection) {
-  for (const Table& table : kTables2) {
+  for (const Table& table : kFileTables) {
     const auto created = connection.execute(std::string(table.sql).c_str());
     if (!created) return created;
   }
@@ -159,14 +131,16 @@ Result<void> create_tables(Connection& connection) {
 }
 
 Result<void> write_space(Connection& connection, const ExperienceSpace& space) {
-  auto insert = connection.prepare("INSERT INTO space VALUES (1, ?, ?, ?, ?, ?, ?)");
+  auto insert = connection.prepare("INSERT INTO space VALUES (1, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
-  insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.decomposer);
-  insert->bind(4, space.joint_count).bind(5, space.key_size).bind(6, checksum_of(space));
+  insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.joint_count);
+  insert->bind(4, checksum_of(space));
   const auto inserted = insert->step();
   if (!inserted) return tl::unexpected(inserted.error());
   return {};
 }
+
+}  // namespace
 
 Result<void> create_schema(Connection& connection, const ExperienceSpace& space) {
   const auto sized = connection.execute(kPageSize);
@@ -192,8 +166,8 @@ Result<void> check_pages(Connection& connection) {
 }
 
 Result<ExperienceSpace> read_space(Connection& connection) {
-  auto statement = connection.prepare(
-      "SELECT robot_name, robot_hash, decomposer, joint_count, key_size, checksum FROM space");
+  auto statement =
+      connection.prepare("SELECT robot_name, robot_hash, joint_count, checksum FROM space");
   if (!statement) return tl::unexpected(statement.error());
   const auto has_row = statement->step();
   if (!has_row) return tl::unexpected(has_row.error());
@@ -201,10 +175,8 @@ Result<ExperienceSpace> read_space(Connection& connection) {
   ExperienceSpace space;
   space.robot_name = statement->text(0);
   space.robot_hash = statement->text(1);
-  space.decomposer = statement->text(2);
-  space.joint_count = static_cast<int>(statement->integer(3));
-  space.key_size = static_cast<int>(statement->integer(4));
-  if (statement->integer(5) != checksum_of(space) || space.joint_count < 1 || space.key_size < 1) {
+  space.joint_count = static_cast<int>(statement->integer(2));
+  if (statement->integer(3) != checksum_of(space) || space.joint_count < 1) {
     return damaged(connection, "the row that names the robot is damaged");
   }
   return space;

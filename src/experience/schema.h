@@ -11,27 +11,20 @@
 
 namespace mneme::internal {
 
-/// Of the databases that this version writes; it reads no newer ones. A file's is its PRAGMA
-/// user_version.
-inline constexpr int kSchemaVersion = 2;
+/// Of the databases that this version reads and writes. A file's is its PRAGMA user_version.
+inline constexpr int kSchemaVersion = 3;
 /// PRAGMA application_id: "mnem".
 inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 
-/// The schema version of an open file; 0 if nothing is in it yet, or its creation was cut short.
-/// Errors: corrupt if the file is another program's or its tables are not as they were created;
-/// unsupported if a newer mneme wrote it; io.
+/// kSchemaVersion, or 0 if nothing is in an open file yet, or its creation was cut short. Errors:
+/// corrupt if the file is another program's or its tables are not as they were created; unsupported
+/// if another mneme wrote it; io.
 [[nodiscard]] Result<int> identify(Connection& connection);
-/// Error: unsupported, because `name` was written by a newer mneme.
-[[nodiscard]] tl::unexpected<Error> refuse_newer(const std::string& name, std::int64_t version);
-
-/// Error: unsupported, because `name` is to be written and an older mneme wrote it.
-[[nodiscard]] tl::unexpected<Error> refuse_older(const std::string& name, std::int64_t version);
+/// Error: unsupported, because `name` was written by a newer or an older mneme.
+[[nodiscard]] tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version);
 
 /// Creates the tables and the row of `space` in one transaction, unless another process was faster.
 [[nodiscard]] Result<void> create_schema(Connection& connection, const ExperienceSpace& space);
-/// Creates the tables of kSchemaVersion, without rows, within the caller's transaction.
-[[nodiscard]] Result<void> create_tables(Connection& connection);
-[[nodiscard]] Result<void> write_space(Connection& connection, const ExperienceSpace& space);
 
 /// Errors: corrupt if the file's pages do not fit together. A damaged file can still be read in
 /// part; what is written to it may be lost. About 1 ms per 2 MB.

@@ -4,7 +4,6 @@
 
 #include "experience/database_file.h"
 #include "experience/experience_table.h"
-#include "experience/legacy_table.h"
 #include "experience/schema.h"
 
 #include <fmt/format.h>
@@ -16,39 +15,38 @@ namespace {
 
 class SqliteTransaction final : public StoreTransaction {
  public:
-  SqliteTransaction(Connection& connection, Transaction transaction, int version)
-      : connection_(connection), transaction_(std::move(transaction)), version_(version) {}
+  SqliteTransaction(Connection& connection, Transaction transaction, bool is_empty)
+      : connection_(connection), transaction_(std::move(transaction)), is_empty_(is_empty) {}
 
-  Result<StoreState> head() override {
-    if (version_ == 0) return StoreState{};
-    return version_ == 1 ? read_legacy_head(connection_) : read_head(connection_);
-  }
+  Result<StoreState> head() override { return is_empty_ ? StoreState{} : read_head(connection_); }
 
   Result<void> read_tombstones(std::int64_t after, const TombstoneVisitor& visit) override {
-    if (version_ < 2) return {};
+    if (is_empty_) return {};
     return internal::read_tombstones(connection_, after, visit);
   }
 
   Result<void> read_rows(std::int64_t after, RowParts parts, const RowVisitor& visit) override {
-    if (version_ == 0) return {};
-    return version_ == 1 ? read_legacy_rows(connection_, after, visit)
-                         : internal::read_rows(connection_, after, parts, visit);
+    if (is_empty_) return {};
+    return internal::read_rows(connection_, after, parts, visit);
   }
 
   Result<void> read_rows_by_id(std::span<const std::int64_t> ids,
                                const RowVisitor& visit) override {
-    if (version_ == 0) return {};
-    return version_ == 1 ? read_legacy_rows_by_id(connection_, ids, visit)
-                         : internal::read_rows_by_id(connection_, ids, visit);
+    if (is_empty_) return {};
+    return internal::read_rows_by_id(connection_, ids, visit);
   }
 
   Result<std::vector<std::int64_t>> find_orphans() override {
-    if (version_ < 2) return std::vector<std::int64_t>{};
+    if (is_empty_) return std::vector<std::int64_t>{};
     return internal::find_orphans(connection_);
   }
 
   Result<std::vector<KnownRow>> find_contents(std::span<const ContentHash> contents) override {
     return internal::find_contents(connection_, contents);
+  }
+
+  Result<std::optional<std::size_t>> find_key_size(std::string_view kind) override {
+    return internal::find_key_size(connection_, kind);
   }
 
   Result<void> add_rows(std::span<const StoredRow> rows) override {
@@ -64,7 +62,7 @@ class SqliteTransaction final : public StoreTransaction {
  private:
   Connection& connection_;
   Transaction transaction_;
-  int version_;
+  bool is_empty_;
 };
 
 /// What makes an opened file ready to be written.
@@ -106,8 +104,7 @@ class SqliteStore final : public Store {
     if (!transaction) return tl::unexpected(transaction.error());
     const auto version = current_version();
     if (!version) return tl::unexpected(version.error());
-    if (kind == Kind::write && *version != kSchemaVersion) return refuse_older(name(), *version);
-    return std::make_unique<SqliteTransaction>(connection_, std::move(*transaction), *version);
+    return std::make_unique<SqliteTransaction>(connection_, std::move(*transaction), *version == 0);
   }
 
   Result<std::int64_t> bytes() override { return bytes_on_disk(name()); }

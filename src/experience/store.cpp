@@ -23,8 +23,8 @@ std::int64_t checksum_of(const Tombstone& tombstone) {
 }
 
 std::int64_t checksum_of(const ExperienceSpace& space) {
-  const std::string text = fmt::format("{}\n{}\n{}\n{}\n{}", space.robot_name, space.robot_hash,
-                                       space.decomposer, space.joint_count, space.key_size);
+  const std::string text =
+      fmt::format("{}\n{}\n{}", space.robot_name, space.robot_hash, space.joint_count);
   return hash_bytes(std::as_bytes(std::span(text)));
 }
 

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::internal {
@@ -87,6 +88,8 @@ class StoreTransaction {
   /// The live rows with one of these contents.
   [[nodiscard]] virtual Result<std::vector<KnownRow>> find_contents(
       std::span<const ContentHash> contents) = 0;
+  /// How many numbers the key of the first live row of a kind has, if there is one.
+  [[nodiscard]] virtual Result<std::optional<std::size_t>> find_key_size(std::string_view kind) = 0;
   /// Ids with a mixture but no key, unless they have a tombstone.
   [[nodiscard]] virtual Result<std::vector<std::int64_t>> find_orphans() = 0;
 
@@ -113,7 +116,6 @@ class Store {
   [[nodiscard]] virtual Result<ExperienceSpace> space() = 0;
   /// Creates the tables of an empty store, unless another process was faster.
   [[nodiscard]] virtual Result<void> create(const ExperienceSpace& space) = 0;
-  /// unsupported if it is to be written but has an older schema.
   [[nodiscard]] virtual Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) = 0;
   [[nodiscard]] virtual Result<std::int64_t> bytes() = 0;
   /// Adds what is wrong with the files beneath the rows.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/store_reads.h"
 
+#include "experience/row_check.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +20,7 @@ tl::unexpected<Error> damaged(const Store& store, std::int64_t id, const std::st
 
 void Tally::add(const StoredRow& row) {
   ++found_.row_count;
-  found_.row_digest ^= tally_mark(row.id, row.tally_checksum);
+  found_.row_digest ^= tally_mark(row.id, row.key_checksum);
   found_.last_row = std::max(found_.last_row, row.id);
   found_.generation = std::max(found_.generation, row.generation);
 }
@@ -76,11 +78,14 @@ Result<StoreChanges> read_changes(Store& store, const StoreState& since, RowPart
   return changes;
 }
 
-Result<std::vector<LiveRow>> list_by_content(Store& store, const ExperienceSpace& space) {
+Result<std::vector<LiveRow>> list_by_content(Store& store) {
   std::vector<LiveRow> list;
+  KeySizes sizes;
   const auto visit = [&](const StoredRow& row) -> Result<void> {
     Experience key;
-    if (const auto flaw = decode_key(row, space, key)) return damaged(store, row.id, *flaw);
+    auto flaw = decode_key(row, key);
+    if (!flaw) flaw = sizes.check(key.kind, key.key.size());
+    if (flaw) return damaged(store, row.id, *flaw);
     LiveRow& live = list.emplace_back();
     live.id = row.id;
     std::copy_n(row.content.begin(), std::min(row.content.size(), live.content.size()),

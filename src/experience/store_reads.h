@@ -45,8 +45,7 @@ struct LiveRow {
 };
 /// All live rows in order of their content hashes, which does not depend on how they came to be
 /// there.
-[[nodiscard]] Result<std::vector<LiveRow>> list_by_content(Store& store,
-                                                           const ExperienceSpace& space);
+[[nodiscard]] Result<std::vector<LiveRow>> list_by_content(Store& store);
 
 /// Hands the rows that `list` names to `visit` in its order, some hundred at a time. Errors:
 /// corrupt, naming the row, if one is damaged or gone.

@@ -36,6 +36,7 @@ class Append {
   }
 
   Result<void> add(std::span<const Experience> rows) {
+    if (const auto checked = check_key_sizes(rows); !checked) return checked;
     std::vector<EncodedRow> encoded;
     std::vector<ContentHash> contents;
     for (const Experience& row : rows) contents.push_back(encoded.emplace_back(row).content());
@@ -65,6 +66,21 @@ class Append {
   }
 
  private:
+  /// Within the transaction, because another process may have added the first row of a kind.
+  Result<void> check_key_sizes(std::span<const Experience> rows) {
+    for (const Experience& row : rows) {
+      if (!sizes_.knows(row.kind)) {
+        const auto stored = transaction_.find_key_size(row.kind);
+        if (!stored) return tl::unexpected(stored.error());
+        (void)sizes_.check(row.kind, stored->value_or(row.key.size()));
+      }
+      if (const auto flaw = sizes_.check(row.kind, row.key.size())) {
+        return fail(ErrorCode::invalid, fmt::format("a row cannot be inserted: {}", *flaw));
+      }
+    }
+    return {};
+  }
+
   void take(const EncodedRow& row, const Provenance& provenance, std::vector<StoredRow>& fresh,
             std::vector<Tombstone>& superseded) {
     const auto known = known_.find(row.content());
@@ -93,6 +109,7 @@ class Append {
 
   StoreTransaction& transaction_;
   Duplicates rule_;
+  KeySizes sizes_;
   Appended result_;
   std::map<ContentHash, KnownRow> known_;
 };

@@ -3,7 +3,7 @@
 #include "mneme/experience.h"
 
 #include "experience/open_store.h"
-#include "experience/schema.h"
+#include "experience/row_check.h"
 #include "experience/store_reads.h"
 #include "experience/store_writes.h"
 
@@ -36,12 +36,13 @@ Result<void> verify_structure(Store& store, Findings& findings) {
 }
 
 Result<void> verify_rows(Store& store, const ExperienceSpace& space, Findings& findings) {
+  internal::KeySizes sizes;
   const auto read =
       internal::read_changes(store, {}, internal::RowParts::all, [&](const auto& row) {
         Experience experience;
-        if (const auto flaw = internal::decode(row, space, experience)) {
-          findings.damages.push_back({row.id, *flaw, false});
-        }
+        auto flaw = internal::decode(row, space, experience);
+        if (!flaw) flaw = sizes.check(experience.kind, experience.key.size());
+        if (flaw) findings.damages.push_back({row.id, *flaw, false});
         return Result<void>();
       });
   return read ? Result<void>() : note(read.error(), findings);
@@ -92,7 +93,7 @@ Result<Findings> verify(const std::string& url) {
 Result<void> cure(const std::string& url, Findings& findings) {
   const auto opened = internal::inspect_store(url);
   if (!opened && opened.error().code != ErrorCode::corrupt) return tl::unexpected(opened.error());
-  if (!opened || findings.is_structural || opened->schema_version != internal::kSchemaVersion) {
+  if (!opened || findings.is_structural) {
     return internal::rebuild_store(url, findings.damages);
   }
   const auto store = internal::open_store(url, OpenMode::read_write);

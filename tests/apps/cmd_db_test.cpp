@@ -25,16 +25,23 @@ TEST_SUITE("flow") {
     CHECK(json["components"] > 0);
     CHECK(json["robot_hash"] == planar8().hash());
     CHECK(json["spaces"][0]["joint_count"] == 8);
+    REQUIRE(json["kinds"].size() == 1);
+    CHECK(json["kinds"][0]["kind"] == "pairs/1");
+    CHECK(json["kinds"][0]["key_size"] == 6);
+    CHECK(json["kinds"][0]["samplers"] == 1);
+    CHECK(json["spaces"][0]["kinds"] == json["kinds"]);
     CHECK(json["bytes"] == std::filesystem::file_size(files.database()));
     CHECK(json["schema_version"] >= 1);
     const ProgramRun words = run_program({"db", "info", files.database()});
     CHECK(has_text(words.out, planar8().hash()));
+    CHECK(has_text(words.out, "pairs/1, keys of 6 numbers, 1 row"));
   }
 
   TEST_CASE("list shows rows up to a limit") {
     const PlanarFiles files;
     const Json json = run_json({"db", "list", files.database()});
     REQUIRE(json["rows"].size() == 1);
+    CHECK(json["rows"][0]["kind"] == "pairs/1");
     CHECK(json["rows"][0]["key"].size() == 6);
     CHECK(json["rows"][0]["components"] > 0);
     CHECK(json["rows"][0]["time"].get<std::string>().ends_with("Z"));
@@ -81,8 +88,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     {
       Database database =
-          Database::open(files.database(), make_space(planar8()).value(), OpenMode::read_write)
-              .value();
+          Database::open(files.database(), make_space(planar8()), OpenMode::read_write).value();
       std::vector<Experience> rows(11, database.get(0).value());
       for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].key[0] += 1e-3 * static_cast<double>(i + 1);
@@ -131,6 +137,21 @@ TEST_SUITE("flow") {
          {"paths.db", "paths/1", "--key is two circles", "expected --problem"}},
         {{"db", "query", memory, "--problem", files / "nine.yaml"}, 1, {"start"}},
     });
+  }
+
+  TEST_CASE("a database of several kinds is queried for each of them") {
+    const PlanarFiles files;
+    const ProgramRun learned =
+        run_program({"learn", "--problems", files.problem(), "--decomposer", "paths", "--db",
+                     files.database(), "--paths", "1"});
+    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    CHECK(run_json({"db", "info", files.database()})["kinds"].size() == 2);
+    const Json json = run_json({"db", "query", files.database(), "--problem", files.problem()});
+    REQUIRE(json["primitives"].size() == 2);
+    CHECK(json["primitives"][0]["kind"] == "pairs/1");
+    CHECK(json["primitives"][1]["kind"] == "paths/1");
+    for (const Json& primitive : json["primitives"]) CHECK(primitive["matches"].size() == 1);
+    CHECK(has_text(run_program({"db", "list", files.database()}).out, "paths/1"));
   }
 
   TEST_CASE("query takes another robot than the problem's, and refuses one that does not fit") {

@@ -71,26 +71,14 @@ TEST_SUITE("flow") {
       CHECK(run_program({"db", "export", files / ("new" + format + ".db"), again}).exit_code == 0);
       CHECK(read_file(file) == read_file(again));
     }
-    CHECK(has_text(read_file(files / "rows.jsonl"), "mneme experience 1"));
-  }
-
-  TEST_CASE("migrate moves an old database, and says when there is nothing to do") {
-    const PlanarFiles files;
-    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), files / "old.db");
-    const Json migrated = run_upkeep({"db", "migrate", files / "old.db"});
-    CHECK(migrated["from"] == 1);
-    CHECK(migrated["to"] == 2);
-    CHECK(migrated["rows"] == 2);
-    CHECK(std::filesystem::exists(migrated["copy"].get<std::string>()));
-    CHECK(has_text(run_program({"db", "migrate", files / "old.db"}).out, "nothing to do"));
-    CHECK(run_upkeep({"db", "info", files / "old.db"})["schema_version"] == 2);
+    CHECK(has_text(read_file(files / "rows.jsonl"), "mneme experience 2"));
   }
 }
 
 TEST_SUITE("unit") {
   TEST_CASE("wrong upkeep ends with a message and an exit code") {
     const PlanarFiles files;
-    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), files / "other.db");
+    std::filesystem::copy_file(source_file("tests/experience/schema3.db"), files / "other.db");
     const std::string database = files.database();
     check_bad_inputs({
         {{"db", "merge", database}, 2, {"FROM is required"}},
@@ -99,8 +87,7 @@ TEST_SUITE("unit") {
         {{"db", "import", database, files / "none.npz"}, 1, {"none.npz"}},
         {{"db", "merge", database, files / "other.db"}, 5, {"'arm'"}},
         {{"db", "verify", files / "missing.db"}, 1, {"missing.db"}},
-        {{"db", "compact", files / "other.db"}, 1, {"mneme db migrate"}},
-        {{"db", "migrate", files / "missing.db"}, 1, {"missing.db"}},
+        {{"db", "compact", files / "missing.db"}, 1, {"missing.db"}},
     });
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
   }

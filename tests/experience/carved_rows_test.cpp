@@ -35,7 +35,7 @@ TEST_SUITE("unit") {
     create(directory / "a.db");
     CarvedRows rows = carve(directory / "a.db");
     CHECK(rows.space().robot_name == "arm");
-    CHECK(rows.space().key_size == 6);
+    CHECK(rows.space().joint_count == 3);
     REQUIRE(rows.head().has_value());
     CHECK(rows.head()->row_count == 6);
     CHECK(rows.dead().empty());
@@ -66,21 +66,14 @@ TEST_SUITE("unit") {
     CHECK(flaw_of(rows, 5).find("the checksum of its key") == 0);
   }
 
-  TEST_CASE("rows of the first schema are brought to the present one") {
-    const std::string path = source_file("tests/experience/schema1.db");
-    CarvedRows rows = carve(path);
-    CHECK(!rows.ids().empty());
-    for (const std::int64_t id : rows.ids()) CHECK(flaw_of(rows, id).empty());
-  }
-
   TEST_CASE("a file with no robot, or with two, says so") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
     ExperienceSpace other = arm_space();
     other.robot_hash = "f";
     run_sql(directory / "a.db",
-            "CREATE TABLE twin (id INTEGER PRIMARY KEY, a, b, c, d, e, f);"
-            "INSERT INTO twin VALUES (1, 'arm', 'f', 'pairs/1', 3, 6, " +
+            "CREATE TABLE twin (id INTEGER PRIMARY KEY, a, b, c, d);"
+            "INSERT INTO twin VALUES (1, 'arm', 'f', 3, " +
                 std::to_string(internal::checksum_of(other)) + ")");
     CHECK(CarvedRows::read(directory / "a.db").error().message.find("different robots") !=
           std::string::npos);

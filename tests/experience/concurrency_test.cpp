@@ -43,9 +43,9 @@ TEST_SUITE("flow") {
         readers.emplace_back([&, seed] {
           Rng rng(seed);
           while (!is_done) {
-            const auto matches = database.find(make_primitive(random_key(rng)), 3, 8);
+            const auto matches = find_like(database, make_primitive(random_key(rng)), 3, 8);
             if (!matches) is_sound = false;
-            for (const Match& match : matches.value_or(std::vector<Match>())) {
+            for (const KeyMatch& match : matches.value_or(std::vector<KeyMatch>())) {
               if (match.experience->id < 1 || match.similarity_error >= 3) is_sound = false;
             }
             const std::int64_t size = database.size();
@@ -84,8 +84,8 @@ TEST_SUITE("flow") {
     });
     // Each of these would last until the lock is let go, which only happens after them.
     for (const Experience& row : rows) {
-      CHECK(writer.find(make_primitive(row.key), 1e-9, 1)->size() == 1);
-      CHECK(partly->find(make_primitive(row.key), 1e-9, 1)->size() == 1);
+      CHECK(find_like(writer, make_primitive(row.key), 1e-9, 1)->size() == 1);
+      CHECK(find_like(*partly, make_primitive(row.key), 1e-9, 1)->size() == 1);
     }
     CHECK(writer.size() == 50);
     CHECK(reader.refresh() == 0);

@@ -115,26 +115,6 @@ TEST_SUITE("flow") {
     REQUIRE(open_database(path, OpenMode::read_only).size() >= 600);
   }
 
-  TEST_CASE("a migration that is killed leaves the old schema or the new one, whole") {
-    const std::uint64_t seed = 95;
-    const TemporaryDirectory directory;
-    Rng rng(seed);
-    const int count = rounds(6);
-    for (int round = 0; round < count; ++round) {
-      const std::string path = directory / ("round" + std::to_string(round));
-      std::filesystem::copy_file(source_file("tests/experience/schema1.db"), path);
-      const pid_t child = start_child([&] { return migrate_database(path) ? 0 : 1; });
-      spin(std::chrono::microseconds(rng.index(8000)));
-      ::kill(child, SIGKILL);
-      (void)wait_for(child);
-      INFO("seed " << seed << ", round " << round);
-      REQUIRE(verify_database(path)->empty());
-      REQUIRE(open_database(path, OpenMode::read_only).size() == 2);
-      REQUIRE(migrate_database(path).has_value());
-      REQUIRE(open_database(path, OpenMode::read_write).size() == 2);
-    }
-  }
-
   TEST_CASE("a file whose creation was killed is an empty database") {
     const std::uint64_t seed = 92;
     const TemporaryDirectory directory;

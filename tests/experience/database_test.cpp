@@ -5,19 +5,7 @@
 #include <limits>
 
 namespace mneme::test {
-namespace {
-
-PrimitiveKey swapped(const PrimitiveKey& key) {
-  return {key[3], key[4], key[5], key[0], key[1], key[2]};
-}
-
-double largest_difference(const PrimitiveKey& a, const PrimitiveKey& b) {
-  double result = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
-  return result;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_SUITE("unit") {
   TEST_CASE("what is inserted can be read at once and after the next opening") {
@@ -67,7 +55,7 @@ TEST_SUITE("unit") {
     CHECK(info.samplers == 3);
     CHECK(info.components == 15);
     CHECK(info.bytes > 8192);
-    CHECK(info.schema_version == 2);
+    CHECK(info.schema_version == 3);
     CHECK(info.generation == 1);
     CHECK(info.tombstones == 0);
     CHECK(info.space.robot_name == "arm");
@@ -134,8 +122,7 @@ TEST_SUITE("unit") {
     CHECK(Database::open(directory / "a.db", other, OpenMode::read_write).has_value());
     const std::vector<std::function<void(ExperienceSpace&)>> changes = {
         [](ExperienceSpace& s) { s.robot_hash = "0"; },
-        [](ExperienceSpace& s) { s.decomposer = "pairs/2"; },
-        [](ExperienceSpace& s) { s.joint_count = 4; }, [](ExperienceSpace& s) { s.key_size = 7; }};
+        [](ExperienceSpace& s) { s.joint_count = 4; }};
     for (const auto& change : changes) {
       other = arm_space();
       change(other);
@@ -186,7 +173,7 @@ TEST_SUITE("unit") {
     Database first = open_database(directory / "a.db");
     const Experience row = random_experience(rng);
     REQUIRE(first.insert({row}));
-    const auto matches = *first.find(make_primitive(row.key), 0.1, 1);
+    const auto matches = *find_like(first, make_primitive(row.key), 0.1, 1);
     REQUIRE(matches.size() == 1);
     REQUIRE(first.insert(random_rows(rng, 2000, 1)));
     const Database second = std::move(first);
@@ -194,14 +181,83 @@ TEST_SUITE("unit") {
     CHECK(is_same_content(*matches[0].experience, row));
   }
 
-  TEST_CASE("a key of another size matches nothing") {
+  TEST_CASE("a key of another size, or of a kind that is not there, matches nothing") {
     const TemporaryDirectory directory;
     Rng rng(59);
     Database database = open_database(directory / "a.db");
     REQUIRE(database.insert(random_rows(rng, 3)));
-    LocalPrimitive primitive;
-    primitive.key = {1, 2, 3};
-    CHECK(database.find(primitive, 1e9, 0)->empty());
+    const std::vector<PrimitiveKey> keys = {{1, 2, 3}};
+    CHECK(database.find(kPairs, keys, 1e9, 0)->empty());
+    CHECK(database.find("trios/1", keys, 1e9, 0)->empty());
+    const std::vector<PrimitiveKey> mixed = {random_key(rng), {1, 2, 3}};
+    CHECK(database.find(kPairs, mixed, 1e9, 0)->empty());
+    CHECK(database.find("", keys_of(random_key(rng)), 1e9, 0)->empty());
+  }
+
+  TEST_CASE("rows of several kinds live side by side, each kind with keys of its own length") {
+    const TemporaryDirectory directory;
+    Rng rng(69);
+    Experience trio = random_experience(rng, 2);
+    trio.kind = "trios/1";
+    trio.key = {1, 2, 3};
+    Experience other = random_experience(rng, 4);
+    other.kind = "others/1";
+    {
+      Database database = open_database(directory / "a.db");
+      CHECK(database.kinds().empty());
+      REQUIRE(database.insert({random_experience(rng, 3), trio}));
+      REQUIRE(database.insert({other, random_experience(rng, 3)}));
+    }
+    const Database database = open_database(directory / "a.db", OpenMode::read_only);
+    const std::vector<KindInfo> kinds = database.info().kinds;
+    REQUIRE(kinds.size() == 3);
+    const std::vector<std::string> names = {"others/1", kPairs, "trios/1"};
+    for (std::size_t i = 0; i < 3; ++i) CHECK(kinds[i].kind == names[i]);
+    CHECK(kinds[1].samplers == 2);
+    CHECK(kinds[1].components == 6);
+    CHECK(kinds[2].key_size == 3);
+    CHECK(database.info().samplers == 4);
+    CHECK(database.info().components == 12);
+    const std::vector<PrimitiveKey> keys = {{1, 2, 3.5}, {1, 2, 3.1}};
+    const auto matches = *database.find("trios/1", keys, 1, 0);
+    REQUIRE(matches.size() == 1);
+    CHECK(matches[0].image == 1);
+    CHECK(matches[0].similarity_error == doctest::Approx(0.01));
+    CHECK(is_same_content(*matches[0].experience, trio));
+    std::vector<std::string> visited;
+    REQUIRE(database.for_each([&](const auto& row) { visited.push_back(row->kind); }));
+    CHECK(visited == std::vector<std::string>{"others/1", kPairs, kPairs, "trios/1"});
+    for (std::int64_t i = 0; i < 4; ++i) {
+      CHECK(database.get(i)->kind == visited[static_cast<std::size_t>(i)]);
+    }
+    CHECK(verify_database(directory / "a.db")->empty());
+  }
+
+  TEST_CASE("the first row of a kind decides how long its keys are, for all processes") {
+    const TemporaryDirectory directory;
+    Rng rng(70);
+    Database first = open_database(directory / "a.db");
+    Database second = open_database(directory / "a.db");
+    REQUIRE(first.insert(random_rows(rng, 1)));
+    Experience row = random_experience(rng);
+    row.key.push_back(1);
+    for (Database* database : {&first, &second}) {
+      const auto refused = database->insert({random_experience(rng), row});
+      REQUIRE(!refused.has_value());
+      CHECK(refused.error().code == ErrorCode::invalid);
+      CHECK(refused.error().message.find("7 numbers; expected 6") != std::string::npos);
+    }
+    REQUIRE(second.refresh() == 1);
+    CHECK(second.size() == 1);
+    row.kind = "other/1";
+    CHECK(second.insert({row}).has_value());
+    for (const std::string& kind :
+         {std::string(), std::string(65, 'k'), std::string("a\nb"), std::string("\xff")}) {
+      row.kind = kind;
+      CHECK(second.insert({row}).error().code == ErrorCode::invalid);
+    }
+    row.kind = std::string(64, 'k');
+    CHECK(second.insert({row}).has_value());
   }
 
   TEST_CASE("what is there already is not added again, within a batch or later") {
@@ -235,8 +291,8 @@ TEST_SUITE("unit") {
     REQUIRE(reader.size() == 5);
     for (int i = 0; i < 5; ++i) {
       CHECK(is_same_content(*reader.get(i), rows[static_cast<std::size_t>(i)]));
-      CHECK(reader.find(make_primitive(rows[static_cast<std::size_t>(i)].key), 1e-9, 1)->size() ==
-            1);
+      CHECK(find_like(reader, make_primitive(rows[static_cast<std::size_t>(i)].key), 1e-9, 1)
+                ->size() == 1);
     }
     CHECK(reader.info().generation == writer.info().generation);
   }
@@ -260,14 +316,14 @@ TEST_SUITE("unit") {
     const auto rows = random_rows(rng, 4);
     REQUIRE(writer.insert(rows));
     Database reader = open_database(directory / "a.db", OpenMode::read_only);
-    const auto matches = *reader.find(make_primitive(rows[1].key), 1e-9, 1);
+    const auto matches = *find_like(reader, make_primitive(rows[1].key), 1e-9, 1);
     REQUIRE(matches.size() == 1);
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     CHECK(reader.refresh() == 0);
     CHECK(reader.size() == 3);
-    CHECK(reader.find(make_primitive(rows[1].key), 1e-9, 1)->empty());
-    CHECK(reader.find(make_primitive(rows[3].key), 1e-9, 1)->size() == 1);
+    CHECK(find_like(reader, make_primitive(rows[1].key), 1e-9, 1)->empty());
+    CHECK(find_like(reader, make_primitive(rows[3].key), 1e-9, 1)->size() == 1);
     CHECK(is_same_content(*matches[0].experience, rows[1]));
     CHECK(reader.info().components == 15);
 
@@ -279,7 +335,7 @@ TEST_SUITE("unit") {
     for (const Database* database : {&reader, &writer}) {
       CHECK(database->size() == 4);
       CHECK(database->info().tombstones == 0);
-      CHECK(database->find(make_primitive(rows[1].key), 1e-9, 0)->size() == 1);
+      CHECK(find_like(*database, make_primitive(rows[1].key), 1e-9, 0)->size() == 1);
     }
   }
 
@@ -300,7 +356,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const std::string attack = "x'); DROP TABLE experience; DELETE FROM mixture; --\"\\ $1 ?1";
     Rng rng(68);
-    ExperienceSpace space{attack, attack, attack, 3, 6};
+    ExperienceSpace space{attack, attack, 3};
     Experience row = random_experience(rng);
     row.provenance = {attack, attack, 1, attack};
     const std::string path = directory / "a'; DROP TABLE x; --.db";
@@ -335,27 +391,6 @@ TEST_SUITE("unit") {
   }
 }
 
-TEST_SUITE("law") {
-  TEST_CASE("a stored primitive is found wherever it turns up, and its motion takes it there") {
-    const TemporaryDirectory directory;
-    Rng rng(62);
-    Database database = open_database(directory / "a.db");
-    const auto rows = random_rows(rng, 300, 1);
-    REQUIRE(database.insert(rows));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Symmetry motion{rng.uniform(-3, 3), rng.index(2) == 1};
-      const PrimitiveKey there = moved_key(motion, rows[i].key);
-      const PrimitiveKey pair = rng.index(2) == 1 ? swapped(there) : there;
-      const auto matches = *database.find(make_primitive(pair), 1e-9, 0);
-      REQUIRE(matches.size() == 1);
-      REQUIRE(matches[0].experience->id == static_cast<std::int64_t>(i) + 1);
-      const PrimitiveKey arrived = moved_key(matches[0].to_scene, matches[0].experience->key);
-      REQUIRE(std::min(largest_difference(arrived, pair),
-                       largest_difference(arrived, swapped(pair))) < 1e-11);
-    }
-  }
-}
-
 TEST_SUITE("oracle") {
   TEST_CASE("find returns the nearest of all primitives under the threshold, nearest first") {
     const std::uint64_t seed = 63;
@@ -373,8 +408,8 @@ TEST_SUITE("oracle") {
         if (error < threshold) expected.emplace_back(error, static_cast<std::int64_t>(k) + 1);
       }
       std::sort(expected.begin(), expected.end());
-      const auto all = *database.find(primitive, threshold, 0);
-      const auto some = *database.find(primitive, threshold, 8);
+      const auto all = *find_like(database, primitive, threshold, 0);
+      const auto some = *find_like(database, primitive, threshold, 8);
       INFO("seed " << seed << ", query " << i);
       REQUIRE(all.size() == expected.size());
       REQUIRE(some.size() == std::min<std::size_t>(8, expected.size()));

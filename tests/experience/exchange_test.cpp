@@ -134,7 +134,7 @@ TEST_SUITE("unit") {
     write_file(directory / "c.jsonl", text);
     const auto wrong = import_database(directory / "b.db", directory / "c.jsonl");
     REQUIRE(!wrong.has_value());
-    CHECK(wrong.error().message.find("line 2: its key has 7 numbers; expected 6") !=
+    CHECK(wrong.error().message.find("line 3: its key has 6 numbers; expected 7") !=
           std::string::npos);
   }
 }
@@ -156,7 +156,9 @@ TEST_SUITE("oracle") {
                "import numpy as np, sys\n"
                "a = np.load(sys.argv[1])\n"
                "assert str(a['robot_name']) == 'arm'\n"
-               "assert a['keys'].shape == (4, 6) and a['keys'].dtype == np.float64\n"
+               "assert a['keys'].shape == (24,) and a['keys'].dtype == np.float64\n"
+               "assert list(a['key_ends']) == [6, 12, 18, 24]\n"
+               "assert list(a['kinds'][a['kind_rows']]) == ['pairs/1'] * 4\n"
                "assert a['means'].shape == (20, 3) and a['means'].dtype == np.float32\n"
                "assert list(a['mean_ends']) == [5, 10, 15, 20]\n"
                "assert 'Gr\u00fc\u00dfe' in list(a['settings'])\n"

@@ -58,13 +58,13 @@ TEST_SUITE("unit") {
   TEST_CASE("an index without keys finds nothing") {
     const ExperienceIndex index(6);
     CHECK(index.size() == 0);
-    CHECK(index.find(images({1, 0, 1, 2, 0, 1}), 1e9, 0).empty());
+    CHECK(index.find(keys_of({1, 0, 1, 2, 0, 1}), 1e9, 0).empty());
   }
 
   TEST_CASE("an error as large as the threshold does not match") {
     ExperienceIndex index(6);
     add(index, 1, {3, 1, 1, 3, -1, 1});
-    const auto queries = images({3, 1, 1, 3, -1, 1.5});
+    const auto queries = keys_of({3, 1, 1, 3, -1, 1.5});
     CHECK(index.find(queries, 0.25, 0).empty());
     CHECK(index.find(queries, 0.2500001, 0).size() == 1);
     CHECK(index.find(queries, 0, 0).empty());
@@ -74,7 +74,7 @@ TEST_SUITE("unit") {
     ExperienceIndex index(6);
     for (int i = 0; i < 610; ++i) add(index, i, {3, 1, 1, 3, -1, 1});
     for (const int wanted : {1, 5, 605}) {
-      const auto found = index.find(images({3, 1, 1, 3, -1, 1}), 0.1, wanted);
+      const auto found = index.find(keys_of({3, 1, 1, 3, -1, 1}), 0.1, wanted);
       REQUIRE(found.size() == static_cast<std::size_t>(wanted));
       for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i].id == std::int64_t(i));
     }
@@ -84,7 +84,7 @@ TEST_SUITE("unit") {
     ExperienceIndex index(6);
     for (int i = 0; i < 600; ++i) add(index, i, {3, 1, 1, 3, -1, 1});
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(index.find(images({nan, 1, 1, nan, -1, 1}), 1e9, 0).empty());
+    CHECK(index.find(keys_of({nan, 1, 1, nan, -1, 1}), 1e9, 0).empty());
   }
 
   TEST_CASE("positions count rows in order of insertion, and components are summed") {
@@ -99,7 +99,7 @@ TEST_SUITE("unit") {
     CHECK(index.id(149) == 1299);
     index.remove([](std::int64_t) { return true; });
     CHECK(index.size() == 0);
-    CHECK(index.find(images({3, 1, 1, 3, -1, 1}), 1, 0).empty());
+    CHECK(index.find(keys_of({3, 1, 1, 3, -1, 1}), 1, 0).empty());
   }
 
   TEST_CASE("a copy stays as it is while the original grows and shrinks") {
@@ -108,11 +108,11 @@ TEST_SUITE("unit") {
     for (int i = 0; i < 100; ++i) add(index, i, random_key(rng));
     const ExperienceIndex before = index;
     const PrimitiveKey query = random_key(rng);
-    const auto found = before.find(images(query), 3, 0);
+    const auto found = before.find(keys_of(query), 3, 0);
     for (int i = 100; i < 400; ++i) add(index, i, query);
     index.remove([](std::int64_t id) { return id < 50; });
     CHECK(before.size() == 100);
-    CHECK(is_same(before.find(images(query), 3, 0), found));
+    CHECK(is_same(before.find(keys_of(query), 3, 0), found));
   }
 
   TEST_CASE("rows that come one by one stand in few trees") {
@@ -146,7 +146,7 @@ TEST_SUITE("oracle") {
         for (const int max_matches : {0, 1, 8, 100}) {
           INFO("seed " << seed << ", key " << i << ", threshold " << threshold << ", at most "
                        << max_matches);
-          REQUIRE(is_same(index.find(images(query), threshold, max_matches),
+          REQUIRE(is_same(index.find(keys_of(query), threshold, max_matches),
                           brute_force(keys, gone, query, threshold, max_matches)));
         }
       }

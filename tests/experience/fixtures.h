@@ -4,6 +4,7 @@
 /// Experience to store, and child processes to kill.
 #pragma once
 
+#include "mneme/primitive.h"
 #include "support/support.h"
 
 #include <sqlite3.h>
@@ -17,7 +18,9 @@
 
 namespace mneme::test {
 
-inline ExperienceSpace arm_space() { return {"arm", "0123456789abcdef", "pairs/1", 3, 6}; }
+inline ExperienceSpace arm_space() { return {"arm", "0123456789abcdef", 3}; }
+
+inline constexpr const char* kPairs = "pairs/1";
 
 /// A canonical key of a pair with a gap.
 inline PrimitiveKey random_key(Rng& rng) {
@@ -34,6 +37,7 @@ inline PrimitiveKey random_key(Rng& rng) {
 /// `components` random means, some of them with a covariance of their own.
 inline Experience random_experience(Rng& rng, int components = 5) {
   Experience experience;
+  experience.kind = kPairs;
   experience.key = random_key(rng);
   experience.sampler.joint_count = 3;
   for (int i = 0; i < 3 * components; ++i) {
@@ -57,7 +61,7 @@ inline std::vector<Experience> random_rows(Rng& rng, int count, int components =
 }
 
 inline bool is_same_content(const Experience& a, const Experience& b) {
-  return a.key == b.key && a.sampler.joint_count == b.sampler.joint_count &&
+  return a.kind == b.kind && a.key == b.key && a.sampler.joint_count == b.sampler.joint_count &&
          a.sampler.means == b.sampler.means && a.sampler.factor_rows == b.sampler.factor_rows &&
          a.sampler.factors == b.sampler.factors && a.sampler.origins == b.sampler.origins &&
          a.provenance.tool == b.provenance.tool && a.provenance.settings == b.provenance.settings &&
@@ -68,6 +72,20 @@ inline Database open_database(const std::string& path, OpenMode mode = OpenMode:
   auto database = Database::open(path, arm_space(), mode);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
+}
+
+/// All ways to write down a key.
+inline std::vector<PrimitiveKey> keys_of(const PrimitiveKey& canonical) {
+  std::vector<PrimitiveKey> keys;
+  for (const KeyImage& image : images(canonical)) keys.push_back(image.key);
+  return keys;
+}
+
+/// The rows that are like a pair of circles.
+inline Result<std::vector<KeyMatch>> find_like(const Database& database,
+                                               const LocalPrimitive& primitive, double threshold,
+                                               int max_matches) {
+  return database.find(kPairs, keys_of(primitive.key), threshold, max_matches);
 }
 
 /// Why opening fails; it must.

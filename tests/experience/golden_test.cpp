@@ -5,14 +5,16 @@
 namespace mneme::test {
 namespace {
 
-/// What tests/experience/schema1.db was made from.
+/// What tests/experience/schema3.db was made from.
 std::vector<Experience> golden_rows() {
   Experience full;
+  full.kind = kPairs;
   full.key = {3.5, 1.25, 1, 3.5, -1.25, 1.5};
   full.sampler = {3, {0.5f, -1, 2, 3, 0.25f, -0.125f}, {-1, 0}, {1, 0.5f, 1, 0, 0.25f, 2}, {4, -1}};
   full.provenance = {"mneme 0.1.0", "starts-per-link=3", 0xfedcba9876543210u,
                      "2020-01-02T03:04:05Z"};
   Experience empty;
+  empty.kind = kPairs;
   empty.key = {2, 0.5, 1, 6, -0.5, 2};
   empty.sampler.joint_count = 3;
   empty.provenance = {"mneme 0.1.0", "", 1, "2020-01-02T03:04:06Z"};
@@ -22,41 +24,11 @@ std::vector<Experience> golden_rows() {
 }  // namespace
 
 TEST_SUITE("flow") {
-  TEST_CASE("a database that the first version wrote can be read, and added to once migrated") {
+  TEST_CASE(
+      "a database that the third schema's first version wrote can be read and added to for ever") {
     const TemporaryDirectory directory;
     const std::string path = directory / "a.db";
-    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), path);
-    const auto rows = golden_rows();
-    {
-      const Database database = open_database(path, OpenMode::read_only);
-      REQUIRE(database.size() == 2);
-      CHECK(database.info().schema_version == 1);
-      CHECK(is_same_content(*database.get(0), rows[0]));
-      CHECK(is_same_content(*database.get(1), rows[1]));
-      CHECK(database.find(make_primitive(rows[0].key), 0.1, 1)->size() == 1);
-    }
-    CHECK(verify_database(path)->empty());
-    const Error refused = open_error(path, OpenMode::read_write);
-    CHECK(refused.code == ErrorCode::unsupported);
-    CHECK(refused.message.find("mneme db migrate") != std::string::npos);
-
-    REQUIRE(migrate_database(path).has_value());
-    {
-      Rng rng(31);
-      Database database = open_database(path, OpenMode::read_write);
-      REQUIRE(database.size() == 2);
-      CHECK(is_same_content(*database.get(0), rows[0]));
-      CHECK(is_same_content(*database.get(1), rows[1]));
-      CHECK(database.insert(rows) == std::vector<std::int64_t>{1, 2});
-      CHECK(database.insert(random_rows(rng, 1)) == std::vector<std::int64_t>{3});
-    }
-    CHECK(verify_database(path)->empty());
-  }
-
-  TEST_CASE("a database that the second version wrote can be read and added to for ever") {
-    const TemporaryDirectory directory;
-    const std::string path = directory / "a.db";
-    std::filesystem::copy_file(source_file("tests/experience/schema2.db"), path);
+    std::filesystem::copy_file(source_file("tests/experience/schema3.db"), path);
     const auto rows = golden_rows();
     {
       Database database = open_database(path, OpenMode::read_write);

@@ -22,17 +22,19 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_SUITE("unit") {
   TEST_CASE("a space and a row are lines that others can read") {
     CHECK(json_of(arm_space()) ==
-          R"({"format":"mneme experience 1","robot_name":"arm","robot_hash":"0123456789abcdef",)"
-          R"("decomposer":"pairs/1","joint_count":3,"key_size":6})");
+          R"({"format":"mneme experience 2","robot_name":"arm","robot_hash":"0123456789abcdef",)"
+          R"("joint_count":3})");
     Experience row;
+    row.kind = "pairs/1";
     row.key = {1, 0.1};
     row.sampler = {2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}};
     row.provenance = {"mneme", "say \"hi\"", std::numeric_limits<std::uint64_t>::max(), "2020"};
     const std::string line = json_of(row);
-    CHECK(line.substr(line.find("\"key\"")) ==
-          R"("key":[1,0.1],"means":[[0.1,-1],[2,3]],"factor_rows":[-1,0],"factors":[[1,0,1]],)"
-          R"("origins":[],"settings":"say \"hi\"","seed":18446744073709551615,"tool":"mneme",)"
-          R"("time":"2020"})");
+    CHECK(
+        line.substr(line.find("\"kind\"")) ==
+        R"("kind":"pairs/1","key":[1,0.1],"means":[[0.1,-1],[2,3]],"factor_rows":[-1,0],"factors":[[1,0,1]],)"
+        R"("origins":[],"settings":"say \"hi\"","seed":18446744073709551615,"tool":"mneme",)"
+        R"("time":"2020"})");
   }
 
   TEST_CASE("a line that is not as expected is refused with the field's name") {
@@ -46,8 +48,8 @@ TEST_SUITE("unit") {
     CHECK(error_of(sound).empty());
     CHECK(error_of("[1]").find("no JSON object") != std::string::npos);
     CHECK(error_of(sound.substr(1)).find("no JSON object") != std::string::npos);
-    for (const std::string name : {"key", "means", "factor_rows", "factors", "origins", "settings",
-                                   "seed", "tool", "time"}) {
+    for (const std::string name : {"kind", "key", "means", "factor_rows", "factors", "origins",
+                                   "settings", "seed", "tool", "time"}) {
       CHECK(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")).find("'" + name + "'") !=
             std::string::npos);
       const std::size_t value = sound.find("\"" + name + "\":") + name.size() + 3;
@@ -59,9 +61,10 @@ TEST_SUITE("unit") {
         std::string::npos);
     CHECK(error_of(replaced(sound, "\"origins\":[0", "\"origins\":[1")).find("'content'") !=
           std::string::npos);
-    CHECK(error_of("{" + sound.substr(sound.find("\"key\""))).empty());
-    const std::string alone = R"({"key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
-                              R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
+    CHECK(error_of("{" + sound.substr(sound.find("\"kind\""))).empty());
+    const std::string alone =
+        R"({"kind":"k","key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
+        R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
     CHECK(error_of(alone) == "a row of 'factors' has 4 numbers; expected 6");
     CHECK(parse_row(replaced(alone, ",3]", "]"))->sampler.joint_count == 2);
   }
@@ -80,17 +83,18 @@ TEST_SUITE("unit") {
       CHECK(!parse_row(replaced(sound, "\"key\":[", "\"key\":[" + number + ",")).has_value());
     }
     const std::string space = json_of(arm_space());
-    CHECK(!parse_space(replaced(space, "\"key_size\":6", "\"key_size\":2147483648")).has_value());
+    CHECK(!parse_space(replaced(space, "\"joint_count\":3", "\"joint_count\":2147483648"))
+               .has_value());
   }
 
   TEST_CASE("a first line of another kind is refused") {
     const std::string sound = json_of(arm_space());
     CHECK(parse_space(sound).has_value());
-    CHECK(parse_space(replaced(sound, "experience 1", "experience 2"))
+    CHECK(parse_space(replaced(sound, "experience 2", "experience 1"))
               .error()
-              .message.find("expected 'mneme experience 1'") != std::string::npos);
+              .message.find("expected 'mneme experience 2'") != std::string::npos);
     CHECK(!parse_space("").has_value());
-    CHECK(!parse_space(replaced(sound, "\"key_size\":6", "\"key_size\":6e99")).has_value());
+    CHECK(!parse_space(replaced(sound, "\"joint_count\":3", "\"joint_count\":6e99")).has_value());
     CHECK(!parse_space(replaced(sound, "\"format\"", "\"f\"")).has_value());
   }
 
@@ -119,6 +123,7 @@ TEST_SUITE("law") {
         mean *= std::exp2(static_cast<float>(rng.index(60)) - 40);
       const auto parsed = parse_row(json_of(row));
       REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
+      REQUIRE(parsed->kind == row.kind);
       REQUIRE(parsed->key == row.key);
       REQUIRE(parsed->sampler.means == row.sampler.means);
       REQUIRE(parsed->sampler.factors == row.sampler.factors);

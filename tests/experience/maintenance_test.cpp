@@ -49,7 +49,8 @@ TEST_SUITE("law") {
       const std::string into = directory / ("into" + std::to_string(i));
       for (const int part : orders[i]) {
         const std::string from = directory / ("part" + std::to_string(part));
-        if (!std::filesystem::exists(from)) fill_database(from, parts[static_cast<std::size_t>(part)]);
+        if (!std::filesystem::exists(from))
+          fill_database(from, parts[static_cast<std::size_t>(part)]);
         REQUIRE(merge_databases(into, from).has_value());
       }
       CHECK(verify_database(into)->empty());
@@ -109,15 +110,6 @@ TEST_SUITE("unit") {
     CHECK(compacted->removed == 81);
     CHECK(compacted->bytes_after < compacted->bytes_before);
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 19);
-  }
-
-  TEST_CASE("an old schema is migrated by its URL") {
-    const TemporaryDirectory directory;
-    std::filesystem::copy_file(source_file("tests/experience/schema1.db"), directory / "a.db");
-    CHECK(compact_database(directory / "a.db").error().code == ErrorCode::unsupported);
-    CHECK(migrate_database(directory / "a.db")->rows == 2);
-    CHECK(compact_database(directory / "a.db").has_value());
-    CHECK(migrate_database("redis://x").error().code == ErrorCode::unsupported);
   }
 }
 

@@ -27,10 +27,12 @@ TEST_SUITE("unit") {
     rows[1].sampler.factors.clear();
     rows[2].sampler.factor_rows.clear();
     rows[3].provenance.settings = "";
+    rows[2].kind = "trios/1";
+    rows[2].key = {1, 2, 3};
     const auto read = internal::rows_of(arrays_of(rows));
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
     CHECK(read->space.robot_name == "arm");
-    CHECK(read->space.key_size == 6);
+    CHECK(read->space.joint_count == 3);
     REQUIRE(read->rows.size() == 4);
     for (std::size_t i = 0; i < 4; ++i) CHECK(is_same_content(read->rows[i], rows[i]));
     CHECK(internal::rows_of(arrays_of({}))->rows.empty());
@@ -63,10 +65,16 @@ TEST_SUITE("unit") {
     CHECK(refused("mean_ends", {10, 5, 15}));
     CHECK(refused("mean_ends", {-5, 10, 15}));
     CHECK(refused("mean_ends", {5, 15}));
+    CHECK(!refused("key_ends", {6, 12, 18}));
+    CHECK(refused("key_ends", {6, 12, 19}));
+    CHECK(refused("key_ends", {-6, 12, 18}));
     auto arrays = sound;
     const std::vector<std::int32_t> places = {0, 0, 9};
-    arrays["tool_rows"] = internal::to_npy(std::span<const std::int32_t>(places), {3});
-    CHECK(!internal::rows_of(arrays).has_value());
+    for (const char* name : {"tool_rows", "kind_rows"}) {
+      arrays = sound;
+      arrays[name] = internal::to_npy(std::span<const std::int32_t>(places), {3});
+      CHECK(!internal::rows_of(arrays).has_value());
+    }
     arrays = sound;
     const std::int64_t joints = 4;
     arrays["joint_count"] = internal::to_npy(std::span(&joints, 1), {});

@@ -13,7 +13,7 @@ TEST_SUITE("unit") {
       const auto created =
           internal::open_store_of(directory / "a.db", arm_space(), OpenMode::create);
       REQUIRE(created.has_value());
-      CHECK(created->schema_version == 2);
+      CHECK(created->schema_version == 3);
     }
     const auto seen = internal::inspect_store(directory / "a.db");
     REQUIRE(seen.has_value());
@@ -22,7 +22,7 @@ TEST_SUITE("unit") {
     CHECK(internal::inspect_store(directory / "empty.db")->schema_version == 0);
     const auto empty =
         internal::open_store_of(directory / "empty.db", arm_space(), OpenMode::read_only);
-    CHECK(empty->space.key_size == 6);
+    CHECK(empty->space.joint_count == 3);
   }
 
   TEST_CASE("an engine that is unknown or not built in is named") {

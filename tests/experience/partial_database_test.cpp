@@ -29,9 +29,9 @@ std::vector<Experience> fill(const std::string& path, int count) {
   return rows;
 }
 
-std::vector<std::int64_t> ids(const std::vector<Match>& matches) {
+std::vector<std::int64_t> ids(const std::vector<KeyMatch>& matches) {
   std::vector<std::int64_t> found;
-  for (const Match& match : matches) found.push_back(match.experience->id);
+  for (const KeyMatch& match : matches) found.push_back(match.experience->id);
   return found;
 }
 
@@ -41,8 +41,8 @@ void check_same(const Database& a, const Database& b) {
   REQUIRE(a.size() == b.size());
   for (int i = 0; i < 30; ++i) {
     const LocalPrimitive primitive = make_primitive(random_key(rng));
-    const auto of_a = a.find(primitive, 3, 9);
-    const auto of_b = b.find(primitive, 3, 9);
+    const auto of_a = find_like(a, primitive, 3, 9);
+    const auto of_b = find_like(b, primitive, 3, 9);
     REQUIRE(of_a.has_value());
     REQUIRE(of_b.has_value());
     REQUIRE(ids(*of_a) == ids(*of_b));
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     REQUIRE(std::filesystem::exists(file));
     const auto saved = internal::load_index(file, arm_space());
     REQUIRE(saved.has_value());
-    CHECK(saved->index.size() == 50);
+    CHECK(saved->kinds.at(kPairs).size() == 50);
   }
 
   TEST_CASE("what is inserted beyond the bound is found, and leaves an index behind") {
@@ -98,7 +98,7 @@ TEST_SUITE("unit") {
       Database database = open_partly(directory / "a.db", OpenMode::create, kLittle);
       for (const Experience& row : rows) REQUIRE(database.insert({row}));
       for (const std::size_t i : {0, 150, 299}) {
-        const auto matches = database.find(make_primitive(rows[i].key), 1e-9, 1);
+        const auto matches = find_like(database, make_primitive(rows[i].key), 1e-9, 1);
         REQUIRE(matches.has_value());
         REQUIRE(matches->size() == 1);
         CHECK(is_same_content(*matches->front().experience, rows[i]));
@@ -107,7 +107,7 @@ TEST_SUITE("unit") {
     const auto saved =
         internal::load_index(internal::index_file_of(directory / "a.db"), arm_space());
     REQUIRE(saved.has_value());
-    CHECK(saved->index.size() == 300);
+    CHECK(saved->kinds.at(kPairs).size() == 300);
   }
 
   TEST_CASE("an index that is behind is read on from where it stands") {
@@ -157,13 +157,13 @@ TEST_SUITE("unit") {
     open_partly(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 7");
     const Database database = open_partly(directory / "a.db");
-    const auto damaged = database.find(make_primitive(rows[6].key), 1e-9, 1);
+    const auto damaged = find_like(database, make_primitive(rows[6].key), 1e-9, 1);
     REQUIRE(!damaged.has_value());
     CHECK(damaged.error().code == ErrorCode::corrupt);
     CHECK(damaged.error().message.find("row 7 is damaged") != std::string::npos);
-    CHECK(database.find(make_primitive(rows[7].key), 1e-9, 1)->size() == 1);
+    CHECK(find_like(database, make_primitive(rows[7].key), 1e-9, 1)->size() == 1);
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
-    CHECK(database.find(make_primitive(rows[6].key), 1e-9, 1)->empty());
+    CHECK(find_like(database, make_primitive(rows[6].key), 1e-9, 1)->empty());
   }
 
   TEST_CASE("a damaged key is noticed, with or without an index that still knows it") {
@@ -171,7 +171,8 @@ TEST_SUITE("unit") {
     const auto rows = fill(directory / "a.db", 60);
     open_partly(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE experience SET components = 1 WHERE id = 7");
-    CHECK(!open_partly(directory / "a.db").find(make_primitive(rows[6].key), 1e-9, 1).has_value());
+    CHECK(!find_like(open_partly(directory / "a.db"), make_primitive(rows[6].key), 1e-9, 1)
+               .has_value());
     std::filesystem::remove(internal::index_file_of(directory / "a.db"));
     const auto refused =
         Database::open(directory / "a.db", arm_space(), OpenMode::read_only, kNothing);
@@ -188,7 +189,7 @@ TEST_SUITE("unit") {
     REQUIRE(open_database(directory / "a.db").insert(rows));
     CHECK(reader.refresh() == 3);
     for (const Experience& row : rows) {
-      const auto matches = reader.find(make_primitive(row.key), 1e-9, 1);
+      const auto matches = find_like(reader, make_primitive(row.key), 1e-9, 1);
       REQUIRE(matches->size() == 1);
       CHECK(is_same_content(*matches->front().experience, row));
     }
@@ -261,9 +262,9 @@ TEST_SUITE("flow") {
           Rng rng(seed);
           for (int i = 0; i < 300; ++i) {
             const LocalPrimitive primitive = make_primitive(random_key(rng));
-            const auto matches = database.find(primitive, 3, 8);
+            const auto matches = find_like(database, primitive, 3, 8);
             if (!matches) is_sound = false;
-            for (const Match& match : matches.value_or(std::vector<Match>())) {
+            for (const KeyMatch& match : matches.value_or(std::vector<KeyMatch>())) {
               const double error = similarity_error(primitive.key, match.experience->key);
               if (std::abs(error - match.similarity_error) > 1e-12) is_sound = false;
             }

@@ -15,17 +15,17 @@ TEST_SUITE("unit") {
     PostgresConnection connection = connect_to(server->new_url());
     CHECK(internal::read_postgres_version(connection) == 0);
     REQUIRE(internal::create_postgres_schema(connection, arm_space()));
-    CHECK(internal::read_postgres_version(connection) == 2);
+    CHECK(internal::read_postgres_version(connection) == 3);
     ExperienceSpace other = arm_space();
     other.robot_name = "other";
     REQUIRE(internal::create_postgres_schema(connection, other));
     const auto space = internal::read_postgres_space(connection);
     REQUIRE(space.has_value());
     CHECK(space->robot_name == "arm");
-    CHECK(space->key_size == 6);
+    CHECK(space->joint_count == 3);
   }
 
-  TEST_CASE("a newer schema is refused, and a changed space or head is damage") {
+  TEST_CASE("a newer or older schema is refused, and a changed space or head is damage") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
     PostgresConnection connection = connect_to(server->new_url());
@@ -38,8 +38,10 @@ TEST_SUITE("unit") {
     CHECK(internal::read_postgres_head(connection, false).error().code == ErrorCode::corrupt);
     REQUIRE(connection.query("UPDATE mneme_space SET joint_count = 4"));
     CHECK(internal::read_postgres_space(connection).error().code == ErrorCode::corrupt);
-    REQUIRE(connection.query("UPDATE mneme_space SET schema_version = 9"));
-    CHECK(internal::read_postgres_version(connection).error().code == ErrorCode::unsupported);
+    for (const char* other : {"9", "2"}) {
+      REQUIRE(connection.query("UPDATE mneme_space SET schema_version = $1::integer", {other}));
+      CHECK(internal::read_postgres_version(connection).error().code == ErrorCode::unsupported);
+    }
     REQUIRE(connection.query("DELETE FROM mneme_space"));
     CHECK(internal::read_postgres_version(connection).error().code == ErrorCode::corrupt);
   }

@@ -86,7 +86,7 @@ TEST_SUITE("unit") {
     const auto rows = random_rows(rng, 1203, 1);
     REQUIRE(open_database(directory / "a.db").insert(rows));
     const auto opened = open(directory / "a.db");
-    const auto list = internal::list_by_content(*opened.store, opened.space);
+    const auto list = internal::list_by_content(*opened.store);
     REQUIRE(list.has_value());
     REQUIRE(list->size() == rows.size());
     std::size_t position = 0;

@@ -67,8 +67,7 @@ Path moved_path(const SymmetricJoints& joints, const Symmetry& motion, const Pat
 
 Database new_database(const std::string& path, const Robot& robot) {
   const auto space = make_space(robot);
-  REQUIRE(space.has_value());
-  auto database = Database::open(path, *space, OpenMode::create);
+  auto database = Database::open(path, space, OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }

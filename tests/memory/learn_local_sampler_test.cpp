@@ -188,6 +188,7 @@ TEST_SUITE("unit") {
     const auto problems = local_problems(scene, *primitives);
     REQUIRE(problems.size() == 1);
     CHECK(problems[0].scene.obstacles.size() == 2);
+    CHECK(problems[0].kind == "gaps/1");
     const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
     REQUIRE(learned.has_value());
     CHECK(learned->solved > 0);

@@ -109,7 +109,7 @@ TEST_SUITE("law") {
       const PrimitiveKey moved = moved_key(motion, near_pair());
       const LocalPrimitive primitive = make_primitive(moved);
       PrimitiveRetrieval retrieval;
-      retrieval.matches = *database.find(primitive, 0.01, 0);
+      retrieval.matches = *find_matches(database, "pairs/1", primitive, 0.01, 0);
       REQUIRE(retrieval.matches.size() == 1);
       const GaussianMixture pooled = internal::synthesize(robot, std::vector{retrieval});
       REQUIRE(pooled.component_count() == stored.component_count());

@@ -11,9 +11,8 @@ namespace {
 struct PathMemory {
   Problem problem = planar_problem("threaded_b4");
   TemporaryDirectory directory;
-  Database database = Database::open(directory / "m.db", make_space(problem.robot, "paths").value(),
-                                     OpenMode::create)
-                          .value();
+  Database database =
+      Database::open(directory / "m.db", make_space(problem.robot), OpenMode::create).value();
 
   void remember(const std::vector<Path>& paths) {
     REQUIRE(database.insert(learn_whole_paths(problem.robot, paths)).has_value());

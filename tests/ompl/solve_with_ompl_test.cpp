@@ -150,10 +150,10 @@ TEST_SUITE("flow") {
   TEST_CASE("what a planner of OMPL solves is remembered if that is asked for") {
     const Problem problem = gap_problem();
     const TemporaryDirectory directory;
-    const auto space = make_space(problem.robot, "paths");
-    REQUIRE(space.has_value());
-    Database database = Database::open(directory / "m.db", *space, OpenMode::create).value();
+    const auto space = make_space(problem.robot);
+    Database database = Database::open(directory / "m.db", space, OpenMode::create).value();
     SolveSettings settings = settings_for("RRTConnect", "gl");
+    settings.decompose.decomposer = "paths";
     CHECK(solve_or_fail(problem, &database, settings).remembered.rows == 0);
     settings.remember_after = 0;
     OmplSettings paper;

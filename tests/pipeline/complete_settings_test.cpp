@@ -31,9 +31,15 @@ TEST_SUITE("unit") {
     CHECK(internal::complete_settings(settings, robot).max_matches == 50);
     CHECK(internal::complete_settings(settings, robot).lambda == 0.7);
     TemporaryDirectory directory;
-    const auto database =
-        Database::open(directory / "m.db", make_space(robot, "paths").value(), OpenMode::create);
+    auto database = Database::open(directory / "m.db", make_space(robot), OpenMode::create);
     REQUIRE(database.has_value());
+    CHECK(internal::complete_settings({}, robot, &*database).decompose.decomposer == "body_pairs");
+    SolveSettings remembering;
+    remembering.remember_after = 0;
+    CHECK(internal::complete_settings(remembering, robot, &*database).decompose.decomposer ==
+          "paths");
+    const Configuration q(static_cast<std::size_t>(robot.joint_count()));
+    REQUIRE(database->insert(learn_whole_paths(robot, std::vector<Path>{{q, q}})));
     const SolveSettings found = internal::complete_settings({}, robot, &*database);
     CHECK(found.decompose.decomposer == "paths");
     CHECK(found.sigma == 0.4);

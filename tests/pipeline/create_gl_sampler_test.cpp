@@ -169,10 +169,10 @@ TEST_SUITE("unit") {
   TEST_CASE("a pair of bodies is not learned on a miss as if it were one of circles") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
-    const auto space = make_space(robot, "body_pairs");
-    REQUIRE(space.has_value());
-    Database database = Database::open(directory / "a.db", *space, OpenMode::create).value();
+    Database database =
+        Database::open(directory / "a.db", make_space(robot), OpenMode::create).value();
     SolveSettings settings = learning_settings();
+    settings.decompose.decomposer = "body_pairs";
     settings.decompose.max_gap = 5;
     const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
     REQUIRE(gl.primitives.size() == 1);

@@ -12,9 +12,9 @@ struct Growing {
   TemporaryDirectory directory;
   SolveSettings settings;
 
+  Growing() { settings.decompose.decomposer = "paths"; }
   Database open(OpenMode mode) {
-    return Database::open(directory / "m.db", make_space(problem.robot, "paths").value(), mode)
-        .value();
+    return Database::open(directory / "m.db", make_space(problem.robot), mode).value();
   }
   SolveResult solve_with(Database& database) {
     auto result = solve(problem, &database, settings);

@@ -53,6 +53,7 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.plan.max_iterations = campaign.max_iterations;
   settings.plan.verify = campaign.verify;
   settings.plan.continuous = campaign.continuous;
+  if (plan % 2 == 1) settings.decompose.decomposer = "paths";  // as Memory::database()
   return settings;
 }
 

@@ -37,6 +37,7 @@ SolveSettings settings_of(int plan) {
   settings.plan.seed = static_cast<std::uint64_t>(plan);
   settings.plan.timeout_s = 600;
   settings.plan.max_iterations = 3000;
+  settings.decompose.decomposer = "paths";
   return settings;
 }
 
@@ -46,11 +47,10 @@ struct Pair {
 };
 
 Result<Pair> open_both(const Robot& robot, const std::string& path) {
-  const auto space = make_space(robot, "paths");
-  if (!space) return tl::unexpected(space.error());
-  auto writer = Database::open(path, *space, OpenMode::create);
+  const ExperienceSpace space = make_space(robot);
+  auto writer = Database::open(path, space, OpenMode::create);
   if (!writer) return tl::unexpected(writer.error());
-  auto reader = Database::open(path, *space, OpenMode::read_only);
+  auto reader = Database::open(path, space, OpenMode::read_only);
   if (!reader) return tl::unexpected(reader.error());
   return Pair{*std::move(writer), *std::move(reader)};
 }

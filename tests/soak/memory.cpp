@@ -16,18 +16,16 @@ Result<void> insert(Database& database, std::vector<Experience> rows) {
   return {};
 }
 
-Result<Database> open(const Robot& robot, const std::string& path, const std::string& decomposer) {
-  auto space = make_space(robot, decomposer);
-  if (!space) return tl::unexpected(space.error());
-  return Database::open(path, *space, OpenMode::create);
+Result<Database> open(const Robot& robot, const std::string& path) {
+  return Database::open(path, make_space(robot), OpenMode::create);
 }
 
 }  // namespace
 
 Result<Memory> Memory::create(const Robot& robot, const std::string& directory) {
-  auto pairs = open(robot, directory + "/" + robot.name() + "_pairs.db", "");
+  auto pairs = open(robot, directory + "/" + robot.name() + "_pairs.db");
   if (!pairs) return tl::unexpected(pairs.error());
-  auto paths = open(robot, directory + "/" + robot.name() + "_paths.db", "paths");
+  auto paths = open(robot, directory + "/" + robot.name() + "_paths.db");
   if (!paths) return tl::unexpected(paths.error());
   return Memory(std::move(*pairs), std::move(*paths));
 }

@@ -129,9 +129,7 @@ inline bool is_same_mixture(const GaussianMixture& a, const GaussianMixture& b) 
 
 inline Database make_database(const std::string& path, const Robot& robot,
                               OpenMode mode = OpenMode::create) {
-  const auto space = make_space(robot);
-  REQUIRE(space.has_value());
-  auto database = Database::open(path, *space, mode);
+  auto database = Database::open(path, make_space(robot), mode);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }

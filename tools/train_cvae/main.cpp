@@ -103,8 +103,7 @@ Result<void> run(const Input& input) {
   const auto robot = load_robot(urdf ? *urdf : input.robot);
   if (!robot) return tl::unexpected(robot.error());
   const auto space = make_space(*robot);
-  if (!space) return tl::unexpected(space.error());
-  const auto database = Database::open(input.database, *space, OpenMode::read_only);
+  const auto database = Database::open(input.database, space, OpenMode::read_only);
   if (!database) return tl::unexpected(database.error());
   if (!robot->is_planar()) return fail(ErrorCode::unsupported, "the CVAE is for planar arms");
   const double half_extent = reach_of(*robot);
