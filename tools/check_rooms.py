@@ -6,7 +6,8 @@
 usage: check_rooms.py SOURCE_DIRECTORY [--fix]
 
 Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them. Apps, the Python module, the
-examples and src/ompl include public headers ("mneme/...") and those of their own directory only.
+examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room has a
+test program.
 
 Order: own header; "mneme/..."; other "..."; third party <...>; standard library and system <...>; a blank line
 between two such blocks and none within one. --fix brings them into this order. Kernels, which are compiled once
@@ -19,6 +20,7 @@ import sys
 
 EVERYWHERE = {"base", "simd", "geometry"}
 FOLDERS = ("src", "include", "apps", "python", "tests", "bench", "examples")
+WITHOUT_TESTS = {"simd"}  # lanes are tested through the kernels of collision and planning
 PUBLIC_ONLY = ("apps", "python", "examples", "src/ompl")
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
@@ -93,6 +95,12 @@ def check_public(root, name, lines):
     return [f"{name}:{number}: {folder} may include public headers (mneme/...) and its own only, not {include}"
             for number, include in quoted_includes(lines)
             if not include.startswith(("mneme/", "hwy/")) and not is_own(include)]
+
+
+def check_tests(root, rooms):
+    """Rooms without a test program."""
+    return [f"tests/{room}: room {room} has no test program (tests/{room}/*_test.cpp)"
+            for room in rooms if room not in WITHOUT_TESTS and not any((root / "tests" / room).glob("*_test.cpp"))]
 
 
 def block_of(name, kind, include):
@@ -181,7 +189,7 @@ def main():
     root = arguments.root
     rooms = read_rooms(root / "src/rooms.txt")
     paths = [path for folder in FOLDERS for suffix in ("*.h", "*.cpp") for path in sorted((root / folder).rglob(suffix))]
-    findings = []
+    findings = check_tests(root, rooms)
     for path in paths:
         name = path.relative_to(root).as_posix()
         lines = path.read_text().splitlines()
