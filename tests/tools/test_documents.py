@@ -16,6 +16,8 @@ LINKED = re.compile(r"\]\((?!https?:)([^)#]+)")
 
 
 def is_there(name):
+    if re.search("/(unit|law|oracle|flow)$", name):  # a ctest
+        return True
     return any(ROOT.glob(name)) or bool(re.search(r"\b[A-Z]{2,}\b", name.replace("_", " ")))
 
 
