@@ -5,9 +5,9 @@
 
 usage: check_rooms.py SOURCE_DIRECTORY [--fix]
 
-Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them. Apps, the Python module, the
-examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room has a
-test program.
+Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them. Public headers, apps, the Python
+module, the examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room
+has a test program.
 
 Order: own header; "mneme/..."; other "..."; third party <...>; standard library and system <...>; a blank line
 between two such blocks and none within one. --fix brings them into this order. Kernels, which are compiled once
@@ -21,7 +21,7 @@ import sys
 EVERYWHERE = {"base", "simd", "geometry"}
 FOLDERS = ("src", "include", "apps", "python", "tests", "bench", "examples")
 WITHOUT_TESTS = {"simd"}  # lanes are tested through the kernels of collision and planning
-PUBLIC_ONLY = ("apps", "python", "examples", "src/ompl")
+PUBLIC_ONLY = ("include", "apps", "python", "examples", "src/ompl")
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
 KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")

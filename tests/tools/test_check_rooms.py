@@ -55,6 +55,7 @@ def test_a_tree_in_order_passes(tree):
     ("src/robot/a.cpp", '#include "mneme/scene.h"\n', "robot may not include mneme/scene.h"),
     ("src/attic/a.cpp", "", "room attic is not in src/rooms.txt"),
     ("apps/a.cpp", '#include "robot/tree.h"\n', "apps/a.cpp:1: apps may include public headers"),
+    ("include/mneme/scene.h", '#include "robot/tree.h"\n', "include/mneme/scene.h:1: include may include public headers"),
     ("python/a.cpp", '#include "console.h"\n', "python/a.cpp:1: python may include public headers"),
     ("src/ompl/a.cpp", '#include "robot/tree.h"\n', "src/ompl/a.cpp:1: src/ompl may include public headers"),
     ("src/robot/a.cpp", '#include <vector>\n\n#include "mneme/robot.h"\n', "a.cpp:3: mneme/robot.h"),
