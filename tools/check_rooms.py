@@ -1,16 +1,35 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks that every include of src/ and include/ respects src/rooms.txt.
+"""Checks that includes respect src/rooms.txt, which headers are public, and the order of includes.
 
-usage: check_rooms.py SOURCE_DIRECTORY
+usage: check_rooms.py SOURCE_DIRECTORY [--fix]
+
+Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them. Public headers, apps, the Python
+module, the examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room
+has a test program.
+
+Order: own header; "mneme/..."; other "..."; third party <...>; standard library and system <...>; a blank line
+between two such blocks and none within one. --fix brings them into this order. Kernels, which are compiled once
+per instruction set, and what stands between #if and #endif keep theirs.
 """
+import argparse
 import pathlib
 import re
 import sys
 
 EVERYWHERE = {"base", "simd", "geometry"}
-INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+FOLDERS = ("src", "include", "apps", "python", "tests", "bench", "examples")
+WITHOUT_TESTS = {"simd"}  # lanes are tested through the kernels of collision and planning
+PUBLIC_ONLY = ("include", "apps", "python", "examples", "src/ompl")
+INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
+CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
+KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")
+SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits)/|"
+                    r"(assert|dlfcn|errno|fcntl|glob|limits|malloc|math|poll|pthread|pwd|sched|signal|stddef|stdint|"
+                    r"stdio|stdlib|string|termios|time|unistd)\.h$")
+OWN, MNEME, OTHER, THIRD_PARTY, STANDARD = range(5)
+BLOCKS = ("own header", '"mneme/..."', 'other "..."', "third party <...>", "standard library and system <...>")
 
 
 def read_rooms(path):
@@ -29,6 +48,21 @@ def read_rooms(path):
     return allowed
 
 
+def quoted_includes(lines):
+    """(number, name) of each #include "name"."""
+    matches = ((number, INCLUDE.match(line)) for number, line in enumerate(lines, 1))
+    return [(number, match[2]) for number, match in matches if match and match[1] == '"']
+
+
+def room_of_file(name):
+    parts = pathlib.PurePosixPath(name).parts
+    if parts[0] == "src" and len(parts) == 3:
+        return parts[1]
+    if parts[0] == "include" and parts[-1] not in ("mneme.h",):
+        return pathlib.PurePosixPath(name).stem
+    return None
+
+
 def room_of_include(name, rooms):
     parts = pathlib.PurePosixPath(name).parts
     if parts[0] == "mneme":
@@ -36,22 +70,134 @@ def room_of_include(name, rooms):
     return parts[0] if parts[0] in rooms else None
 
 
-def main():
-    root = pathlib.Path(sys.argv[1])
-    rooms = read_rooms(root / "src/rooms.txt")
-    problems = []
-    files = [(p, p.parent.name) for p in sorted(root.glob("src/*/*")) if p.is_file()]
-    files += [(p, p.stem) for p in sorted(root.glob("include/mneme/*.h")) if p.stem != "mneme"]
-    for path, room in files:
-        if room not in rooms:
-            problems.append(f"{path}: room {room} is not in src/rooms.txt")
+def check_rooms(name, lines, rooms):
+    """What this file of src/ or include/ includes of rooms that its own may not include."""
+    room = room_of_file(name)
+    if room is None:
+        return []
+    if room not in rooms:
+        return [f"{name}: room {room} is not in src/rooms.txt"]
+    used = [(number, include, room_of_include(include, rooms)) for number, include in quoted_includes(lines)]
+    return [f"{name}:{number}: {room} may not include {include} (room {other})"
+            for number, include, other in used if other is not None and other not in rooms[room]]
+
+
+def check_public(root, name, lines):
+    """What this file includes besides public headers and those of its own directory."""
+    folder = next((folder for folder in PUBLIC_ONLY if name.startswith(folder + "/")), None)
+    if folder is None:
+        return []
+    base = root / "src" if folder == "src/ompl" else root / folder
+
+    def is_own(include):
+        path = (base / include).resolve()
+        return path.is_file() and (root / folder).resolve() in path.parents
+    return [f"{name}:{number}: {folder} may include public headers (mneme/...) and its own only, not {include}"
+            for number, include in quoted_includes(lines)
+            if not include.startswith(("mneme/", "hwy/")) and not is_own(include)]
+
+
+def check_tests(root, rooms):
+    """Rooms without a test program."""
+    return [f"tests/{room}: room {room} has no test program (tests/{room}/*_test.cpp)"
+            for room in rooms if room not in WITHOUT_TESTS and not any((root / "tests" / room).glob("*_test.cpp"))]
+
+
+def block_of(name, kind, include):
+    if kind == "<":
+        return STANDARD if SYSTEM.match(include) else THIRD_PARTY
+    own = pathlib.PurePosixPath(name)
+    path = pathlib.PurePosixPath(include)
+    if own.suffix == ".cpp" and path.stem == own.stem and path.parts[0] in (own.name, own.parent.name, path.name):
+        return OWN
+    if path.parts[0] == "mneme":
+        return MNEME
+    return THIRD_PARTY if path.parts[0] == "hwy" else OTHER
+
+
+def runs_of_includes(lines):
+    """[begin, end) of the lines of each run of includes with nothing but blank lines and comments in between."""
+    runs, begin, end, depth = [], None, None, 0
+    for number, line in enumerate(lines):
+        if INCLUDE.match(line) and depth == 0:
+            begin, end = (number if begin is None else begin), number + 1
+        elif line.strip() and not line.lstrip().startswith("//"):
+            condition = CONDITION.match(line)
+            depth += 0 if not condition else -1 if condition[1] == "endif" else 1
+            if begin is not None:
+                runs.append((begin, end))
+            begin = None
+    return runs + ([(begin, end)] if begin is not None else [])
+
+
+def in_order(name, run):
+    """The lines of a run block by block. A comment stays above the include that it precedes."""
+    blocks, above = [[] for _ in BLOCKS], []
+    for line in run:
+        match = INCLUDE.match(line)
+        if match:
+            blocks[block_of(name, match[1], match[2])].append([*above, line])
+            above = []
+        elif line.strip():
+            above.append(line)
+    result = []
+    for block in blocks:
+        result += ([""] if result and block else []) + [line for group in block for line in group]
+    return result
+
+
+def first_in_wrong_place(name, run):
+    """Offset in the run of the first line that breaks the order, and what is wrong with it."""
+    last = None
+    for offset, line in enumerate(run):
+        match = INCLUDE.match(line)
+        if not match:
             continue
-        for name in INCLUDE.findall(path.read_text()):
-            used = room_of_include(name, rooms)
-            if used is not None and used not in rooms[room]:
-                problems.append(f"{path}: {room} may not include {name} (room {used})")
-    print("\n".join(problems) if problems else f"{len(files)} files respect {len(rooms)} rooms")
-    return 1 if problems else 0
+        block = block_of(name, match[1], match[2])
+        if last is not None and block < last:
+            return offset, f"{match[2]} ({BLOCKS[block]}) belongs above {BLOCKS[last]}"
+        has_blank = offset > 0 and "" in [above.strip() for above in run[previous + 1:offset]]
+        if last is not None and has_blank != (block != last):
+            return offset, f"{'no' if block == last else 'a'} blank line belongs above {match[2]}"
+        last, previous = block, offset
+    return 0, "more blank lines than one between two blocks"
+
+
+def check_order(path, name, lines, is_fixing):
+    """Findings, if includes are out of order; or brings them into order."""
+    if any(KERNELS.search(line) for line in lines):
+        return []
+    findings, fixed = [], list(lines)
+    for begin, end in reversed(runs_of_includes(lines)):
+        run = lines[begin:end]
+        ordered = in_order(name, run)
+        if ordered != run:
+            offset, message = first_in_wrong_place(name, run)
+            findings.insert(0, f"{name}:{begin + offset + 1}: {message}")
+            fixed[begin:end] = ordered
+    if is_fixing and findings:
+        path.write_text("\n".join(fixed) + "\n")
+        return []
+    return findings
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root", type=pathlib.Path, metavar="SOURCE_DIRECTORY")
+    parser.add_argument("--fix", action="store_true", help="bring includes into order")
+    arguments = parser.parse_args()
+    root = arguments.root
+    rooms = read_rooms(root / "src/rooms.txt")
+    paths = [path for folder in FOLDERS for suffix in ("*.h", "*.cpp") for path in sorted((root / folder).rglob(suffix))]
+    findings = check_tests(root, rooms)
+    for path in paths:
+        name = path.relative_to(root).as_posix()
+        lines = path.read_text().splitlines()
+        findings += check_rooms(name, lines, rooms)
+        findings += check_public(root, name, lines)
+        findings += check_order(path, name, lines, arguments.fix)
+    print("\n".join(findings) if findings else f"{len(paths)} files respect {len(rooms)} rooms")
+    return 1 if findings else 0
 
 
 if __name__ == "__main__":

@@ -157,7 +157,14 @@ class Primitive:
     @property
     def obstacles(self) -> list[int]: ...
 
-def decompose(robot: Robot, scene: Scene, *, max_gap: float = 0.0) -> list[Primitive]: ...
+def decompose(
+    robot: Robot,
+    scene: Scene,
+    *,
+    # settings:decompose
+    max_gap: float = 0.0,
+    # /settings
+) -> list[Primitive]: ...
 def similarity_error(a: npt.ArrayLike, b: npt.ArrayLike) -> float: ...
 
 class Database:
@@ -214,13 +221,17 @@ def learn(
     seed: int = 1,
     jobs: int = 0,
     on_progress: Optional[Callable[[LearnProgress], object]] = None,
+    # settings:learn
     starts_per_link: int = 3,
     paths_per_start: int = 2,
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
     learn_resolution: float = 0.0,
     merge_cliques: bool = False,
+    # /settings
+    # settings:decompose
     max_gap: float = 0.0,
+    # /settings
 ) -> LearnSummary: ...
 def learn_from_paths(
     robot: Robot,
@@ -230,7 +241,9 @@ def learn_from_paths(
     *,
     reach: float = 0.12,
     seed: int = 0,
+    # settings:decompose
     max_gap: float = 0.0,
+    # /settings
 ) -> int: ...
 
 class Plan:
@@ -296,6 +309,7 @@ def plan(
     sampler: Optional[str] = None,
     isa: str = "automatic",
     record: bool = False,
+    # settings:solve
     lambda_: float = -1.0,
     sigma: float = 0.0,
     similarity: float = 0.0,
@@ -308,6 +322,8 @@ def plan(
     remember_after: int = -1,
     resolution: float = 0.0,
     margin: float = 0.0,
+    # /settings
+    # settings:plan
     range: float = 0.0,
     timeout: float = 10.0,
     max_iterations: int = 0,
@@ -318,13 +334,18 @@ def plan(
     continuous: bool = False,
     neighbours: int = 10,
     goal_bias: float = 0.05,
+    # /settings
+    # settings:decompose
     max_gap: float = 0.0,
+    # /settings
+    # settings:learn
     starts_per_link: int = 3,
     paths_per_start: int = 2,
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
     learn_resolution: float = 0.0,
     merge_cliques: bool = False,
+    # /settings
 ) -> Plan: ...
 
 class BenchmarkRow:

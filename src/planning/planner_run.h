@@ -56,7 +56,7 @@ class PlannerRun {
     return origin;
   }
   /// Tells the observer, if there is one, about an edge of tree or roadmap number `graph`.
-  void show_edge(std::span<const float> from, std::span<const float> to, int graph) {
+  void show_edge(std::span<const float> from, std::span<const float> to, int graph) const {
     if (settings_.observer != nullptr) settings_.observer->on_edge(from, to, graph);
   }
   void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }

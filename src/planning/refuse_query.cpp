@@ -16,7 +16,7 @@ bool is_near(const Contact& contact) { return contact.distance >= 0; }
 /// Contacts first, then what is only within the margin.
 std::string describe_contacts(std::vector<Contact> contacts, double margin) {
   constexpr std::size_t kMostNamed = 4;
-  std::ranges::stable_partition(contacts, std::not_fn(is_near));
+  std::stable_partition(contacts.begin(), contacts.end(), std::not_fn(is_near));
   std::string text = is_near(contacts.front())
                          ? fmt::format(" is within the margin of {:.4g} m: ", margin)
                          : " is in contact: ";
