@@ -17,58 +17,67 @@ namespace {
 
 constexpr std::string_view kOmplPrefix = "ompl:";
 
+bool is_ompl_planner(std::string_view planner) { return planner.starts_with(kOmplPrefix); }
+
 #ifdef MNEME_WITH_OMPL
 
-void append_ompl_names(SuiteNames& names) {
-  for (const std::string_view name : ompl_planner_names()) {
-    names.planners.push_back(std::string(kOmplPrefix) + std::string(name));
-  }
-  for (const std::string_view name : ompl_sampler_names()) names.samplers.emplace_back(name);
+constexpr bool kHasOmpl = true;
+
+std::vector<std::string> ompl_planners() {
+  return {ompl_planner_names().begin(), ompl_planner_names().end()};
+}
+
+std::vector<std::string> ompl_samplers() {
+  return {ompl_sampler_names().begin(), ompl_sampler_names().end()};
 }
 
 Result<SolveResult> solve_ompl(const Problem& problem, Database* database,
-                               const SolveSettings& settings, bool is_as_in_paper,
-                               const std::string& experience) {
+                               const BenchCase& bench_case) {
   OmplSettings ompl;
-  ompl.as_in_paper = is_as_in_paper;
-  ompl.experience_path = experience;
-  return solve_with_ompl(problem, database, settings, ompl);
+  ompl.as_in_paper = bench_case.is_ompl_as_in_paper;
+  ompl.experience_path = bench_case.own_experience;
+  return solve_with_ompl(problem, database, bench_case.settings, ompl);
 }
 
 #else
 
+constexpr bool kHasOmpl = false;
+
 // The names that the suites of bench/suites use, so that they can be read.
-void append_ompl_names(SuiteNames& names) {
-  for (const char* name : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST", "STRIDE",
-                           "SBL", "BITstar", "Lightning", "Thunder"}) {
-    names.planners.push_back(std::string(kOmplPrefix) + name);
-  }
-  for (const char* name : {"gaussian", "obstacle_based", "bridge_test", "max_clearance"}) {
-    names.samplers.emplace_back(name);
-  }
+std::vector<std::string> ompl_planners() {
+  return {"RRT",    "RRTConnect", "PRM",     "BKPIECE1",  "KPIECE1", "BiEST",
+          "STRIDE", "SBL",        "BITstar", "Lightning", "Thunder"};
 }
 
-Result<SolveResult> solve_ompl(const Problem&, Database*, const SolveSettings& settings, bool,
-                               const std::string&) {
-  return fail(ErrorCode::unsupported, settings.planner + ": this mneme was built without OMPL");
+std::vector<std::string> ompl_samplers() {
+  return {"gaussian", "obstacle_based", "bridge_test", "max_clearance"};
+}
+
+Result<SolveResult> solve_ompl(const Problem&, Database*, const BenchCase& bench_case) {
+  return fail(ErrorCode::unsupported,
+              bench_case.settings.planner + ": this mneme was built without OMPL");
 }
 
 #endif
 
 }  // namespace
 
-SuiteNames bench_names() {
-  SuiteNames names;
-  for (const PlannerEntry& planner : planners()) names.planners.emplace_back(planner.name);
-  for (const std::string_view sampler : sampler_names()) names.samplers.emplace_back(sampler);
-  append_ompl_names(names);
-  return names;
+std::vector<BenchPlanner> bench_planners() {
+  std::vector<BenchPlanner> all;
+  for (const PlannerEntry& planner : planners()) all.push_back({std::string(planner.name)});
+  for (const std::string& name : ompl_planners()) {
+    const bool has_own_experience = name == "Lightning" || name == "Thunder";
+    all.push_back({std::string(kOmplPrefix) + name, kHasOmpl, true, has_own_experience});
+  }
+  return all;
 }
 
-bool is_ompl_planner(std::string_view planner) { return planner.starts_with(kOmplPrefix); }
-
-bool is_experience_planner(std::string_view planner) {
-  return planner == "ompl:Lightning" || planner == "ompl:Thunder";
+SuiteNames bench_names() {
+  SuiteNames names;
+  for (const BenchPlanner& planner : bench_planners()) names.planners.push_back(planner.name);
+  names.samplers = {sampler_names().begin(), sampler_names().end()};
+  for (const std::string& name : ompl_samplers()) names.samplers.push_back(name);
+  return names;
 }
 
 Result<void> train_experience(std::string_view planner, const Robot& robot,
@@ -83,18 +92,9 @@ Result<void> train_experience(std::string_view planner, const Robot& robot,
 #endif
 }
 
-bool is_missing_planner(const std::string& planner) {
-#ifdef MNEME_WITH_OMPL
-  static_cast<void>(planner);
-  return false;
-#else
-  return is_ompl_planner(planner);
-#endif
-}
-
 Result<void> check_names(const SolveSettings& settings) {
   SuiteNames names = bench_names();
-  std::erase_if(names.planners, is_missing_planner);
+  if (!kHasOmpl) std::erase_if(names.planners, is_ompl_planner);
   const auto has = [](const auto& all, std::string_view name) {
     return std::find(all.begin(), all.end(), name) != all.end();
   };
@@ -113,12 +113,12 @@ Result<void> check_names(const SolveSettings& settings) {
                           settings.sampler, settings.planner));
 }
 
-Result<SolveResult> solve_with_any(const Problem& problem, Database* database,
-                                   const SolveSettings& settings, bool is_ompl_as_in_paper,
-                                   const std::string& ompl_experience) {
+Result<SolveResult> solve_case(const Problem& problem, Database* database,
+                               const BenchCase& bench_case) {
+  const SolveSettings& settings = bench_case.settings;
   if (auto checked = check_names(settings); !checked) return tl::unexpected(checked.error());
   if (!is_ompl_planner(settings.planner)) return solve(problem, database, settings);
-  return solve_ompl(problem, database, settings, is_ompl_as_in_paper, ompl_experience);
+  return solve_ompl(problem, database, bench_case);
 }
 
 }  // namespace mneme::app

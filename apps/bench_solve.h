@@ -4,24 +4,19 @@
 /// Planners of a benchmark: mneme's own, and OMPL's where it was built in.
 #pragma once
 
+#include "mneme/benchmark.h"
+
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "mneme/benchmark.h"
-
 namespace mneme::app {
 
-/// Planners and samplers that `mneme bench run` knows, those of OMPL also where it is not built in.
+/// mneme's planners and those of OMPL, also where it is not built in.
+[[nodiscard]] std::vector<BenchPlanner> bench_planners();
+/// Names of all planners and samplers that `mneme bench run` knows.
 [[nodiscard]] SuiteNames bench_names();
-/// True for planners that this build lacks: those of OMPL, if it was built without.
-[[nodiscard]] bool is_missing_planner(const std::string& planner);
-
-/// True of names of OMPL's planners, built in or not.
-[[nodiscard]] bool is_ompl_planner(std::string_view planner);
-/// True of Lightning and Thunder, which plan from experience of their own instead of a sampler's.
-[[nodiscard]] bool is_experience_planner(std::string_view planner);
 
 /// Writes what Lightning or Thunder makes of solved paths. Errors: io; built without OMPL.
 [[nodiscard]] Result<void> train_experience(std::string_view planner, const Robot& robot,
@@ -31,11 +26,9 @@ namespace mneme::app {
 /// that is not.
 [[nodiscard]] Result<void> check_names(const SolveSettings& settings);
 
-/// solve() with the planner of `settings`, whoever's it is. With `is_ompl_as_in_paper` those of
-/// OMPL have OMPL's defaults; `ompl_experience` is a file of train_experience, or empty.
-[[nodiscard]] Result<SolveResult> solve_with_any(const Problem& problem, Database* database,
-                                                 const SolveSettings& settings,
-                                                 bool is_ompl_as_in_paper,
-                                                 const std::string& ompl_experience);
+/// solve() with the planner of the case, whoever's it is. What of OMPL is as in the paper has
+/// OMPL's defaults; the case's own experience is a file of train_experience.
+[[nodiscard]] Result<SolveResult> solve_case(const Problem& problem, Database* database,
+                                             const BenchCase& bench_case);
 
 }  // namespace mneme::app

@@ -2,29 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme bench: plans many problems and tells how long it took.
+#include "mneme/benchmark.h"
+
+#include "bench_output.h"
+#include "bench_solve.h"
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
+#include "suite_run.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 #include <sstream>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "bench_problems.h"
-#include "bench_report.h"
-#include "bench_results.h"
-#include "bench_solve.h"
-#include "bench_suite.h"
-#include "commands.h"
-#include "console.h"
-#include "inputs.h"
-#include "interrupt.h"
-#include "options.h"
-#include "output_check.h"
-#include "problem_part.h"
-#include "row_file.h"
-#include "suite_run.h"
 
 namespace mneme::app {
 namespace {
@@ -72,7 +68,7 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   }
   std::vector<SuiteProblems> entries;
   for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
-  return load_bench_problems(entries, *overrides);
+  return load_bench_problems(entries, *overrides, print_note);
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
@@ -83,7 +79,7 @@ Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
     if (plan.memories.contains(key)) continue;
     Result<Database> database = open_memory(options.db, robot, options.settings, options.kept);
     if (!database) return tl::unexpected(database.error());
-    plan.memories.emplace(key, std::move(*database));
+    plan.memories.emplace(key, std::make_shared<Database>(std::move(*database)));
   }
   return {};
 }
@@ -97,10 +93,12 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
   base.memory = options.db;
   base.settings = options.settings;
   base.description = describe_settings(options.settings);
-  append_cases(base, options.planners, options.samplers, plan.cases);
+  append_cases(base, find_planners(bench_planners(), options.planners), options.samplers,
+               plan.cases);
   plan.seed_count = options.seed_count;
   plan.first_seed = options.settings.plan.seed;
   plan.jobs = options.jobs;
+  plan.solve = solve_case;
   const Result<void> opened = open_memories(options, plan);
   if (!opened) return tl::unexpected(opened.error());
   return plan;
@@ -109,7 +107,7 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
 Result<ExitCode> run_problems(const BenchOptions& options) {
   Result<BenchPlan> plan = make_plan(options);
   if (!plan) return tl::unexpected(plan.error());
-  catch_interrupts();
+  plan->cancel = interrupt_flag();
   RowFile file;
   const Result<bool> is_complete =
       file.open(options.csv, options.sqlite, options.is_resumed).and_then([&] {

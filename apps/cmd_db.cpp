@@ -2,26 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme db: looks into a database, and keeps it in order.
+#include "mneme/experience.h"
+#include "mneme/pipeline.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+#include "problem_primitives.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
-#include "mneme/experience.h"
-#include "mneme/pipeline.h"
-
-#include "commands.h"
-#include "console.h"
-#include "db_upkeep.h"
-#include "inputs.h"
-#include "options.h"
-#include "problem_primitives.h"
 
 namespace mneme::app {
 namespace {
@@ -84,7 +83,7 @@ void print_info(const DatabaseInfo& info) {
 }
 
 Result<ExitCode> run_info(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   if (options.is_json) {
     print_json(to_json(database->info()));
@@ -122,7 +121,7 @@ Result<void> visit_first(const Database& database, std::int64_t count,
 }
 
 Result<ExitCode> run_list(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   const std::int64_t count = std::min(options.limit.value_or(database->size()), database->size());
   if (options.is_json) {
@@ -196,7 +195,7 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
 }
 
 Result<ExitCode> run_query(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   const double similarity = options.settings.similarity > 0
                                 ? options.settings.similarity

@@ -2,14 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme learn: fills a database with local samplers.
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <optional>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
+#include "mneme/benchmark.h"
 #include "mneme/learning.h"
 
 #include "commands.h"
@@ -20,6 +13,14 @@
 #include "learn_sharing.h"
 #include "learning_run.h"
 #include "options.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
 
 namespace mneme::app {
 namespace {
@@ -146,7 +147,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
 
 /// Learns a shard of the lesson, and of what covers the grid.
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
-                                  const Fraction& shard, Database& database, const LearnJob& job) {
+                                  const Part& shard, Database& database, const LearnJob& job) {
   if (!lesson.robot.is_planar()) {
     if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
     const auto mine = take_shard(std::move(lesson.primitives), shard);

@@ -3,22 +3,16 @@
 
 #include "inputs.h"
 
-#include <filesystem>
-
-#include <fmt/format.h>
-
+#include "mneme/benchmark.h"
 #include "mneme/covering.h"
 
 #include "console.h"
 
-namespace mneme::app {
+#include <fmt/format.h>
 
-Result<std::string> robot_file(const std::string& robot) {
-  std::error_code ignored;
-  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(".urdf");
-  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
-  return find_robot(robot);
-}
+#include <filesystem>
+
+namespace mneme::app {
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
   const Result<CoveredRobot> loaded = robot_file(robot).and_then(
@@ -65,21 +59,6 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
                           scene.error().message, problem.error().message));
 }
 
-Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
-                               const std::string& decomposer, const DatabaseSettings& kept) {
-  const Result<ExperienceSpace> space = make_space(robot, decomposer);
-  if (!space) return tl::unexpected(space.error());
-  Result<Database> database = Database::open(url, *space, mode, kept);
-  const bool is_other = !database && database.error().code == ErrorCode::wrong_robot;
-  if (!is_other || !decomposer.empty()) return database;
-  // Of the same robot and another decomposer, which nobody asked not to use.
-  const Result<ExperienceSpace> found =
-      Database::inspect(url, kept).map([](const Database& any) { return any.space(); });
-  if (!found || found->robot_hash != robot.hash()) return database;
-  const auto own = decomposer_of_version(found->decomposer);
-  return own ? open_database(url, robot, mode, *own, kept) : std::move(database);
-}
-
 std::string decomposer_of_paths(const Robot& robot) { return robot.is_planar() ? "" : "paths"; }
 
 Result<Database> open_memory(const std::string& url, const Robot& robot,
@@ -98,10 +77,6 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
     }
     return error;
   });
-}
-
-Result<Database> inspect_database(const std::string& url, const DatabaseSettings& kept) {
-  return Database::inspect(url, kept);
 }
 
 }  // namespace mneme::app

@@ -3,17 +3,16 @@
 
 #include "learn_from_problems.h"
 
-#include <chrono>
-#include <set>
-
-#include <fmt/format.h>
-
+#include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 
 #include "console.h"
 #include "inputs.h"
-#include "interrupt.h"
-#include "problem_part.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <set>
 
 namespace mneme::app {
 namespace {

@@ -4,12 +4,12 @@
 /// Learning from problems that are solved for the purpose: `mneme learn --problems`.
 #pragma once
 
+#include "mneme/learning.h"
+#include "mneme/problem.h"
+
 #include <span>
 #include <string>
 #include <vector>
-
-#include "mneme/learning.h"
-#include "mneme/problem.h"
 
 namespace mneme::app {
 

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learn_primitive_lesson.h"
 
-#include <algorithm>
-
-#include <glob.h>
+#include "inputs.h"
 
 #include <fmt/format.h>
+#include <glob.h>
 
-#include "inputs.h"
+#include <algorithm>
 
 namespace mneme::app {
 namespace {

@@ -4,12 +4,12 @@
 /// What `mneme learn --scenes` learns: the primitives of scenes and problems.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "mneme/learning.h"
 
 #include "options.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme::app {
 

@@ -3,6 +3,8 @@
 
 #include "learn_sharing.h"
 
+#include <fmt/format.h>
+
 namespace mneme::app {
 
 std::optional<SharedWork> Sharing::work(const std::string& url) const {
@@ -11,9 +13,14 @@ std::optional<SharedWork> Sharing::work(const std::string& url) const {
 
 void add_sharing(CLI::App& command, Sharing& sharing) {
   const auto read_shard = [&sharing](const std::string& text) {
-    const Result<Fraction> shard = parse_shard(text);
-    if (!shard) throw CLI::ValidationError("--shard", shard.error().message);
-    sharing.shard = *shard;
+    const std::optional<Part> shard = parse_part(text);
+    if (shard) {
+      sharing.shard = *shard;
+      return;
+    }
+    throw CLI::ValidationError(
+        "--shard",
+        fmt::format("'{}' is no shard; expected I/N with 0 <= I <= N, such as 1/16", text));
   };
   add_text(command, "--shard", read_shard,
            "every N-th primitive beginning with the I-th, each shard into a database of its own; "

@@ -4,17 +4,31 @@
 /// Learning on many machines: the flags --shard, --worker and --lease.
 #pragma once
 
-#include <string>
-
+#include "mneme/benchmark.h"
 #include "mneme/learning.h"
 
 #include "options.h"
-#include "shard.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace mneme::app {
 
+/// Every N-th item, beginning with the I-th counted from 1; all of them if `shard` is 0/1. I counts
+/// from 1 or from 0, because arrays of jobs are numbered either way.
+template <class T>
+[[nodiscard]] std::vector<T> take_shard(std::vector<T> items, const Part& shard) {
+  std::vector<T> taken;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (shard.holds(i)) taken.push_back(std::move(items[i]));
+  }
+  return taken;
+}
+
 struct Sharing {
-  Fraction shard;
+  Part shard;
   bool is_worker = false;
   double lease_s = SharedWork().lease_s;
 

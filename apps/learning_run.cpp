@@ -3,10 +3,9 @@
 
 #include "learning_run.h"
 
-#include <fmt/format.h>
-
 #include "console.h"
-#include "interrupt.h"
+
+#include <fmt/format.h>
 
 namespace mneme::app {
 namespace {

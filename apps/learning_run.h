@@ -4,10 +4,10 @@
 /// Learning with progress, as `mneme learn` and `mneme demo` do it.
 #pragma once
 
+#include "mneme/learning.h"
+
 #include <span>
 #include <vector>
-
-#include "mneme/learning.h"
 
 namespace mneme::app {
 

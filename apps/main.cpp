@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
-
-#include <fmt/format.h>
-
 #include "mneme/base.h"
 
+#include "command_line.h"
 #include "commands.h"
 #include "console.h"
 #include "options.h"
-#include "suggestion.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 
 namespace mneme::app {
 namespace {

@@ -4,6 +4,14 @@
 /// Command line flags: numbers read strictly, and the settings that the public headers declare.
 #pragma once
 
+#include "mneme/experience.h"
+#include "mneme/planning.h"
+#include "mneme/primitive.h"
+#include "mneme/robot.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -14,14 +22,6 @@
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include "mneme/experience.h"
-#include "mneme/planning.h"
-#include "mneme/primitive.h"
-#include "mneme/robot.h"
 
 namespace mneme::app {
 

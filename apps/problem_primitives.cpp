@@ -3,9 +3,9 @@
 
 #include "problem_primitives.h"
 
-#include <fmt/format.h>
-
 #include "console.h"
+
+#include <fmt/format.h>
 
 namespace mneme::app {
 namespace {

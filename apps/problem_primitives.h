@@ -4,12 +4,12 @@
 /// Primitives of problems, and how people read of them.
 #pragma once
 
+#include "mneme/primitive.h"
+#include "mneme/problem.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/problem.h"
-#include "mneme/primitive.h"
 
 namespace mneme::app {
 

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include "mneme/base.h"
 #include "mneme/base.h"
 
 #include "bindings.h"
 #include "errors.h"
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 namespace mneme::python {
 namespace {

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <algorithm>
-#include <cstring>
+#include "mneme/benchmark.h"
+#include "mneme/pipeline.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "memory.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -10,12 +14,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "mneme/pipeline.h"
-
-#include "arrays.h"
-#include "bindings.h"
-#include "inputs.h"
-#include "memory.h"
+#include <algorithm>
+#include <cstring>
 
 namespace mneme::python {
 namespace {
@@ -37,8 +37,8 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
-  if (!robot) return Memory(unwrap(app::inspect_database(path.string(), kept)));
-  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, decomposer, kept)));
+  if (!robot) return Memory(unwrap(Database::inspect(path.string(), kept)));
+  return Memory(unwrap(open_database(path.string(), *robot, open_mode, decomposer, kept)));
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {

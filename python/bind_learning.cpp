@@ -1,16 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <algorithm>
-#include <exception>
-#include <thread>
-
-#include <fmt/format.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include "mneme/learning.h"
 #include "mneme/problem.h"
 
@@ -19,6 +9,16 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <exception>
+#include <thread>
 
 namespace mneme::python {
 namespace {

@@ -4,17 +4,19 @@
 /// Settings as keyword arguments, from the same declarations as the command line's flags.
 #pragma once
 
+#include "mneme/pipeline.h"
+
+#include "errors.h"
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
 #include <concepts>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <fmt/format.h>
-#include <pybind11/pybind11.h>
-
-#include "errors.h"
 
 namespace mneme::python {
 
@@ -75,6 +77,11 @@ class Keywords {
   py::kwargs arguments_;
   std::vector<std::string> known_;
 };
+
+/// What plan() was given. Raises TypeError for a keyword that belongs to none of its settings.
+[[nodiscard]] SolveSettings read_solve_settings(const std::string& planner,
+                                                const std::string& sampler, const std::string& isa,
+                                                const py::kwargs& arguments);
 
 /// The settings' part of a docstring: keyword, default, range and sentence of each.
 template <class Settings>

@@ -4,13 +4,13 @@
 /// What the memory is to Python: shared, so that results may outlive the object that opened it.
 #pragma once
 
-#include <filesystem>
-#include <memory>
-#include <string>
-
 #include "mneme/experience.h"
 
 #include "errors.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
 
 namespace mneme::python {
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <pybind11/pybind11.h>
-
 #include "bindings.h"
+
+#include <pybind11/pybind11.h>
 
 PYBIND11_MODULE(_mneme, module) {
   module.doc() = "The compiled part of mneme; import mneme instead.";
@@ -16,4 +16,5 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_experience(module);
   mneme::python::bind_learning(module);
   mneme::python::bind_pipeline(module);
+  mneme::python::bind_benchmark(module);
 }
