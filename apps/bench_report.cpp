@@ -1,20 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "bench_report.h"
+#include "bench_output.h"
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "options.h"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <filesystem>
 #include <memory>
-
-#include <fmt/format.h>
-
-#include "console.h"
-#include "input_file.h"
-#include "options.h"
-#include "output_check.h"
-#include "output_file.h"
-#include "row_file.h"
 
 namespace mneme::app {
 namespace {
@@ -140,36 +137,6 @@ void add_export(CLI::App& bench, Action& action) {
 void add_bench_report(CLI::App& bench, Action& action) {
   add_report(bench, action);
   add_export(bench, action);
-}
-
-Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
-  const fs::path stem = fs::path(path).replace_extension();
-  if (const fs::path parent = stem.parent_path(); !parent.empty()) {
-    if (auto made = make_directory(parent.string()); !made) return made;
-  }
-  for (const ReportFigure& figure : report.figures) {
-    const auto written =
-        write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg);
-    if (!written) return written;
-  }
-  return write_file(path, report.html);
-}
-
-Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
-  if (auto made = make_directory(directory); !made) return made;
-  for (const OmplLog& log : to_ompl_logs(rows)) {
-    auto written = write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text);
-    if (!written) return written;
-  }
-  return {};
-}
-
-Result<std::vector<MemoryRow>> read_memories(const std::string& path) {
-  std::error_code missing;
-  if (!fs::exists(path, missing)) return std::vector<MemoryRow>();
-  return read_file(path, kMaxCsvBytes).and_then([&](const std::string& text) {
-    return parse_memory_csv(text, path);
-  });
 }
 
 }  // namespace mneme::app

@@ -2,29 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme bench: plans many problems and tells how long it took.
+#include "mneme/benchmark.h"
+
+#include "bench_output.h"
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
+#include "suite_run.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 #include <sstream>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "bench_problems.h"
-#include "bench_report.h"
-#include "bench_results.h"
-#include "bench_solve.h"
-#include "bench_suite.h"
-#include "commands.h"
-#include "console.h"
-#include "inputs.h"
-#include "interrupt.h"
-#include "options.h"
-#include "output_check.h"
-#include "problem_part.h"
-#include "row_file.h"
-#include "suite_run.h"
 
 namespace mneme::app {
 namespace {
@@ -72,7 +67,7 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   }
   std::vector<SuiteProblems> entries;
   for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
-  return load_bench_problems(entries, *overrides);
+  return load_bench_problems(entries, *overrides, print_note);
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
@@ -83,7 +78,7 @@ Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
     if (plan.memories.contains(key)) continue;
     Result<Database> database = open_memory(options.db, robot, options.settings, options.kept);
     if (!database) return tl::unexpected(database.error());
-    plan.memories.emplace(key, std::move(*database));
+    plan.memories.emplace(key, std::make_shared<Database>(std::move(*database)));
   }
   return {};
 }
@@ -109,7 +104,7 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
 Result<ExitCode> run_problems(const BenchOptions& options) {
   Result<BenchPlan> plan = make_plan(options);
   if (!plan) return tl::unexpected(plan.error());
-  catch_interrupts();
+  plan->cancel = interrupt_flag();
   RowFile file;
   const Result<bool> is_complete =
       file.open(options.csv, options.sqlite, options.is_resumed).and_then([&] {
@@ -163,10 +158,9 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problems': a URDF file or a name");
   add_robot_flags(command, options.robot_options);
-  const SuiteNames names = bench_names();
-  add_name_list(command, "--planners", "planner", options.planners, names.planners,
+  add_name_list(command, "--planners", "planner", options.planners, planner_names(),
                 "planners (default rrt_connect)");
-  add_name_list(command, "--samplers", "sampler", options.samplers, names.samplers,
+  add_name_list(command, "--samplers", "sampler", options.samplers, sampler_names(),
                 "sources of configurations (default uniform, with --db gl,uniform)");
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
              "runs of each, with seeds from --seed on");
@@ -195,7 +189,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_settings(command, options.settings);
   add_settings(command, options.settings.plan);
-  add_decompose_settings(command, options.settings.decompose);
+  add_memory_settings(command, options.settings.memory);
   add_settings(command, options.settings.learn);
   add_isa(command);
   add_json(command, options.is_json);

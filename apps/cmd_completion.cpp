@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme completion: what a shell completes, from the help of the subcommands.
-#include <memory>
+#include "command_line.h"
+#include "commands.h"
+#include "options.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "command_descriptions.h"
-#include "commands.h"
-#include "options.h"
+#include <memory>
 
 namespace mneme::app {
 namespace {

@@ -2,26 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme db: looks into a database, and keeps it in order.
+#include "mneme/experience.h"
+#include "mneme/pipeline.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+#include "problem_primitives.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
-#include "mneme/experience.h"
-#include "mneme/pipeline.h"
-
-#include "commands.h"
-#include "console.h"
-#include "db_upkeep.h"
-#include "inputs.h"
-#include "options.h"
-#include "problem_primitives.h"
 
 namespace mneme::app {
 namespace {
@@ -39,10 +38,8 @@ struct DbOptions {
   SolveSettings settings;
 };
 
-/// The decomposer whose keys are pairs of circles.
-constexpr const char* kCircles = "pairs";
-
-std::string circles_kind() { return decomposer_version(kCircles).value(); }
+/// The kind whose keys are pairs of circles.
+const MemoryKind& circles() { return *memory_kinds().front(); }
 
 // info
 
@@ -90,7 +87,7 @@ void print_info(const DatabaseInfo& info) {
 }
 
 Result<ExitCode> run_info(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   if (options.is_json) {
     print_json(to_json(database->info()));
@@ -130,7 +127,7 @@ Result<void> visit_first(const Database& database, std::int64_t count,
 }
 
 Result<ExitCode> run_list(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   const std::int64_t count = std::min(options.limit.value_or(database->size()), database->size());
   if (options.is_json) {
@@ -142,7 +139,7 @@ Result<ExitCode> run_list(const DbOptions& options) {
     return ExitCode::done;
   }
   const std::vector<KindInfo> kinds = database->kinds();
-  const bool has_circles = kinds.size() == 1 && kinds.front().kind == circles_kind();
+  const bool has_circles = kinds.size() == 1 && kinds.front().kind == circles().version;
   fmt::print("{:>8}  {:<12}  {:<53}  {:>10}  {:>20}  {}\n", "id", "kind",
              has_circles ? "key (x y r x y r)" : "key", "components", "seed", "time");
   const auto listed = visit_first(*database, count, print_row);
@@ -155,18 +152,18 @@ Result<ExitCode> run_list(const DbOptions& options) {
 
 /// What to look up among the rows of one kind.
 struct Lookup {
-  std::string kind;
+  const MemoryKind* kind = nullptr;
   std::vector<LocalPrimitive> primitives;
 };
 
-bool has_kind(const std::vector<KindInfo>& kinds, const std::string& wanted) {
+bool has_kind(const std::vector<KindInfo>& kinds, std::string_view wanted) {
   return std::ranges::any_of(kinds, [&](const KindInfo& kind) { return kind.kind == wanted; });
 }
 
 Result<std::vector<Lookup>> look_up_key(const DbOptions& options, const Database& database) {
   const std::vector<KindInfo> kinds = database.kinds();
-  if (kinds.empty() || has_kind(kinds, circles_kind())) {
-    return std::vector<Lookup>{{circles_kind(), {make_primitive(*options.key)}}};
+  if (kinds.empty() || has_kind(kinds, circles().version)) {
+    return std::vector<Lookup>{{&circles(), {make_primitive(*options.key)}}};
   }
   return fail(ErrorCode::invalid,
               fmt::format("'{}' has keys of kind {}, --key is two circles; expected --problem",
@@ -189,14 +186,13 @@ Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const D
                     problem->robot.name(), problem->robot.hash()));
   }
   std::vector<Lookup> lookups;
-  for (const KindInfo& kind : database.kinds()) {
-    const auto decomposer = decomposer_of_version(kind.kind);
-    if (!decomposer) continue;
-    DecomposeSettings settings = options.settings.decompose;
-    settings.decomposer = *decomposer;
-    auto primitives = find_primitives(*problem, settings);
+  for (const KindInfo& info : database.kinds()) {
+    const MemoryKind* kind = memory_kind_of(info.kind);
+    if (kind == nullptr) continue;
+    const double max_gap = options.settings.memory.max_gap.value_or(kind->defaults.max_gap);
+    auto primitives = kind->decompose(memory_query(*problem), max_gap);
     if (!primitives) return tl::unexpected(primitives.error());
-    lookups.push_back({kind.kind, std::move(*primitives)});
+    lookups.push_back({kind, std::move(*primitives)});
   }
   return lookups;
 }
@@ -229,24 +225,23 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
 Result<void> print_lookup(const DbOptions& options, const Database& database, const Lookup& lookup,
                           Json& found) {
   const SolveSettings& settings = options.settings;
-  const double similarity =
-      settings.similarity > 0 ? settings.similarity : default_similarity(lookup.kind);
-  const int max_matches =
-      settings.max_matches >= 0 ? settings.max_matches : default_max_matches(lookup.kind);
+  const MemoryDefaults& defaults = lookup.kind->defaults;
+  const double similarity = settings.similarity.value_or(defaults.similarity);
+  const int max_matches = settings.max_matches.value_or(defaults.max_matches);
   for (const LocalPrimitive& primitive : lookup.primitives) {
-    const auto matches = find_matches(database, lookup.kind, primitive, similarity, max_matches);
+    const auto matches = find_matches(database, *lookup.kind, primitive, similarity, max_matches);
     if (!matches) return tl::unexpected(matches.error());
     if (!options.is_json) print_matches(primitive, *matches);
     Json rows = Json::array();
     for (const Match& match : *matches) rows.push_back(to_json(match));
     found.push_back(
-        {{"kind", lookup.kind}, {"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
+        {{"kind", lookup.kind->version}, {"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
   }
   return {};
 }
 
 Result<ExitCode> run_query(const DbOptions& options) {
-  const Result<Database> database = inspect_database(options.url);
+  const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
   const auto lookups = queried_primitives(options, *database);
   if (!lookups) return tl::unexpected(lookups.error());
@@ -294,7 +289,7 @@ void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Actio
                       "URDF file or name of a robot, instead of the problem's");
   add_robot_flags(*command, options->robot_options);
   add_settings(*command, options->settings, {"similarity", "max-matches"});
-  add_settings(*command, options->settings.decompose);
+  add_settings(*command, options->settings.memory);
   command->callback([options, &action] {
     if (options->key.has_value() == !options->problem.empty()) {
       throw CLI::RequiredError("either --key or --problem");

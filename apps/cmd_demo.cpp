@@ -3,29 +3,34 @@
 
 /// mneme demo: learns the planar grid, then plans the planar scenarios with and without that
 /// memory.
-#include <algorithm>
-#include <filesystem>
-#include <memory>
-#include <optional>
+#include "mneme/benchmark.h"
+#include "mneme/learning.h"
+
+#include "bench_output.h"
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "learning_run.h"
+#include "options.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/base.h"
-#include "mneme/learning.h"
-#include "mneme/report.h"
-
-#include "commands.h"
-#include "console.h"
-#include "demo_runs.h"
-#include "inputs.h"
-#include "learning_run.h"
-#include "options.h"
-#include "output_file.h"
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <tuple>
 
 namespace mneme::app {
 namespace {
 
+constexpr double kConnectTimeout = 5;
+constexpr double kOtherTimeout = 2;
+constexpr int kHopelessRuns = 5;
 constexpr const char* kRobot = "planar8";
 constexpr const char* kProblems[] = {"scenario1",   "scenario2",   "scenario3",
                                      "threaded_b0", "threaded_b2", "threaded_b4"};
@@ -47,7 +52,7 @@ struct DemoResults {
 };
 
 struct DemoMemory {
-  Database database;
+  std::shared_ptr<Database> database;
   LearnSummary summary;
 };
 
@@ -69,7 +74,7 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   if (!summary) return tl::unexpected(summary.error());
   print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary->learned,
                          summary->time_s, summary->skipped));
-  return DemoMemory{std::move(*database), *summary};
+  return DemoMemory{std::make_shared<Database>(std::move(*database)), *summary};
 }
 
 Result<std::vector<Problem>> load_problems(const DemoOptions& options) {
@@ -88,47 +93,88 @@ Result<std::vector<Problem>> load_problems(const DemoOptions& options) {
   return problems;
 }
 
-Result<ReportPicture> draw(const DemoCell& cell, const DemoOutcome& outcome) {
+/// Each planner with and without memory on each problem. One that gets nowhere is not run further.
+BenchPlan make_plan(const DemoOptions& options, const std::vector<Problem>& problems,
+                    const std::shared_ptr<Database>& database) {
+  BenchPlan plan;
+  for (const Problem& problem : problems) {
+    plan.problems.push_back({"", problem});
+    plan.memories[{kRobot, problem.robot.hash()}] = database;
+  }
+  for (const char* planner : {"rrt_connect", "prm", "rrt"}) {
+    const bool is_connect = std::string_view(planner) == "rrt_connect";
+    BenchCase base;
+    base.memory = kRobot;
+    base.settings.plan.timeout_s =
+        options.timeout_s.value_or(is_connect ? kConnectTimeout : kOtherTimeout);
+    append_cases(base, {planner}, {"gl", "uniform"}, plan.cases);
+  }
+  plan.seed_count = options.seed_count;
+  plan.hopeless_after = kHopelessRuns;
+  plan.cancel = interrupt_flag();
+  return plan;
+}
+
+Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
   PlanarPicture picture;
-  picture.problem = cell.problem;
-  picture.title = cell.problem->name;
-  std::string caption = fmt::format("{}: no path found", cell.problem->name);
-  if (outcome.first_solved) {
-    picture.gl = &outcome.first_solved->gl;
-    picture.path = outcome.first_solved->plan.path;
-    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples", cell.problem->name,
-                          1e3 * outcome.first_solved->planning_time_s,
-                          outcome.first_solved->plan.iterations);
+  picture.problem = &problem;
+  picture.title = problem.name;
+  std::string caption = fmt::format("{}: no path found", problem.name);
+  if (result != nullptr) {
+    picture.gl = &result->gl;
+    picture.path = result->plan.path;
+    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples", problem.name,
+                          1e3 * result->planning_time_s, result->plan.iterations);
   }
   return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg}; });
 }
 
-Result<DemoResults> run_cells(const std::vector<DemoCell>& cells, Database& database,
-                              int seed_count) {
+/// The rows of each case on each problem together, in the order of the plan.
+void sort_by_case(std::vector<BenchmarkRow>& rows) {
+  using Name = std::tuple<std::string, std::string, std::string>;
+  std::map<Name, std::size_t> positions;
+  const auto position = [&](const BenchmarkRow& row) {
+    return positions.try_emplace({row.problem, row.planner, row.sampler}, positions.size())
+        .first->second;
+  };
+  for (const BenchmarkRow& row : rows) static_cast<void>(position(row));
+  std::ranges::stable_sort(rows, {}, position);
+}
+
+Result<DemoResults> run_plan(BenchPlan& plan) {
   DemoResults results;
+  std::map<std::string, ReportPicture> pictures;
   Progress progress("planning");
-  std::int64_t done = 0;
-  const auto total = static_cast<std::int64_t>(cells.size()) * seed_count;
-  for (std::size_t i = 0; i < cells.size() && !results.is_interrupted; ++i) {
-    const DemoCell& cell = cells[i];
-    const std::string detail =
-        fmt::format("{} {} {}", cell.problem->name, cell.planner, cell.sampler);
-    const Result<DemoOutcome> outcome =
-        run_cell(cell, database, seed_count, [&] { progress.update(++done, total, detail); });
-    if (!outcome) return tl::unexpected(outcome.error());
-    done = static_cast<std::int64_t>(i + 1) * seed_count;
-    results.is_interrupted = outcome->is_interrupted;
-    results.rows.insert(results.rows.end(), outcome->rows.begin(), outcome->rows.end());
-    if (cell.planner != "rrt_connect" || cell.sampler != "gl" || results.is_interrupted) continue;
-    const Result<ReportPicture> picture = draw(cell, *outcome);
+  const auto total = static_cast<std::int64_t>(plan.run_count());
+  const auto take = [&](const BenchmarkRow& row, const SolveResult& result) -> Result<void> {
+    results.rows.push_back(row);
+    progress.update(static_cast<std::int64_t>(results.rows.size()), total,
+                    fmt::format("{} {} {}", row.problem, row.planner, row.sampler));
+    const bool is_shown = row.planner == "rrt_connect" && row.sampler == "gl" &&
+                          result.plan.is_solved() && !pictures.contains(row.problem);
+    if (!is_shown) return {};
+    const auto problem = std::ranges::find(plan.problems, row.problem,
+                                           [](const LoadedProblem& p) { return p.problem.name; });
+    return draw(problem->problem, &result).map([&](ReportPicture picture) {
+      pictures[row.problem] = std::move(picture);
+    });
+  };
+  const Result<bool> is_complete = run_bench(plan, {}, take);
+  if (!is_complete) return tl::unexpected(is_complete.error());
+  results.is_interrupted = !*is_complete;
+  for (const LoadedProblem& loaded : plan.problems) {
+    const auto found = pictures.find(loaded.problem.name);
+    const Result<ReportPicture> picture =
+        found != pictures.end() ? found->second : draw(loaded.problem, nullptr);
     if (!picture) return tl::unexpected(picture.error());
     results.pictures.push_back(*picture);
   }
+  sort_by_case(results.rows);
   return results;
 }
 
 std::string introduction(const DemoMemory& memory) {
-  const DatabaseInfo info = memory.database.info();
+  const DatabaseInfo info = memory.database->info();
   return fmt::format(
       "A planar arm of {} joints plans with three planners. The sampler gl draws half of its "
       "configurations from local samplers that were retrieved from a memory of {} primitives "
@@ -176,15 +222,6 @@ void print_results(const DemoOptions& options, const DemoMemory& memory, const D
               {"rows", rows}});
 }
 
-ExitCode judge(const std::vector<BenchmarkRow>& rows) {
-  const auto wrong = std::count_if(rows.begin(), rows.end(), [](const BenchmarkRow& row) {
-    return row.is_solved && !row.is_path_valid;
-  });
-  if (wrong == 0) return ExitCode::done;
-  print_error(fmt::format("{} paths failed the independent check", wrong));
-  return ExitCode::failure;
-}
-
 Result<ExitCode> run_demo(const DemoOptions& options) {
   const Result<std::vector<Problem>> problems = load_problems(options);
   if (!problems) return tl::unexpected(problems.error());
@@ -193,21 +230,24 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   Result<DemoMemory> memory = learn_grid(options);
   if (!memory) return tl::unexpected(memory.error());
   if (memory->summary.is_cancelled) return ExitCode::interrupted;
-  const std::vector<DemoCell> cells = demo_cells(*problems, options.timeout_s);
-  const Result<DemoResults> results = run_cells(cells, memory->database, options.seed_count);
+  BenchPlan plan = make_plan(options, *problems, memory->database);
+  const Result<DemoResults> results = run_plan(plan);
   if (!results) return tl::unexpected(results.error());
   if (results->is_interrupted) return ExitCode::interrupted;
 
   const std::string report = options.out + "/report.html";
-  const std::string page = to_html("mneme: the planar arm, planned from memory",
-                                   introduction(*memory), results->rows, results->pictures);
+  ReportOptions page;
+  page.title = "mneme: the planar arm, planned from memory";
+  page.introduction = introduction(*memory);
+  page.pictures = results->pictures;
+  page.by_problem = true;
   const Result<void> written =
       write_file(options.out + "/results.csv", to_csv(results->rows)).and_then([&] {
-        return write_file(report, page);
+        return write_file(report, make_benchmark_report(results->rows, {}, page).html);
       });
   if (!written) return tl::unexpected(written.error());
   print_results(options, *memory, *results, report);
-  return judge(results->rows);
+  return judge_rows(results->rows);
 }
 
 }  // namespace

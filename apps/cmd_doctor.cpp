@@ -2,18 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme doctor: what is built in and installed, and whether it works.
-#include <chrono>
-#include <cstdlib>
-#include <filesystem>
-#include <memory>
-#include <thread>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-#include <unistd.h>
-
 #include "mneme/base.h"
+#include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
@@ -21,6 +11,17 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <thread>
 
 namespace mneme::app {
 namespace {

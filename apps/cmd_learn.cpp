@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme learn: fills a database with local samplers.
+#include "mneme/benchmark.h"
 #include "mneme/learning.h"
 
 #include "commands.h"
@@ -10,11 +11,11 @@
 #include "learning_run.h"
 #include "lessons.h"
 #include "options.h"
-#include "shard.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -26,7 +27,7 @@ using Json = nlohmann::ordered_json;
 
 /// Learning on many machines.
 struct Sharing {
-  Fraction shard;
+  Part shard;
   bool is_worker = false;
   double lease_s = SharedWork().lease_s;
 };
@@ -145,13 +146,14 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   if (!problems) return tl::unexpected(problems.error());
   if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
   const Robot& robot = problems->front().robot;
-  DecomposeSettings decompose = options.source.decompose;
-  if (decompose.decomposer.empty()) decompose.decomposer = decomposer_of_paths(robot);
-  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
+  MemorySettings memory = options.source.memory;
+  if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
+  Result<Database> database =
+      Database::open(options.db, make_space(robot), OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
-  const auto summary = learn_with_progress(*problems, decompose, *database, lesson);
+  const auto summary = learn_with_progress(*problems, memory, *database, lesson);
   if (!summary) return tl::unexpected(summary.error());
   report_problems(options, *summary, *database);
   return end_of(*summary);
@@ -159,7 +161,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
 
 /// Learns a shard of the lesson, and of what covers the grid.
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
-                                  const Fraction& shard, Database& database, const LearnJob& job) {
+                                  const Part& shard, Database& database, const LearnJob& job) {
   if (!lesson.robot.is_planar()) {
     if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
     const auto mine = take_shard(std::move(lesson.primitives), shard);
@@ -193,7 +195,8 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
                     robot.is_planar() ? "that the arm reaches are" : "are",
                     robot.is_planar() ? "" : "; --problems learns whole paths"));
   }
-  Result<Database> database = open_database(options.db, robot, OpenMode::create, options.kept);
+  Result<Database> database =
+      Database::open(options.db, make_space(robot), OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};
@@ -207,8 +210,11 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
 
 void add_sharing(CLI::App& command, Sharing& sharing) {
   const auto read_shard = [&sharing](const std::string& text) {
-    const Result<Fraction> shard = parse_shard(text);
-    if (!shard) throw CLI::ValidationError("--shard", shard.error().message);
+    const std::optional<Part> shard = parse_part(text);
+    if (!shard) {
+      throw CLI::ValidationError(
+          "--shard", fmt::format("'{}' is not I/N with whole numbers 0 <= I <= N", text));
+    }
     sharing.shard = *shard;
   };
   add_text(command, "--shard", read_shard,
@@ -269,7 +275,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
              "grid's value");
   add_sharing(command, options.sharing);
   add_settings(command, options.job.settings);
-  add_decompose_settings(command, options.source.decompose);
+  add_memory_settings(command, options.source.memory);
 }
 
 }  // namespace

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme manual: the manual page, from the help of the subcommands.
-#include <algorithm>
-#include <sstream>
+#include "command_line.h"
+#include "commands.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "command_descriptions.h"
-#include "commands.h"
+#include <algorithm>
+#include <sstream>
 
 namespace mneme::app {
 namespace {

@@ -2,30 +2,99 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme plan: solves one problem.
-#include <array>
-#include <chrono>
-#include <memory>
-#include <optional>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
-#include "bench_solve.h"
 #include "commands.h"
 #include "console.h"
+#include "files.h"
 #include "inputs.h"
-#include "interrupt.h"
 #include "options.h"
-#include "output_check.h"
-#include "plan_files.h"
 #include "problem_primitives.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
 
 namespace mneme::app {
 namespace {
+
+/// The files that people look at. Paths of what is wanted; empty for what is not.
+struct PlanFiles {
+  std::string svg;
+  std::string view;
+  std::string trace;
+
+  /// True if the planner must be watched.
+  [[nodiscard]] bool needs_recorder() const { return !view.empty() || !trace.empty(); }
+};
+
+bool can_draw(const Problem& problem) {
+  if (problem.robot.describe_violation(problem.start, "start")) return false;
+  return std::none_of(problem.goals.begin(), problem.goals.end(), [&](const Configuration& goal) {
+    return problem.robot.describe_violation(goal, "goal").has_value();
+  });
+}
+
+Result<void> write_picture(const std::string& path, const Problem& problem,
+                           const SolveResult& result) {
+  PlanarPicture picture;
+  picture.problem = &problem;
+  picture.gl = &result.gl;
+  picture.path = result.plan.path;
+  picture.title =
+      fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
+                  result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
+  if (!problem.robot.is_planar()) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("'{}' was not written: robot {} is not planar, which --svg is for; "
+                            "--view shows any robot",
+                            path, problem.robot.name()));
+  }
+  return to_svg(picture).and_then([&](const std::string& svg) { return write_file(path, svg); });
+}
+
+Result<void> write_trace_and_page(const PlanFiles& files, const Problem& problem,
+                                  const SolveResult& result, const PlanRecorder& recorder,
+                                  double load_time_s) {
+  const Result<PlanTrace> trace = make_trace(problem, result, &recorder, load_time_s);
+  if (!trace) return tl::unexpected(trace.error());
+  const std::string json = to_json(*trace);
+  if (!files.trace.empty()) {
+    if (auto written = write_file(files.trace, json + "\n"); !written) return written;
+  }
+  if (files.view.empty()) return {};
+  return to_page(json, files.view).and_then([&](const std::string& page) {
+    return write_file(files.view, page);
+  });
+}
+
+/// Writes what is wanted. Without a usable start or goal there is nothing to draw: a note says so.
+Result<void> write_plan_files(const PlanFiles& files, const Problem& problem,
+                              const SolveResult& result, const PlanRecorder& recorder,
+                              double load_time_s) {
+  if (!can_draw(problem)) {
+    for (const std::string& path : {files.svg, files.view, files.trace}) {
+      if (path.empty()) continue;
+      print_note(fmt::format("'{}' was not written: start or goal is no configuration", path));
+    }
+    return {};
+  }
+  Result<void> written;
+  if (files.needs_recorder()) {
+    written = write_trace_and_page(files, problem, result, recorder, load_time_s);
+  }
+  if (files.svg.empty()) return written;
+  const Result<void> drawn = write_picture(files.svg, problem, result);
+  return written ? drawn : written;
+}
 
 struct PlanOptions {
   std::string problem;
@@ -144,7 +213,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
-  const Result<SolveResult> result = solve_with_any(loaded->problem, database, settings, false, {});
+  const Result<SolveResult> result = solve(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
 
   if (options.is_json) {
@@ -176,14 +245,13 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
   SolveSettings& settings = options.settings;
-  const SuiteNames names = bench_names();
-  add_choice(command, "--planner", "planner", settings.planner, names.planners,
+  add_choice(command, "--planner", "planner", settings.planner, planner_names(),
              fmt::format("planner (default {})", settings.planner));
-  add_choice(command, "--sampler", "sampler", settings.sampler, names.samplers,
+  add_choice(command, "--sampler", "sampler", settings.sampler, sampler_names(),
              "source of configurations (default gl with --db, uniform without)");
   add_settings(command, settings);
   add_settings(command, settings.plan);
-  add_decompose_settings(command, settings.decompose);
+  add_memory_settings(command, settings.memory);
   add_settings(command, settings.learn);
 }
 
@@ -191,8 +259,13 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
 void check_choices(const PlanOptions& options) {
   const SolveSettings& settings = options.settings;
   check_verification(settings.plan);
-  if (const auto checked = check_names(settings); !checked) {
-    throw CLI::ValidationError("--sampler", checked.error().message);
+  const auto sampler = find_sampler(settings.sampler);
+  const auto planner = find_planner(settings.planner);
+  if (sampler && planner && (*sampler)->draws_valid_states && !(*planner)->draws_valid_states) {
+    throw CLI::ValidationError(
+        "--sampler", fmt::format("'{}' is for planners that draw valid states, such as ompl:PRM, "
+                                 "not '{}'",
+                                 settings.sampler, settings.planner));
   }
   // gl without memory is what is left of it when nothing is retrieved: uniform samples.
   const bool draws_from_memory = needs_memory(settings.sampler) && settings.sampler != "gl";

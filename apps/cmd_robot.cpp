@@ -2,22 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme robot: looks at robots, checks configurations and makes planar arms.
-#include <memory>
-#include <optional>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
 #include "mneme/collision.h"
 #include "mneme/robot.h"
 
 #include "commands.h"
 #include "console.h"
+#include "files.h"
 #include "inputs.h"
 #include "options.h"
-#include "output_file.h"
-#include "robot_spheres.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
 
 namespace mneme::app {
 namespace {

@@ -1,27 +1,174 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme scene: looks at workspaces.
-#include <memory>
-#include <optional>
+/// mneme scene: looks at workspaces, converts and varies them.
+#include "mneme/instances.h"
+#include "mneme/primitive.h"
+#include "mneme/problem.h"
+
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
+#include "problem_primitives.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/primitive.h"
-
-#include "commands.h"
-#include "console.h"
-#include "inputs.h"
-#include "options.h"
-#include "problem_primitives.h"
-#include "scene_convert.h"
-#include "scene_threaded.h"
-#include "scene_vary.h"
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
 
 namespace mneme::app {
 namespace {
+
+/// Text of a scene file; the frame, if there is one, as a remark.
+std::string to_scene_yaml(const FramedScene& scene) {
+  if (scene.frame.empty()) return to_yaml(scene.scene);
+  return fmt::format("# in the frame of {}\n{}", scene.frame, to_yaml(scene.scene));
+}
+
+struct ConvertOptions {
+  std::string input;
+  std::string output = "-";
+  std::string format;
+  std::string robot;
+  std::string frame;
+};
+
+Result<FramedScene> read_scene(const ConvertOptions& options) {
+  Result<FramedScene> scene = extract_scene(options.input);
+  if (!scene || options.robot.empty()) return scene;
+  const Result<Robot> robot = load_named_robot(options.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  return in_root_frame(*scene, *robot).map([&](Scene moved) {
+    return FramedScene{std::move(moved), robot->links().front().name};
+  });
+}
+
+Result<std::string> to_text(const FramedScene& scene, const std::string& format) {
+  if (format == "moveit") return to_moveit_yaml(scene);
+  return format == "compact" ? to_compact_json(scene) : to_scene_yaml(scene);
+}
+
+Result<ExitCode> run_convert(const ConvertOptions& options) {
+  const std::array<ReadFile, 1> inputs = {{{"the scene", options.input}}};
+  const auto checked = check_outputs(std::array{options.output}, inputs);
+  if (!checked) return tl::unexpected(checked.error());
+  Result<FramedScene> scene = read_scene(options);
+  if (!scene) return tl::unexpected(scene.error());
+  if (scene->frame.empty()) scene->frame = options.frame;
+  const Result<std::string> text = to_text(*scene, options.format);
+  if (!text) return tl::unexpected(text.error());
+  if (options.output == "-") {
+    fmt::print("{}", *text);
+    return ExitCode::done;
+  }
+  return write_file(options.output, *text).map([&] {
+    print_note(fmt::format("wrote {}: {}", options.output,
+                           counted(scene->scene.obstacles.size(), "obstacle", "obstacles")));
+    return ExitCode::done;
+  });
+}
+
+void add_convert(CLI::App& group, Action& action) {
+  CLI::App* command =
+      group.add_subcommand("convert", "Write a scene as mneme's, MoveIt's or compact file");
+  command->footer("Example:\n  mneme scene convert scene0001.yaml -o shelf.yaml --robot fetch");
+  const auto options = std::make_shared<ConvertOptions>();
+  command
+      ->add_option("SCENE", options->input,
+                   "scene or problem: YAML file of mneme or MoveIt, or FILE.json#NAME")
+      ->required();
+  command->add_option("-o,--output", options->output,
+                      "file to write, - for standard output (default -)");
+  add_choice(*command, "--format", "format", options->format, {"scene", "moveit", "compact"},
+             "what to write (default compact if the file ends in .json, otherwise scene)");
+  command->add_option("--robot", options->robot,
+                      "robot into whose root link's frame the scene is moved: URDF file or name");
+  command->add_option("--frame", options->frame,
+                      "name of the scene's frame, for scenes that do not say");
+  command->callback([options, &action] {
+    if (options->format.empty()) {
+      options->format = options->output.ends_with(".json") ? "compact" : "scene";
+    }
+    action = [options] { return run_convert(*options); };
+  });
+}
+
+constexpr int kMaxVariants = 1000000;
+
+struct VaryOptions {
+  std::string nominal;
+  std::string variations;
+  std::string output = ".";
+  std::uint64_t seed = 1;
+  int count = 10;
+  bool is_json = false;
+};
+
+Result<std::string> write_one(const VaryOptions& options, const FramedScene& nominal,
+                              const Variations& variations, int index) {
+  Rng rng(derive_seed(options.seed, static_cast<std::uint64_t>(index)));
+  Result<Scene> scene = vary(nominal.scene, variations, rng);
+  if (!scene) {
+    return fail(scene.error().code,
+                fmt::format("{}: {}", options.variations, scene.error().message));
+  }
+  scene->name = fmt::format("{}_{:04}", nominal.scene.name, index);
+  const std::string path =
+      (std::filesystem::path(options.output) / (scene->name + ".yaml")).string();
+  const std::array<ReadFile, 2> inputs = {
+      {{"the scene", options.nominal}, {"the file of variations", options.variations}}};
+  return check_outputs(std::array{path}, inputs)
+      .and_then([&] {
+        return write_file(path, to_scene_yaml({std::move(*scene), nominal.frame}));
+      })
+      .map([&] { return path; });
+}
+
+Result<ExitCode> run_vary(const VaryOptions& options) {
+  const Result<FramedScene> nominal = extract_scene(options.nominal);
+  if (!nominal) return tl::unexpected(nominal.error());
+  const Result<Variations> variations = load_variations(options.variations);
+  if (!variations) return tl::unexpected(variations.error());
+  if (auto made = make_directory(options.output); !made) return tl::unexpected(made.error());
+  std::vector<std::string> files;
+  for (int i = 1; i <= options.count && !interrupt_flag()->load(); ++i) {
+    Result<std::string> file = write_one(options, *nominal, *variations, i);
+    if (!file) return tl::unexpected(file.error());
+    files.push_back(std::move(*file));
+  }
+  if (options.is_json) {
+    print_json({{"seed", options.seed}, {"files", files}});
+  } else {
+    fmt::print("wrote {} to {}\n", counted(files.size(), "scene", "scenes"), options.output);
+  }
+  return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;
+}
+
+void add_vary(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<VaryOptions>();
+  CLI::App* command = group.add_subcommand("vary", "Write random scenes like a given one");
+  command->footer(
+      "Example:\n  mneme scene vary scenes/shelf/learn/shelf_1.yaml --variations "
+      "scenes/shelf/learn/variations.yaml -n 10 --seed 1 -o shelves");
+  command->add_option("SCENE", options->nominal, "scene or problem: YAML file, or FILE.json#NAME")
+      ->required();
+  command->add_option("--variations", options->variations, "YAML file that says what varies")
+      ->required();
+  command->add_option("-o,--output", options->output,
+                      "directory of the scenes NAME_0001.yaml and so on (default .)");
+  add_number(*command, "-n,--count", options->count, 1, kMaxVariants, "scenes to write");
+  add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
+             "seed of all random numbers; the n-th scene depends on it and on n alone");
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_vary(*options); }; });
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -39,7 +186,7 @@ using Primitives = std::optional<std::vector<LocalPrimitive>>;
 Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspace& workspace) {
   const auto wrap = [](std::vector<LocalPrimitive> found) { return Primitives(std::move(found)); };
   if (workspace.problem) {
-    return find_primitives(*workspace.problem, options.memory).map(wrap);
+    return decompose(memory_query(*workspace.problem), options.memory).map(wrap);
   }
   if (options.robot.empty()) return Primitives();
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
@@ -134,9 +281,9 @@ void add_scene(CLI::App& program, Action& action) {
   group->require_subcommand(1);
   group->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
   add_info(*group, action);
-  add_scene_convert(*group, action);
+  add_convert(*group, action);
   add_scene_threaded(*group, action);
-  add_scene_vary(*group, action);
+  add_vary(*group, action);
 }
 
 }  // namespace mneme::app

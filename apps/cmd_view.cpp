@@ -2,19 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme view: makes a page of a trace.
-#include <array>
-#include <memory>
-#include <string>
-
-#include <fmt/format.h>
-
 #include "mneme/report.h"
 
 #include "commands.h"
-#include "input_file.h"
+#include "files.h"
 #include "options.h"
-#include "output_check.h"
-#include "output_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <string>
 
 namespace mneme::app {
 namespace {

@@ -1,16 +1,51 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The subcommands. To add one: cmd_<verb>.cpp, a declaration here, a call in main.cpp.
+/// The subcommands and their exit codes. To add a subcommand: cmd_<verb>.cpp, a declaration here, a
+/// call in main.cpp.
 #pragma once
 
-#include <functional>
+#include "mneme/base.h"
+#include "mneme/planning.h"
 
 #include <CLI/CLI.hpp>
 
-#include "exit_codes.h"
+#include <functional>
 
 namespace mneme::app {
+
+/// Part of the interface: never renumber.
+enum class ExitCode {
+  done = 0,          ///< done, or solved
+  failure = 1,       ///< a file or the world is wrong
+  usage = 2,         ///< a wrong command line
+  no_path = 3,       ///< no path within the limit
+  invalid_ends = 4,  ///< the start or goal is in contact, outside the limits or not a configuration
+  bad_database = 5,  ///< a database of another robot, or a corrupt one
+  interrupted = 130,
+};
+
+[[nodiscard]] constexpr ExitCode exit_code(ErrorCode code) {
+  const bool is_database = code == ErrorCode::wrong_robot || code == ErrorCode::corrupt;
+  return is_database ? ExitCode::bad_database : ExitCode::failure;
+}
+
+[[nodiscard]] constexpr ExitCode exit_code(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::solved:
+      return ExitCode::done;
+    case PlanStatus::timeout:
+    case PlanStatus::iteration_limit:
+    case PlanStatus::node_limit:
+      return ExitCode::no_path;
+    case PlanStatus::cancelled:
+      return ExitCode::interrupted;
+    case PlanStatus::invalid_start:
+    case PlanStatus::invalid_goal:
+      return ExitCode::invalid_ends;
+  }
+  return ExitCode::failure;
+}
 
 /// What remains to be done once the command line is parsed. An error becomes a message and an exit
 /// code.
@@ -28,5 +63,11 @@ void add_view(CLI::App& program, Action& action);
 void add_doctor(CLI::App& program, Action& action);
 void add_completion(CLI::App& program, Action& action);
 void add_manual(CLI::App& program, Action& action);
+void add_settings_list(CLI::App& program, Action& action);
+// The same for parts of a group that have a file of their own.
+void add_bench_report(CLI::App& group, Action& action);
+void add_db_upkeep(CLI::App& group, Action& action);
+void add_robot_spheres(CLI::App& group, Action& action);
+void add_scene_threaded(CLI::App& group, Action& action);
 
 }  // namespace mneme::app

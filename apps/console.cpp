@@ -3,13 +3,15 @@
 
 #include "console.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
 
 namespace mneme::app {
 namespace {
@@ -40,6 +42,11 @@ std::string bar(double fraction) {
   cells = coloured(cells, "32");
   return "[" + cells + std::string(static_cast<std::size_t>(kBarWidth - filled), '.') + "]";
 }
+
+std::atomic<bool> is_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need a lock-free flag");
+
+extern "C" void remember_interrupt(int) { is_interrupted = true; }
 
 }  // namespace
 
@@ -108,6 +115,17 @@ void Progress::update(std::int64_t done, std::int64_t total, std::string_view de
   } else {
     print_note(fmt::format("{}: {}", label_, line));
   }
+}
+
+const std::atomic<bool>* interrupt_flag() {
+  static std::once_flag is_caught;
+  std::call_once(is_caught, [] {
+    struct sigaction handler = {};
+    handler.sa_handler = remember_interrupt;
+    handler.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
+    sigaction(SIGINT, &handler, nullptr);
+  });
+  return &is_interrupted;
 }
 
 }  // namespace mneme::app

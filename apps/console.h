@@ -1,15 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What people read while they wait, on standard error; results go to standard output.
+/// What people read while they wait, on standard error; results go to standard output. And
+/// Control-C, which asks a command that heeds it to come to an orderly end; a second one ends the
+/// program.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <string>
 #include <string_view>
-
-#include <nlohmann/json.hpp>
 
 namespace mneme::app {
 
@@ -49,5 +52,9 @@ class Progress {
   Clock::time_point shown_ = Clock::now();
   std::int64_t done_at_start_ = -1;
 };
+
+/// Becomes true at the first interrupt that comes after the first call; until then an interrupt
+/// ends the program.
+[[nodiscard]] const std::atomic<bool>* interrupt_flag();
 
 }  // namespace mneme::app

@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "db_upkeep.h"
+#include "mneme/experience.h"
 
-#include <array>
-#include <memory>
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "options.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/experience.h"
-
-#include "console.h"
-#include "options.h"
-#include "output_check.h"
+#include <array>
+#include <memory>
 
 namespace mneme::app {
 namespace {

@@ -3,22 +3,16 @@
 
 #include "inputs.h"
 
-#include <filesystem>
-
-#include <fmt/format.h>
-
+#include "mneme/benchmark.h"
 #include "mneme/covering.h"
 
 #include "console.h"
 
-namespace mneme::app {
+#include <fmt/format.h>
 
-Result<std::string> robot_file(const std::string& robot) {
-  std::error_code ignored;
-  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(".urdf");
-  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
-  return find_robot(robot);
-}
+#include <filesystem>
+
+namespace mneme::app {
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
   const Result<CoveredRobot> loaded = robot_file(robot).and_then(
@@ -65,28 +59,17 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
                           scene.error().message, problem.error().message));
 }
 
-Result<Database> open_database(const std::string& url, const Robot& robot, OpenMode mode,
-                               const DatabaseSettings& kept) {
-  return Database::open(url, make_space(robot), mode, kept);
-}
-
-std::string decomposer_of_paths(const Robot& robot) { return robot.is_planar() ? "" : "paths"; }
-
 Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings, const DatabaseSettings& kept) {
-  const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after >= 0;
+  const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after.has_value();
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
-  return open_database(url, robot, mode, kept).map_error([&](Error error) {
+  return Database::open(url, make_space(robot), mode, kept).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
       error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";
     }
     return error;
   });
-}
-
-Result<Database> inspect_database(const std::string& url, const DatabaseSettings& kept) {
-  return Database::inspect(url, kept);
 }
 
 }  // namespace mneme::app

@@ -4,18 +4,17 @@
 /// What several subcommands are given: robots by name, scenes alone or in problems, databases.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace mneme::app {
 
-/// The URDF file that `robot`, a file or the name of a known robot, stands for.
-[[nodiscard]] Result<std::string> robot_file(const std::string& robot);
+/// The robot of robot_file(); what was noticed on the way are notes on standard error.
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,
                                              const RobotOptions& options = {});
 /// What is said of a problem's robot on the command line; an empty `robot` leaves it to the
@@ -36,18 +35,9 @@ struct Workspace {
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
-/// Opens the database at `url` for the experience of `robot`.
-[[nodiscard]] Result<Database> open_database(const std::string& url, const Robot& robot,
-                                             OpenMode mode, const DatabaseSettings& kept = {});
-/// What solved problems teach a robot most as: whole paths for arms in space, otherwise, empty, the
-/// robot's own.
-[[nodiscard]] std::string decomposer_of_paths(const Robot& robot);
-/// Opens it for planning: for writing only if planning may add to it.
+/// Opens the database at `url` for planning: for writing only if planning may add to it.
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings,
                                            const DatabaseSettings& kept = {});
-/// Opens the database at `url` to look at it.
-[[nodiscard]] Result<Database> inspect_database(const std::string& url,
-                                                const DatabaseSettings& kept = {});
 
 }  // namespace mneme::app

@@ -4,7 +4,6 @@
 #include "learning_run.h"
 
 #include "console.h"
-#include "interrupt.h"
 
 #include <fmt/format.h>
 
@@ -52,13 +51,13 @@ Result<LearnSummary> learn_with_progress(const Robot& robot,
 }
 
 Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
-                                         const DecomposeSettings& decompose, Database& database,
+                                         const MemorySettings& memory, Database& database,
                                          ProblemLesson lesson) {
   Result<LearnSummary> summary;
   {
     Progress progress("learning");
     watch(lesson, progress, problems.size(), "problems");
-    summary = learn_from_problems(problems, decompose, database, lesson);
+    summary = learn_from_problems(problems, memory, database, lesson);
   }
   if (summary) {
     for (const std::string& problem : summary->unsolved) print_note(problem);
@@ -68,7 +67,7 @@ Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
 
 Result<Coverage> measure_coverage(const Database& database, const PrimitiveGrid& grid) {
   std::vector<PrimitiveKey> keys;
-  const std::string kind = decomposer_version("pairs").value();
+  const std::string_view kind = memory_kinds().front()->version;
   const auto add = [&](const auto& row) {
     if (row->kind == kind) keys.push_back(row->key);
   };

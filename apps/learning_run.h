@@ -26,7 +26,7 @@ namespace mneme::app {
 
 /// Learns from problems in the same way, and prints which of them have no path.
 [[nodiscard]] Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
-                                                       const DecomposeSettings& decompose,
+                                                       const MemorySettings& memory,
                                                        Database& database, ProblemLesson lesson);
 
 /// The similarity errors that random primitives of the grid meet in the database; infinite if it is

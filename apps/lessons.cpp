@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lessons.h"
 
+#include "mneme/benchmark.h"
+
 #include "inputs.h"
-#include "problem_part.h"
 
 #include <fmt/format.h>
 #include <glob.h>
@@ -66,9 +67,6 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
   if (!scene) return tl::unexpected(scene.error());
   const auto found = decompose({robot, *scene}, settings);
   if (!found) return tl::unexpected(found.error());
-  const auto kind = decomposer_version(settings.decomposer.empty() ? default_decomposer(robot)
-                                                                   : settings.decomposer);
-  if (!kind) return tl::unexpected(kind.error());
   for (LocalProblem& problem : local_problems(*scene, *found)) {
     const bool is_known = std::ranges::any_of(primitives, [&](const LocalProblem& known) {
       return known.primitive.key == problem.primitive.key;

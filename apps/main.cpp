@@ -1,18 +1,21 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
-
-#include <fmt/format.h>
-
 #include "mneme/base.h"
+#ifdef MNEME_WITH_OMPL
+#include "mneme/ompl.h"
+#endif
 
+#include "command_line.h"
 #include "commands.h"
 #include "console.h"
 #include "options.h"
-#include "suggestion.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 
 namespace mneme::app {
 namespace {
@@ -43,6 +46,7 @@ void set_up(CLI::App& program, Action& action) {
   add_doctor(program, action);
   add_completion(program, action);
   add_manual(program, action);
+  add_settings_list(program, action);
   program.require_subcommand(1);
 }
 

@@ -5,12 +5,12 @@
 
 #include "mneme/base.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <thread>
-
-#include <fmt/ranges.h>
 
 namespace mneme::app {
 namespace {

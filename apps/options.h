@@ -4,6 +4,12 @@
 /// Command line flags: numbers read strictly, and the settings that the public headers declare.
 #pragma once
 
+#include "mneme/pipeline.h"
+#include "mneme/robot.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -14,12 +20,6 @@
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include "mneme/memory.h"
-#include "mneme/robot.h"
 
 namespace mneme::app {
 

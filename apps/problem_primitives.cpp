@@ -3,33 +3,11 @@
 
 #include "problem_primitives.h"
 
-#include <fmt/format.h>
-
 #include "console.h"
 
+#include <fmt/format.h>
+
 namespace mneme::app {
-namespace {
-
-Result<std::vector<LocalPrimitive>> find_queries(const Problem& problem) {
-  const Robot& robot = problem.robot;
-  std::vector<LocalPrimitive> queries;
-  auto violation = robot.describe_violation(problem.start, "start");
-  for (const Configuration& goal : problem.goals) {
-    if (!violation) violation = robot.describe_violation(goal, "goal");
-    if (violation) return fail(ErrorCode::invalid, *violation);
-    queries.push_back(make_query_primitive(robot, problem.start, goal));
-  }
-  return queries;
-}
-
-}  // namespace
-
-Result<std::vector<LocalPrimitive>> find_primitives(const Problem& problem,
-                                                    const DecomposeSettings& settings) {
-  if (settings.decomposer == "paths") return find_queries(problem);
-  return decompose(problem.robot, problem.scene, settings);
-}
-
 bool is_query(const LocalPrimitive& primitive) { return primitive.obstacles.empty(); }
 
 std::string describe(const Scene& scene, const LocalPrimitive& primitive, std::size_t index) {

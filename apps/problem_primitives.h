@@ -4,18 +4,14 @@
 /// Primitives of problems, and how people read of them.
 #pragma once
 
+#include "mneme/primitive.h"
+#include "mneme/problem.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "mneme/problem.h"
-#include "mneme/primitive.h"
-
 namespace mneme::app {
-
-/// decompose(), and with the decomposer "paths" the whole query to each goal.
-[[nodiscard]] Result<std::vector<LocalPrimitive>> find_primitives(
-    const Problem& problem, const DecomposeSettings& settings);
 
 /// True of whole queries, which have no obstacles.
 [[nodiscard]] bool is_query(const LocalPrimitive& primitive);

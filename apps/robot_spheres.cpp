@@ -1,23 +1,21 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "robot_spheres.h"
+#include "mneme/covering.h"
+
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <set>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "mneme/covering.h"
-
-#include "console.h"
-#include "inputs.h"
-#include "options.h"
-#include "output_check.h"
-#include "output_file.h"
 
 namespace mneme::app {
 namespace {

@@ -1,22 +1,20 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene_threaded.h"
+#include "mneme/instances.h"
+#include "mneme/learning.h"
 
-#include <cmath>
-#include <filesystem>
-#include <memory>
+#include "commands.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/instances.h"
-#include "mneme/learning.h"
-
-#include "console.h"
-#include "inputs.h"
-#include "interrupt.h"
-#include "options.h"
-#include "output_file.h"
+#include <cmath>
+#include <filesystem>
+#include <memory>
 
 namespace mneme::app {
 namespace {

@@ -3,24 +3,108 @@
 
 #include "suite_run.h"
 
+#include "mneme/benchmark.h"
+
+#include "bench_output.h"
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "learning_run.h"
+#include "lessons.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 
-#include <fmt/format.h>
-
-#include "bench_report.h"
-#include "bench_results.h"
-#include "bench_solve.h"
-#include "bench_suite.h"
-#include "console.h"
-#include "output_check.h"
-#include "output_file.h"
-#include "suite_memory.h"
-
 namespace mneme::app {
 namespace {
+
+namespace fs = std::filesystem;
+
+Result<LearnedMemory> learn_grid(const SuiteMemory& memory, const std::string& path, int jobs) {
+  Result<PrimitiveGrid> grid = load_grid(memory.primitives);
+  if (!grid) return tl::unexpected(grid.error());
+  grid->count = memory.count.value_or(grid->count);
+  const Result<Robot> robot = load_named_robot(memory.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  Result<Database> database = Database::open(path, make_space(*robot), OpenMode::create);
+  if (!database) return tl::unexpected(database.error());
+  LearnJob job;
+  job.jobs = jobs;
+  job.seed = memory.seed;
+  job.settings = memory.learn;
+  std::vector<PrimitiveKey> keys = cover_grid(*grid, job.seed);
+  // A count that was asked for is a size to measure, also where more would complete the cover.
+  if (memory.count) keys.resize(std::min<std::size_t>(keys.size(), std::size_t(grid->count)));
+  const auto summary = learn_with_progress(*robot, keys, *database, job);
+  if (!summary) return tl::unexpected(summary.error());
+  if (!summary->is_cancelled && database->size() != static_cast<std::int64_t>(keys.size())) {
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}' holds {} primitives instead of the {} of memory {}: expected a "
+                            "file that was learned with the same settings, or none",
+                            path, database->size(), keys.size(), memory.name));
+  }
+  return LearnedMemory{summary->time_s, summary->is_cancelled};
+}
+
+Result<std::vector<Problem>> load_lessons(const SuiteMemory& memory) {
+  std::vector<Problem> all;
+  for (const SuiteProblems& entry : memory.problems) {
+    Result<std::vector<Problem>> loaded = load_problem_lesson({entry.where}, entry.part, {});
+    if (!loaded) return loaded;
+    std::move(loaded->begin(), loaded->end(), std::back_inserter(all));
+  }
+  if (all.empty()) return fail(ErrorCode::invalid, memory.name + ": there are no problems");
+  return all;
+}
+
+ProblemLesson lesson_of(const SuiteMemory& memory) {
+  ProblemLesson lesson;
+  lesson.paths = memory.paths;
+  lesson.timeout_s = memory.path_timeout_s;
+  lesson.seed = memory.seed;
+  lesson.cancel = interrupt_flag();
+  return lesson;
+}
+
+Result<LearnedMemory> learn_problems(const SuiteMemory& memory, const std::string& path) {
+  const Result<std::vector<Problem>> problems = load_lessons(memory);
+  if (!problems) return tl::unexpected(problems.error());
+  const Robot& robot = problems->front().robot;
+  MemorySettings kind;
+  kind.kind = memory.kind.value_or(std::string(default_kind_of_paths(robot).name));
+  Result<Database> database = Database::open(path, make_space(robot), OpenMode::create);
+  if (!database) return tl::unexpected(database.error());
+  const auto summary = learn_with_progress(*problems, kind, *database, lesson_of(memory));
+  if (!summary) return tl::unexpected(summary.error());
+  return LearnedMemory{summary->time_s, summary->is_cancelled};
+}
+
+/// The paths that `memory` is learned from, found again from the same seeds; false if interrupted.
+Result<bool> train(const SuiteMemory& memory, const std::string& planner, const std::string& file) {
+  const Result<std::vector<Problem>> problems = load_lessons(memory);
+  if (!problems) return tl::unexpected(problems.error());
+  std::vector<Path> paths;
+  for (const Problem& problem : *problems) {
+    Result<RepeatedPlan> plan = solve_repeatedly(problem, lesson_of(memory));
+    if (!plan) return tl::unexpected(plan.error());
+    std::move(plan->paths.begin(), plan->paths.end(), std::back_inserter(paths));
+  }
+  if (interrupt_flag()->load()) return false;
+  // A file that is there is whole, whenever this was killed.
+  const std::string partial = file + ".partial";
+  const auto trained = find_planner(planner).and_then([&](const PlannerEntry* entry) {
+    return entry->train(problems->front().robot, paths, partial);
+  });
+  if (!trained) return tl::unexpected(trained.error());
+  std::error_code error;
+  fs::rename(partial, file, error);
+  if (error) return fail(ErrorCode::io, fmt::format("'{}': {}", file, error.message()));
+  return true;
+}
 
 /// Leaves out settings that are not among `names`, and the memories that only they draw from.
 Result<void> keep_settings(const std::vector<std::string>& names, Suite& suite) {
@@ -41,7 +125,7 @@ Result<void> keep_settings(const std::vector<std::string>& names, Suite& suite) 
 }
 
 Result<Suite> read_suite(const SuiteRun& run) {
-  Result<Suite> suite = load_suite(run.suite, bench_names());
+  Result<Suite> suite = load_suite(run.suite);
   if (!suite) return suite;
   if (!run.settings.empty()) {
     if (auto kept = keep_settings(run.settings, *suite); !kept) return tl::unexpected(kept.error());
@@ -81,6 +165,14 @@ Result<void> check_files(const SuiteRun& run, const Suite& suite, const std::str
   return check_outputs(outputs, inputs);
 }
 
+SuiteHooks hooks_of(const SuiteRun& run) {
+  const auto learn = [jobs = run.jobs](const SuiteMemory& memory, const std::string& path) {
+    return memory.primitives.empty() ? learn_problems(memory, path)
+                                     : learn_grid(memory, path, jobs);
+  };
+  return {learn, train, print_note};
+}
+
 Result<ReadySuite> prepare(const SuiteRun& run, const Suite& suite, const std::string& out) {
   const std::string directory = run.memories.empty() ? out + "/memories" : run.memories;
   if (auto checked = check_files(run, suite, out, directory); !checked) {
@@ -91,9 +183,10 @@ Result<ReadySuite> prepare(const SuiteRun& run, const Suite& suite, const std::s
   }
   const Result<std::vector<MemoryRow>> known = read_memories(directory + "/memories.csv");
   if (!known) return tl::unexpected(known.error());
-  Result<ReadySuite> ready = make_ready(suite, directory, *known, run.jobs);
+  Result<ReadySuite> ready = prepare_suite(suite, directory, *known, hooks_of(run));
   if (!ready || ready->is_interrupted) return ready;
   ready->plan.jobs = run.jobs;
+  ready->plan.cancel = interrupt_flag();
   const auto written =
       write_shared(directory + "/memories.csv", *known, ready->memories).and_then([&] {
         return write_file(out + "/memories.csv", to_csv(ready->memories));

@@ -4,13 +4,13 @@
 /// `mneme bench run SUITE.yaml`: runs a suite and leaves its results in a directory.
 #pragma once
 
+#include "mneme/benchmark.h"
+
+#include "commands.h"
+
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "mneme/benchmark.h"
-
-#include "exit_codes.h"
 
 namespace mneme::app {
 

@@ -3,11 +3,11 @@
 
 #include "arrays.h"
 
-#include <algorithm>
+#include "errors.h"
 
 #include <fmt/format.h>
 
-#include "errors.h"
+#include <algorithm>
 
 namespace mneme::python {
 namespace {

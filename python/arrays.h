@@ -4,14 +4,14 @@
 /// NumPy arrays in and out: float64, one configuration a row.
 #pragma once
 
+#include "mneme/planning.h"
+
+#include <pybind11/numpy.h>
+
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <pybind11/numpy.h>
-
-#include "mneme/planning.h"
 
 namespace mneme::python {
 

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include "mneme/base.h"
 #include "mneme/base.h"
 
 #include "bindings.h"
 #include "errors.h"
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 namespace mneme::python {
 namespace {
@@ -48,7 +47,7 @@ void bind_error(py::module_& module) {
       "The message names the file, line or object and says what was expected. `code` is one of\n"
       "'io' (a file cannot be read, written or created), 'parse' (malformed text), 'unsupported'\n"
       "(well-formed, but not handled), 'invalid' (out of range, or inputs that do not fit\n"
-      "together), 'wrong_robot' (a database of another robot or decomposer) and 'corrupt'.",
+      "together), 'wrong_robot' (a database of another robot) and 'corrupt'.",
       nullptr, nullptr);
   if (error_type == nullptr) throw py::error_already_set();
   module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);

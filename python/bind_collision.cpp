@@ -1,19 +1,19 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "mneme/collision.h"
 #include "mneme/report.h"
 
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace mneme::python {
 namespace {

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <algorithm>
-#include <cstring>
+#include "mneme/benchmark.h"
+#include "mneme/pipeline.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "memory.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -10,12 +14,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "mneme/pipeline.h"
-
-#include "arrays.h"
-#include "bindings.h"
-#include "inputs.h"
-#include "memory.h"
+#include <algorithm>
+#include <cstring>
 
 namespace mneme::python {
 namespace {
@@ -29,7 +29,7 @@ OpenMode parse_mode(const std::string& mode) {
 }
 
 Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot,
-            const std::string& mode, const std::string& decomposer, std::int64_t memory_mib) {
+            const std::string& mode, std::int64_t memory_mib) {
   const OpenMode open_mode = parse_mode(mode);
   if (!robot && open_mode != OpenMode::read_only) {
     raise_invalid("robot: expected one, unless the mode is 'read_only'");
@@ -37,9 +37,8 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
-  if (!robot) return Memory(unwrap(app::inspect_database(path.string(), kept)));
-  if (!decomposer.empty()) unwrap(decomposer_version(decomposer));
-  return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, kept)), decomposer);
+  if (!robot) return Memory(unwrap(Database::inspect(path.string(), kept)));
+  return Memory(unwrap(Database::open(path.string(), make_space(*robot), open_mode, kept)));
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {
@@ -74,21 +73,14 @@ py::dict get(const Memory& memory, std::int64_t position) {
 py::list find(const Memory& memory, const LocalPrimitive& primitive,
               std::optional<double> similarity, int max_matches) {
   const std::shared_ptr<Database> database = memory.get();
-  const std::vector<KindInfo> kinds = database->kinds();
-  const auto kind = std::ranges::find_if(kinds, [&](const KindInfo& known) {
-    return known.key_size == static_cast<int>(primitive.key.size());
-  });
-  if (kind == kinds.end() && !kinds.empty()) {
-    raise_invalid(fmt::format("primitive: expected a key of {} numbers, got {}",
-                              kinds.front().key_size, primitive.key.size()));
-  }
-  const std::string name = kind == kinds.end() ? "" : kind->kind;
-  const double threshold = similarity.value_or(default_similarity(name));
+  const MemoryKind* kind = memory_kind_of(primitive.kind);
+  if (kind == nullptr) raise_invalid("primitive: it is of no kind of memory");
+  const double threshold = similarity.value_or(kind->defaults.similarity);
   if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
   for (const Match& match :
-       unwrap(find_matches(*database, name, primitive, threshold, max_matches))) {
+       unwrap(find_matches(*database, *kind, primitive, threshold, max_matches))) {
     py::dict row = to_dict(*match.experience);
     row["similarity_error"] = match.similarity_error;
     rows.append(row);
@@ -134,12 +126,10 @@ void bind_experience(py::module_& module) {
   py::class_<Memory>(module, "Database",
                      "An append-only store of local samplers. Safe to use from several threads.")
       .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
-                  py::arg("mode") = "read_only", py::arg("decomposer") = "",
+                  py::arg("mode") = "read_only",
                   py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
                   "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
                   "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
-                  "decomposer: one of decomposer_names(), to learn with; default that of the\n"
-                  "rows, or the robot's own.\n"
                   "memory_mib: a larger database is not in memory; rows are read as they match.")
       .def_static("verify", &verify, py::arg("path"),
                   "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")

@@ -1,16 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <algorithm>
-#include <exception>
-#include <thread>
-
-#include <fmt/format.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include "mneme/learning.h"
 #include "mneme/problem.h"
 
@@ -19,6 +9,16 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <exception>
+#include <thread>
 
 namespace mneme::python {
 namespace {
@@ -67,7 +67,7 @@ void add_primitives(const py::object& primitives, const std::optional<int>& coun
   }
 }
 
-void add_scenes(const py::iterable& scenes, const Robot& robot, const DecomposeSettings& settings,
+void add_scenes(const py::iterable& scenes, const Robot& robot, const MemorySettings& settings,
                 Lesson& lesson) {
   for (const py::handle item : scenes) {
     const bool is_problem = py::isinstance<Problem>(item);
@@ -80,7 +80,7 @@ void add_scenes(const py::iterable& scenes, const Robot& robot, const DecomposeS
                                 item.cast<Problem&>().name, robot.name()));
     }
     const Scene& scene = is_problem ? item.cast<Problem&>().scene : item.cast<Scene&>();
-    for (LocalPrimitive& primitive : unwrap(decompose(robot, scene, settings))) {
+    for (LocalPrimitive& primitive : unwrap(decompose({robot, scene}, settings))) {
       const bool is_new =
           std::find(lesson.keys.begin(), lesson.keys.end(), primitive.key) == lesson.keys.end();
       if (is_new) lesson.keys.push_back(std::move(primitive.key));
@@ -116,16 +116,15 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
   if (count && *count < 0) raise_invalid("count: expected 0 or more");
   if (jobs < 0 || jobs > 4096) raise_invalid("jobs: expected 1 to 4096, or 0 for all processors");
   LearnJob job;
-  DecomposeSettings decomposing;
+  MemorySettings asked;
   Keywords keywords("learn", arguments);
   keywords.apply(job.settings);
-  keywords.apply(decomposing);
+  keywords.apply_memory(asked);
   keywords.finish();
-  decomposing.decomposer = memory.decomposer();
   job.seed = seed;
   job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Lesson lesson;
-  if (!scenes.is_none()) add_scenes(scenes, robot, decomposing, lesson);
+  if (!scenes.is_none()) add_scenes(scenes, robot, memory.to_learn(asked), lesson);
   if (!primitives.is_none()) add_primitives(primitives, count, lesson);
   return learn(robot, memory, std::move(lesson), job, on_progress);
 }
@@ -133,17 +132,17 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
 std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& scene,
                          const py::iterable& paths, double reach, std::uint64_t seed,
                          const py::kwargs& arguments) {
-  DecomposeSettings decomposing;
+  MemorySettings asked;
   Keywords keywords("learn_from_paths", arguments);
-  keywords.apply(decomposing);
+  keywords.apply_memory(asked);
   keywords.finish();
   if (!(reach > 0 && reach <= 100)) raise_invalid("reach: expected more than 0, at most 100 m");
   std::vector<Path> rows;
   for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
   const std::shared_ptr<Database> database = memory.get();
-  decomposing.decomposer = memory.decomposer();
+  const MemorySettings wanted = memory.to_learn(asked);
   const py::gil_scoped_release released;
-  auto learned = unwrap(learn_from_paths(robot, scene, rows, decomposing, reach));
+  auto learned = unwrap(learn_from_paths({robot, scene}, rows, wanted, reach));
   for (Experience& row : learned) {
     row.provenance = {fmt::format("mneme {}", version()), "paths from Python", seed, {}};
   }
@@ -185,7 +184,7 @@ void bind_learning(py::module_& module) {
        "count: at least this many primitives, instead of the range's number.\n"
        "jobs: threads; 0 for all processors. The result does not depend on it.\n"
        "on_progress: called with a LearnProgress about once a second; what it raises ends it.\n\n" +
-       describe_keywords<LearnSettings>() + describe_keywords<DecomposeSettings>())
+       describe_keywords<LearnSettings>() + describe_memory_keywords())
           .c_str());
   module.def("learn_from_paths", &learn_paths, py::arg("robot"), py::arg("database"),
              py::arg("scene"), py::arg("paths"), py::kw_only(), py::arg("reach") = 0.12,
@@ -193,7 +192,7 @@ void bind_learning(py::module_& module) {
              ("Learns from solved paths, each of shape (n, joint_count): per pair of close\n"
               "obstacles the waypoints at which the robot is closer to both than reach, metres.\n"
               "Returns the number of rows that were added.\n\n" +
-              describe_keywords<DecomposeSettings>())
+              describe_memory_keywords())
                  .c_str());
 }
 

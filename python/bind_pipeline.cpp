@@ -1,22 +1,20 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <fmt/format.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
 #include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
 
 #include "arrays.h"
-#include "bench_row.h"
-#include "bench_solve.h"
 #include "bindings.h"
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 namespace mneme::python {
 namespace {
@@ -31,28 +29,13 @@ struct Plan {
   SolveResult result;
 };
 
-SolveSettings read_settings(const std::string& planner, const std::string& sampler,
-                            const std::string& isa, const py::kwargs& arguments) {
-  SolveSettings settings;
-  settings.planner = planner;
-  settings.sampler = sampler;
-  settings.isa = unwrap(parse_isa(isa));
-  Keywords keywords("plan", arguments);
-  keywords.apply(settings);
-  keywords.apply(settings.plan);
-  keywords.apply(settings.decompose);
-  keywords.apply(settings.learn);
-  keywords.finish();
-  return settings;
-}
-
 Plan plan(const Problem& problem, const Memory* memory, const std::string& planner,
           const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
           const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
   Plan made{problem,
             memory == nullptr ? nullptr : memory->get(),
-            read_settings(planner, source, isa, arguments),
+            read_solve_settings(planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
   if (made.settings.learn_budget_s > 0 && made.database == nullptr) {
@@ -62,7 +45,7 @@ Plan plan(const Problem& problem, const Memory* memory, const std::string& plann
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
   auto result = run_interruptible(cancel, [&] {
-    return app::solve_with_any(made.problem, made.database.get(), made.settings, false, {});
+    return solve(made.problem, made.database.get(), made.settings);
   });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
@@ -127,7 +110,7 @@ BenchmarkRow row_of(const Plan& plan, const std::string& set) {
   const py::gil_scoped_release released;
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking));
-  BenchmarkRow row = app::make_row(plan.problem, plan.settings, plan.result, checker);
+  BenchmarkRow row = make_row(plan.problem, plan.settings, plan.result, checker);
   row.set = set;
   return row;
 }
@@ -193,32 +176,6 @@ void bind_numbers(py::class_<Plan>& type) {
           "isa", [](const Plan& self) { return std::string(to_string(self.result.isa)); });
 }
 
-void bind_rows(py::module_& module) {
-  py::class_<BenchmarkRow>(module, "BenchmarkRow", "One run of a benchmark.")
-      .def_readonly("problem", &BenchmarkRow::problem)
-      .def_readonly("set", &BenchmarkRow::set)
-      .def_readonly("planner", &BenchmarkRow::planner)
-      .def_readonly("sampler", &BenchmarkRow::sampler)
-      .def_readonly("seed", &BenchmarkRow::seed)
-      .def_property_readonly(
-          "status", [](const BenchmarkRow& self) { return std::string(to_string(self.status)); })
-      .def_readonly("is_solved", &BenchmarkRow::is_solved, "What the planner says.")
-      .def_readonly("is_path_valid", &BenchmarkRow::is_path_valid,
-                    "By an independent check with exact distances at ten times the resolution.")
-      .def_readonly("planning_time_s", &BenchmarkRow::planning_time_s,
-                    "The time limit if there is no path.")
-      .def_readonly("total_time_s", &BenchmarkRow::total_time_s)
-      .def_readonly("iterations", &BenchmarkRow::iterations)
-      .def_readonly("states_checked", &BenchmarkRow::states_checked)
-      .def_readonly("path_length", &BenchmarkRow::path_length, "Radians.")
-      .def_readonly("components", &BenchmarkRow::components);
-  module.def("_to_table", [](const std::vector<BenchmarkRow>& rows) {
-    return to_table(std::span<const BenchmarkRow>(rows));
-  });
-  module.def("_csv_header", &csv_header);
-  module.def("_to_csv_line", &to_csv_line);
-}
-
 std::string plan_help() {
   return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
          "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
@@ -226,7 +183,7 @@ std::string plan_help() {
          "record: keep some of the samples and edges, to be seen in view(); costs a little "
          "time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
-         describe_keywords<DecomposeSettings>() + describe_keywords<LearnSettings>();
+         describe_memory_keywords() + describe_keywords<LearnSettings>();
 }
 
 }  // namespace
@@ -235,7 +192,6 @@ void bind_pipeline(py::module_& module) {
   py::class_<Plan> type(module, "Plan", "What came out of plan(). Times in seconds.");
   bind_answer(type);
   bind_numbers(type);
-  bind_rows(module);
   type.def(
           "to_json", [](const Plan& self) { return to_json(self.problem, self.result, 0); },
           "The text that `mneme plan --json` prints.")
@@ -253,19 +209,6 @@ void bind_pipeline(py::module_& module) {
   module.def("plan", &plan, py::arg("problem"), py::arg("database") = py::none(), py::kw_only(),
              py::arg("planner") = "rrt_connect", py::arg("sampler") = py::none(),
              py::arg("isa") = "automatic", py::arg("record") = false, plan_help().c_str());
-  module.def(
-      "planner_names",
-      [] {
-        std::vector<std::string> names = app::bench_names().planners;
-        std::erase_if(names, app::is_missing_planner);
-        return names;
-      },
-      "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
-  module.def(
-      "sampler_names",
-      [] { return std::vector<std::string>(sampler_names().begin(), sampler_names().end()); },
-      "Names of all sources of configurations.");
-  module.def("_needs_memory", &needs_memory);
 }
 
 }  // namespace mneme::python

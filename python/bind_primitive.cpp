@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <fmt/format.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 
 #include "arrays.h"
 #include "bindings.h"
 #include "keywords.h"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 namespace mneme::python {
 
@@ -37,30 +37,33 @@ void bind_primitive(py::module_& module) {
   module.def(
       "decompose",
       [](const Robot& robot, const Scene& scene, const py::kwargs& arguments) {
-        DecomposeSettings settings;
+        MemorySettings settings;
         Keywords keywords("decompose", arguments);
-        keywords.apply(settings);
+        keywords.apply_memory(settings);
         keywords.finish();
-        return unwrap(decompose(robot, scene, settings));
+        return unwrap(decompose({robot, scene}, settings));
       },
       py::arg("robot"), py::arg("scene"),
       ("The pairs of close obstacles of a scene, in scene order.\n\n" +
-       describe_keywords<DecomposeSettings>())
+       describe_memory_keywords())
           .c_str());
-  module.def("decomposer_names", &decomposer_names, "Names of all decomposers.");
+  module.def(
+      "kind_names",
+      [] {
+        std::vector<std::string> names;
+        for (const MemoryKind* kind : memory_kinds()) names.emplace_back(kind->name);
+        return names;
+      },
+      "Names of all kinds of memory.");
   module.def(
       "similarity_error",
-      [](const py::object& a, const py::object& b) {
+      [](const py::object& a, const py::object& b, const std::string& kind) {
+        const MemoryKind& known = *unwrap(find_memory_kind(kind));
         const PrimitiveKey first = to_vector(a, -1, "a");
-        const PrimitiveKey second = to_vector(b, static_cast<int>(first.size()), "b");
-        const auto size = first.size();
-        const bool is_query = size % 2 == 1;
-        if (size != 6 && size != 2 * kBodyKeySize && size != kGapKeySize && !is_query) {
-          raise_invalid("a: expected a primitive's key");
-        }
-        return similarity_error(first, second);
+        return similarity_error(known, first, to_vector(b, static_cast<int>(first.size()), "b"));
       },
-      py::arg("a"), py::arg("b"), "Squared distance of two canonical keys, m^2.");
+      py::arg("a"), py::arg("b"), py::arg("kind") = "pairs",
+      "Squared distance of two canonical keys of one kind of memory, m^2.");
 }
 
 }  // namespace mneme::python

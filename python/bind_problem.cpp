@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <filesystem>
+#include "mneme/problem.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "mneme/problem.h"
-
-#include "arrays.h"
-#include "bindings.h"
-#include "errors.h"
-#include "inputs.h"
+#include <filesystem>
 
 namespace mneme::python {
 namespace {
@@ -49,7 +48,7 @@ struct ProblemArguments {
 Problem load(const ProblemArguments& arguments) {
   ProblemOptions options;
   options.robot = arguments.options;
-  if (!arguments.robot.empty()) options.robot_path = unwrap(app::robot_file(arguments.robot));
+  if (!arguments.robot.empty()) options.robot_path = unwrap(robot_file(arguments.robot));
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   const py::gil_scoped_release released;

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <filesystem>
-#include <map>
+#include "mneme/covering.h"
+#include "mneme/robot.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "keywords.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -10,13 +14,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "mneme/covering.h"
-#include "mneme/robot.h"
-
-#include "arrays.h"
-#include "bindings.h"
-#include "inputs.h"
-#include "keywords.h"
+#include <filesystem>
+#include <map>
 
 namespace mneme::python {
 namespace {
@@ -27,7 +26,7 @@ Robot load(const std::string& robot, const RobotOptions& options, const py::kwar
   keywords.apply(cover);
   keywords.finish();
   const py::gil_scoped_release released;
-  return unwrap(app::robot_file(robot).and_then([&](const std::string& path) {
+  return unwrap(robot_file(robot).and_then([&](const std::string& path) {
            return load_covered_robot(path, options, cover);
          }))
       .robot;

@@ -1,19 +1,19 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <algorithm>
-#include <filesystem>
+#include "mneme/scene.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "mneme/scene.h"
-
-#include "arrays.h"
-#include "bindings.h"
-#include "errors.h"
+#include <algorithm>
+#include <filesystem>
 
 namespace mneme::python {
 namespace {

@@ -4,13 +4,13 @@
 /// mneme's errors as Python exceptions.
 #pragma once
 
-#include <exception>
-#include <string>
-#include <utility>
+#include "mneme/base.h"
 
 #include <pybind11/pybind11.h>
 
-#include "mneme/base.h"
+#include <exception>
+#include <string>
+#include <utility>
 
 namespace mneme::python {
 

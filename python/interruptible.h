@@ -4,12 +4,12 @@
 /// Long calls: without the global interpreter lock, and ended by Control-C.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
 #include <atomic>
 #include <chrono>
 #include <future>
 #include <utility>
-
-#include <pybind11/pybind11.h>
 
 namespace mneme::python {
 

@@ -13,6 +13,25 @@ std::string keyword_of(std::string_view flag) {
   return keyword == "lambda" ? keyword + "_" : keyword;
 }
 
+void Keywords::apply_memory(MemorySettings& settings) {
+  known_.push_back("kind");
+  if (arguments_.contains("kind") && !arguments_["kind"].is_none()) {
+    const py::object given = arguments_["kind"];
+    if (!py::isinstance<py::str>(given)) fail_type("kind", given, "the name of a kind of memory");
+    settings.kind = unwrap(find_memory_kind(given.cast<std::string>()))->name;
+  }
+  apply(settings);
+}
+
+std::string describe_memory_keywords() {
+  std::string names;
+  for (const MemoryKind* kind : memory_kinds()) {
+    names += (names.empty() ? "" : ", ") + std::string(kind->name);
+  }
+  return "kind: str = None\n    kind of memory: " + names +
+         "; left out, those of the database, or the robot's\n" + describe_keywords<MemorySettings>();
+}
+
 void Keywords::finish() const {
   for (const auto& [name, value] : arguments_) {
     const auto keyword = name.cast<std::string>();
@@ -66,6 +85,21 @@ void Keywords::fail_range(const std::string& keyword, const py::object& given,
                           const std::string& range) const {
   raise_invalid(fmt::format("{}: {}={} is out of range: expected {}", function_, keyword,
                             py::repr(given).cast<std::string>(), range));
+}
+
+SolveSettings read_solve_settings(const std::string& planner, const std::string& sampler,
+                                  const std::string& isa, const py::kwargs& arguments) {
+  SolveSettings settings;
+  settings.planner = planner;
+  settings.sampler = sampler;
+  settings.isa = unwrap(parse_isa(isa));
+  Keywords keywords("plan", arguments);
+  keywords.apply(settings);
+  keywords.apply(settings.plan);
+  keywords.apply_memory(settings.memory);
+  keywords.apply(settings.learn);
+  keywords.finish();
+  return settings;
 }
 
 }  // namespace mneme::python

@@ -4,17 +4,19 @@
 /// Settings as keyword arguments, from the same declarations as the command line's flags.
 #pragma once
 
+#include "mneme/pipeline.h"
+
+#include "errors.h"
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
 #include <concepts>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <fmt/format.h>
-#include <pybind11/pybind11.h>
-
-#include "errors.h"
 
 namespace mneme::python {
 
@@ -36,14 +38,23 @@ class Keywords {
   void apply(Settings& settings) {
     visit_settings(settings, [this](std::string_view flag, auto& value, auto least, auto most,
                                     std::string_view) {
-      using Value = std::remove_reference_t<decltype(value)>;
+      using Setting = std::remove_reference_t<decltype(value)>;
+      using Value = SettingValue<Setting>;
       const std::string keyword = keyword_of(flag);
       known_.push_back(keyword);
       if (!arguments_.contains(keyword)) return;
       const py::object given = arguments_[keyword.c_str()];
-      read(keyword, given, value, static_cast<Value>(least), static_cast<Value>(most));
+      if constexpr (SettingTraits<Setting>::is_optional) {
+        value.reset();
+        if (given.is_none()) return;
+        read(keyword, given, value.emplace(), static_cast<Value>(least), static_cast<Value>(most));
+      } else {
+        read(keyword, given, value, static_cast<Value>(least), static_cast<Value>(most));
+      }
     });
   }
+  /// The same for a kind of memory: the keyword kind, and what its settings declare.
+  void apply_memory(MemorySettings& settings);
   /// Raises TypeError if a keyword belongs to none of the settings.
   void finish() const;
 
@@ -76,6 +87,11 @@ class Keywords {
   std::vector<std::string> known_;
 };
 
+/// What plan() was given. Raises TypeError for a keyword that belongs to none of its settings.
+[[nodiscard]] SolveSettings read_solve_settings(const std::string& planner,
+                                                const std::string& sampler, const std::string& isa,
+                                                const py::kwargs& arguments);
+
 /// The settings' part of a docstring: keyword, default, range and sentence of each.
 template <class Settings>
 [[nodiscard]] std::string describe_keywords() {
@@ -83,12 +99,18 @@ template <class Settings>
   std::string text;
   visit_settings(defaults, [&](std::string_view flag, auto& value, auto least, auto most,
                                std::string_view sentence) {
-    using Value = std::remove_reference_t<decltype(value)>;
+    using Setting = std::remove_reference_t<decltype(value)>;
+    using Value = SettingValue<Setting>;
     text += fmt::format("{}: {}", keyword_of(flag),
                         std::same_as<Value, bool> ? "bool"
                         : std::integral<Value>    ? "int"
                                                   : "float");
-    if constexpr (std::same_as<Value, bool>) {
+    if constexpr (SettingTraits<Setting>::is_optional) {
+      text += " = None";
+      if constexpr (!std::same_as<Value, bool>) {
+        text += fmt::format(", {} to {}", static_cast<Value>(least), static_cast<Value>(most));
+      }
+    } else if constexpr (std::same_as<Value, bool>) {
       text += fmt::format(" = {}", value ? "True" : "False");
     } else if (static_cast<Value>(most) == std::numeric_limits<Value>::max()) {
       text += fmt::format(" = {}, {} or more", value, static_cast<Value>(least));
@@ -100,5 +122,8 @@ template <class Settings>
   });
   return text;
 }
+
+/// The same of a kind of memory.
+[[nodiscard]] std::string describe_memory_keywords();
 
 }  // namespace mneme::python

@@ -4,23 +4,19 @@
 /// What the memory is to Python: shared, so that results may outlive the object that opened it.
 #pragma once
 
+#include "mneme/memory.h"
+
+#include "errors.h"
+
 #include <filesystem>
 #include <memory>
 #include <string>
-
-#include "mneme/experience.h"
-#include "mneme/primitive.h"
-
-#include "errors.h"
 
 namespace mneme::python {
 
 class Memory {
  public:
-  /// A `decomposer` is the one that is to be learned with; if it is empty, that of the rows.
-  explicit Memory(Database database, std::string decomposer = "")
-      : database_(std::make_shared<Database>(std::move(database))),
-        decomposer_(std::move(decomposer)) {}
+  explicit Memory(Database database) : database_(std::make_shared<Database>(std::move(database))) {}
 
   /// The open database; a mneme.Error if it was closed.
   [[nodiscard]] std::shared_ptr<Database> get() const {
@@ -28,16 +24,16 @@ class Memory {
     return database_;
   }
   void close() { database_.reset(); }
-  /// Empty if there are neither rows nor a wish: then it is the robot's own.
-  [[nodiscard]] std::string decomposer() const {
-    if (!decomposer_.empty()) return decomposer_;
+  /// The kind to learn: the one that is asked for, or else that of the rows, or else the robot's.
+  [[nodiscard]] MemorySettings to_learn(MemorySettings asked) const {
     const std::vector<KindInfo> kinds = get()->kinds();
-    return kinds.empty() ? "" : decomposer_of_version(kinds.front().kind).value_or("");
+    if (asked.kind || kinds.empty()) return asked;
+    if (const MemoryKind* kind = memory_kind_of(kinds.front().kind)) asked.kind = kind->name;
+    return asked;
   }
 
  private:
   std::shared_ptr<Database> database_;
-  std::string decomposer_;
 };
 
 }  // namespace mneme::python

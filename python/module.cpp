@@ -1,11 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <pybind11/pybind11.h>
+#ifdef MNEME_WITH_OMPL
+#include "mneme/ompl.h"
+#endif
 
 #include "bindings.h"
 
+#include <pybind11/pybind11.h>
+
 PYBIND11_MODULE(_mneme, module) {
+#ifdef MNEME_WITH_OMPL
+  mneme::add_ompl_planners();
+#endif
   module.doc() = "The compiled part of mneme; import mneme instead.";
   mneme::python::bind_base(module);
   mneme::python::bind_robot(module);
@@ -16,4 +23,5 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_experience(module);
   mneme::python::bind_learning(module);
   mneme::python::bind_pipeline(module);
+  mneme::python::bind_benchmark(module);
 }

@@ -1,23 +1,133 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Suites of experiments (bench/suites/*.yaml), and what becomes of their runs: a report, a
-/// database, and the files of OMPL's benchmark tools.
+/// Benchmarks: problems, runs and their rows, suites of experiments (bench/suites/*.yaml), and what
+/// becomes of the rows: tables, a report, a database, and the files of OMPL's benchmark tools.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mneme/base.h"
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
+#include "mneme/problem.h"
 #include "mneme/report.h"
 
 namespace mneme {
+
+/// One run of a benchmark.
+struct BenchmarkRow {
+  std::string problem;
+  std::string set;  ///< of problems, such as the name of a file; may be empty
+  std::string planner;
+  std::string sampler;
+  std::uint64_t seed = 0;
+  PlanStatus status = PlanStatus::timeout;
+  bool is_solved = false;  ///< what the planner says, within the time limit
+  bool is_path_valid =
+      false;  ///< by an independent check at ten times the resolution, double precision
+  /// The planner from call to return without simplification and verification, with retrieval and
+  /// learning but without tables of the scene; the time limit if there is no path.
+  double planning_time_s = 0;
+  double total_time_s = 0;  ///< solve() from call to return
+  double retrieval_time_s = 0;
+  double simplification_time_s = 0;
+  double verification_time_s = 0;
+  std::uint64_t iterations = 0;
+  std::uint64_t states_checked = 0;
+  std::uint64_t motions_checked = 0;
+  std::uint64_t nodes = 0;
+  double path_length = 0;
+  int components = 0;
+  double timeout_s = 0;  ///< the time limit
+  std::string setting;   ///< the settings' name in a suite; may be empty
+  std::string settings;  ///< those that are not the defaults, such as "range=3.55 similarity=3"
+  double learning_time_s = 0;
+  std::string isa;      ///< instruction set of the kernels
+  std::string machine;  ///< processor, number of cores and system
+  std::string version;  ///< of mneme and of the compiler
+  std::string started;  ///< UTC, ISO 8601
+};
+
+/// The row of one call of solve() with `settings`; its path is checked again by `checker` without
+/// trusting anything that helped to find it. A path that came after the time limit is none. Set,
+/// setting, machine, version and time are left to the caller.
+[[nodiscard]] BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
+                                    const SolveResult& result, const CollisionChecker& checker);
+/// "AMD EPYC, 2 cores, Linux 6.1"
+[[nodiscard]] std::string describe_machine();
+/// "mneme 0.1.0, g++ 12.2"
+[[nodiscard]] std::string describe_build();
+/// Now, UTC, ISO 8601.
+[[nodiscard]] std::string current_time();
+/// The settings that differ from the defaults, such as "range=3.55 similarity=3"; names in order of
+/// declaration; without time limit and seed.
+[[nodiscard]] std::string describe_settings(const SolveSettings& settings);
+
+/// True if the problem's start or goal is at fault: such a run says nothing about planners.
+[[nodiscard]] bool is_invalid_problem(const BenchmarkRow& row);
+/// True if there is a path and the independent check confirms it.
+[[nodiscard]] bool is_success(const BenchmarkRow& row);
+
+/// Nearest-rank order statistics of planning times, failures counted as longer than any success.
+struct TimeSummary {
+  int runs = 0;
+  int solved = 0;
+  double p50 = 0, p95 = 0, p99 = 0, max = 0;  ///< seconds; a failure stands at its censored time
+  double p25 = 0, p75 = 0;
+};
+[[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
+
+/// One line per run below a header (RFC 4180, but lines end in a line feed); is_valid is 0 or 1 and
+/// says whether the path passed the independent check.
+[[nodiscard]] std::string to_csv(std::span<const BenchmarkRow> rows);
+/// The header and the line of one run, as in to_csv.
+[[nodiscard]] std::string csv_header();
+[[nodiscard]] std::string to_csv_line(const BenchmarkRow& row);
+
+/// What a CSV file of runs holds.
+struct CsvRuns {
+  std::vector<BenchmarkRow> rows;
+  /// Bytes of the text that are whole lines: a process that was killed may leave a broken last one.
+  std::size_t complete_bytes = 0;
+};
+/// Reads what to_csv wrote, also by versions before the column `setting`; `source` names it in
+/// messages.
+[[nodiscard]] Result<CsvRuns> parse_csv(std::string_view text, const std::string& source);
+
+/// All runs of one planner, sampler and setting on the problems of one set. Times are of the runs
+/// on valid problems; runs without a valid path count as longer than any other.
+struct SetSummary {
+  std::string set;  ///< "all" for the sets together
+  std::string planner;
+  std::string sampler;
+  std::string setting;
+  int total = 0;          ///< runs
+  int valid = 0;          ///< runs on problems whose start and goals are valid
+  int invalid_paths = 0;  ///< paths that did not survive the independent check; not solved
+  TimeSummary times;      ///< of planning, seconds; `runs` is `valid`
+  std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
+  double simplification_p50_s = 0;   ///< of solved runs
+};
+/// One per set, planner, sampler and setting in order of appearance; if there are several sets,
+/// those of all sets together follow.
+[[nodiscard]] std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows);
+/// A text table of them; ">" marks times of failures. Settings have a column if they have names.
+[[nodiscard]] std::string to_table(std::span<const SetSummary> summaries);
+/// A text table: one line per problem, planner and sampler, in order of appearance. Planning times
+/// in ms;
+/// ">" marks those of failures.
+[[nodiscard]] std::string to_table(std::span<const BenchmarkRow> rows);
 
 /// Problems of a suite: whatever `mneme bench run` takes, relative to the suite's file.
 struct SuiteProblems {
@@ -25,6 +135,102 @@ struct SuiteProblems {
   std::string set;   ///< the figure that they share; empty for the name of the file
   std::string part;  ///< "I/N" for every N-th beginning with the I-th; empty for all
 };
+
+/// A problem of a benchmark, by what load_problem takes.
+struct BenchProblem {
+  std::string set;    ///< of the problem, for tables
+  std::string where;  ///< a file, FILE.json#NAME or SCENE.yaml,REQUEST.yaml
+};
+/// The problems of `arguments`, in order. A compact file stands for all its problems, and a
+/// directory for all problems below it, sorted by path. A set is a file of many problems, or a
+/// directory of files of one.
+[[nodiscard]] Result<std::vector<BenchProblem>> find_bench_problems(
+    const std::vector<std::string>& arguments);
+
+/// The share "I/N" of a list.
+struct Part {
+  std::size_t index = 0;
+  std::size_t count = 1;
+  /// True of every N-th entry beginning with the I-th, counted from 1; 0 and N are the same I.
+  [[nodiscard]] bool holds(std::size_t position) const {
+    return (position + 1) % count == index % count;
+  }
+};
+/// "I/N" with whole numbers 0 <= I <= N and N >= 1; nothing for other texts.
+[[nodiscard]] std::optional<Part> parse_part(std::string_view text);
+/// A part "I/N" of `problems`, 1 <= I <= N, so that some can be learned from and the others
+/// measured; all of them if `part` is empty.
+[[nodiscard]] Result<std::vector<BenchProblem>> take_part(std::vector<BenchProblem> problems,
+                                                          const std::string& part);
+
+/// Hears what people should know, such as a warning, in a sentence.
+using OnNote = std::function<void(const std::string& note)>;
+
+struct LoadedProblem {
+  std::string set;
+  Problem problem;
+};
+/// The problems that `found` names. `on_note` hears their warnings, each once.
+[[nodiscard]] Result<std::vector<LoadedProblem>> load_bench_problems(
+    const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
+    const OnNote& on_note);
+
+/// True for samplers that draw from a database: "gl" and the baselines on the same memory.
+[[nodiscard]] bool needs_memory(std::string_view sampler);
+
+/// What is run on each problem with each seed.
+struct BenchCase {
+  std::string setting;
+  std::string memory;             ///< that the sampler gl draws from
+  std::vector<std::string> sets;  ///< of problems; empty for all
+  SolveSettings settings;         ///< with planner and sampler
+  std::string description;        ///< of the settings, for the rows
+  bool is_serial = false;         ///< its runs take turns: see PlannerEntry::is_exclusive
+};
+/// Appends a case for each of `planners` with each of `samplers`.
+void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,
+                  const std::vector<std::string>& samplers, std::vector<BenchCase>& cases);
+
+/// True if runs change the memory, so that later ones depend on earlier ones.
+[[nodiscard]] bool learns_while_planning(const SolveSettings& settings);
+
+/// Solves a problem as the case says, whose settings have the run's seed.
+using SolveRun = std::function<Result<SolveResult>(const Problem& problem, Database* database,
+                                                   const BenchCase& bench_case)>;
+
+/// Problems x cases x seeds.
+struct BenchPlan {
+  std::vector<LoadedProblem> problems;
+  std::vector<BenchCase> cases;
+  int seed_count = 1;
+  std::uint64_t first_seed = 1;
+  int jobs = 1;  ///< threads; with one, all callbacks come from the caller's
+  /// Every other seed takes the cases in reverse, because the first one of a problem finds the
+  /// caches cold.
+  bool alternates = true;
+  /// A case whose first runs on a problem, this many, are all unsolved is not run on it further; 0
+  /// for no such limit. Repeats itself with one job.
+  int hopeless_after = 0;
+  /// By the name of the memory and the hash of the robot.
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories;
+  SolveRun solve;                             ///< empty for mneme::solve()
+  const std::atomic<bool>* cancel = nullptr;  ///< ends the run under way, which leaves no row
+
+  [[nodiscard]] std::size_t run_count() const;
+};
+
+/// An error if `rows` were run with other settings or limits than `plan` has under the same name.
+[[nodiscard]] Result<void> check_same_settings(const BenchPlan& plan,
+                                               std::span<const BenchmarkRow> rows);
+/// Puts rows into the order in which one job runs the plan; those of other plans go last.
+void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows);
+
+/// Receives each run as soon as it is done, one at a time. An error ends the benchmark.
+using OnRow = std::function<Result<void>(const BenchmarkRow& row, const SolveResult& result)>;
+/// Runs what `done` does not hold yet, all problems with one seed before the next seed. True if it
+/// was not cancelled. With one job, exceptions of callbacks pass through.
+[[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
+                                     const OnRow& on_row);
 
 /// A database that a suite's runs draw from: a file that is there, or one that is learned first.
 struct SuiteMemory {
@@ -60,22 +266,10 @@ struct Suite {
   int seed_count = 20;
 };
 
-/// The names that a suite may use.
-struct SuiteNames {
-  std::vector<std::string> planners;
-  std::vector<std::string> samplers;
-};
-
 /// Reads a suite. Errors name file, line and key: unknown keys and names, values out of range, a
-/// setting that draws from a memory and names none.
-[[nodiscard]] Result<Suite> load_suite(const std::string& path, const SuiteNames& known);
-
-/// True for samplers that draw from a database: "gl" and the baselines on the same memory.
-[[nodiscard]] bool needs_memory(std::string_view sampler);
-
-/// The settings that differ from the defaults, such as "range=3.55 similarity=3"; names in order of
-/// declaration; without time limit and seed.
-[[nodiscard]] std::string describe_settings(const SolveSettings& settings);
+/// setting that draws from a memory and names none. A planner of OMPL's may be named also where it
+/// was not built in.
+[[nodiscard]] Result<Suite> load_suite(const std::string& path);
 
 /// What a database holds, and what it cost.
 struct MemoryRow {
@@ -89,6 +283,42 @@ struct MemoryRow {
 /// Reads what to_csv wrote; `source` names it in messages.
 [[nodiscard]] Result<std::vector<MemoryRow>> parse_memory_csv(std::string_view text,
                                                               const std::string& source);
+
+/// What it took to learn a memory.
+struct LearnedMemory {
+  double time_s = 0;
+  bool is_cancelled = false;
+};
+/// What a suite asks of its caller.
+struct SuiteHooks {
+  /// Learns into the database `path` what is not there yet.
+  std::function<Result<LearnedMemory>(const SuiteMemory& memory, const std::string& path)> learn;
+  /// Writes to `file` what `planner`, which has experience of its own, makes of the paths that
+  /// `memory` is learned from. False if it was interrupted.
+  std::function<Result<bool>(const SuiteMemory& memory, const std::string& planner,
+                             const std::string& file)>
+      train;
+  OnNote on_note;
+};
+
+/// A suite made ready to run: problems read, databases opened or learned.
+struct ReadySuite {
+  BenchPlan plan;
+  std::vector<MemoryRow> memories;
+  bool is_interrupted = false;  ///< while it learned: nothing is ready
+};
+/// Reads the problems of `suite`, learns the memories that its settings draw from into
+/// `directory`/NAME.db, which is there, and opens them. Planners that this build lacks are left
+/// out. `known` are the memories of an earlier run; their times stand for what is not learned
+/// again. Errors: a planner with experience of its own and a memory that is not learned from
+/// problems.
+[[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite,
+                                               const std::string& directory,
+                                               const std::vector<MemoryRow>& known,
+                                               const SuiteHooks& hooks);
+
+/// The database of `memory`: its file, or `directory`/NAME.db if it is learned.
+[[nodiscard]] std::string memory_file(const SuiteMemory& memory, const std::string& directory);
 
 /// A ratio with its 95 % interval.
 struct TimeRatio {
@@ -117,10 +347,16 @@ struct PairedRatio {
 [[nodiscard]] std::string to_ratio_table(std::span<const BenchmarkRow> rows,
                                          const std::string& baseline);
 
+struct ReportPicture {
+  std::string caption;
+  std::string svg;
+};
 struct ReportOptions {
   std::string title = "mneme benchmark";
-  std::string baseline = "uniform";  ///< the sampler that others are compared with
-  bool by_problem = false;           ///< a figure per problem instead of one per set
+  std::string introduction;             ///< text above all else; line breaks are kept
+  std::vector<ReportPicture> pictures;  ///< shown below the introduction
+  std::string baseline = "uniform";     ///< the sampler that others are compared with
+  bool by_problem = false;              ///< a figure per problem instead of one per set
 };
 struct ReportFigure {
   std::string name;  ///< of a file, without extension
@@ -130,18 +366,11 @@ struct BenchmarkReport {
   std::string html;  ///< one page that needs nothing from elsewhere
   std::vector<ReportFigure> figures;
 };
-/// Box plots, solved-over-time curves, tables and paired ratios of the runs; `memories` may be
-/// empty.
+/// Introduction, pictures, box plots, solved-over-time curves, tables and paired ratios of the
+/// runs; `memories` may be empty.
 [[nodiscard]] BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
                                                     std::span<const MemoryRow> memories,
                                                     const ReportOptions& options);
-
-/// "AMD EPYC, 2 cores, Linux 6.1"
-[[nodiscard]] std::string describe_machine();
-/// "mneme 0.1.0, g++ 12.2"
-[[nodiscard]] std::string describe_build();
-/// Now, UTC, ISO 8601.
-[[nodiscard]] std::string current_time();
 
 /// A table `runs` in an SQLite file, with the columns of the CSV file; other programs may read it
 /// while it grows.

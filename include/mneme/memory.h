@@ -133,8 +133,8 @@ struct MemoryKind {
   /// What solved paths of the query teach: rows with kind, key and sampler. Errors: those of
   /// decompose.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,
-                                                      std::span<const Path> paths,
-                                                      double max_gap) = nullptr;
+                                                      std::span<const Path> paths, double max_gap,
+                                                      double reach) = nullptr;
   /// Learns a primitive by solving local queries; see learn_local_sampler(). Null for a kind that
   /// learns from solved paths alone.
   Result<LearnResult> (*learn)(const Robot& robot, const LocalProblem& problem,
@@ -178,12 +178,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// What solved paths teach the kind that choose_kind() says: of pairs of obstacles one row per
 /// primitive, whose components are the waypoints that belong to it, moved to the canonical frame. A
 /// waypoint belongs to a primitive if one shape of the robot that the symmetric joints move is
-/// closer than kLessonReach to all its obstacles. Rows have no provenance yet; primitives without a
+/// closer than `reach` (metres) to all its obstacles. Rows have no provenance yet; primitives without a
 /// waypoint have none. O(waypoints * shapes * obstacles).
 [[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                                std::span<const Path> paths,
-                                                               const MemorySettings& settings = {});
-inline constexpr double kLessonReach = 0.12;  ///< metres
+                                                               const MemorySettings& settings = {},
+                                                               double reach = 0.12);
 
 /// The stored experience of the kind whose similarity error to `primitive` is less than
 /// `threshold`, nearest first, at most `max_matches` (0: all). Errors: those of Database::find().

@@ -90,6 +90,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
       "metres that the robot keeps away from obstacles, start and goal included; not from itself");
 }
 
+/// What a problem asks of memory. Refers to it.
+[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
+  return {problem.robot, problem.scene, &problem.start, problem.goals};
+}
+
 /// The result of Algorithm 2.
 struct GlSampler {
   std::shared_ptr<const GaussianMixture>
@@ -151,6 +156,7 @@ struct SamplerEntry {
 /// "gl" (Algorithm 1), "uniform", "halton"; baselines on the same memory: "pooled",
 /// "nearest_scenes", "cvae"; OMPL's samplers of valid states.
 [[nodiscard]] std::span<const SamplerEntry> samplers();
+[[nodiscard]] std::vector<std::string> sampler_names();
 /// Error: an unknown name; the message lists those there are.
 [[nodiscard]] Result<const SamplerEntry*> find_sampler(std::string_view name);
 

@@ -174,6 +174,7 @@ struct PlannerEntry {
 /// src/planning/NAME.cpp, a declaration above, a row in src/planning/planners.cpp, a test; command
 /// line, Python, benchmark and the tests that all planners share take it from there.
 [[nodiscard]] std::span<const PlannerEntry> planners();
+[[nodiscard]] std::vector<std::string> planner_names();
 /// Appends to the table those whose names it does not have yet. Before any other use of the table.
 void add_planners(std::vector<PlannerEntry> entries);
 /// Errors: invalid, with the names there are; unsupported for one of OMPL's if they were not added.

@@ -206,5 +206,7 @@ class Robot {
 /// The file of a robot that is named without a path, such as "planar8": searched in the directories
 /// of MNEME_ROBOT_PATH (colon-separated), then among the robots that came with mneme.
 [[nodiscard]] Result<std::string> find_robot(const std::string& name);
+/// The URDF file that `robot`, a path or the name of a robot that find_robot knows, stands for.
+[[nodiscard]] Result<std::string> robot_file(const std::string& robot);
 
 }  // namespace mneme

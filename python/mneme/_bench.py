@@ -52,22 +52,19 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
     rows = []
     file = None if csv is None else open(csv, "w", encoding="utf-8", newline="")
+
+    def take(row):
+        rows.append(row)
+        if file:
+            file.write(_mneme._to_csv_line(row))
+            file.flush()
+        if on_row:
+            on_row(row)
+
     try:
         if file:
             file.write(_mneme._csv_header())
-        for settings["seed"] in range(seed, seed + seeds):
-            for problem in problems:
-                for planner in planners:
-                    for sampler in samplers:
-                        memory = database if _mneme._needs_memory(sampler) else None
-                        plan = _mneme.plan(problem, memory, planner=planner, sampler=sampler,
-                                           **settings)
-                        rows.append(plan.to_row())
-                        if file:
-                            file.write(_mneme._to_csv_line(rows[-1]))
-                            file.flush()
-                        if on_row:
-                            on_row(rows[-1])
+        _mneme._bench(problems, database, planners, samplers, seeds, seed, take, **settings)
     finally:
         if file:
             file.close()

@@ -1,14 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/box_plot.h"
-#include "benchmark/comparisons.h"
-#include "benchmark/report_tables.h"
-#include "benchmark/solved_curves.h"
-#include "benchmark/time_axis.h"
 #include "mneme/benchmark.h"
+
+#include "benchmark/figures.h"
+#include "benchmark/panels.h"
 #include "report/markup.h"
-#include "report/page.h"
 
 #include <fmt/format.h>
 
@@ -20,15 +17,45 @@ namespace {
 using internal::escape_markup;
 using internal::Panel;
 
-constexpr std::string_view kRules = R"css(
+/// Light and dark, nothing from elsewhere.
+constexpr std::string_view kPageStyle = R"css(
+:root { color-scheme: light dark; --page: #f4f6fa; --card: #ffffff; --ink: #1f2937; --soft: #5b6675;
+  --line: #dde3ec; --bad: #b42318; }
+@media (prefers-color-scheme: dark) { :root { --page: #12161d; --card: #1b212b; --ink: #e6eaf0;
+  --soft: #9aa6b6; --line: #323b49; --bad: #ff8a80; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--page); color: var(--ink);
+  font: 16px/1.5 Inter, "Helvetica Neue", Helvetica, Arial, "DejaVu Sans", sans-serif; }
+main { max-width: 1320px; margin: 0 auto; padding: 32px 20px 56px; }
+h1 { font-size: 30px; line-height: 1.2; margin: 0 0 12px; }
+h2 { font-size: 20px; margin: 40px 0 12px; }
+p { max-width: 72ch; margin: 0 0 12px; }
+.introduction { white-space: pre-line; }
+.note, figcaption { color: var(--soft); font-size: 14px; }
+.card { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 18px;
+  overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-size: 14px;
+  font-variant-numeric: tabular-nums; }
+th, td { padding: 6px 12px; text-align: left; border-bottom: 1px solid var(--line);
+  white-space: nowrap; }
+th { color: var(--soft); font-weight: 600; }
+tbody tr:last-child td { border-bottom: 0; }
+.number { text-align: right; }
+.bad { color: var(--bad); font-weight: 600; }
+.pictures { display: grid; gap: 20px;
+  grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
+figure { margin: 0; }
+figure > svg { display: block; width: 100%; height: auto; }
+figcaption { padding-top: 10px; }
+.wide { white-space: normal; overflow-wrap: anywhere; }
 .figure { margin: 0 0 20px; }
 .figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 .card + .card { margin-top: 20px; }
+.pictures .card { margin-top: 0; }
 nav a { margin-right: 16px; }
 a { color: inherit; }
 footer { margin-top: 48px; padding-top: 16px; border-top: 1px solid var(--line);
   color: var(--soft); font-size: 14px; }
-details > summary { cursor: pointer; color: var(--soft); font-size: 14px; margin: 12px 0; }
 )css";
 
 constexpr std::string_view kHowToRead =
@@ -48,16 +75,6 @@ constexpr std::string_view kHowToCompare =
     "their limit. \u2265 if what the right one gives is such a run, or holds one; \u2264 if what "
     "the left one gives; open if both. In brackets: 95 % intervals, bootstrap percentiles.</p>\n";
 
-template <class Value>
-std::vector<std::string> different(std::span<const BenchmarkRow> rows, Value&& value) {
-  std::vector<std::string> all;
-  for (const BenchmarkRow& row : rows) {
-    const std::string& text = value(row);
-    if (std::ranges::find(all, text) == all.end()) all.push_back(text);
-  }
-  return all;
-}
-
 /// "A; B", or a word for what files of older versions do not say.
 std::string joined(std::vector<std::string> texts) {
   std::erase(texts, "");
@@ -73,13 +90,10 @@ std::string footer(std::span<const BenchmarkRow> rows) {
   return fmt::format(
       "<footer>\n<p>Machine: {}. Kernels: {}. Built: {}.</p>\n<p>Runs: {}, started {}. Report: "
       "{}.</p>\n</footer>\n",
-      escape_markup(joined(different(
-          rows, [](auto& r) -> auto& { return r.machine; }))),
-      escape_markup(joined(different(
-          rows, [](auto& r) -> auto& { return r.isa; }))),
-      escape_markup(joined(different(
-          rows, [](auto& r) -> auto& { return r.version; }))),
-      rows.size(), escape_markup(when.empty() ? "at a time not recorded" : when),
+      escape_markup(joined(internal::different(rows, &BenchmarkRow::machine))),
+      escape_markup(joined(internal::different(rows, &BenchmarkRow::isa))),
+      escape_markup(joined(internal::different(rows, &BenchmarkRow::version))), rows.size(),
+      escape_markup(when.empty() ? "at a time not recorded" : when),
       escape_markup(describe_build()));
 }
 
@@ -94,24 +108,46 @@ std::string summary_line(std::span<const BenchmarkRow> rows) {
       count(is_invalid_problem));
 }
 
+std::string page_begin(const std::string& title) {
+  const std::string heading = escape_markup(title);
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n<main>\n<h1>{}</h1>\n",
+      heading, kPageStyle, internal::figure_style(), heading);
+}
+
+std::string introduction(const ReportOptions& options) {
+  std::string html;
+  if (!options.introduction.empty()) {
+    html += fmt::format("<p class=\"introduction\">{}</p>\n", escape_markup(options.introduction));
+  }
+  if (options.pictures.empty()) return html;
+  html += "<h2>Pictures</h2>\n<div class=\"pictures\">\n";
+  for (const ReportPicture& picture : options.pictures) {
+    html += fmt::format("<figure class=\"card\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
+                        picture.svg, escape_markup(picture.caption));
+  }
+  return html + "</div>\n";
+}
+
+/// What stands below the introduction.
 class ReportWriter {
  public:
   ReportWriter(std::span<const BenchmarkRow> rows, const ReportOptions& options)
       : rows_(rows),
         options_(options),
         panels_(internal::make_panels(rows, options.by_problem)),
-        samplers_(different(
-            rows, [](const BenchmarkRow& r) -> auto& { return r.sampler; })) {}
+        samplers_(internal::different(rows, &BenchmarkRow::sampler)) {}
 
   BenchmarkReport write(std::span<const MemoryRow> memories) {
     std::string& html = report_.html;
-    html = internal::page_begin(options_.title, std::string(kRules) + internal::figure_style());
-    html += summary_line(rows_) + std::string(kHowToRead);
+    html = summary_line(rows_) + std::string(kHowToRead);
     if (panels_.size() > 1) html += contents();
     for (std::size_t i = 0; i < panels_.size(); ++i) write_panel(panels_[i], i);
     if (!memories.empty()) html += "<h2>Memories</h2>\n" + internal::memory_table(memories);
     html += "<h2>Settings</h2>\n" + internal::settings_table(rows_);
-    html += footer(rows_) + internal::page_end();
+    html += footer(rows_);
     return std::move(report_);
   }
 
@@ -153,8 +189,11 @@ class ReportWriter {
 BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
                                       std::span<const MemoryRow> memories,
                                       const ReportOptions& options) {
-  if (rows.empty()) return {internal::page_begin(options.title, "") + internal::page_end(), {}};
-  return ReportWriter(rows, options).write(memories);
+  BenchmarkReport report;
+  if (!rows.empty()) report = ReportWriter(rows, options).write(memories);
+  report.html = page_begin(options.title) + introduction(options) + report.html +
+                "</main>\n</body>\n</html>\n";
+  return report;
 }
 
 }  // namespace mneme

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/box_plot.h"
-
-#include "benchmark/time_axis.h"
+#include "benchmark/figures.h"
+#include "benchmark/summary.h"
 #include "report/markup.h"
-#include "report/summary.h"
 
 #include <fmt/format.h>
 

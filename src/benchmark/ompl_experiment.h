@@ -4,13 +4,13 @@
 /// Runs as OMPL's benchmark tools see them: experiments of planners with properties.
 #pragma once
 
+#include "mneme/benchmark.h"
+
 #include <array>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/report.h"
 
 namespace mneme::internal {
 

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
-#include "report/summary.h"
+
+#include "benchmark/summary.h"
 
 #include <algorithm>
 #include <array>

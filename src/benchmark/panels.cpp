@@ -3,9 +3,15 @@
 
 #include "benchmark/panels.h"
 
+#include "mneme/benchmark.h"
+
+#include "benchmark/summary.h"
 #include "report/markup.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace mneme::internal {
@@ -49,15 +55,46 @@ void finish(Series& series) {
 
 /// Planners stand together in the order in which they first appear.
 void group_planners(std::vector<Series>& all) {
-  std::vector<std::string> planners;
-  for (const Series& series : all) {
-    if (std::ranges::find(planners, series.planner) == planners.end()) {
-      planners.push_back(series.planner);
-    }
-  }
+  const std::vector<std::string> planners = different(all, &Series::planner);
   std::ranges::stable_sort(all, {}, [&](const Series& series) {
     return std::ranges::find(planners, series.planner) - planners.begin();
   });
+}
+
+struct Counterpart {
+  const char* native;
+  const char* ompl;
+};
+constexpr std::array<Counterpart, 3> kCounterparts = {
+    {{"rrt_connect", "ompl:RRTConnect"}, {"rrt", "ompl:RRT"}, {"prm", "ompl:PRM"}}};
+
+const Series* find_series(const Panel& panel, const std::string& planner,
+                          const std::string& sampler, const std::string* setting) {
+  const auto found = std::ranges::find_if(panel.series, [&](const Series& s) {
+    return s.planner == planner && s.sampler == sampler &&
+           (setting == nullptr || s.setting == *setting);
+  });
+  return found == panel.series.end() ? nullptr : &*found;
+}
+
+const Series* find_baseline(const Panel& panel, const Series& series, const std::string& baseline) {
+  if (series.sampler == baseline) return nullptr;
+  const Series* same = find_series(panel, series.planner, baseline, &series.setting);
+  return same != nullptr ? same : find_series(panel, series.planner, baseline, nullptr);
+}
+
+const Series* find_ompl(const Panel& panel, const Series& series) {
+  for (const Counterpart& counterpart : kCounterparts) {
+    if (series.planner != counterpart.native) continue;
+    return find_series(panel, counterpart.ompl, series.sampler, &series.setting);
+  }
+  return nullptr;
+}
+
+std::string format_number(double ratio) {
+  if (ratio >= 100) return fmt::format("{:.0f}", ratio);
+  if (ratio >= 10) return fmt::format("{:.1f}", ratio);
+  return ratio >= 0.1 ? fmt::format("{:.2f}", ratio) : fmt::format("{:.2g}", ratio);
 }
 
 }  // namespace
@@ -91,4 +128,69 @@ std::string file_name(std::string_view text) {
   return name;
 }
 
+std::vector<Comparison> compare_series(const Panel& panel, const std::string& baseline) {
+  std::vector<Comparison> comparisons;
+  const auto add = [&](const char* kind, const Series& other, const Series* reference) {
+    if (reference == nullptr || reference == &other) return;
+    const PairedRatio ratio = compare_runs(reference->rows, other.rows);
+    if (ratio.pairs > 0) comparisons.push_back({kind, &other, reference, ratio});
+  };
+  for (const Series& s : panel.series) add("sampler", s, find_baseline(panel, s, baseline));
+  for (const Series& s : panel.series) {
+    add("setting", s, find_series(panel, s.planner, s.sampler, nullptr));
+  }
+  for (const Series& s : panel.series) add("planner", s, find_ompl(panel, s));
+  return comparisons;
+}
+
+std::string format_ratio(const TimeRatio& ratio) {
+  if (ratio.is_at_least && ratio.is_at_most) return "open";
+  const char* mark = ratio.is_at_least ? "≥ " : ratio.is_at_most ? "≤ " : "";
+  return fmt::format("{}{} ({} to {})", mark, format_number(ratio.value), format_number(ratio.low),
+                     format_number(ratio.high));
+}
+
+std::string series_name(const Series& series) {
+  return single_line(series.planner) + ", " + short_label(series);
+}
+
 }  // namespace mneme::internal
+
+namespace mneme {
+namespace {
+
+constexpr std::size_t kNameColumns = 3;
+using Lines = std::vector<std::vector<std::string>>;
+
+void add_lines(const internal::Panel& panel, const std::string& baseline, Lines& lines) {
+  for (const auto& [kind, other, reference, ratio] : internal::compare_series(panel, baseline)) {
+    lines.push_back({panel.name, internal::series_name(*other), internal::series_name(*reference),
+                     std::to_string(ratio.pairs), internal::format_ratio(ratio.p50),
+                     internal::format_ratio(ratio.p95), internal::format_ratio(ratio.p99),
+                     internal::format_ratio(ratio.mean), internal::format_ratio(ratio.geometric)});
+  }
+}
+
+/// The rows as those of one set, whose problems keep the name of theirs.
+std::vector<BenchmarkRow> pool(std::span<const BenchmarkRow> rows) {
+  std::vector<BenchmarkRow> pooled(rows.begin(), rows.end());
+  for (BenchmarkRow& row : pooled) {
+    row.problem = row.set + "#" + row.problem;
+    row.set = "all";
+  }
+  return pooled;
+}
+
+}  // namespace
+
+std::string to_ratio_table(std::span<const BenchmarkRow> rows, const std::string& baseline) {
+  const std::vector<internal::Panel> panels = internal::make_panels(rows, false);
+  Lines lines = {{"set", "this", "against", "pairs", "p50", "p95", "p99", "mean", "geometric"}};
+  for (const internal::Panel& panel : panels) add_lines(panel, baseline, lines);
+  if (panels.size() > 1) {
+    add_lines(internal::make_panels(pool(rows), false).front(), baseline, lines);
+  }
+  return lines.size() == 1 ? "" : internal::text_table(lines, kNameColumns);
+}
+
+}  // namespace mneme

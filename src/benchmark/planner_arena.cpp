@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/benchmark.h"
+
 #include "benchmark/ompl_experiment.h"
 #include "experience/sqlite_connection.h"
-#include "mneme/benchmark.h"
 
 #include <fmt/format.h>
 

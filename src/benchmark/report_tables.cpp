@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/report_tables.h"
-
+#include "benchmark/figures.h"
+#include "benchmark/summary.h"
 #include "report/markup.h"
-#include "report/summary.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "experience/sqlite_connection.h"
 #include "mneme/benchmark.h"
-#include "report/visit_columns.h"
+
+#include "benchmark/csv.h"
+#include "experience/sqlite_connection.h"
 
 #include <fmt/format.h>
 

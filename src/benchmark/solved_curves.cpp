@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/solved_curves.h"
-
-#include "benchmark/time_axis.h"
+#include "benchmark/figures.h"
 #include "report/markup.h"
 
 #include <fmt/format.h>
@@ -25,14 +23,6 @@ constexpr double kLegendLine = 20;
 constexpr double kLegendPitch = 310;
 constexpr int kLegendColumns = 3;
 constexpr double kCurveShortest = 1e-6;  // seconds
-
-std::vector<std::string> different(const std::vector<Series>& all, std::string Series::*name) {
-  std::vector<std::string> names;
-  for (const Series& series : all) {
-    if (std::ranges::find(names, series.*name) == names.end()) names.push_back(series.*name);
-  }
-  return names;
-}
 
 class Curves {
  public:

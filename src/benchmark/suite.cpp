@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/suite_settings.h"
 #include "mneme/benchmark.h"
+
 #include "base/text_file.h"
+#include "benchmark/suite_settings.h"
 #include "scene/yaml_input.h"
 
 #include <fmt/ranges.h>
@@ -12,8 +13,53 @@
 #include <cstdlib>
 #include <filesystem>
 
+namespace mneme::internal {
+
+void read_solve_settings(const Input& map, SolveSettings& settings) {
+  const SettingsReader reader(map);
+  visit_settings(settings, reader);
+  visit_settings(settings.plan, reader);
+  visit_settings(settings.memory, reader);
+  visit_settings(settings.learn, reader);
+}
+
+std::vector<std::string_view> solve_setting_names() {
+  std::vector<std::string_view> names = setting_names<SolveSettings>();
+  for (const auto& more : {setting_names<PlanSettings>(), setting_names<MemorySettings>(),
+                           setting_names<LearnSettings>()}) {
+    names.insert(names.end(), more.begin(), more.end());
+  }
+  std::erase(names, "seed");
+  return names;
+}
+
+}  // namespace mneme::internal
+
 namespace mneme {
 namespace {
+
+/// Names and values of settings as text, in order of declaration.
+template <class Settings>
+void append_texts(const Settings& settings,
+                  std::vector<std::pair<std::string, std::string>>& texts) {
+  visit_settings(settings,
+                 [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
+                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+                     texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
+                   } else {
+                     texts.emplace_back(name, fmt::format("{}", value));
+                   }
+                 });
+}
+
+std::vector<std::pair<std::string, std::string>> all_texts(const SolveSettings& settings) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  append_texts(settings, texts);
+  append_texts(settings.plan, texts);
+  append_texts(settings.memory, texts);
+  append_texts(settings.learn, texts);
+  return texts;
+}
 
 using internal::Input;
 namespace fs = std::filesystem;
@@ -27,13 +73,15 @@ std::vector<std::string> read_texts(const Input& input) {
   return texts;
 }
 
-std::vector<std::string> read_names(const Input& input, const std::vector<std::string>& known,
-                                    std::string_view what) {
+/// Names of a table that `find` knows. Planners that this build lacks may be named: the suite goes
+/// on without them.
+template <class Find>
+std::vector<std::string> read_names(const Input& input, const Find& find) {
   std::vector<std::string> names = read_texts(input);
   for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    input.fail(ErrorCode::parse, fmt::format("unknown {} \"{}\", expected some of {}", what, name,
-                                             fmt::join(known, ", ")));
+    const auto entry = find(name);
+    if (entry || entry.error().code == ErrorCode::unsupported) continue;
+    input.fail(ErrorCode::parse, entry.error().message);
   }
   return names;
 }
@@ -51,7 +99,7 @@ void read_number(const Input& map, std::string_view key, T& value, double least,
 
 class SuiteReader {
  public:
-  SuiteReader(fs::path path, const SuiteNames& known) : path_(std::move(path)), known_(known) {}
+  explicit SuiteReader(fs::path path) : path_(std::move(path)) {}
 
   Suite read(const Input& root) {
     root.allow_keys({"problems", "planners", "samplers", "seeds", "first-seed", "timeout",
@@ -157,10 +205,10 @@ class SuiteReader {
 
   void read_common(const Input& map, SuiteSetting& setting) const {
     if (const auto planners = map.find("planners")) {
-      setting.planners = read_names(*planners, known_.planners, "planner");
+      setting.planners = read_names(*planners, find_planner);
     }
     if (const auto samplers = map.find("samplers")) {
-      setting.samplers = read_names(*samplers, known_.samplers, "sampler");
+      setting.samplers = read_names(*samplers, find_sampler);
     }
     read_number(map, "timeout", setting.solve.plan.timeout_s, 0, 1e6);
   }
@@ -199,21 +247,32 @@ class SuiteReader {
   }
 
   fs::path path_;
-  const SuiteNames& known_;
 };
 
 }  // namespace
+
+std::string describe_settings(const SolveSettings& settings) {
+  const auto texts = all_texts(settings);
+  const auto defaults = all_texts(SolveSettings{});
+  std::string text;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto& [name, value] = texts[i];
+    if (value == defaults[i].second || name == "timeout" || name == "seed") continue;
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value);
+  }
+  return text;
+}
 
 bool needs_memory(std::string_view sampler) {
   const auto entry = find_sampler(sampler);
   return entry && (*entry)->draws_from_memory;
 }
 
-Result<Suite> load_suite(const std::string& path, const SuiteNames& known) {
+Result<Suite> load_suite(const std::string& path) {
   return internal::without_throwing([&] {
     const std::string text = internal::value_or_throw(internal::read_text_file(path));
     const internal::InputValue value = internal::parse_yaml(text, path);
-    return SuiteReader(path, known).read(Input(value, path));
+    return SuiteReader(path).read(Input(value, path));
   });
 }
 

@@ -4,15 +4,16 @@
 /// The settings that public headers declare, read from YAML by their names.
 #pragma once
 
+#include "mneme/pipeline.h"
+
+#include "scene/input.h"
+
+#include <fmt/format.h>
+
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <fmt/format.h>
-
-#include "mneme/pipeline.h"
-#include "scene/input.h"
 
 namespace mneme::internal {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/time_axis.h"
+#include "benchmark/figures.h"
 
 #include <fmt/format.h>
 

@@ -63,11 +63,11 @@ Result<std::vector<LocalPrimitive>> decompose(const MemoryQuery& query,
 
 Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                  std::span<const Path> paths,
-                                                 const MemorySettings& settings) {
+                                                 const MemorySettings& settings, double reach) {
   const auto kind = choose_kind(query.robot, settings);
   if (!kind) return tl::unexpected(kind.error());
-  return (*kind)->learn_from_paths(query, paths,
-                                   settings.max_gap.value_or((*kind)->defaults.max_gap));
+  const double max_gap = settings.max_gap.value_or((*kind)->defaults.max_gap);
+  return (*kind)->learn_from_paths(query, paths, max_gap, reach);
 }
 
 Result<std::vector<Match>> find_matches(const Database& database, const MemoryKind& kind,

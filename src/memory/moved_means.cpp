@@ -151,9 +151,9 @@ GaussianMixture pool_moved_means(const MemoryQuery& query,
 
 std::vector<Experience> gather_waypoints(const MemoryQuery& query,
                                          const std::vector<LocalPrimitive>& primitives,
-                                         std::span<const Path> paths) {
+                                         std::span<const Path> paths, double reach) {
   const SymmetricJoints joints = find_symmetric_joints(query.robot);
-  Nearness nearness(query.robot, query.scene, kLessonReach);
+  Nearness nearness(query.robot, query.scene, reach);
   std::vector<Experience> rows(primitives.size());
   for (const Path& path : paths) {
     for (const Configuration& q : path) {

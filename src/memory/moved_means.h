@@ -20,15 +20,15 @@ namespace mneme::internal {
 /// frame; see learn_from_paths(). Primitives without a waypoint have none.
 [[nodiscard]] std::vector<Experience> gather_waypoints(
     const MemoryQuery& query, const std::vector<LocalPrimitive>& primitives,
-    std::span<const Path> paths);
+    std::span<const Path> paths, double reach);
 
 /// MemoryKind::learn_from_paths of a kind that decomposes so.
 template <Result<std::vector<LocalPrimitive>> (*decompose)(const MemoryQuery&, double)>
 [[nodiscard]] Result<std::vector<Experience>> learn_waypoints(const MemoryQuery& query,
                                                               std::span<const Path> paths,
-                                                              double max_gap) {
+                                                              double max_gap, double reach) {
   return decompose(query, max_gap).map([&](const std::vector<LocalPrimitive>& primitives) {
-    return gather_waypoints(query, primitives, paths);
+    return gather_waypoints(query, primitives, paths, reach);
   });
 }
 

@@ -161,7 +161,7 @@ GaussianMixture warp_paths(const MemoryQuery& query,
 /// Per path that is not empty one row whose key is that of its ends and whose means are its
 /// waypoints, ends included, in their order.
 Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
-                                               std::span<const Path> paths, double) {
+                                               std::span<const Path> paths, double, double) {
   std::vector<Experience> rows;
   for (const Path& path : paths) {
     if (path.empty()) continue;

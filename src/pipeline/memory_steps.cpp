@@ -123,7 +123,7 @@ namespace {
 
 Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind) {
   const std::vector<Path> paths = {path};
-  auto rows = kind.kind->learn_from_paths(query.query, paths, kind.max_gap);
+  auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
     row.provenance = {"mneme " + std::string(version()), "solved problem " + query.problem.name,

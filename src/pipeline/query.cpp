@@ -149,8 +149,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
     return tl::unexpected(checked.error());
   }
   auto request = make_memory_request(
-      {problem.robot, problem.scene, &problem.start, problem.goals},
-      (*sampler)->draws_from_memory ? database : nullptr, settings);
+      memory_query(problem), (*sampler)->draws_from_memory ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
   auto checker = CollisionChecker::make(problem.robot, problem.scene,
                                         {settings.resolution, settings.margin, settings.isa});

@@ -65,6 +65,12 @@ constexpr std::array<SamplerEntry, 10> kSamplers = {{
 
 std::span<const SamplerEntry> samplers() { return kSamplers; }
 
+std::vector<std::string> sampler_names() {
+  std::vector<std::string> names;
+  for (const SamplerEntry& sampler : kSamplers) names.emplace_back(sampler.name);
+  return names;
+}
+
 Result<const SamplerEntry*> find_sampler(std::string_view name) {
   const auto found = std::ranges::find(kSamplers, name, &SamplerEntry::name);
   if (found != kSamplers.end()) return &*found;

@@ -31,6 +31,12 @@ constexpr double kSpatialRange = 0.5;
 
 std::span<const PlannerEntry> planners() { return table(); }
 
+std::vector<std::string> planner_names() {
+  std::vector<std::string> names;
+  for (const PlannerEntry& planner : table()) names.push_back(planner.name);
+  return names;
+}
+
 void add_planners(std::vector<PlannerEntry> entries) {
   for (PlannerEntry& entry : entries) {
     if (entry_of(entry.name) == nullptr) table().push_back(std::move(entry));

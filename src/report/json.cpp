@@ -3,7 +3,168 @@
 
 #include "mneme/report.h"
 
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <variant>
+
+namespace mneme::internal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A hundredth of a millimetre, or of a milliradian: below what anybody sees.
+double rounded(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
+
+Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
+
+void append(Json& list, const Vec3& p) {
+  for (int i = 0; i < 3; ++i) list.push_back(rounded(p[i]));
+}
+
+Json flat(std::span<const Vec3> points) {
+  Json list = Json::array();
+  for (const Vec3& point : points) append(list, point);
+  return list;
+}
+
+/// x, y, z, then a quaternion x, y, z, w.
+Json to_json(const Transform& pose) {
+  Json list = Json::array();
+  append(list, pose.translation);
+  const Eigen::Quaterniond turn(pose.rotation);
+  for (const double value : {turn.x(), turn.y(), turn.z(), turn.w()})
+    list.push_back(rounded(value));
+  return list;
+}
+
+Json to_json(const PlanTrace::Poses& poses) {
+  Json list = Json::array();
+  for (const Transform& pose : poses) list.push_back(to_json(pose));
+  return list;
+}
+
+Json to_json(const Sphere& sphere) {
+  Json list = flat(std::array{sphere.center});
+  list.push_back(rounded(sphere.radius));
+  return list;
+}
+
+Json to_json(const Capsule& capsule) {
+  Json list = flat(std::array{capsule.a, capsule.b});
+  list.push_back(rounded(capsule.radius));
+  return list;
+}
+
+Json shape_json(const Shape& shape) {
+  Json json = {{"type", shape_name(shape)}};
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) json["sphere"] = to_json(*sphere);
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) json["capsule"] = to_json(*capsule);
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    json["pose"] = to_json(box->pose);
+    json["size"] = flat(std::array<Vec3, 1>{2 * box->half_extents});
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    json["pose"] = to_json(cylinder->pose);
+    json["radius"] = rounded(cylinder->radius);
+    json["length"] = rounded(cylinder->length);
+  }
+  return json;
+}
+
+Json links_json(const std::vector<Link>& links) {
+  Json list = Json::array();
+  for (const Link& link : links) {
+    Json spheres = Json::array(), capsules = Json::array();
+    for (const Sphere& sphere : link.spheres) spheres.push_back(to_json(sphere));
+    for (const Capsule& capsule : link.capsules) capsules.push_back(to_json(capsule));
+    list.push_back({{"name", link.name}, {"spheres", spheres}, {"capsules", capsules}});
+  }
+  return list;
+}
+
+Json obstacles_json(const Scene& scene) {
+  Json list = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) {
+    Json shapes = Json::array();
+    for (const Shape& shape : obstacle.shapes) shapes.push_back(shape_json(shape));
+    list.push_back({{"name", obstacle.name}, {"shapes", shapes}});
+  }
+  return list;
+}
+
+Json waypoint_json(const PlanTrace::Waypoint& waypoint) {
+  Json q = Json::array();
+  for (const double value : waypoint.q) q.push_back(rounded(value));
+  return {{"q", q},
+          {"travelled", rounded(waypoint.travelled)},
+          {"clearance", number(waypoint.clearance)},
+          {"nearest", {waypoint.nearest_link, waypoint.nearest_obstacle}},
+          {"tip", flat(std::array{waypoint.tip})},
+          {"poses", to_json(waypoint.poses)}};
+}
+
+Json primitives_json(const std::vector<PlanTrace::Primitive>& primitives) {
+  Json list = Json::array();
+  for (const PlanTrace::Primitive& primitive : primitives) {
+    Json errors = Json::array();
+    for (const double error : primitive.similarity_errors) errors.push_back(rounded(error));
+    list.push_back({{"obstacles", primitive.primitive.obstacles},
+                    {"gap", number(primitive.primitive.gap)},
+                    {"similarity_errors", errors},
+                    {"is_learned", primitive.is_learned},
+                    {"components", primitive.components},
+                    {"draws", primitive.draws}});
+  }
+  return list;
+}
+
+Json arms_json(const std::vector<PlanTrace::Arm>& arms) {
+  Json list = Json::array();
+  for (const PlanTrace::Arm& arm : arms)
+    list.push_back({{"origin", arm.origin}, {"points", flat(arm.points)}});
+  return list;
+}
+
+Json edges_json(const std::vector<PlanTrace::Edge>& edges) {
+  Json list = Json::array();
+  for (const PlanTrace::Edge& edge : edges)
+    list.push_back({{"graph", edge.graph}, {"tips", flat(edge.tips)}});
+  return list;
+}
+
+Json plan_json(const PlanTrace& trace) {
+  const SolveResult& result = trace.result;
+  Json json = {{"status", to_string(result.plan.status)},
+               {"solved", result.plan.is_solved()},
+               {"message", result.plan.message},
+               {"planner", result.planner},
+               {"sampler", result.sampler},
+               {"seed", result.seed},
+               {"isa", to_string(result.isa)},
+               {"path_length", trace.path_length}};
+  json["iterations"] = result.plan.iterations;
+  json["states_checked"] = result.plan.states_checked;
+  json["motions_checked"] = result.plan.motions_checked;
+  json["nodes"] = result.plan.nodes;
+  return json;
+}
+
+Json times_json(const PlanTrace& trace) {
+  const SolveResult& result = trace.result;
+  return {{"load_time_s", trace.load_time_s},
+          {"total_time_s", result.total_time_s},
+          {"planning_time_s", result.planning_time_s},
+          {"retrieval_time_s", result.gl.retrieval_time_s},
+          {"learning_time_s", result.gl.learning_time_s},
+          {"simplification_time_s", result.plan.simplification_time_s},
+          {"verification_time_s", result.plan.verification_time_s}};
+}
+
+}  // namespace
+
+}  // namespace mneme::internal
 
 namespace mneme {
 namespace {
@@ -54,6 +215,33 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["isa"] = to_string(result.isa);
   // Names come from files and may hold any bytes; JSON must be UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string to_json(const PlanTrace& trace) {
+  using namespace internal;
+  Json json = {{"format", "mneme-trace"}, {"version", 1}};
+  json["generator"] = "mneme " + std::string(version());
+  json["problem"] = trace.problem;
+  json["robot"] = trace.robot;
+  json["is_planar"] = trace.is_planar;
+  json["joints"] = trace.joints;
+  json["plan"] = plan_json(trace);
+  json["times"] = times_json(trace);
+  json["links"] = links_json(trace.links);
+  json["obstacles"] = obstacles_json(trace.scene);
+  json["start"] = internal::to_json(trace.start);
+  json["goals"] = Json::array();
+  for (const PlanTrace::Poses& goal : trace.goals) json["goals"].push_back(internal::to_json(goal));
+  json["waypoints"] = Json::array();
+  for (const PlanTrace::Waypoint& waypoint : trace.waypoints)
+    json["waypoints"].push_back(waypoint_json(waypoint));
+  json["vertices"] = trace.vertices;
+  json["primitives"] = primitives_json(trace.primitives);
+  json["components"] = {{"count", trace.component_count}, {"shown", arms_json(trace.components)}};
+  json["samples"] = {{"uniform_draws", trace.uniform_draws}, {"shown", arms_json(trace.samples)}};
+  json["edges"] = {{"count", trace.edge_count}, {"shown", edges_json(trace.edges)}};
+  // Names come from files and may hold any bytes; JSON must be UTF-8.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace mneme

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Text made safe for XML, HTML, CSV and tables, whatever bytes it holds.
+/// Text made safe for XML, HTML, CSV and tables, whatever bytes it holds, and SVG elements.
 #pragma once
 
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -21,5 +25,36 @@ namespace mneme::internal {
 [[nodiscard]] int character_count(std::string_view text);
 /// At most `limit` >= 1 characters of well-formed UTF-8; an ellipsis tells if some are missing.
 [[nodiscard]] std::string shortened(const std::string& text, int limit);
+
+/// A point of a drawing, or of the plane in metres.
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+
+/// At most `decimals` decimals, without trailing zeros; "0" for what is not finite.
+[[nodiscard]] std::string short_number(double value, int decimals = 2);
+/// The value of a `points` attribute.
+[[nodiscard]] std::string short_points(std::span<const Point> points);
+
+/// Attribute names and values; values are escaped when written.
+using Attributes = std::initializer_list<std::pair<std::string_view, std::string>>;
+
+class SvgWriter {
+ public:
+  void open(std::string_view tag, Attributes attributes = {});
+  void close();
+  void element(std::string_view tag, Attributes attributes);
+  /// An element that holds text.
+  void text_element(std::string_view tag, Attributes attributes, std::string_view content);
+
+  /// The document; every opened element must be closed.
+  [[nodiscard]] const std::string& str() const { return text_; }
+
+ private:
+  void begin(std::string_view tag, Attributes attributes);
+  std::string text_;
+  std::vector<std::string> open_tags_;
+};
 
 }  // namespace mneme::internal

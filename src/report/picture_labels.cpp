@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "report/picture_labels.h"
-
 #include "report/markup.h"
+#include "report/picture.h"
 
 #include <fmt/format.h>
 

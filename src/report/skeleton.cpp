@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "report/skeleton.h"
+#include "report/trace.h"
 
 #include <algorithm>
 

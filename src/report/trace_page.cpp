@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <array>
+#include "mneme/report.h"
+
+#include "report/markup.h"
+#include "report/trace.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/report.h"
-#include "report/markup.h"
-#include "report/viewer_page.h"
+#include <array>
 
 namespace mneme {
 namespace internal {

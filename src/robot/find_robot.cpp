@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/base.h"
 #include "mneme/robot.h"
 
-#include "mneme/base.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace mneme {
 namespace {
@@ -66,6 +65,13 @@ Result<std::string> find_robot(const std::string& name) {
     tried += (tried.empty() ? "" : ", ") + describe(directory);
   }
   return fail(ErrorCode::io, fmt::format("there is no robot '{}': no {} in {}", name, file, tried));
+}
+
+Result<std::string> robot_file(const std::string& robot) {
+  std::error_code ignored;
+  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(kExtension);
+  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
+  return find_robot(robot);
 }
 
 }  // namespace mneme

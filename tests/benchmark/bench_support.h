@@ -5,9 +5,22 @@
 #pragma once
 
 #include "mneme/benchmark.h"
+
 #include "report/report_support.h"
 
 namespace mneme::test {
+
+inline BenchmarkRow run(double planning_time_s, bool is_solved = true) {
+  BenchmarkRow row;
+  row.problem = "S1";
+  row.planner = "rrt_connect";
+  row.sampler = "gl";
+  row.is_solved = is_solved;
+  row.status = is_solved ? PlanStatus::solved : PlanStatus::timeout;
+  row.is_path_valid = is_solved;
+  row.planning_time_s = planning_time_s;
+  return row;
+}
 
 /// Three planners, three samplers and 20 seeds on one set; times depend on all of them, every
 /// seventh run of the sampler "uniform" is a time-out at 20 s, and one path is bad.

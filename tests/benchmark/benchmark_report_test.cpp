@@ -55,6 +55,27 @@ std::vector<double> times_of(const std::vector<std::map<std::string, std::string
   return times;
 }
 
+int occurrences(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// A page with an introduction and a picture, whose names would be markup if they could.
+std::string illustrated_page() {
+  std::vector<BenchmarkRow> rows = {test::run(0.5), test::run(10, false), test::run(1)};
+  rows[1].problem = "<img src=x onerror=alert(1)>";
+  rows[1].timeout_s = 10;
+  rows[2].sampler = "uniform & \"more\"";
+  const Problem problem = test::gap_problem();
+  ReportOptions options;
+  options.title = "Title & <tag>";
+  options.introduction = "First.\n\nSecond </p><script>.";
+  options.pictures = {{"caption <b>", *to_svg(test::picture_of(problem))}};
+  options.by_problem = true;
+  return make_benchmark_report(rows, {}, options).html;
+}
+
 TEST_SUITE("oracle") {
   TEST_CASE("The numbers of a report of 3 x 3 x 20 runs are those of the CSV file") {
     const auto rows = test::suite_rows();
@@ -129,6 +150,54 @@ TEST_SUITE("unit") {
     for (const ReportFigure& figure : report.figures) {
       CHECK(test::SvgReader(figure.svg).count("", "style") == 1);
     }
+  }
+
+  TEST_CASE("A page has figures and rows for every problem, and the pictures with captions") {
+    const std::string html = illustrated_page();
+    CHECK(pieces(html, "<table class=\"times\">", "</table>").size() == 2);
+    CHECK(occurrences(html, "class=\"plot boxes\"") == 2);
+    CHECK(occurrences(html, "<td>uniform &amp; &quot;more&quot;</td>") == 1);
+    CHECK(occurrences(html, "<figure class") == 1);
+    CHECK(occurrences(html, "<figcaption>caption &lt;b&gt;</figcaption>") == 1);
+    CHECK(html.find("First.\n\nSecond") < html.find("<figure class"));
+    CHECK(occurrences(html, "<td class=\"number bad\">0/1/1</td>") == 1);
+    CHECK(occurrences(html, "&gt;10000") >= 4);
+  }
+
+  TEST_CASE("Names, title and introduction cannot smuggle in markup") {
+    const std::string html = illustrated_page();
+    CHECK(occurrences(html, "<img") == 0);
+    CHECK(occurrences(html, "<script") == 0);
+    CHECK(occurrences(html, ">&lt;img src=x onerror=alert(1)&gt;</h2>") == 1);
+    CHECK(occurrences(html, "<title>Title &amp; &lt;tag&gt;</title>") == 1);
+    CHECK(occurrences(html, "<h1>Title &amp; &lt;tag&gt;</h1>") == 1);
+  }
+
+  TEST_CASE("A page with pictures needs nothing from elsewhere and follows light or dark") {
+    const std::string html = illustrated_page();
+    for (const std::string reference : {" src=\"", "url(", "@import", "<link", "<script"}) {
+      CAPTURE(reference);
+      CHECK(occurrences(html, reference) == 0);
+    }
+    CHECK(occurrences(html, " href=") == occurrences(html, " href=\"#"));
+    CHECK(occurrences(html, "http") == occurrences(html, "xmlns=\"http://www.w3.org/2000/svg\""));
+    CHECK(html.find("@media (prefers-color-scheme: dark)") != std::string::npos);
+    CHECK(html.ends_with("</body>\n</html>\n"));
+  }
+
+  TEST_CASE("The body is well-formed, also without runs and pictures") {
+    ReportOptions empty;
+    empty.title = "Empty";
+    const std::string nothing = make_benchmark_report({}, {}, empty).html;
+    for (const std::string& html : {illustrated_page(), nothing}) {
+      const auto begin = html.find("<body>");
+      const auto end = html.find("</body>");
+      REQUIRE(begin != std::string::npos);
+      REQUIRE(end != std::string::npos);
+      const test::SvgReader body(html.substr(begin, end + 7 - begin));
+      CHECK(body.count("", "h1") == 1);
+    }
+    CHECK(occurrences(nothing, "<table") == 0);
   }
 
   TEST_CASE("Rows of older files, which name no machine, have a report too") {

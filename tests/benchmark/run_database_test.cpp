@@ -33,8 +33,8 @@ TEST_SUITE("unit") {
     REQUIRE(database->add(rows[2]).has_value());
     CHECK(ask_runs(path, "SELECT count(*) FROM runs") == "3");
     CHECK(ask_runs(path,
-              "SELECT seed || ' ' || sampler || ' ' || is_valid || ' ' || settings FROM runs "
-              "WHERE seed = 3") == "3 gl 1 range=0.5 memory=grid");
+                   "SELECT seed || ' ' || sampler || ' ' || is_valid || ' ' || settings FROM runs "
+                   "WHERE seed = 3") == "3 gl 1 range=0.5 memory=grid");
     CHECK(std::stod(ask_runs(path, "SELECT planning_time_s FROM runs WHERE seed = 3")) ==
           doctest::Approx(rows[2].planning_time_s));
     const std::string header = csv_header();

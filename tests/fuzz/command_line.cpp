@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "command_line.h"
+#include "commands.h"
 #include "fuzz/fuzz_input.h"
+#include "options.h"
 
 #include <sstream>
 #include <vector>
-
-#include "commands.h"
-#include "options.h"
-#include "suggestion.h"
 
 namespace {
 

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "report/picture_labels.h"
-
+#include "report/picture.h"
 #include "report/report_support.h"
 
 namespace mneme::internal {

@@ -3,7 +3,94 @@
 
 #include "mneme/report.h"
 
+#include "report/picture.h"
 #include "report/report_support.h"
+
+namespace mneme::internal {
+namespace {
+
+const PlanarView kView({0, 10, 0, 10}, {0, 0}, 152);  // 10 pixels per metre
+
+TEST_SUITE("unit") {
+  TEST_CASE("Neighbouring primitives differ in colour, and uniform samples are of none of them") {
+    std::set<std::string> colors;
+    for (int i = -1; i < 10; ++i) colors.insert(primitive_color(i));
+    CHECK(colors.size() == 11);
+    CHECK(primitive_color(10) == primitive_color(0));
+  }
+
+  TEST_CASE("Discs are circles of their true radius, polygons have all corners") {
+    SvgWriter svg;
+    PictureWriter(svg, kView).write_obstacles({Disc{{5, 5}, 2}, Polygon{{0, 0}, {1, 0}, {1, 1}}});
+    const test::SvgReader reader(svg.str());
+    REQUIRE(reader.count("obstacles", "circle") == 1);
+    CHECK(reader.find("obstacles", "circle")[0]->DoubleAttribute("r") == doctest::Approx(20));
+    CHECK(reader.count("obstacles", "polygon") == 1);
+  }
+
+  TEST_CASE("Thick links are drawn at their true width, thin ones so that they are seen") {
+    SvgWriter svg;
+    const Arm arm = {{{{0, 0}, {1, 0}}, 0.001}, {{{2, 2}}, 0.5}};
+    PictureWriter(svg, kView).write_fan({arm});
+    const auto lines = test::SvgReader(svg.str()).count("path", "polyline");
+    CHECK(lines == 2);
+    const test::SvgReader reader(svg.str());
+    CHECK(reader.find("path", "polyline")[0]->DoubleAttribute("stroke-width") ==
+          doctest::Approx(1.1));
+    CHECK(reader.find("path", "polyline")[1]->DoubleAttribute("stroke-width") ==
+          doctest::Approx(10));
+  }
+
+  TEST_CASE("A bold arm has a dot at every joint") {
+    SvgWriter svg;
+    PictureWriter(svg, kView).write_bold_arm({{{{0, 0}, {1, 0}, {1, 1}}, 0}}, "goal", "#123456");
+    const test::SvgReader reader(svg.str());
+    CHECK(reader.count("goal", "circle") == 3);
+    CHECK(reader.count("goal", "polyline") == 2);
+  }
+
+  TEST_CASE("The trace of the tip is whole: every piece begins where the one before it ended") {
+    std::vector<Point> trace;
+    for (int i = 0; i < 20; ++i) trace.push_back({0.5 * i, 1});
+    SvgWriter svg;
+    PictureWriter(svg, kView).write_tip_trace(trace);
+    const test::SvgReader reader(svg.str());
+    std::string last;
+    for (const auto* piece : reader.find("tip-trace", "polyline")) {
+      const std::string points = piece->Attribute("points");
+      const std::string first = points.substr(0, points.find(' '));
+      if (!last.empty()) CHECK(first == last);
+      last = points.substr(points.rfind(' ') + 1);
+    }
+    CHECK(last == short_points(std::vector<Point>{kView.pixel(trace.back())}));
+  }
+
+  TEST_CASE("Frames and labels of a primitive share its colour") {
+    const std::vector<FramedPrimitive> primitives(2,
+                                                  {{{1, 1}, {2, 1}, {2, 2}, {1, 2}}, "3 matches"});
+    SvgWriter svg;
+    PictureWriter writer(svg, kView);
+    svg.open("svg");
+    writer.write_frame_fills(primitives);
+    writer.write_frames(primitives);
+    writer.write_labels(primitives, LabelPlacer({0, 0, 152, 152}));
+    svg.close();
+    const test::SvgReader reader(svg.str());
+    REQUIRE(reader.count("primitives", "polygon") == 2);
+    REQUIRE(reader.count("labels", "text") == 2);
+    const auto* label = reader.find("labels", "text")[1];
+    CHECK(std::string(label->GetText()) == "3 matches");
+    CHECK(std::string(label->Attribute("fill")) == primitive_color(1));
+    CHECK(std::string(reader.find("primitives", "polygon")[1]->Attribute("stroke")) ==
+          primitive_color(1));
+    CHECK(std::string(reader.find("primitive-fills", "polygon")[1]->Attribute("fill")) ==
+          primitive_color(1));
+  }
+}
+
+}  // namespace
+
+}  // namespace mneme::internal
 
 namespace mneme {
 namespace {
@@ -108,4 +195,5 @@ TEST_SUITE("law") {
 }
 
 }  // namespace
+
 }  // namespace mneme

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "report/planar_view.h"
-
+#include "report/picture.h"
 #include "report/report_support.h"
+
+#include <numbers>
 
 namespace mneme::internal {
 namespace {
@@ -59,5 +60,69 @@ TEST_SUITE("law") {
   }
 }
 
+double area(const Polygon& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return twice / 2;
+}
+
+Polygon polygon_of(const Shape& shape) {
+  const auto outline = planar_outline(shape);
+  REQUIRE(outline.has_value());
+  REQUIRE(std::holds_alternative<Polygon>(*outline));
+  return std::get<Polygon>(*outline);
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("A sphere is cut where the plane cuts it") {
+    const auto outline = planar_outline(Sphere{{1, 2, 3}, 5});
+    REQUIRE(outline.has_value());
+    const Disc disc = std::get<Disc>(*outline);
+    CHECK(disc.center.x == 1);
+    CHECK(disc.center.y == 2);
+    CHECK(disc.radius == doctest::Approx(4));
+  }
+
+  TEST_CASE("Shapes beside the plane have no outline") {
+    CHECK_FALSE(planar_outline(Sphere{{0, 0, 2}, 1.9}));
+    CHECK_FALSE(planar_outline(Box{{Eigen::Matrix3d::Identity(), {0, 0, 1}}, {1, 1, 0.9}}));
+    CHECK_FALSE(planar_outline(Cylinder{{Eigen::Matrix3d::Identity(), {0, 0, -1}}, 1, 1.9}));
+    CHECK_FALSE(planar_outline(Capsule{{0, 0, 1}, {1, 0, 1}, 0.9}));
+  }
+
+  TEST_CASE("An upright box is its rectangle, turned as it is") {
+    const Transform pose{rotation_about(Vec3::UnitZ(), 0.3), {1, 1, 0.2}};
+    const Polygon polygon = polygon_of(Box{pose, {1, 2, 0.5}});
+    CHECK(polygon.size() == 4);
+    CHECK(area(polygon) == doctest::Approx(8));
+  }
+
+  TEST_CASE("An upright cylinder is its circle, a lying one its rectangle") {
+    const Polygon circle = polygon_of(Cylinder{{}, 2, 1});
+    CHECK(area(circle) == doctest::Approx(4 * std::numbers::pi).epsilon(0.01));
+    const Transform lying{rotation_about(Vec3::UnitX(), std::numbers::pi / 2), Vec3::Zero()};
+    CHECK(area(polygon_of(Cylinder{lying, 2, 3})) == doctest::Approx(12).epsilon(0.01));
+  }
+
+  TEST_CASE("A capsule has round ends") {
+    const Polygon polygon = polygon_of(Capsule{{0, 0, 0}, {3, 0, 0}, 1});
+    CHECK(area(polygon) == doctest::Approx(6 + std::numbers::pi).epsilon(0.01));
+    const Bounds bounds = bounds_of(Outline(polygon));
+    CHECK(bounds.left == doctest::Approx(-1));
+    CHECK(bounds.right == doctest::Approx(4));
+  }
+
+  TEST_CASE("The bounds of a disc are its square") {
+    const Bounds bounds = bounds_of(Outline(Disc{{1, 2}, 3}));
+    CHECK(bounds.left == -2);
+    CHECK(bounds.top == 5);
+  }
+}
+
 }  // namespace
+
 }  // namespace mneme::internal

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Problems, results and runs made by hand, and a reader for the SVG that comes out.
+/// Problems and results made by hand, and a reader for the SVG that comes out.
 #pragma once
+
+#include "support/support.h"
+
+#include <tinyxml2.h>
 
 #include <memory>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
-
-#include <tinyxml2.h>
-
-#include "support/support.h"
 
 namespace mneme::test {
 
@@ -77,18 +77,6 @@ inline PlanarPicture picture_of(const Problem& problem) {
   PlanarPicture picture;
   picture.problem = &problem;
   return picture;
-}
-
-inline BenchmarkRow run(double planning_time_s, bool is_solved = true) {
-  BenchmarkRow row;
-  row.problem = "S1";
-  row.planner = "rrt_connect";
-  row.sampler = "gl";
-  row.is_solved = is_solved;
-  row.status = is_solved ? PlanStatus::solved : PlanStatus::timeout;
-  row.is_path_valid = is_solved;
-  row.planning_time_s = planning_time_s;
-  return row;
 }
 
 /// Elements of an SVG document.

@@ -3,8 +3,8 @@
 
 #include "mneme/report.h"
 
+#include "report/trace.h"
 #include "report/traced_plan.h"
-#include "report/viewer_page.h"
 
 #include <nlohmann/json.hpp>
 

@@ -4,10 +4,11 @@
 /// A traced plan made by hand.
 #pragma once
 
-#include <limits>
-
 #include "mneme/report.h"
+
 #include "report/report_support.h"
+
+#include <limits>
 
 namespace mneme::test {
 

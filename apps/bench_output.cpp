@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench_output.h"
+
+#include "console.h"
+#include "files.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+namespace mneme::app {
+namespace {
+
+constexpr double kInterval = 0.25;
+/// The bar, and the line that the cursor stands in.
+constexpr int kLinesBelow = 2;
+
+winsize terminal_size() {
+  winsize size{};
+  ioctl(STDERR_FILENO, TIOCGWINSZ, &size);
+  if (size.ws_col == 0) size.ws_col = 80;
+  if (size.ws_row == 0) size.ws_row = 24;
+  return size;
+}
+
+/// The bytes of `line` that hold its first `width` characters.
+std::string_view cut(std::string_view line, int width) {
+  int characters = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool is_start = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
+    if (is_start && ++characters > width) return line.substr(0, i);
+  }
+  return line;
+}
+
+/// The first lines of `table`, each cut to `width` columns; a last line says how many are missing.
+std::string fit_table(std::string_view table, int width, int height) {
+  std::vector<std::string_view> lines;
+  while (!table.empty()) {
+    const std::size_t end = std::min(table.find('\n'), table.size());
+    lines.push_back(table.substr(0, end));
+    table.remove_prefix(std::min(end + 1, table.size()));
+  }
+  std::string text;
+  const std::size_t room = static_cast<std::size_t>(std::max(height, 2));
+  const bool fits = lines.size() <= room;
+  const std::size_t shown = fits ? lines.size() : room - 1;
+  for (std::size_t i = 0; i < shown; ++i) text += fmt::format("{}\n", cut(lines[i], width));
+  if (!fits)
+    text += fmt::format("{}\n", cut(fmt::format("... {} more", lines.size() - shown), width));
+  return text;
+}
+
+/// to_table() with names that a terminal may be shown.
+std::string printable_table(std::vector<SetSummary> summaries) {
+  for (SetSummary& summary : summaries) {
+    summary.set = printable(summary.set);
+    summary.setting = printable(summary.setting);
+  }
+  return to_table(summaries);
+}
+
+/// Progress of a benchmark: a table that grows on a terminal, otherwise a line now and then. Not
+/// thread-safe.
+class LiveTable {
+ public:
+  explicit LiveTable(std::size_t total);
+  LiveTable(const LiveTable&) = delete;
+  LiveTable& operator=(const LiveTable&) = delete;
+  /// Removes the table.
+  ~LiveTable();
+
+  /// Shows `rows`, the last of which has just come. Cheap to call often.
+  void update(std::span<const BenchmarkRow> rows);
+
+ private:
+  void draw(std::span<const BenchmarkRow> rows);
+  void erase();
+
+  using Clock = std::chrono::steady_clock;
+  std::int64_t total_;
+  Progress progress_;  ///< for what is no terminal, and the bar below the table
+  bool is_terminal_;
+  int lines_ = 0;  ///< of the table that is shown
+  Clock::time_point shown_ = Clock::now();
+};
+
+LiveTable::LiveTable(std::size_t total)
+    : total_(static_cast<std::int64_t>(total)),
+      progress_("planning"),
+      is_terminal_(has_terminal()) {}
+
+LiveTable::~LiveTable() { erase(); }
+
+void LiveTable::update(std::span<const BenchmarkRow> rows) {
+  const BenchmarkRow& last = rows.back();
+  const std::string detail =
+      fmt::format("{}#{} {}", printable(last.set), printable(last.problem), to_string(last.status));
+  const Clock::time_point now = Clock::now();
+  if (is_terminal_ && std::chrono::duration<double>(now - shown_).count() > kInterval) {
+    shown_ = now;
+    draw(rows);
+  }
+  progress_.update(static_cast<std::int64_t>(rows.size()), total_, detail);
+}
+
+void LiveTable::draw(std::span<const BenchmarkRow> rows) {
+  const winsize size = terminal_size();
+  erase();
+  const std::string table =
+      fit_table(printable_table(summarize_sets(rows)), size.ws_col - 1, size.ws_row - kLinesBelow);
+  fmt::print(stderr, "{}", table);
+  std::fflush(stderr);
+  lines_ = static_cast<int>(std::count(table.begin(), table.end(), '\n'));
+}
+
+void LiveTable::erase() {
+  if (lines_ == 0) return;
+  // Back over the bar and up to the first line of the table, then clear all below.
+  fmt::print(stderr, "\r\033[{}A\033[J", lines_);
+  lines_ = 0;
+}
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const SetSummary& summary) {
+  return {{"set", summary.set},
+          {"planner", summary.planner},
+          {"sampler", summary.sampler},
+          {"setting", summary.setting},
+          {"solved", summary.times.solved},
+          {"valid", summary.valid},
+          {"total", summary.total},
+          {"invalid_paths", summary.invalid_paths},
+          {"planning_p50_s", summary.times.p50},
+          {"planning_p95_s", summary.times.p95},
+          {"planning_p99_s", summary.times.p99},
+          {"planning_max_s", summary.times.max},
+          {"iterations_p50", summary.iterations_p50},
+          {"simplification_p50_s", summary.simplification_p50_s}};
+}
+
+/// "cage#7" once for each problem whose ends are invalid.
+std::vector<std::string> invalid_problems(const std::vector<BenchmarkRow>& rows) {
+  std::vector<std::string> names;
+  for (const BenchmarkRow& row : rows) {
+    const std::string name = row.set + "#" + row.problem;
+    const bool is_new = std::find(names.begin(), names.end(), name) == names.end();
+    if (is_invalid_problem(row) && is_new) names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Result<std::vector<BenchmarkRow>> read_rows(const std::string& path) {
+  return read_file(path, kMaxCsvBytes)
+      .and_then([&](const std::string& text) { return parse_csv(text, path); })
+      .map([](CsvRuns runs) { return std::move(runs.rows); });
+}
+
+Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bool is_resumed) {
+  std::error_code missing;
+  if (is_resumed && std::filesystem::exists(csv, missing)) {
+    Result<std::vector<BenchmarkRow>> rows = read_rows(csv);
+    if (!rows) return tl::unexpected(rows.error());
+    rows_ = std::move(*rows);
+  }
+  if (!sqlite.empty()) {
+    Result<RunDatabase> database = RunDatabase::open(sqlite, rows_);
+    if (!database) return tl::unexpected(database.error());
+    database_ = std::move(*database);
+  }
+  path_ = csv;
+  return write_all();
+}
+
+Result<void> RowFile::add(const BenchmarkRow& row) {
+  rows_.push_back(row);
+  if (database_) {
+    const Result<void> added = database_->add(row);
+    if (!added) return added;
+  }
+  if (path_.empty()) return {};
+  file_ << to_csv_line(row);
+  return flush();
+}
+
+Result<void> RowFile::replace(std::vector<BenchmarkRow> rows) {
+  rows_ = std::move(rows);
+  return write_all();
+}
+
+Result<void> RowFile::write_all() {
+  if (path_.empty()) return {};
+  const Result<void> written = write_file(path_, to_csv(rows_));
+  if (!written) return written;
+  file_ = std::ofstream(path_, std::ios::app);
+  return flush();
+}
+
+Result<void> RowFile::flush() {
+  if (file_.flush()) return {};
+  return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
+}
+
+void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
+  const std::vector<SetSummary> summaries = summarize_sets(rows);
+  const std::vector<std::string> invalid = invalid_problems(rows);
+  if (!is_json) {
+    fmt::print("{}", printable_table(summaries));
+    if (!invalid.empty()) {
+      fmt::print("invalid start or goal, left out: {}\n",
+                 printable(fmt::format("{}", fmt::join(invalid, ", "))));
+    }
+    return;
+  }
+  Json sets = Json::array();
+  for (const SetSummary& summary : summaries) sets.push_back(to_json(summary));
+  print_json({{"runs", rows.size()},
+              {"isa", to_string(default_isa())},
+              {"sets", sets},
+              {"invalid", invalid}});
+}
+
+ExitCode judge_rows(const std::vector<BenchmarkRow>& rows) {
+  const auto wrong = std::count_if(rows.begin(), rows.end(), [](const BenchmarkRow& row) {
+    return row.is_solved && !row.is_path_valid;
+  });
+  if (wrong == 0) return ExitCode::done;
+  print_error(fmt::format("{} did not survive the check at ten times the resolution",
+                          counted(static_cast<std::size_t>(wrong), "path", "paths")));
+  return ExitCode::failure;
+}
+
+Result<bool> run_with_progress(BenchPlan& plan, RowFile& file) {
+  const Result<void> same = check_same_settings(plan, file.rows());
+  if (!same) return tl::unexpected(same.error());
+  LiveTable table(plan.run_count());
+  const std::vector<BenchmarkRow> done = file.rows();
+  const auto is_complete = run_bench(plan, done, [&](const BenchmarkRow& row, const SolveResult&) {
+    return file.add(row).map([&] { table.update(file.rows()); });
+  });
+  if (!is_complete) return is_complete;
+  std::vector<BenchmarkRow> rows = file.rows();
+  sort_rows(plan, rows);
+  return file.replace(std::move(rows)).map([&] { return *is_complete; });
+}
+
+Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
+  const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
+  if (const std::filesystem::path parent = stem.parent_path(); !parent.empty()) {
+    if (auto made = make_directory(parent.string()); !made) return made;
+  }
+  for (const ReportFigure& figure : report.figures) {
+    const auto written =
+        write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg);
+    if (!written) return written;
+  }
+  return write_file(path, report.html);
+}
+
+Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
+  if (auto made = make_directory(directory); !made) return made;
+  for (const OmplLog& log : to_ompl_logs(rows)) {
+    auto written = write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text);
+    if (!written) return written;
+  }
+  return {};
+}
+
+Result<std::vector<MemoryRow>> read_memories(const std::string& path) {
+  std::error_code missing;
+  if (!std::filesystem::exists(path, missing)) return std::vector<MemoryRow>();
+  return read_file(path, kMaxCsvBytes).and_then([&](const std::string& text) {
+    return parse_memory_csv(text, path);
+  });
+}
+
+}  // namespace mneme::app

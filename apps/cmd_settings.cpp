@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme settings: the declarations of all settings, for tools/generate_settings.py.
+#include "mneme/pipeline.h"
+
+#include "commands.h"
+#include "console.h"
+
+#include <nlohmann/json.hpp>
+
+#include <limits>
+#include <type_traits>
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Value>
+constexpr const char* kTypeName = std::is_same_v<Value, bool> ? "bool"
+                                  : std::is_integral_v<Value> ? "int"
+                                                              : "float";
+
+/// The settings that `Settings` declares, with their defaults.
+template <class Settings>
+Json settings_of() {
+  Json all = Json::array();
+  const Settings defaults;
+  visit_settings(defaults, [&](const char* name, const auto& value, auto least, auto most,
+                               const char* meaning) {
+    using Setting = std::remove_cvref_t<decltype(value)>;
+    using Value = SettingValue<Setting>;
+    constexpr bool kIsOptional = SettingTraits<Setting>::is_optional;
+    Json& setting = all.emplace_back(
+        Json{{"name", name}, {"type", kTypeName<Value>}, {"optional", kIsOptional}});
+    if constexpr (kIsOptional) {
+      setting["default"] = nullptr;
+    } else {
+      setting["default"] = value;
+    }
+    if constexpr (!std::is_same_v<Value, bool>) {
+      setting["least"] = static_cast<Value>(least);
+      const bool is_bounded = static_cast<Value>(most) != std::numeric_limits<Value>::max();
+      setting["most"] = is_bounded ? Json(static_cast<Value>(most)) : Json();
+    }
+    setting["meaning"] = meaning;
+  });
+  return all;
+}
+
+}  // namespace
+
+void add_settings_list(CLI::App& program, Action& action) {
+  CLI::App* command = program.add_subcommand("settings", "Print the declarations of all settings");
+  command->group("");  // for the documents, not for people
+  static bool is_json = false;
+  command->add_flag("--json", is_json, "print them as JSON, which is all there is");
+  command->callback([&action] {
+    action = []() -> Result<ExitCode> {
+      print_json({{{"group", "plan"}, {"settings", settings_of<PlanSettings>()}},
+                  {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
+                  {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
+                  {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}}});
+      return ExitCode::done;
+    };
+  });
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+namespace mneme::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The header of SQLite's files: its name, and at 68 the PRAGMA application_id of docs/database.md.
+constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+constexpr std::size_t kApplicationIdOffset = 68;
+constexpr std::string_view kMemoryId = "mnem";
+
+/// Pipes and devices lose nothing, and reading them could wait for ever.
+bool is_special(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  if (a.empty() || b.empty() || is_special(a)) return false;
+  // Files that are still to be made have nothing but their names.
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+/// The files that FILE.json#NAME and SCENE.yaml,REQUEST.yaml name.
+std::vector<std::string> files_of(const std::string& where) {
+  if (const std::size_t json = where.find(".json#"); json != std::string::npos) {
+    return {where.substr(0, json + 5)};
+  }
+  for (const std::string_view end : {".yaml,", ".yml,"}) {
+    const std::size_t first = where.find(end);
+    if (first == std::string::npos) continue;
+    const std::size_t comma = first + end.size() - 1;
+    return {where, where.substr(0, comma), where.substr(comma + 1)};
+  }
+  return {where};
+}
+
+tl::unexpected<Error> cannot_write(const std::string& path) {
+  return fail(ErrorCode::io, "cannot write '" + path + "': " + std::strerror(errno));
+}
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Pipes and devices have no name to replace.
+Result<void> write_in_place(const std::string& path, std::string_view text) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text);
+  if (::close(file) != 0 || !is_written) return cannot_write(path);
+  return {};
+}
+
+mode_t default_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return static_cast<mode_t>(0666) & ~mask;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path, std::size_t most_bytes) {
+  const auto unreadable = [&] {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  };
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return unreadable();
+  std::string text;
+  std::array<char, 65536> block{};
+  while (file.read(block.data(), block.size()) || file.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+    if (text.size() > most_bytes) {
+      return fail(ErrorCode::unsupported,
+                  fmt::format("{}: expected a file of at most {} bytes", path, most_bytes));
+    }
+  }
+  if (file.bad()) return unreadable();
+  return text;
+}
+
+std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& srdf) {
+  const fs::path beside = fs::path(urdf).replace_extension(".srdf");
+  return {{"the robot", urdf}, {"the robot", srdf}, {"the robot", beside.string()}};
+}
+
+Result<void> refuse_memory(const std::string& path) {
+  std::array<char, kApplicationIdOffset + kMemoryId.size()> header{};
+  if (!is_special(path)) std::ifstream(path, std::ios::binary).read(header.data(), header.size());
+  const std::string_view bytes(header.data(), header.size());
+  if (!bytes.starts_with(kSqliteMagic) || !bytes.ends_with(kMemoryId)) return {};
+  return fail(ErrorCode::invalid, fmt::format("'{}' is a memory; expected another file", path));
+}
+
+Result<void> check_outputs(std::span<const std::string> outputs, std::span<const ReadFile> inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const std::string& output = outputs[i];
+    for (const ReadFile& input : inputs) {
+      for (const std::string& file : files_of(input.path)) {
+        if (!is_same_file(output, file)) continue;
+        return fail(
+            ErrorCode::invalid,
+            fmt::format("'{}' is {} that is read; expected another file", output, input.what));
+      }
+    }
+    for (const std::string& other : outputs.first(i)) {
+      if (!is_same_file(output, other)) continue;
+      return fail(ErrorCode::invalid,
+                  fmt::format("'{}' is to be written twice; expected different files", output));
+    }
+    if (auto checked = refuse_memory(output); !checked) return checked;
+  }
+  return {};
+}
+
+Result<void> write_file(const std::string& path, std::string_view text) {
+  if (auto checked = refuse_memory(path); !checked) return checked;
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  const bool is_special = std::filesystem::exists(status) &&
+                          !std::filesystem::is_regular_file(status) &&
+                          !std::filesystem::is_directory(status);
+  if (is_special) return write_in_place(path, text);
+
+  // A symbolic link stays one: what it points to is replaced.
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, ignored);
+  const std::string target = real.empty() ? path : real.string();
+  std::string temporary = target + ".XXXXXX";
+  const int file = ::mkstemp(temporary.data());
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text) && ::fchmod(file, default_mode()) == 0;
+  const bool is_closed = ::close(file) == 0;
+  if (!is_written || !is_closed || std::rename(temporary.c_str(), target.c_str()) != 0) {
+    const auto error = cannot_write(path);
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return {};
+}
+
+Result<void> make_directory(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    return fail(ErrorCode::io, "cannot make the directory '" + path + "': " + error.message());
+  }
+  return {};
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/benchmark.h"
+
+#include "bindings.h"
+#include "interruptible.h"
+#include "keywords.h"
+#include "memory.h"
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+namespace mneme::python {
+namespace {
+
+/// What is run how often.
+struct Runs {
+  std::vector<std::string> planners;
+  std::vector<std::string> samplers;
+  int seed_count = 1;
+  std::uint64_t first_seed = 1;
+};
+
+BenchPlan make_bench_plan(const std::vector<Problem>& problems, const Memory* memory,
+                          const Runs& runs, const SolveSettings& settings) {
+  BenchPlan plan;
+  for (const Problem& problem : problems) {
+    plan.problems.push_back({"", problem});
+    if (memory != nullptr) plan.memories[{"", problem.robot.hash()}] = memory->get();
+  }
+  BenchCase base;
+  base.settings = settings;
+  base.description = describe_settings(settings);
+  append_cases(base, runs.planners, runs.samplers, plan.cases);
+  plan.seed_count = runs.seed_count;
+  plan.first_seed = runs.first_seed;
+  plan.alternates = false;
+  return plan;
+}
+
+/// Only solving lets other threads run, so that `on_row` is called by the caller's.
+void bench(const std::vector<Problem>& problems, const Memory* memory, const Runs& runs,
+           const SolveSettings& settings, const py::function& on_row) {
+  if (settings.learn_budget_s > 0 && memory == nullptr) {
+    raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
+  }
+  BenchPlan plan = make_bench_plan(problems, memory, runs, settings);
+  std::atomic<bool> cancel = false;
+  plan.cancel = &cancel;
+  plan.solve = [&](const Problem& problem, Database* database, const BenchCase& bench_case) {
+    return run_interruptible(cancel,
+                             [&] { return solve(problem, database, bench_case.settings); });
+  };
+  const auto take = [&](const BenchmarkRow& row, const SolveResult&) -> Result<void> {
+    on_row(row);
+    return {};
+  };
+  static_cast<void>(unwrap(run_bench(plan, {}, take)));
+}
+
+void bind_rows(py::module_& module) {
+  py::class_<BenchmarkRow>(module, "BenchmarkRow", "One run of a benchmark.")
+      .def_readonly("problem", &BenchmarkRow::problem)
+      .def_readonly("set", &BenchmarkRow::set)
+      .def_readonly("planner", &BenchmarkRow::planner)
+      .def_readonly("sampler", &BenchmarkRow::sampler)
+      .def_readonly("seed", &BenchmarkRow::seed)
+      .def_property_readonly(
+          "status", [](const BenchmarkRow& self) { return std::string(to_string(self.status)); })
+      .def_readonly("is_solved", &BenchmarkRow::is_solved, "What the planner says.")
+      .def_readonly("is_path_valid", &BenchmarkRow::is_path_valid,
+                    "By an independent check with exact distances at ten times the resolution.")
+      .def_readonly("planning_time_s", &BenchmarkRow::planning_time_s,
+                    "The time limit if there is no path.")
+      .def_readonly("total_time_s", &BenchmarkRow::total_time_s)
+      .def_readonly("iterations", &BenchmarkRow::iterations)
+      .def_readonly("states_checked", &BenchmarkRow::states_checked)
+      .def_readonly("path_length", &BenchmarkRow::path_length, "Radians.")
+      .def_readonly("components", &BenchmarkRow::components);
+  module.def("_to_table", [](const std::vector<BenchmarkRow>& rows) {
+    return to_table(std::span<const BenchmarkRow>(rows));
+  });
+  module.def("_csv_header", &csv_header);
+  module.def("_to_csv_line", &to_csv_line);
+}
+
+}  // namespace
+
+void bind_benchmark(py::module_& module) {
+  bind_rows(module);
+  module.def(
+      "_bench",
+      [](const std::vector<Problem>& problems, const Memory* memory,
+         const std::vector<std::string>& planners, const std::vector<std::string>& samplers,
+         int seeds, std::uint64_t seed, const py::function& on_row, const std::string& isa,
+         const py::kwargs& arguments) {
+        bench(problems, memory, {planners, samplers, seeds, seed},
+              read_solve_settings(planners.front(), samplers.front(), isa, arguments), on_row);
+      },
+      py::arg("problems"), py::arg("database"), py::arg("planners"), py::arg("samplers"),
+      py::arg("seeds"), py::arg("seed"), py::arg("on_row"), py::kw_only(),
+      py::arg("isa") = "automatic");
+  module.def(
+      "planner_names", &planner_names,
+      "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
+  module.def("sampler_names", &sampler_names, "Names of all sources of configurations.");
+  module.def("_needs_memory", &needs_memory);
+}
+
+}  // namespace mneme::python

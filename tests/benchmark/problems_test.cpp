@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/benchmark.h"
+
+#include "support/support.h"
+
+namespace mneme {
+namespace {
+
+TEST_SUITE("unit") {
+  TEST_CASE("Parts are every N-th problem, and together all of them") {
+    const std::vector<BenchProblem> all = {{"", "a"}, {"", "b"}, {"", "c"}};
+    const auto odd = take_part(all, "1/2").value();
+    REQUIRE(odd.size() == 2);
+    CHECK(odd[1].where == "c");
+    CHECK(take_part(all, "2/2").value().front().where == "b");
+    CHECK(take_part(all, "").value().size() == 3);
+    for (const char* text : {"0/2", "3/2", "1/0", "1", "1/2x", "/2"}) {
+      CAPTURE(text);
+      CHECK(take_part(all, text).error().message.find("is no part; expected I/N") !=
+            std::string::npos);
+    }
+    CHECK(parse_part("0/4").value().holds(3));
+    CHECK(parse_part("4/4").value().holds(3));
+    CHECK_FALSE(parse_part("0/4").value().holds(0));
+  }
+
+  TEST_CASE("Directories stand for the problems in them, without scenes and grids") {
+    const std::vector<std::string> where = {test::source_file("scenes/planar")};
+    const auto found = find_bench_problems(where);
+    REQUIRE(found.has_value());
+    CHECK(found->size() >= 6);
+    for (const BenchProblem& problem : *found) {
+      CHECK(problem.set == "planar");
+      CHECK(problem.where.find("grid") == std::string::npos);
+    }
+    const test::TemporaryDirectory empty;
+    CHECK_FALSE(find_bench_problems({empty / ""}).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace mneme

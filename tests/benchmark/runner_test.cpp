@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "benchmark/bench_support.h"
+
+namespace mneme {
+namespace {
+
+/// Two problems, two planners and no kernel: what a run yields is made up by `answer`.
+struct PretendedBench {
+  BenchPlan plan;
+  std::vector<BenchmarkRow> rows;
+
+  explicit PretendedBench(std::function<PlanStatus(const BenchCase&)> answer) {
+    for (const char* name : {"A", "B"}) {
+      Problem problem = test::gap_problem();
+      problem.name = name;
+      plan.problems.push_back({"set", problem});
+    }
+    append_cases({}, std::array{BenchPlanner{"one"}, BenchPlanner{"two"}}, {"uniform"}, plan.cases);
+    plan.solve = [answer](const Problem& problem, Database*, const BenchCase& bench_case) {
+      SolveResult result;
+      result.planner = bench_case.settings.planner;
+      result.sampler = bench_case.settings.sampler;
+      result.seed = bench_case.settings.plan.seed;
+      result.plan.status = answer(bench_case);
+      if (result.plan.is_solved()) result.plan.path = {problem.start, problem.goals[0]};
+      return result;
+    };
+  }
+  Result<bool> run(std::span<const BenchmarkRow> done = {}) {
+    return run_bench(plan, done, [&](const BenchmarkRow& row, const SolveResult&) {
+      rows.push_back(row);
+      return Result<void>();
+    });
+  }
+  [[nodiscard]] std::string order() const {
+    std::string text;
+    for (const BenchmarkRow& row : rows) {
+      text += row.problem + row.planner.substr(0, 1) + std::to_string(row.seed) + " ";
+    }
+    return text;
+  }
+};
+
+PlanStatus solve_all(const BenchCase&) { return PlanStatus::solved; }
+
+TEST_SUITE("unit") {
+  TEST_CASE("All problems with one seed come before the next, every other one in reverse") {
+    PretendedBench bench(solve_all);
+    bench.plan.seed_count = 2;
+    bench.plan.first_seed = 4;
+    CHECK(bench.plan.run_count() == 8);
+    CHECK(bench.run().value());
+    CHECK(bench.order() == "Ao4 At4 Bo4 Bt4 At5 Ao5 Bt5 Bo5 ");
+    const std::vector<BenchmarkRow> done(bench.rows.begin() + 1, bench.rows.end());
+    bench.rows.clear();
+    CHECK(bench.run(done).value());
+    CHECK(bench.order() == "Ao4 ");
+    bench.plan.alternates = false;
+    bench.rows.clear();
+    CHECK(bench.run().value());
+    CHECK(bench.order() == "Ao4 At4 Bo4 Bt4 Ao5 At5 Bo5 Bt5 ");
+  }
+
+  TEST_CASE("A case that gets nowhere is not run further") {
+    PretendedBench bench([](const BenchCase& bench_case) {
+      return bench_case.settings.planner == "one" ? PlanStatus::timeout : PlanStatus::solved;
+    });
+    bench.plan.seed_count = 5;
+    bench.plan.hopeless_after = 2;
+    CHECK(bench.run().value());
+    const auto failed = std::ranges::count(bench.rows, std::string("one"), &BenchmarkRow::planner);
+    CHECK(failed == 4);
+    CHECK(bench.rows.size() == 14);
+  }
+
+  TEST_CASE("A cancelled run leaves no row and ends the benchmark, and so does an error") {
+    PretendedBench cancelled([](const BenchCase& bench_case) {
+      return bench_case.settings.planner == "two" ? PlanStatus::cancelled : PlanStatus::solved;
+    });
+    CHECK_FALSE(cancelled.run().value());
+    CHECK(cancelled.order() == "Ao1 ");
+    PretendedBench bench(solve_all);
+    const auto refuse = [](const BenchmarkRow&, const SolveResult&) -> Result<void> {
+      return fail(ErrorCode::io, "full");
+    };
+    CHECK(run_bench(bench.plan, {}, refuse).error().message == "full");
+  }
+
+  TEST_CASE("Serial planners take their turns beside others, each run once") {
+    PretendedBench bench(solve_all);
+    bench.plan.cases[0].is_serial = true;
+    bench.plan.seed_count = 20;
+    bench.plan.jobs = 3;
+    std::atomic<int> running = 0;
+    std::atomic<bool> is_alone = true;
+    bench.plan.solve = [&, solve = bench.plan.solve](const Problem& problem, Database* database,
+                                                     const BenchCase& bench_case) {
+      const bool is_serial = bench_case.settings.planner == "one";
+      if (is_serial && ++running > 1) is_alone = false;
+      auto result = solve(problem, database, bench_case);
+      if (is_serial) --running;
+      return result;
+    };
+    CHECK(bench.run().value());
+    CHECK(is_alone);
+    CHECK(bench.rows.size() == 80);
+    sort_rows(bench.plan, bench.rows);
+    CHECK(bench.order().starts_with("Ao1 At1 Bo1 Bt1 At2 Ao2 "));
+  }
+
+  TEST_CASE("Names become entries of the table in their order, unknown ones are not built in") {
+    const std::vector<BenchPlanner> all = {{"one"}, {"two", true, true}};
+    const auto found = find_planners(all, {"two", "three", "one"});
+    REQUIRE(found.size() == 3);
+    CHECK(found[0].is_serial);
+    CHECK_FALSE(found[1].is_built_in);
+    CHECK(found[2].name == "one");
+  }
+}
+
+}  // namespace
+}  // namespace mneme
