@@ -67,7 +67,8 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   grid->count = options.primitive_count.value_or(grid->count);
   const Result<Robot> robot = load_named_robot(kRobot);
   if (!robot) return tl::unexpected(robot.error());
-  Result<Database> database = open_database(options.out + "/planar.db", *robot, OpenMode::create);
+  Result<Database> database = 
+      Database::open(options.out + "/planar.db", make_space(*robot), OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   const std::vector<PrimitiveKey> keys = cover_grid(*grid, options.job.seed);
   Result<LearnSummary> summary = learn_with_progress(*robot, keys, *database, options.job);

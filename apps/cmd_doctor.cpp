@@ -99,7 +99,8 @@ class ScratchFile {
 /// Learns one primitive into a new database, and plans from it.
 Result<std::string> try_memory(const Problem& problem) {
   const ScratchFile file;
-  Result<Database> database = open_database(file.path(), problem.robot, OpenMode::create);
+  Result<Database> database = 
+      Database::open(file.path(), make_space(problem.robot), OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   SolveSettings settings;
   settings.plan.timeout_s = kTimeout;

@@ -159,6 +159,14 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   return end_of(*summary);
 }
 
+/// What falls to a shard.
+template <class T>
+std::vector<T> take_shard(std::vector<T> all, const Part& shard) {
+  std::size_t position = 0;
+  std::erase_if(all, [&](const T&) { return !shard.holds(position++); });
+  return all;
+}
+
 /// Learns a shard of the lesson, and of what covers the grid.
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
                                   const Part& shard, Database& database, const LearnJob& job) {

@@ -31,6 +31,9 @@ Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the lim
   4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";
 
 void set_up(CLI::App& program, Action& action) {
+#ifdef MNEME_WITH_OMPL
+  add_ompl_planners();
+#endif
   program.name("mneme");
   program.formatter(make_help_formatter());
   program.set_version_flag("--version", fmt::format("mneme {}", version()));

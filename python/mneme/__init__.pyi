@@ -161,7 +161,7 @@ def decompose(
     robot: Robot,
     scene: Scene,
     *,
-    # settings:decompose
+    # settings:memory
     max_gap: float = 0.0,
     # /settings
 ) -> list[Primitive]: ...
@@ -228,7 +228,7 @@ def learn(
     learn_resolution: float = 0.0,
     merge_cliques: bool = False,
     # /settings
-    # settings:decompose
+    # settings:memory
     max_gap: float = 0.0,
     # /settings
 ) -> LearnSummary: ...
@@ -240,7 +240,7 @@ def learn_from_paths(
     *,
     reach: float = 0.12,
     seed: int = 0,
-    # settings:decompose
+    # settings:memory
     max_gap: float = 0.0,
     # /settings
 ) -> int: ...
@@ -334,7 +334,7 @@ def plan(
     neighbours: int = 10,
     goal_bias: float = 0.05,
     # /settings
-    # settings:decompose
+    # settings:memory
     max_gap: float = 0.0,
     # /settings
     # settings:learn

@@ -143,7 +143,7 @@ class RunQueue {
 
   void work() {
     std::optional<CollisionChecker> checker;
-    std::pair<const LoadedProblem*, double> checked{nullptr, 0};
+    std::pair<const LoadedProblem*, std::optional<double>> checked{nullptr, {}};
     for (const BenchRun* run = take(nullptr); run != nullptr; run = take(run)) {
       CheckerSettings checking;
       checking.resolution = run->bench_case->settings.resolution;

@@ -56,6 +56,7 @@ struct CollisionChecker::Tables {
   Robot robot;
   Scene scene;
   double resolution = 0;
+  bool has_default_resolution = true;
   float margin = 0;
   Isa isa = Isa::scalar;
   internal::JointSpace space;
@@ -68,12 +69,11 @@ struct CollisionChecker::Tables {
 
 Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene& scene,
                                                 const CheckerSettings& settings) {
-  const bool is_fine_enough = settings.resolution == 0 || settings.resolution >= kLeastResolution;
-  if (!is_fine_enough || !std::isfinite(settings.resolution)) {
-    return fail(ErrorCode::invalid,
-                fmt::format("the resolution is {}; expected {} radians or more, or 0 for the "
-                            "robot's default",
-                            settings.resolution, kLeastResolution));
+  const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
+  const double resolution = settings.resolution.value_or(preset);
+  if (!(resolution >= kLeastResolution) || !std::isfinite(resolution)) {
+    return fail(ErrorCode::invalid, fmt::format("the resolution is {}; expected {} radians or more",
+                                                resolution, kLeastResolution));
   }
   if (!(settings.margin >= 0) || !std::isfinite(settings.margin)) {
     return fail(ErrorCode::invalid,
@@ -89,10 +89,9 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (!scene_tables) return tl::unexpected(scene_tables.error());
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
-  const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
   const double clearance = internal::least_distance((*checked_robot)->fixed_shapes, scene);
   auto tables = std::make_shared<Tables>(
-      Tables{robot, scene, settings.resolution > 0 ? settings.resolution : preset,
+      Tables{robot, scene, resolution, !settings.resolution,
              static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
              std::move(*checked_robot), std::move(*scene_tables), &internal::collision_kernels(isa),
              static_cast<float>(clearance)});
@@ -102,6 +101,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
 const Robot& CollisionChecker::robot() const { return tables_->robot; }
 const Scene& CollisionChecker::scene() const { return tables_->scene; }
 double CollisionChecker::resolution() const { return tables_->resolution; }
+bool CollisionChecker::has_default_resolution() const { return tables_->has_default_resolution; }
 double CollisionChecker::margin() const { return tables_->margin; }
 Isa CollisionChecker::isa() const { return tables_->isa; }
 

@@ -117,14 +117,12 @@ Result<LearnResult> learn_local_sampler(const Robot& robot, const LocalProblem& 
 }
 
 std::vector<LocalProblem> local_problems(const Scene& scene,
-                                         std::span<const LocalPrimitive> primitives,
-                                         const std::string& kind) {
+                                         std::span<const LocalPrimitive> primitives) {
   std::vector<LocalProblem> problems;
   for (const LocalPrimitive& primitive : primitives) {
     LocalProblem& problem = problems.emplace_back();
     problem.primitive = primitive;
     problem.scene.name = scene.name;
-    problem.kind = kind;
     for (const int index : primitive.obstacles) {
       problem.scene.obstacles.push_back(scene.obstacles[static_cast<std::size_t>(index)]);
     }
