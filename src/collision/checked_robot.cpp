@@ -7,23 +7,9 @@
 #include <utility>
 
 #include "collision/robot_tables.h"
-#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
-
-std::vector<Capsule> find_fixed_shapes(const Robot& robot) {
-  const std::vector<bool> is_moving = find_moving_links(robot);
-  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
-  const std::vector<Transform> poses = robot.link_poses(zero);
-  std::vector<Capsule> result;
-  for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    if (is_moving[i]) continue;
-    const std::vector<Capsule> shapes = shapes_of(robot.links()[i], poses[i]);
-    result.insert(result.end(), shapes.begin(), shapes.end());
-  }
-  return result;
-}
 
 struct Entry {
   std::weak_ptr<const void> identity;
@@ -61,10 +47,16 @@ Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& rob
   if (auto found = registry.find(robot)) return found;
   auto tables = make_robot_tables(robot);
   if (!tables) return tl::unexpected(tables.error());
+  const LinkDistances links(robot);
+  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   auto made = std::make_shared<const CheckedRobot>(
-      CheckedRobot{std::move(*tables), find_fixed_shapes(robot)});
+      CheckedRobot{std::move(*tables), links, links.posed(robot.link_poses(zero))});
   registry.add(robot, made);
   return made;
+}
+
+double fixed_clearance(const CheckedRobot& robot, const Scene& scene) {
+  return find_clearance(robot.links, robot.at_zero, obstacle_shapes(scene), false).distance;
 }
 
 }  // namespace mneme::internal

@@ -5,22 +5,23 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
+#include "check/link_distances.h"
 #include "collision/tables.h"
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 
 struct CheckedRobot {
   RobotTables tables;
-  /// The shapes that no joint of the group moves, in the root's frame; a sphere is a capsule of
-  /// length 0.
-  std::vector<Capsule> fixed_shapes;
+  LinkDistances links;
+  PosedLinks at_zero;  ///< where links that no joint of the group moves always stand
 };
 
 /// Made at the first call for a robot or any copy of it, which takes milliseconds, and kept while
 /// one of these lives. Thread-safe. Error: as make_robot_tables.
 [[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
+
+/// Least distance between obstacles and the links that no joint of the group moves.
+[[nodiscard]] double fixed_clearance(const CheckedRobot& robot, const Scene& scene);
 
 }  // namespace mneme::internal

@@ -12,7 +12,6 @@
 
 #include "collision/checked_robot.h"
 #include "collision/collision_kernels.h"
-#include "check/contacts.h"
 #include "collision/scene_tables.h"
 #include "robot/joint_space.h"
 
@@ -90,7 +89,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   const double preset = robot.is_planar() ? kPlanarResolution : kSpatialResolution;
-  const double clearance = internal::least_distance((*checked_robot)->fixed_shapes, scene);
+  const double clearance = internal::fixed_clearance(**checked_robot, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, settings.resolution > 0 ? settings.resolution : preset,
              static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
@@ -158,7 +157,8 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
 }
 
 std::vector<Contact> CollisionChecker::contacts(std::span<const double> q) const {
-  return internal::find_contacts(tables_->robot, tables_->scene, q, tables_->margin);
+  const Tables& t = *tables_;
+  return internal::find_contacts(t.robot, t.checked_robot->links, t.scene, q, t.margin);
 }
 
 }  // namespace mneme

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "covering/touching.h"
+#include "check/link_distances.h"
 #include "robot/link_shapes.h"
 #include "robot/planning_group.h"
 
@@ -87,11 +87,13 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
 }
 
 void sample(const Robot& robot, const PairSettings& settings, std::vector<Record>& records) {
-  internal::PosedShapes shapes(robot);
-  shapes.pose(robot.normalized(Configuration(at(robot.joint_count()), 0.0)));
-  for (Record& record : records) {
-    record.touches_at_rest = shapes.touch(record.links.first, record.links.second);
-  }
+  const internal::LinkDistances links(robot);
+  const auto touch = [&](const internal::PosedLinks& posed, const Pair& pair) {
+    return links.between(posed, pair.first, pair.second, 0) <= 0;
+  };
+  const Configuration rest = robot.normalized(Configuration(at(robot.joint_count()), 0.0));
+  const internal::PosedLinks at_rest = links.posed(robot.link_poses(rest));
+  for (Record& record : records) record.touches_at_rest = touch(at_rest, record.links);
   Rng rng(settings.seed);
   std::vector<Record*> open;
   for (Record& record : records) open.push_back(&record);
@@ -100,10 +102,9 @@ void sample(const Robot& robot, const PairSettings& settings, std::vector<Record
     for (int j = 0; j < robot.joint_count(); ++j) {
       q[at(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
     }
-    shapes.pose(q);
+    const internal::PosedLinks posed = links.posed(robot.link_poses(q));
     for (Record* record : open) {
-      const bool touches = shapes.touch(record->links.first, record->links.second);
-      (touches ? record->has_touched : record->has_been_apart) = true;
+      (touch(posed, record->links) ? record->has_touched : record->has_been_apart) = true;
     }
     std::erase_if(open, [](const Record* r) { return r->has_touched && r->has_been_apart; });
   }

@@ -168,7 +168,7 @@ inline Robot random_robot(Rng& rng) {
 inline double fixed_clearance(const Robot& robot, const Scene& scene) {
   const auto checked = internal::share_checked_robot(robot);
   REQUIRE(checked.has_value());
-  return internal::least_distance((*checked)->fixed_shapes, scene);
+  return internal::fixed_clearance(**checked, scene);
 }
 
 /// `count` obstacles made by `make_shape(rng)` that leave links without a moving joint alone.
