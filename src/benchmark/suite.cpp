@@ -6,7 +6,7 @@
 #include "pipeline/check_settings.h"
 #include "pipeline/recall.h"
 #include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <fmt/ranges.h>
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/link_distances.h"
 
+#include "robot/link_shapes.h"
+
 #include <algorithm>
 #include <limits>
-
-#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {

@@ -5,12 +5,12 @@
 /// no code with the kernels.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "mneme/check.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
+
+#include <span>
+#include <vector>
 
 namespace mneme::internal {
 

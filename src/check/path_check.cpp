@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/check.h"
 
 #include "check/link_distances.h"

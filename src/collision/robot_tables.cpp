@@ -1,17 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/robot_tables.h"
+#include "collision/joint_reach.h"
+#include "collision/make_tables.h"
+#include "collision/shape_groups.h"
+#include "robot/link_shapes.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
-
-#include <Eigen/Geometry>
-
-#include "collision/joint_reach.h"
-#include "collision/shape_groups.h"
-#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {

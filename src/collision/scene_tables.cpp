@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/scene_tables.h"
+#include "collision/make_tables.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
-
-#include <Eigen/LU>
 
 namespace mneme::internal {
 namespace {

@@ -3,9 +3,91 @@
 #include "covering/cover_search.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 namespace mneme::internal {
+namespace {
+
+using Key = std::array<int, 3>;
+using Groups = std::map<Key, Element>;
+
+Key key_of(const Vec3& point, double size) {
+  const Vec3 cell = (point / size).array().floor();
+  return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
+}
+
+/// A ball around the mean of the balls' centres.
+Sphere bound(std::span<const Sphere> balls) {
+  Sphere result;
+  for (const Sphere& ball : balls) result.center += ball.center / static_cast<double>(balls.size());
+  for (const Sphere& ball : balls) {
+    result.radius = std::max(result.radius, (ball.center - result.center).norm() + ball.radius);
+  }
+  return result;
+}
+
+/// True if the sphere about the same centre that is smaller by `margin` holds the point.
+bool holds(const Sphere& sphere, const Vec3& point, double margin) {
+  const double reach = sphere.radius - margin;
+  return reach >= 0 && (point - sphere.center).squaredNorm() <= reach * reach;
+}
+
+void drop_equal(std::vector<Sphere>& balls) {
+  const auto key = [](const Sphere& s) {
+    return std::array{s.center.x(), s.center.y(), s.center.z(), s.radius};
+  };
+  std::ranges::sort(balls, {}, key);
+  const auto are_equal = [&](const Sphere& a, const Sphere& b) { return key(a) == key(b); };
+  balls.erase(std::unique(balls.begin(), balls.end(), are_equal), balls.end());
+}
+
+void add_to(std::vector<Element>& elements, Groups groups) {
+  for (auto& [key, element] : groups) {
+    drop_equal(element.balls);
+    element.bound = bound(element.balls);
+    elements.push_back(std::move(element));
+  }
+}
+
+}  // namespace
+
+double Element::reach_from(const Vec3& center) const {
+  double reach = 0;
+  for (const Sphere& ball : balls) {
+    reach = std::max(reach, (ball.center - center).norm() + ball.radius);
+  }
+  return reach;
+}
+
+bool Element::is_within(const Sphere& sphere) const {
+  if (!holds(sphere, bound.center, 0)) return false;
+  if (holds(sphere, bound.center, bound.radius)) return true;
+  return std::ranges::all_of(
+      balls, [&](const Sphere& ball) { return holds(sphere, ball.center, ball.radius); });
+}
+
+std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid, double size) {
+  Groups surface;
+  for (const Triangle& t : subdivide(mesh, size)) {
+    std::vector<Sphere>& balls = surface[key_of(t.centroid(), size)].balls;
+    for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
+  }
+  Groups inside;
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.cell_size();
+  for (const SolidModel::Cell& cell : solid.inner_cells()) {
+    inside[key_of(cell.center, size)].balls.push_back(
+        {cell.center, cell.is_whole ? half_diagonal : 0.0});
+  }
+  std::vector<Element> elements;
+  add_to(elements, std::move(surface));
+  add_to(elements, std::move(inside));
+  return elements;
+}
+
 namespace {
 
 using Indices = std::vector<int>;
@@ -158,6 +240,81 @@ std::vector<Sphere> propose_spheres(const SolidModel& solid, std::vector<Sphere>
 std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<const Element> elements,
                                    std::int64_t effort, Rng& rng) {
   return CoverSearch(std::move(proposals), elements, rng).run(effort);
+}
+
+namespace {
+
+constexpr int kRounds = 8;
+constexpr double kFirstStep = 0.02;
+constexpr double kLastStep = 0.0005;
+
+using Pieces = std::vector<const Element*>;
+
+double reach_from(const Vec3& center, const Pieces& pieces) {
+  double reach = 0;
+  for (const Element* piece : pieces) {
+    // The ball around a piece tells most of those apart that are not the farthest.
+    if ((piece->bound.center - center).norm() + piece->bound.radius <= reach) continue;
+    reach = std::max(reach, piece->reach_from(center));
+  }
+  return reach;
+}
+
+/// Each piece goes to the sphere that holds it with most room to spare.
+std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const Element> elements) {
+  std::vector<Pieces> shares(spheres.size());
+  for (const Element& element : elements) {
+    std::size_t owner = 0;
+    double most_room = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const double distance = (element.bound.center - spheres[i].center).norm();
+      if (spheres[i].radius - distance <= most_room) continue;
+      const double room = spheres[i].radius - element.reach_from(spheres[i].center);
+      if (room <= most_room) continue;
+      most_room = room;
+      owner = i;
+    }
+    shares[owner].push_back(&element);
+  }
+  return shares;
+}
+
+/// Descends along the axes from `center` with shrinking steps.
+Sphere fit(const Vec3& start, const Pieces& pieces, const SolidModel& solid) {
+  const auto rate = [&](const Vec3& center) {
+    return reach_from(center, pieces) - solid.depth(center);
+  };
+  Vec3 center = start;
+  double least = rate(center);
+  for (double step = kFirstStep; step >= kLastStep; step *= 0.5) {
+    for (bool has_moved = true; has_moved;) {
+      has_moved = false;
+      for (int i = 0; i < 6; ++i) {
+        const Vec3 next = center + (i % 2 == 0 ? step : -step) * Vec3::Unit(i / 2);
+        const double stick_out = rate(next);
+        if (stick_out >= least - 0.01 * step) continue;
+        least = stick_out;
+        center = next;
+        has_moved = true;
+      }
+    }
+  }
+  return {center, reach_from(center, pieces)};
+}
+
+}  // namespace
+
+std::vector<Sphere> refine(std::vector<Sphere> spheres, std::span<const Element> elements,
+                           const SolidModel& solid) {
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<Pieces> shares = share_out(spheres, elements);
+    std::vector<Sphere> next;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      if (!shares[i].empty()) next.push_back(fit(spheres[i].center, shares[i], solid));
+    }
+    spheres = std::move(next);
+  }
+  return spheres;
 }
 
 }  // namespace mneme::internal

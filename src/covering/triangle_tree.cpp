@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/triangle_tree.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 namespace mneme::internal {
 namespace {

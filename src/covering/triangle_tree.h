@@ -4,10 +4,10 @@
 /// Nearest points on a surface, and which side of it a point is on.
 #pragma once
 
+#include "covering/triangle_mesh.h"
+
 #include <limits>
 #include <vector>
-
-#include "covering/triangle_mesh.h"
 
 namespace mneme::internal {
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/instances.h"
 
-#include "scene/input.h"
-#include "scene/pose_input.h"
 #include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "scene/input.h"
+#include "scene/scene_input.h"
+#include "scene/yaml.h"
 
 namespace mneme {
 namespace {

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Frozen: whoever changes what is drawn here, or the order of it, raises kThreadedVersion.
-#include <cmath>
-#include <numbers>
+#include "mneme/instances.h"
+#include "mneme/learning.h"
 
 #include "learning/planar_chain.h"
 #include "learning/threaded.h"
-#include "mneme/instances.h"
-#include "mneme/learning.h"
+
+#include <cmath>
+#include <numbers>
 
 namespace mneme {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-#include <optional>
+#include "mneme/instances.h"
 
 #include <fmt/format.h>
 
-#include "mneme/instances.h"
+#include <cmath>
+#include <optional>
 
 namespace mneme {
 namespace {

@@ -4,7 +4,7 @@
 #include "mneme/learning.h"
 #include "scene/input.h"
 #include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 namespace mneme {
 namespace {

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <optional>
+#include "path/shortcut.h"
 
 #include "mneme/path.h"
+
 #include "path/path_conversion.h"
-#include "path/shortcut.h"
 #include "path/verify.h"
 #include "robot/joint_space.h"
+
+#include <algorithm>
+#include <optional>
 
 namespace mneme {
 namespace {

@@ -4,9 +4,9 @@
 /// Shortcuts within a time limit.
 #pragma once
 
-#include <functional>
-
 #include "mneme/path.h"
+
+#include <functional>
 
 namespace mneme::internal {
 

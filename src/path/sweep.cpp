@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "path/sweep.h"
 
+#include "robot/kinematics.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include "robot/kinematics.h"
 
 namespace mneme::internal {
 namespace {

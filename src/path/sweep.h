@@ -4,11 +4,11 @@
 /// Contact anywhere along a motion, not only at states of it.
 #pragma once
 
+#include "check/link_distances.h"
+
 #include <functional>
 #include <span>
 #include <vector>
-
-#include "check/link_distances.h"
 
 namespace mneme::internal {
 

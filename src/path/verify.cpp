@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "path/verify.h"
 
+#include "path/path_conversion.h"
+
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
-
-#include "path/path_conversion.h"
 
 namespace mneme {
 namespace internal {

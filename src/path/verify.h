@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mneme/path.h"
+
+#include "path/sweep.h"
+
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
-
-#include "mneme/path.h"
-#include "path/sweep.h"
 
 namespace mneme::internal {
 

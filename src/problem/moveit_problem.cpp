@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_problem.h"
 
-#include "problem/moveit_allowed.h"
-#include "problem/moveit_request.h"
-#include "problem/problem_robot.h"
-#include "scene/moveit_scene.h"
 #include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "problem/moveit_request.h"
+#include "problem/problem_input.h"
+#include "scene/moveit_scene.h"
+#include "scene/yaml.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/link_shapes.h"
 
-#include <algorithm>
+#include "robot/robot_tree.h"
 
-#include "robot/mimic.h"
+#include <algorithm>
 
 namespace mneme::internal {
 

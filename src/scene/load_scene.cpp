@@ -2,14 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
+#include "base/text_file.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
-#include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <filesystem>
 
 namespace mneme {
+
+Scene make_circle_scene(std::string name, const std::vector<std::array<double, 3>>& circles) {
+  Scene scene{std::move(name), {}};
+  for (const auto& [x, y, radius] : circles) {
+    scene.obstacles.push_back(
+        {"circle_" + std::to_string(scene.obstacles.size() + 1), {Sphere{{x, y, 0.0}, radius}}});
+  }
+  return scene;
+}
 
 namespace {
 

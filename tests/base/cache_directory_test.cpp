@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/cache_directory.h"
+#include "base/installation.h"
+#include "support/environment.h"
 
 #include <doctest/doctest.h>
-
-#include "support/environment.h"
 
 namespace mneme::test {
 TEST_SUITE("unit") {

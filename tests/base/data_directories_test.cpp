@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <filesystem>
-
 #include "support/environment.h"
 #include "support/support.h"
+
+#include <filesystem>
 
 namespace mneme {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text_file.h"
-
 #include "support/support.h"
 
 namespace mneme::test {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/utf8.h"
-
 #include "support/support.h"
 
 namespace mneme::test {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/support.h"
+
 #include <cctype>
 #include <string>
-
-#include "support/support.h"
 
 namespace mneme {
 

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/collision.h"
 
 #include "check/clearance.h"
-
-#include "mneme/collision.h"
 #include "report/report_support.h"
 
 #include <cmath>

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/contacts.h"
+#include "collision/random_worlds.h"
 
 #include <algorithm>
 #include <string>
 #include <vector>
-
-#include "collision/random_worlds.h"
 
 namespace mneme::test {
 namespace {

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/collision.h"
 
 #include "check/exact_checker.h"
-
-#include "mneme/collision.h"
 #include "support/support.h"
 
 namespace mneme {

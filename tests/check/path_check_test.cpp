@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/report.h"
 
 #include "report/report_support.h"

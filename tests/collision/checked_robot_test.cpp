@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/checked_robot.h"
-
+#include "collision/make_tables.h"
 #include "collision/random_worlds.h"
 
 namespace mneme::test {

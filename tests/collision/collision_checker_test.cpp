@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/collision.h"
 
+#include "collision/collision_kernels.h"
+#include "collision/random_worlds.h"
+
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include "collision/collision_kernels.h"
-#include "collision/random_worlds.h"
 
 namespace mneme::test {
 namespace {

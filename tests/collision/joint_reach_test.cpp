@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/joint_reach.h"
+#include "collision/make_tables.h"
+#include "collision/random_worlds.h"
 
 #include <algorithm>
-
-#include "collision/random_worlds.h"
-#include "collision/robot_tables.h"
 
 namespace mneme::test {
 namespace {

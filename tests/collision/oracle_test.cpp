@@ -4,15 +4,15 @@
 // Kernels against the exact contacts in double precision, and those against FCL.
 #include "mneme/collision.h"
 
+#include "collision/random_worlds.h"
+#include "geometry/fcl_shapes.h"
+
 #include <array>
 #include <cmath>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "collision/random_worlds.h"
-#include "geometry/fcl_shapes.h"
 
 namespace mneme::test {
 namespace {

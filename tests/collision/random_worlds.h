@@ -4,6 +4,14 @@
 /// Random robots, scenes and states, and what checkers say of them.
 #pragma once
 
+#include "mneme/collision.h"
+
+#include "check/contacts.h"
+#include "collision/clearance.h"
+#include "collision/make_tables.h"
+#include "geometry/random_shapes.h"
+#include "support/support.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,13 +19,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "collision/clearance.h"
-#include "collision/checked_robot.h"
-#include "check/contacts.h"
-#include "geometry/random_shapes.h"
-#include "mneme/collision.h"
-#include "support/support.h"
 
 namespace mneme::test {
 

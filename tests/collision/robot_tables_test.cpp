@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/robot_tables.h"
+#include "collision/make_tables.h"
+#include "collision/random_worlds.h"
 
 #include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
-
-#include "collision/random_worlds.h"
 
 namespace mneme::test {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/scene_tables.h"
-
-#include <cmath>
-#include <string>
+#include "collision/make_tables.h"
+#include "collision/random_worlds.h"
 
 #include <Eigen/Geometry>
 
-#include "collision/random_worlds.h"
+#include <cmath>
+#include <string>
 
 namespace mneme::test {
 namespace {

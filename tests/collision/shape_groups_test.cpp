@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/shape_groups.h"
+#include "geometry/random_shapes.h"
+#include "support/support.h"
 
 #include <algorithm>
 #include <vector>
-
-#include "geometry/random_shapes.h"
-#include "support/support.h"
 
 namespace mneme::test {
 namespace {

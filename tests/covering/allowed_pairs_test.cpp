@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/covering.h"
-
-#include <map>
 
 #include "covering/small_parts.h"
 #include "covering/solids.h"
+
+#include <map>
 
 namespace mneme::test {
 namespace {

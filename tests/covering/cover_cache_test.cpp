@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/cover_cache.h"
+#include "covering/cover_robot.h"
+#include "covering/solids.h"
 
 #include <filesystem>
-
-#include "covering/solids.h"
 
 namespace mneme::test {
 namespace {

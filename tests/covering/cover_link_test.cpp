@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/covering.h"
 
-#include <limits>
-
 #include "covering/solids.h"
+
+#include <limits>
 
 namespace mneme::test {
 namespace {

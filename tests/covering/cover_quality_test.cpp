@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/cover_quality.h"
-
+#include "covering/cover_solid.h"
 #include "covering/solids.h"
 
 namespace mneme::test {

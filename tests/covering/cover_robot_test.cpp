@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "covering/cover_robot.h"
-
-#include <filesystem>
-
 #include "covering/small_parts.h"
 #include "covering/solids.h"
+
+#include <filesystem>
 
 namespace mneme::test {
 namespace {

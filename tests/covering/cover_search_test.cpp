@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "covering/cover_search.h"
-
 #include "covering/solids.h"
 
 namespace mneme::test {

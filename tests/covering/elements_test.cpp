@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/elements.h"
-
-#include "covering/cover_quality.h"
+#include "covering/cover_search.h"
+#include "covering/cover_solid.h"
 #include "covering/solids.h"
 
 namespace mneme::test {

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "covering/allowed_pairs.h"
 #include "support/support.h"
-
-#include "covering/inseparable_pairs.h"
 
 namespace mneme::test {
 namespace {

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/link_surface.h"
+#include "covering/solids.h"
+#include "covering/triangle_mesh.h"
 
 #include <limits>
-
-#include "covering/solids.h"
 
 namespace mneme::test {
 namespace {

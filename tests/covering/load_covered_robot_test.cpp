@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/covering.h"
-
-#include <filesystem>
 
 #include "covering/solids.h"
 #include "support/environment.h"
+
+#include <filesystem>
 
 namespace mneme::test {
 namespace {

@@ -1,8 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/refine.h"
-
 #include "covering/cover_search.h"
 #include "covering/solids.h"
 

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
+#include "covering/small_parts.h"
 #include "covering/touching.h"
 
 #include <cmath>
-
-#include "covering/small_parts.h"
 
 namespace mneme::test {
 namespace {

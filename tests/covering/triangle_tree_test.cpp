@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
-#include "covering/triangle_tree.h"
-
 #include "covering/solids.h"
+#include "covering/triangle_tree.h"
 
 namespace mneme::test {
 namespace {

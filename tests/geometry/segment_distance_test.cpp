@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <doctest/doctest.h>
-
 #include "mneme/geometry.h"
 
 #include "geometry/fcl_shapes.h"
 #include "geometry/random_shapes.h"
+
+#include <doctest/doctest.h>
 
 namespace mneme::test {
 namespace {

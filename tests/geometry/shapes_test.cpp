@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <numbers>
-
-#include <doctest/doctest.h>
-
 #include "mneme/geometry.h"
 
 #include "geometry/random_shapes.h"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
 
 namespace mneme::test {
 namespace {

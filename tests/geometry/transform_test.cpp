@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <numbers>
-
-#include <doctest/doctest.h>
-#include <Eigen/Geometry>
-
 #include "mneme/geometry.h"
 
 #include "geometry/random_shapes.h"
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include <numbers>
 
 namespace mneme::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/close_names.h"
+#include "problem/compact_file.h"
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/compact_file.h"
+#include "support/support.h"
 
 #include <algorithm>
-
-#include "support/support.h"
 
 namespace mneme::test {
 namespace {

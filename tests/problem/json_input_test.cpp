@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/json_input.h"
+#include "mneme/base.h"
 
-#include <cstdint>
+#include "problem/compact_file.h"
 
 #include <doctest/doctest.h>
 
-#include "mneme/base.h"
+#include <cstdint>
 
 namespace mneme::test {
 namespace {

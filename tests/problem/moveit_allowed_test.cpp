@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/moveit_allowed.h"
-
+#include "problem/moveit_request.h"
 #include "problem/small_robots.h"
 #include "scene/read_yaml.h"
 #include "support/support.h"

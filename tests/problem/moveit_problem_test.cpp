@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/moveit_problem.h"
-
 #include "problem/moveit_files.h"
+#include "problem/moveit_problem.h"
 #include "scene/read_yaml.h"
 
 namespace mneme::test {

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/problem_robot.h"
-
+#include "problem/problem_input.h"
 #include "problem/small_robots.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 #include "support/support.h"
 
 namespace mneme::test {

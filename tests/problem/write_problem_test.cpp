@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/problem.h"
 
-#include <limits>
-
 #include "problem/small_robots.h"
 #include "support/support.h"
+
+#include <limits>
 
 namespace mneme::test {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <string>
-
 #include "robot/small_robots.h"
 #include "support/environment.h"
 #include "support/support.h"
+
+#include <string>
 
 namespace mneme {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/joint_space.h"
+#include "robot/small_robots.h"
 
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "robot/small_robots.h"
 
 namespace mneme::test {
 namespace {

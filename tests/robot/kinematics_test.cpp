@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/kinematics.h"
+#include "robot/small_robots.h"
+#include "support/support.h"
 
 #include <cmath>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 

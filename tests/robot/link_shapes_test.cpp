@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/link_shapes.h"
+#include "support/support.h"
 
 #include <numbers>
-
-#include "support/support.h"
 
 namespace mneme::test {
 

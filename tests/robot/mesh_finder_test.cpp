@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/mesh_finder.h"
+#include "robot/small_robots.h"
+#include "support/environment.h"
+#include "support/support.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/environment.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/mimic.h"
+#include "robot/robot_tree.h"
+#include "robot/small_robots.h"
+#include "support/support.h"
 
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/robot_hash.h"
+#include "robot/robot_facts.h"
+#include "robot/small_robots.h"
+#include "support/support.h"
 
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The robots that come with mneme, against facts about their kinematics (see robots/SOURCE.md).
-#include <algorithm>
-#include <string>
-#include <vector>
+#include "robot/small_robots.h"
+#include "support/support.h"
 
 #include <Eigen/Geometry>
 
-#include "robot/small_robots.h"
-#include "support/support.h"
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace mneme {
 namespace {

@@ -4,10 +4,10 @@
 /// Robots made of parts for the tests of this room.
 #pragma once
 
+#include "support/support.h"
+
 #include <numbers>
 #include <string>
-
-#include "support/support.h"
 
 namespace mneme::test {
 

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "robot/robot_tree.h"
+#include "robot/small_robots.h"
 #include "robot/srdf.h"
+#include "support/support.h"
 
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "robot/robot_tree.h"
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

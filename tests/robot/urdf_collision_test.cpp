@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/urdf_collision.h"
+#include "robot/small_robots.h"
+#include "robot/urdf_reader.h"
+#include "support/support.h"
 
 #include <string>
 #include <variant>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

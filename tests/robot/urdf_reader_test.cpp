@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <string>
-#include <vector>
-
 #include "robot/small_robots.h"
 #include "support/support.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <string>
-#include <vector>
-
 #include "robot/small_robots.h"
 #include "robot/srdf.h"
 #include "support/support.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme {
 namespace {

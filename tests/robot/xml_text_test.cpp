@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/xml_text.h"
+#include "robot/small_robots.h"
+#include "robot/write_robot.h"
+#include "support/support.h"
 
 #include <string>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/input.h"
-
-#include <cmath>
+#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
 
-#include "scene/yaml_input.h"
+#include <cmath>
 
 namespace mneme::test {
 namespace {

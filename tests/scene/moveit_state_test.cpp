@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/moveit_state.h"
+#include "scene/moveit_messages.h"
+#include "scene/read_yaml.h"
 
 #include <doctest/doctest.h>
-
-#include "scene/read_yaml.h"
 
 namespace mneme::test {
 namespace {

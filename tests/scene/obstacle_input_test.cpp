@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/obstacle_input.h"
+#include "scene/scene_input.h"
+#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
-
-#include "scene/yaml_input.h"
 
 namespace mneme::test {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/pose_input.h"
+#include "scene/read_yaml.h"
+#include "scene/scene_input.h"
 
 #include <doctest/doctest.h>
-
-#include "scene/read_yaml.h"
 
 namespace mneme::test {
 namespace {

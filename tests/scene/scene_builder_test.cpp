@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/scene_builder.h"
+#include "scene/scene_input.h"
 
 #include <doctest/doctest.h>
 

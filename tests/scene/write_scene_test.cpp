@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
-#include <doctest/doctest.h>
-
 #include "geometry/random_shapes.h"
+
+#include <doctest/doctest.h>
 
 namespace mneme::test {
 namespace {

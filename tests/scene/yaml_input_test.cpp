@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
 

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/yaml_text.h"
+#include "mneme/base.h"
 
-#include <cmath>
-#include <vector>
+#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
 
-#include "mneme/base.h"
-#include "scene/yaml_input.h"
+#include <cmath>
+#include <vector>
 
 namespace mneme::test {
 namespace {

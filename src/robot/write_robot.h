@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Values as they stand in XML.
+/// Values as they stand in the XML of URDF and SRDF.
 #pragma once
+
+#include "mneme/geometry.h"
 
 #include <string>
 #include <string_view>
-
-#include "mneme/geometry.h"
 
 namespace mneme::internal {
 

@@ -1,14 +1,20 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Values as YAML text that reads back to the same values.
+/// YAML text as a tree of input values, and values as YAML text.
 #pragma once
+
+#include "scene/input.h"
 
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace mneme::internal {
+
+/// The one document of `yaml`; `source` names it in messages. Throws InputFailure, also for a
+/// doubled key and for aliases that expand to more than a few million values.
+[[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// The shortest digits that read back to `value`; .inf and .nan for what is not finite.
 [[nodiscard]] std::string yaml_number(double value);

@@ -1,18 +1,25 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The state of a robot in MoveIt's messages.
+/// Poses, robot states and collision objects in MoveIt's messages.
 #pragma once
+
+#include "mneme/geometry.h"
+#include "mneme/scene.h"
+
+#include "scene/input.h"
 
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "mneme/geometry.h"
-#include "scene/input.h"
-
 namespace mneme::internal {
+
+/// The keys `position` and `orientation`, which may be missing. Throws InputFailure.
+[[nodiscard]] Transform read_moveit_pose(const Input& input);
+/// The keys `translation` and `rotation`. Throws InputFailure.
+[[nodiscard]] Transform read_moveit_transform(const Input& input);
 
 struct MoveitState {
   std::map<std::string, double> positions;  ///< by joint
@@ -30,5 +37,15 @@ struct MoveitState {
 [[nodiscard]] MoveitState read_moveit_state(const Input& input);
 /// `state` with what `difference` says instead.
 [[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
+
+struct MoveitObject {
+  Obstacle obstacle;  ///< in `frame`
+  std::string frame;
+  Input place;
+};
+
+/// The list `collision_objects` of `world`. Throws InputFailure; what is no box, sphere or cylinder
+/// is refused by name.
+[[nodiscard]] std::vector<MoveitObject> read_moveit_objects(const Input& world);
 
 }  // namespace mneme::internal

@@ -1,15 +1,24 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What all checkers of one robot share, whatever the scene.
+/// Builds the kernels' tables of robots and scenes.
 #pragma once
 
-#include <memory>
+#include "mneme/robot.h"
+#include "mneme/scene.h"
 
 #include "check/link_distances.h"
 #include "collision/tables.h"
 
+#include <memory>
+
 namespace mneme::internal {
+
+/// Error: more joints than the kernels can hold.
+[[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
+
+/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size.
+[[nodiscard]] Result<SceneTables> make_scene_tables(const Scene& scene);
 
 struct CheckedRobot {
   RobotTables tables;

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+/// Pairs of links that need no check.
 #pragma once
+
+#include "mneme/robot.h"
 
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 
