@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/as_index.h"
 #include "collision/joint_reach.h"
 #include "collision/make_tables.h"
 #include "collision/shape_groups.h"
@@ -20,8 +21,6 @@ namespace {
 constexpr double kSweep = 0.15;
 /// Two bodies are one if that meets at most so many times what their own balls do.
 constexpr double kMergeRatio = 1.0;
-
-std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
 void store(const Vec3& v, float* out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);

@@ -4,6 +4,7 @@
 
 #include "mneme/covering.h"
 
+#include "base/as_index.h"
 #include "check/link_distances.h"
 #include "robot/link_shapes.h"
 #include "robot/planning_group.h"
@@ -44,9 +45,8 @@ std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Ro
 namespace mneme {
 namespace {
 
+using internal::as_index;
 using Pair = std::pair<int, int>;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// The robot with all joints that have a value of their own.
 Result<Robot> make_whole(const Robot::Parts& parts) {
@@ -68,24 +68,24 @@ class Adjacency {
     std::set<int> solid = {0};
     const auto joints = robot.joints();
     for (const Joint& joint : joints) {
-      bodies_[at(joint.child_link)] =
-          joint.type == JointType::fixed ? bodies_[at(joint.parent_link)] : joint.child_link;
+      bodies_[as_index(joint.child_link)] =
+          joint.type == JointType::fixed ? bodies_[as_index(joint.parent_link)] : joint.child_link;
     }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (internal::has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
     }
     for (const Joint& joint : joints) {
-      int above = bodies_[at(joint.parent_link)];
+      int above = bodies_[as_index(joint.parent_link)];
       while (!solid.contains(above)) {
-        const int up = robot.links()[at(above)].parent_joint;
-        above = bodies_[at(joints[at(up)].parent_link)];
+        const int up = robot.links()[as_index(above)].parent_joint;
+        above = bodies_[as_index(joints[as_index(up)].parent_link)];
       }
-      neighbours_.insert(std::minmax({above, bodies_[at(joint.child_link)]}));
+      neighbours_.insert(std::minmax({above, bodies_[as_index(joint.child_link)]}));
     }
   }
 
   [[nodiscard]] bool are_adjacent(int first, int second) const {
-    const Pair pair = std::minmax({bodies_[at(first)], bodies_[at(second)]});
+    const Pair pair = std::minmax({bodies_[as_index(first)], bodies_[as_index(second)]});
     return pair.first == pair.second || neighbours_.contains(pair);
   }
 
@@ -107,8 +107,8 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   const int count = static_cast<int>(robot.links().size());
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
-      if (internal::has_shapes(robot.links()[at(i)]) &&
-          internal::has_shapes(robot.links()[at(j)])) {
+      if (internal::has_shapes(robot.links()[as_index(i)]) &&
+          internal::has_shapes(robot.links()[as_index(j)])) {
         pairs.emplace_back(i, j);
       }
     }
@@ -121,16 +121,16 @@ void sample(const Robot& robot, const PairSettings& settings, std::vector<Record
   const auto touch = [&](const internal::PosedLinks& posed, const Pair& pair) {
     return links.between(posed, pair.first, pair.second, 0) <= 0;
   };
-  const Configuration rest = robot.normalized(Configuration(at(robot.joint_count()), 0.0));
+  const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
   const internal::PosedLinks at_rest = links.posed(robot.link_poses(rest));
   for (Record& record : records) record.touches_at_rest = touch(at_rest, record.links);
   Rng rng(settings.seed);
   std::vector<Record*> open;
   for (Record& record : records) open.push_back(&record);
-  Configuration q(at(robot.joint_count()));
+  Configuration q(as_index(robot.joint_count()));
   for (int i = 0; i < settings.samples && !open.empty(); ++i) {
     for (int j = 0; j < robot.joint_count(); ++j) {
-      q[at(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
+      q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
     }
     const internal::PosedLinks posed = links.posed(robot.link_poses(q));
     for (Record* record : open) {
@@ -187,7 +187,7 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
       reason = reason_for(*record++, settings.allow_at_rest);
     }
     if (!reason) continue;
-    const auto name = [&](int link) { return robot->links()[at(link)].name; };
+    const auto name = [&](int link) { return robot->links()[as_index(link)].name; };
     allowed.push_back({name(pair.first), name(pair.second), *reason});
   }
   return allowed;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/cover_search.h"
 
+#include "base/as_index.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -92,8 +94,6 @@ namespace {
 
 using Indices = std::vector<int>;
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 /// The state of the search: which proposals are chosen, and how many of them hold each piece.
 class CoverSearch {
  public:
@@ -101,15 +101,16 @@ class CoverSearch {
       : proposals_(std::move(proposals)), holders_(elements.size()), rng_(rng) {
     for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
       for (int p = 0; p < static_cast<int>(proposals_.size()); ++p) {
-        if (elements[at(e)].is_within(proposals_[at(p)])) holders_[at(e)].push_back(p);
+        if (elements[as_index(e)].is_within(proposals_[as_index(p)]))
+          holders_[as_index(e)].push_back(p);
       }
-      if (!holders_[at(e)].empty()) continue;
-      holders_[at(e)].push_back(static_cast<int>(proposals_.size()));
-      proposals_.push_back(elements[at(e)].bound);
+      if (!holders_[as_index(e)].empty()) continue;
+      holders_[as_index(e)].push_back(static_cast<int>(proposals_.size()));
+      proposals_.push_back(elements[as_index(e)].bound);
     }
     held_.resize(proposals_.size());
     for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-      for (const int p : holders_[at(e)]) held_[at(p)].push_back(e);
+      for (const int p : holders_[as_index(e)]) held_[as_index(p)].push_back(e);
     }
     counts_.assign(elements.size(), 0);
     gains_.assign(proposals_.size(), 0);
@@ -127,17 +128,17 @@ class CoverSearch {
     }
     std::ranges::sort(chosen_);
     std::vector<Sphere> spheres;
-    for (const int p : chosen_) spheres.push_back(proposals_[at(p)]);
+    for (const int p : chosen_) spheres.push_back(proposals_[as_index(p)]);
     return spheres;
   }
 
  private:
   void choose(int proposal) {
     chosen_.push_back(proposal);
-    for (const int e : held_[at(proposal)]) ++counts_[at(e)];
+    for (const int e : held_[as_index(proposal)]) ++counts_[as_index(e)];
   }
   void discard(std::size_t position) {
-    for (const int e : held_[at(chosen_[position])]) --counts_[at(e)];
+    for (const int e : held_[as_index(chosen_[position])]) --counts_[as_index(e)];
     chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(position));
   }
   void restore(const Indices& chosen) {
@@ -148,9 +149,10 @@ class CoverSearch {
   /// A random sphere and its nearest neighbours.
   void take_some_away() {
     const Vec3 center =
-        proposals_[at(chosen_[rng_.index(static_cast<std::uint32_t>(chosen_.size()))])].center;
+        proposals_[as_index(chosen_[rng_.index(static_cast<std::uint32_t>(chosen_.size()))])]
+            .center;
     std::ranges::sort(chosen_, {}, [&](int p) {
-      return std::pair((proposals_[at(p)].center - center).squaredNorm(), p);
+      return std::pair((proposals_[as_index(p)].center - center).squaredNorm(), p);
     });
     const std::size_t count = std::min<std::size_t>(2 + rng_.index(4), chosen_.size());
     for (std::size_t i = count; i > 0; --i) discard(i - 1);
@@ -164,14 +166,14 @@ class CoverSearch {
       if (counts_[e] > 0) continue;
       ++bare;
       steps_ += 2 * static_cast<std::int64_t>(holders_[e].size());
-      for (const int p : holders_[e]) ++gains_[at(p)];
+      for (const int p : holders_[e]) ++gains_[as_index(p)];
     }
     while (bare > 0) {
       const int best = most_useful(noise);
-      for (const int e : held_[at(best)]) {
-        if (counts_[at(e)] > 0) continue;
+      for (const int e : held_[as_index(best)]) {
+        if (counts_[as_index(e)] > 0) continue;
         --bare;
-        for (const int p : holders_[at(e)]) --gains_[at(p)];
+        for (const int p : holders_[as_index(e)]) --gains_[as_index(p)];
       }
       choose(best);
     }
@@ -193,8 +195,9 @@ class CoverSearch {
 
   void drop_needless() {
     for (std::size_t i = chosen_.size(); i > 0; --i) {
-      const auto& held = held_[at(chosen_[i - 1])];
-      if (std::ranges::all_of(held, [&](int e) { return counts_[at(e)] > 1; })) discard(i - 1);
+      const auto& held = held_[as_index(chosen_[i - 1])];
+      if (std::ranges::all_of(held, [&](int e) { return counts_[as_index(e)] > 1; }))
+        discard(i - 1);
     }
   }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/robot_facts.h"
 
+#include "base/as_index.h"
 #include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 #include "robot/robot_tree.h"
@@ -58,15 +59,13 @@ bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// The body of each link: the index of the body's topmost link.
 std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
                       const std::vector<bool>& is_moving) {
   std::vector<int> bodies(links.size(), 0);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    bodies[at(joints[i].child_link)] =
-        is_moving[i] ? joints[i].child_link : bodies[at(joints[i].parent_link)];
+    bodies[as_index(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
   }
   return bodies;
 }
@@ -80,8 +79,8 @@ LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> jo
   std::set<std::pair<int, int>> joined;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!is_moving[i]) continue;
-    joined.insert(
-        std::minmax({bodies[at(joints[i].parent_link)], bodies[at(joints[i].child_link)]}));
+    joined.insert(std::minmax(
+        {bodies[as_index(joints[i].parent_link)], bodies[as_index(joints[i].child_link)]}));
   }
   LinkPairs neighbours;
   for (std::size_t a = 0; a < links.size(); ++a) {
