@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/geometry.h"
-
-#include "geometry/nearest_point.h"
+#include "geometry/solids.h"
 
 #include <Eigen/Geometry>
 
@@ -42,27 +40,29 @@ Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return nearest;
 }
 
+struct NearestPoint {
+  const Vec3& p;
+  Vec3 operator()(const Sphere& s) const {
+    const Vec3 out = p - s.center;
+    const double length = out.norm();
+    return length <= s.radius ? p : Vec3(s.center + s.radius / length * out);
+  }
+  Vec3 operator()(const Box& s) const {
+    return p - s.pose.rotation * excess_of_box(s.pose.inverse() * p, s.half_extents);
+  }
+  Vec3 operator()(const Cylinder& s) const {
+    return p - s.pose.rotation * excess_of_cylinder(s.pose.inverse() * p, s.radius, s.length);
+  }
+  Vec3 operator()(const Capsule& s) const {
+    const Vec3 out = excess_of_segment(p, s.a, s.b);
+    const double length = out.norm();
+    return length <= s.radius ? p : Vec3(p - (1 - s.radius / length) * out);
+  }
+};
+
 }  // namespace
 
-Vec3 nearest_point(const Vec3& p, const Shape& shape) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-    const Vec3 out = p - sphere->center;
-    const double length = out.norm();
-    return length <= sphere->radius ? p : Vec3(sphere->center + sphere->radius / length * out);
-  }
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
-    const Vec3 out = excess_of_segment(p, capsule->a, capsule->b);
-    const double length = out.norm();
-    return length <= capsule->radius ? p : Vec3(p - (1 - capsule->radius / length) * out);
-  }
-  if (const auto* box = std::get_if<Box>(&shape)) {
-    const Vec3 local = box->pose.inverse() * p;
-    return p - box->pose.rotation * excess_of_box(local, box->half_extents);
-  }
-  const auto& cylinder = std::get<Cylinder>(shape);
-  const Vec3 local = cylinder.pose.inverse() * p;
-  return p - cylinder.pose.rotation * excess_of_cylinder(local, cylinder.radius, cylinder.length);
-}
+Vec3 nearest_point(const Vec3& p, const Shape& shape) { return std::visit(NearestPoint{p}, shape); }
 
 }  // namespace mneme::internal
 

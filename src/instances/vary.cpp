@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/instances.h"
 
+#include "geometry/solids.h"
+
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <optional>
 
 namespace mneme {
@@ -23,59 +25,12 @@ Vec3 draw_vector(const Spread& spread, Rng& rng) {
   return numbers.size() == 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : Vec3(Vec3::Zero());
 }
 
-/// How many numbers describe the size of a shape, and references to them.
-std::vector<double*> sizes(Shape& shape) {
-  if (auto* box = std::get_if<Box>(&shape)) {
-    double* half = box->half_extents.data();
-    return {half, half + 1, half + 2};
-  }
-  if (auto* cylinder = std::get_if<Cylinder>(&shape)) return {&cylinder->radius, &cylinder->length};
-  if (auto* sphere = std::get_if<Sphere>(&shape)) return {&sphere->radius};
-  return {&std::get<Capsule>(shape).radius};
-}
-
-/// A capsule's length is the distance of its ends: it grows at both.
-void lengthen(Capsule& capsule, double length) {
-  const Vec3 middle = 0.5 * (capsule.a + capsule.b);
-  const Vec3 along = capsule.b - capsule.a;
-  const Vec3 direction = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ());
-  capsule.a = middle - 0.5 * length * direction;
-  capsule.b = middle + 0.5 * length * direction;
-}
-
-/// Adds `numbers` to the sizes of `shape`; false if one is not positive then.
-bool resize(Shape& shape, const std::vector<double>& numbers) {
-  const std::vector<double*> own = sizes(shape);
-  const double share = std::holds_alternative<Box>(shape) ? 0.5 : 1.0;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    *own[i] += share * numbers[i];
-    if (*own[i] <= 0) return false;
-  }
-  if (auto* capsule = std::get_if<Capsule>(&shape)) {
-    const double length = (capsule->b - capsule->a).norm() + numbers[1];
-    if (length <= 0) return false;
-    lengthen(*capsule, length);
-  }
-  return true;
-}
-
-std::size_t size_count(const Shape& shape) {
-  Shape copy = shape;
-  return std::holds_alternative<Capsule>(shape) ? 2 : sizes(copy).size();
-}
-
-Shape scaled(const Shape& shape, const Vec3& about, double factor) {
-  Shape result = shape;
-  for (double* size : sizes(result)) *size *= factor;
-  const auto move = [&](Vec3& point) { point = about + factor * (point - about); };
-  if (auto* box = std::get_if<Box>(&result)) move(box->pose.translation);
-  if (auto* cylinder = std::get_if<Cylinder>(&result)) move(cylinder->pose.translation);
-  if (auto* sphere = std::get_if<Sphere>(&result)) move(sphere->center);
-  if (auto* capsule = std::get_if<Capsule>(&result)) {
-    move(capsule->a);
-    move(capsule->b);
-  }
-  return result;
+/// `shape` with `numbers` added to its sizes; nothing if one is not positive then.
+std::optional<Shape> grown(const Shape& shape, const std::vector<double>& numbers) {
+  std::vector<double> sizes = internal::sizes_of(shape);
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] += numbers[i];
+  const bool is_positive = std::ranges::all_of(sizes, [](double size) { return size > 0; });
+  return is_positive ? std::optional(internal::resized(shape, sizes)) : std::nullopt;
 }
 
 constexpr int kMostTries = 1000;
@@ -123,7 +78,7 @@ class Motion {
 
   void apply(Obstacle& obstacle) const {
     for (Shape& shape : obstacle.shapes) {
-      if (factor_ != 1) shape = scaled(shape, center_, factor_);
+      if (factor_ != 1) shape = internal::scaled(shape, center_, factor_);
       shape = transformed(X_, shape);
     }
   }
@@ -153,14 +108,17 @@ Result<void> vary_size(const Variation& variation, Rng& rng, Obstacle& obstacle)
                             obstacle.shapes.size()));
   }
   const Shape nominal = obstacle.shapes.front();
-  if (variation.size.values.size() != size_count(nominal)) {
-    return fail(ErrorCode::invalid, fmt::format("its size has {} numbers; expected {} for a {}",
-                                                variation.size.values.size(), size_count(nominal),
-                                                shape_name(nominal)));
+  const std::size_t count = internal::sizes_of(nominal).size();
+  if (variation.size.values.size() != count) {
+    return fail(ErrorCode::invalid,
+                fmt::format("its size has {} numbers; expected {} for a {}",
+                            variation.size.values.size(), count, shape_name(nominal)));
   }
   for (int i = 0; i < kMostTries; ++i) {
-    obstacle.shapes.front() = nominal;
-    if (resize(obstacle.shapes.front(), draw(variation.size, rng))) return {};
+    if (const auto shape = grown(nominal, draw(variation.size, rng))) {
+      obstacle.shapes.front() = *shape;
+      return {};
+    }
   }
   return fail(ErrorCode::invalid, "its size leaves no positive one");
 }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/problem.h"
 
+#include "scene/shape_fields.h"
 #include "scene/yaml.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -63,36 +63,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-
-void add_pose(Json& json, const Transform& X) {
-  const Eigen::Quaterniond q(X.rotation);
-  json["p"] = point(X.translation);
-  json["q"] = {q.w(), q.x(), q.y(), q.z()};
-}
-
-struct Describe {
-  Json& json;
-  void operator()(const Sphere& s) const {
-    json["p"] = point(s.center);
-    json["radius"] = s.radius;
-  }
-  void operator()(const Box& s) const {
-    add_pose(json, s.pose);
-    json["size"] = point(2.0 * s.half_extents);
-  }
-  void operator()(const Cylinder& s) const {
-    add_pose(json, s.pose);
-    json["radius"] = s.radius;
-    json["length"] = s.length;
-  }
-  void operator()(const Capsule& s) const {
-    json["a"] = point(s.a);
-    json["b"] = point(s.b);
-    json["radius"] = s.radius;
-  }
-};
-
 }  // namespace
 
 std::string to_compact_json(const FramedScene& framed) {
@@ -101,7 +71,10 @@ std::string to_compact_json(const FramedScene& framed) {
     for (const Shape& shape : obstacle.shapes) {
       Json json = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name},
                    {"type", shape_name(shape)}};
-      std::visit(Describe{json}, shape);
+      for (const internal::ShapeField& field :
+           internal::shape_fields(shape, internal::kCompactSpelling)) {
+        json[std::string(field.key)] = field.is_list ? Json(field.values) : Json(field.values[0]);
+      }
       obstacles.push_back(std::move(json));
     }
   }

@@ -68,98 +68,7 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
 
 Scene SceneBuilder::take(std::string name) { return {std::move(name), std::move(obstacles_)}; }
 
-Vec3 read_point(const Input& input) {
-  const std::vector<double> p = input.finite_numbers(3, "x, y, z in metres");
-  return {p[0], p[1], p[2]};
-}
-
-Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first) {
-  const std::vector<double> q = input.finite_numbers(
-      4, is_scalar_first ? "a quaternion w, x, y, z" : "a quaternion x, y, z, w");
-  return is_scalar_first ? rotation_of(input, {q[1], q[2], q[3], q[0]})
-                         : rotation_of(input, {q[0], q[1], q[2], q[3]});
-}
-
-Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw) {
-  constexpr double kLeastNorm = 1e-6;
-  const auto [x, y, z, w] = xyzw;
-  if (std::hypot(std::hypot(x, y), std::hypot(z, w)) < kLeastNorm) {
-    input.fail(ErrorCode::parse, "expected a quaternion that is not zero");
-  }
-  return rotation_from_quaternion(w, x, y, z);
-}
-
 namespace {
-
-/// Reads the shape of one obstacle, and refuses keys that its type does not have.
-class ShapeReader {
- public:
-  ShapeReader(const Input& input, const ObstacleSpelling& spelling)
-      : input_(input), spelling_(spelling) {}
-
-  Shape read() const {
-    const Input type = input_.at("type");
-    const std::string name = type.is_text() ? type.text() : "";
-    if (name == "sphere") return read_sphere();
-    if (name == "box") return read_box();
-    if (name == "cylinder") return read_cylinder();
-    if (name == "capsule") return read_capsule();
-    type.fail_expecting("sphere, box, cylinder or capsule");
-  }
-
- private:
-  void allow_posed(std::initializer_list<std::string_view> sizes) const {
-    std::vector<std::string_view> keys = {"name", "body", "type", spelling_.position,
-                                          spelling_.quaternion};
-    keys.insert(keys.end(), sizes);
-    input_.allow_keys(keys);
-  }
-
-  Transform read_pose() const {
-    Transform pose;
-    pose.translation = read_point(input_.at(spelling_.position));
-    if (const auto quaternion = input_.find(spelling_.quaternion)) {
-      pose.rotation = read_rotation(*quaternion, spelling_.is_scalar_first);
-    }
-    return pose;
-  }
-
-  double read_size(std::string_view key) const { return input_.at(key).positive_number(); }
-
-  Shape read_sphere() const {
-    allow_posed({"radius"});
-    return Sphere{read_pose().translation, read_size("radius")};
-  }
-
-  Shape read_box() const {
-    allow_posed({"size"});
-    const Input size = input_.at("size");
-    const std::vector<double> extents = size.finite_numbers(3, "full extents in metres");
-    for (const Input& extent : size.items()) {
-      static_cast<void>(extent.positive_number());
-    }
-    return Box{read_pose(), 0.5 * Vec3(extents[0], extents[1], extents[2])};
-  }
-
-  Shape read_cylinder() const {
-    allow_posed({"radius", "length"});
-    return Cylinder{read_pose(), read_size("radius"), read_size("length")};
-  }
-
-  Shape read_capsule() const {
-    if (input_.find("a") || input_.find("b")) {
-      input_.allow_keys({"name", "body", "type", "a", "b", "radius"});
-      return Capsule{read_point(input_.at("a")), read_point(input_.at("b")), read_size("radius")};
-    }
-    allow_posed({"radius", "length"});
-    const Transform pose = read_pose();
-    const Vec3 to_end = 0.5 * read_size("length") * Vec3::UnitZ();
-    return Capsule{pose * Vec3(-to_end), pose * to_end, read_size("radius")};
-  }
-
-  const Input& input_;
-  const ObstacleSpelling& spelling_;
-};
 
 std::string read_name(const Input& input, std::string_view key) {
   const auto name = input.find(key);
@@ -183,7 +92,7 @@ void add(const Input& input, const std::string& name, const std::string& body, c
 
 void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene) {
   for (const Input& input : list.items()) {
-    const Shape shape = ShapeReader(input, spelling).read();
+    const Shape shape = read_shape(input, spelling);
     add(input, read_name(input, "name"), read_name(input, "body"), shape, scene);
   }
 }

@@ -4,17 +4,16 @@
 /// Scenes as they stand in scene files, inside problem files and in compact files.
 #pragma once
 
-#include "mneme/geometry.h"
 #include "mneme/scene.h"
 
 #include "scene/input.h"
+#include "scene/shape_fields.h"
 
 #include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 namespace mneme::internal {
 
@@ -36,22 +35,6 @@ class SceneBuilder {
   std::set<std::string> names_;                ///< of shapes
   std::map<std::string, std::size_t> bodies_;  ///< positions of composite obstacles
 };
-
-/// Three finite numbers. Throws InputFailure.
-[[nodiscard]] Vec3 read_point(const Input& input);
-/// A quaternion that need not have unit length. Throws InputFailure.
-[[nodiscard]] Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first);
-/// The rotation of x, y, z, w, which `input` has; it fails if they are all zero.
-[[nodiscard]] Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw);
-
-/// How the two kinds of files spell a pose.
-struct ObstacleSpelling {
-  std::string_view position;
-  std::string_view quaternion;
-  bool is_scalar_first = false;  ///< order of the quaternion
-};
-inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false};
-inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true};
 
 /// Adds the obstacles of a list of maps. Throws InputFailure.
 void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene);

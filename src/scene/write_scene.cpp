@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
+#include "scene/shape_fields.h"
 #include "scene/yaml.h"
 
 #include <Eigen/Geometry>
@@ -12,34 +13,11 @@
 namespace mneme {
 namespace {
 
-std::string number(double value) { return internal::yaml_number(value); }
-
-std::string point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
-
-std::string pose(const Transform& X) {
-  std::string text = "position: " + point(X.translation);
-  if (X.rotation != Eigen::Matrix3d::Identity()) {
-    const Eigen::Vector4d xyzw = Eigen::Quaterniond(X.rotation).coeffs();
-    text += ", quat_xyzw: " + internal::yaml_numbers({xyzw.data(), 4});
-  }
-  return text;
+std::string to_text(const internal::ShapeField& field) {
+  return fmt::format("{}: {}", field.key,
+                     field.is_list ? internal::yaml_numbers(field.values)
+                                   : internal::yaml_number(field.values[0]));
 }
-
-struct DescribeShape {
-  std::string operator()(const Sphere& s) const {
-    return fmt::format("position: {}, radius: {}", point(s.center), number(s.radius));
-  }
-  std::string operator()(const Box& s) const {
-    return fmt::format("{}, size: {}", pose(s.pose), point(2.0 * s.half_extents));
-  }
-  std::string operator()(const Cylinder& s) const {
-    return fmt::format("{}, radius: {}, length: {}", pose(s.pose), number(s.radius),
-                       number(s.length));
-  }
-  std::string operator()(const Capsule& s) const {
-    return fmt::format("a: {}, b: {}, radius: {}", point(s.a), point(s.b), number(s.radius));
-  }
-};
 
 }  // namespace
 
@@ -49,9 +27,13 @@ std::string to_yaml(const Scene& scene) {
   for (const Obstacle& obstacle : scene.obstacles) {
     const char* naming_key = obstacle.shapes.size() == 1 ? "name" : "body";
     for (const Shape& shape : obstacle.shapes) {
-      text += fmt::format("  - {{{}: {}, type: {}, {}}}\n", naming_key,
-                          internal::yaml_string(obstacle.name), shape_name(shape),
-                          std::visit(DescribeShape{}, shape));
+      text += fmt::format("  - {{{}: {}, type: {}", naming_key,
+                          internal::yaml_string(obstacle.name), shape_name(shape));
+      for (const internal::ShapeField& field :
+           internal::shape_fields(shape, internal::kSceneSpelling)) {
+        text += ", " + to_text(field);
+      }
+      text += "}\n";
     }
   }
   return text;

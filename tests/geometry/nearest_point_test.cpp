@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/nearest_point.h"
+#include "geometry/solids.h"
 #include "geometry/random_shapes.h"
 #include "support/support.h"
 
