@@ -6,7 +6,6 @@
 
 #include "mneme/collision.h"
 
-#include "check/contacts.h"
 #include "collision/clearance.h"
 #include "collision/make_tables.h"
 #include "geometry/random_shapes.h"

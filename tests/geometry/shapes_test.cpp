@@ -4,6 +4,7 @@
 
 #include "geometry/random_shapes.h"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include <numbers>
@@ -51,6 +52,67 @@ TEST_SUITE("law") {
       REQUIRE(to_shape >= (p - bound.center).norm() - bound.radius - 1e-12);
       const Transform X = random_pose(rng, 3.0);
       REQUIRE(distance(X * p, transformed(X, shape)) == doctest::Approx(to_shape).epsilon(1e-12));
+    }
+  }
+}
+
+constexpr double kQuarter = std::numbers::pi / 2;
+
+TEST_SUITE("unit") {
+  TEST_CASE("a quarter turn about z takes x to y") {
+    const Vec3 turned = rotation_about(Vec3::UnitZ(), kQuarter) * Vec3::UnitX();
+    CHECK((turned - Vec3::UnitY()).norm() < 1e-15);
+  }
+
+  TEST_CASE("roll, pitch and yaw turn about the fixed axes in that order") {
+    // Roll takes y to z, pitch then takes z to x, yaw then takes x to y.
+    CHECK(
+        (rotation_from_rpy({kQuarter, kQuarter, kQuarter}) * Vec3::UnitY() - Vec3::UnitY()).norm() <
+        1e-15);
+    CHECK((rotation_from_rpy({kQuarter, 0, kQuarter}) * Vec3::UnitY() - Vec3::UnitZ()).norm() <
+          1e-15);
+    CHECK((rotation_from_rpy({0, kQuarter, kQuarter}) * Vec3::UnitX() + Vec3::UnitZ()).norm() <
+          1e-15);
+  }
+
+  TEST_CASE("the scalar part of a quaternion comes first") {
+    CHECK((rotation_from_quaternion(1, 0, 0, 1) * Vec3::UnitX() - Vec3::UnitY()).norm() < 1e-15);
+  }
+
+  TEST_CASE("the length of a quaternion does not matter, however extreme") {
+    const Eigen::Matrix3d expected = rotation_from_quaternion(0.5, 0.5, 0.5, 0.5);
+    for (const double size : {1e-200, 3.0, 1e200}) {
+      CHECK((rotation_from_quaternion(size, size, size, size) - expected).norm() < 1e-14);
+    }
+  }
+
+  TEST_CASE("a product of transforms applies the right one first") {
+    const Transform turn{rotation_about(Vec3::UnitZ(), kQuarter), Vec3::Zero()};
+    const Transform shift{Eigen::Matrix3d::Identity(), Vec3::UnitX()};
+    CHECK(((turn * shift) * Vec3::Zero() - Vec3::UnitY()).norm() < 1e-15);
+    CHECK(((shift * turn) * Vec3::Zero() - Vec3::UnitX()).norm() < 1e-15);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("rotations are orthogonal with determinant one") {
+    Rng rng(11);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 rpy = random_vector(rng, 10.0);
+      for (const Eigen::Matrix3d& r : {rotation_from_rpy(rpy), random_pose(rng, 1.0).rotation}) {
+        REQUIRE((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-13);
+        REQUIRE(r.determinant() == doctest::Approx(1.0));
+      }
+    }
+  }
+
+  TEST_CASE("a transform and its inverse cancel") {
+    Rng rng(12);
+    for (int i = 0; i < 1000; ++i) {
+      const Transform X = random_pose(rng, 5.0);
+      const Vec3 p = random_vector(rng, 5.0);
+      REQUIRE((X.inverse() * (X * p) - p).norm() < 1e-13);
+      REQUIRE(((X * X.inverse()) * p - p).norm() < 1e-13);
     }
   }
 }

@@ -69,4 +69,13 @@ inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+/// Why there is no robot of these parts.
+inline std::string refusal(const Robot::Parts& parts, const RobotOptions& options = {}) {
+  const auto robot = make_robot(parts, options);
+  REQUIRE_FALSE(robot.has_value());
+  CHECK(robot.error().code == ErrorCode::invalid);
+  CHECK(contains(robot.error().message, "robot '" + parts.name + "': "));
+  return robot.error().message;
+}
+
 }  // namespace mneme::test
