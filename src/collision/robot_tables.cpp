@@ -79,9 +79,7 @@ class RobotTablesBuilder {
   explicit RobotTablesBuilder(const Robot& robot)
       : robot_(robot), placements_(robot.links().size()), groups_of_link_(robot.links().size()) {
     tables_.joint_count = robot.joint_count();
-    for (int i = 0; i < robot.joint_count(); ++i) {
-      group_index_[robot.group()[as_index(i)]] = i;
-    }
+    for (int i = 0; i < robot.joint_count(); ++i) group_index_[robot.group()[as_index(i)]] = i;
   }
 
   Result<RobotTables> build() {
@@ -169,9 +167,7 @@ class RobotTablesBuilder {
     for (std::size_t i = 0; i < robot_.links().size(); ++i) {
       const int link = static_cast<int>(i);
       const std::vector<Capsule> shapes = shapes_of(link);
-      if (!shapes.empty()) {
-        bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
-      }
+      if (!shapes.empty()) bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
     }
     while (merge_closest(bodies, bodies.size() > as_index(kMaxBodies))) {
     }

@@ -241,9 +241,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
   if (std::ranges::any_of(parts->links, has_solids)) {
     const internal::CoverCache cache(internal::cache_directory());
     auto made = internal::cover_robot(std::move(*parts), settings, cache);
-    if (!made) {
-      return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
-    }
+    if (!made) return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
     notes.push_back(describe(*made, cache));
     parts = std::move(made->covering.parts);
     if (!parts->allowed_pairs) {

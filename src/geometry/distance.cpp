@@ -33,9 +33,7 @@ Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const double t = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
   Vec3 nearest = p - a - t * along;
   for (const Vec3& end : {a, b}) {
-    if ((p - end).squaredNorm() < nearest.squaredNorm()) {
-      nearest = p - end;
-    }
+    if ((p - end).squaredNorm() < nearest.squaredNorm()) nearest = p - end;
   }
   return nearest;
 }
@@ -123,9 +121,7 @@ double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
   for (int i = 0; i < 3; ++i) {
     for (const double face : {-half_extents[i], half_extents[i]}) {
       const double t = (face - a[i]) / along[i];
-      if (t > 0.0 && t < 1.0) {
-        breaks[count++] = t;
-      }
+      if (t > 0.0 && t < 1.0) breaks[count++] = t;
     }
   }
   std::sort(breaks.begin(), breaks.end());

@@ -115,9 +115,7 @@ class JsonListener : public nlohmann::json_sax<nlohmann::json> {
 InputValue parse_json(std::string_view json, const std::string& source) {
   constexpr int kMaxValues = 16'000'000;
   TreeBuilder tree(source, kMaxValues);
-  if (!JsonListener(json, tree).parse()) {
-    tree.refuse(1, "expected JSON");
-  }
+  if (!JsonListener(json, tree).parse()) tree.refuse(1, "expected JSON");
   return tree.take();
 }
 
@@ -159,20 +157,14 @@ constexpr std::string_view kExtension = ".json";
 constexpr std::size_t kShownNames = 5;
 
 std::string name_of(const Input& problem, std::size_t position) {
-  if (const auto name = problem.find("name")) {
-    return name->text();
-  }
-  if (const auto index = problem.find("index")) {
-    return fmt::format("{}", index->finite_number());
-  }
+  if (const auto name = problem.find("name")) return name->text();
+  if (const auto index = problem.find("index")) return fmt::format("{}", index->finite_number());
   return std::to_string(position);
 }
 
 std::vector<std::string> names_of(const std::vector<Input>& problems) {
   std::vector<std::string> names;
-  for (const Input& problem : problems) {
-    names.push_back(name_of(problem, names.size() + 1));
-  }
+  for (const Input& problem : problems) names.push_back(name_of(problem, names.size() + 1));
   return names;
 }
 
@@ -186,9 +178,7 @@ std::size_t find_problem(const std::vector<std::string>& names, const CompactAdd
   const auto refuse = [&](ErrorCode code, const std::string& what) {
     throw InputFailure{{code, fmt::format("{}: {}", address.path, what)}};
   };
-  if (names.empty()) {
-    refuse(ErrorCode::invalid, "expected at least one problem, got an empty list");
-  }
+  if (names.empty()) refuse(ErrorCode::invalid, "expected at least one problem, got an empty list");
   if (address.name.empty()) {
     refuse(ErrorCode::invalid,
            fmt::format("expected the name of one of its {} problems, as in {}#{}; the first are {}",
@@ -216,12 +206,8 @@ Scene read_compact_scene(const Input& problem, const std::string& name) {
     problem.fail(ErrorCode::parse, "expected the key circles or obstacles, both are missing");
   }
   SceneBuilder scene;
-  if (circles) {
-    read_circles(*circles, scene);
-  }
-  if (obstacles) {
-    read_obstacles(*obstacles, kCompactSpelling, scene);
-  }
+  if (circles) read_circles(*circles, scene);
+  if (obstacles) read_obstacles(*obstacles, kCompactSpelling, scene);
   return scene.take(name);
 }
 
@@ -251,9 +237,7 @@ std::optional<CompactAddress> split_address(const std::string& where) {
     return CompactAddress{where, ""};
   }
   const std::size_t dot = where.find(std::string(kExtension) + "#");
-  if (dot == std::string::npos) {
-    return std::nullopt;
-  }
+  if (dot == std::string::npos) return std::nullopt;
   const std::size_t hash = dot + kExtension.size();
   return CompactAddress{where.substr(0, hash), where.substr(hash + 1)};
 }

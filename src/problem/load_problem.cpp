@@ -70,9 +70,7 @@ FramedScene extract_from_yaml(const std::string& path) {
   if (internal::is_moveit_request(input)) {
     return value_or_throw(load_framed_scene(internal::scene_of_request(input, path)));
   }
-  if (!input.is_map() || !input.find("scene")) {
-    return value_or_throw(load_framed_scene(path));
-  }
+  if (!input.is_map() || !input.find("scene")) return value_or_throw(load_framed_scene(path));
   const auto frame = input.find("frame");
   return {internal::read_scene_of_problem(input, path), frame ? frame->text() : ""};
 }
@@ -90,9 +88,7 @@ Result<FramedScene> extract_scene(const std::string& where) {
 }
 
 Result<Scene> in_root_frame(const FramedScene& framed, const Robot& robot) {
-  if (framed.frame.empty()) {
-    return framed.scene;
-  }
+  if (framed.frame.empty()) return framed.scene;
   return internal::without_throwing([&] {
     const internal::InputValue nothing;
     const Input place(nothing, framed.scene.name);

@@ -28,13 +28,9 @@ void refuse_other_constraints(const Input& constraints, std::string_view what) {
 
 double read_tolerance(const Input& constraint, std::string_view key) {
   const auto tolerance = constraint.find(key);
-  if (!tolerance) {
-    return 0;
-  }
+  if (!tolerance) return 0;
   const double value = tolerance->finite_number();
-  if (value < 0) {
-    tolerance->fail_expecting("a tolerance of 0 or more");
-  }
+  if (value < 0) tolerance->fail_expecting("a tolerance of 0 or more");
   return value;
 }
 
@@ -55,9 +51,7 @@ std::map<std::string, double> read_goal(const Input& goal) {
                  fmt::format("expected each joint once, got {} again", joint.text()));
     }
   }
-  if (positions.empty()) {
-    goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
-  }
+  if (positions.empty()) goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
   return positions;
 }
 
@@ -101,12 +95,8 @@ MoveitRequest read_moveit_request(const Input& input) {
     request.start = read_moveit_state(*start);
   }
   request.goal_places = input.at("goal_constraints").items();
-  for (const Input& goal : request.goal_places) {
-    request.goals.push_back(read_goal(goal));
-  }
-  if (request.goals.empty()) {
-    input.at("goal_constraints").fail_expecting("at least one goal");
-  }
+  for (const Input& goal : request.goal_places) request.goals.push_back(read_goal(goal));
+  if (request.goals.empty()) input.at("goal_constraints").fail_expecting("at least one goal");
   return request;
 }
 
@@ -116,9 +106,7 @@ class AllowedReader {
  public:
   AllowedReader(const Input& matrix, const Robot& robot, const std::vector<std::string>& objects)
       : matrix_(matrix), objects_(objects.begin(), objects.end()) {
-    for (const Link& link : robot.links()) {
-      links_.insert(link.name);
-    }
+    for (const Link& link : robot.links()) links_.insert(link.name);
   }
 
   MoveitAllowed read() {
@@ -135,15 +123,11 @@ class AllowedReader {
 
  private:
   void read_entries() {
-    for (const Input& name : items_if_any(matrix_, "entry_names")) {
-      names_.push_back(name.text());
-    }
+    for (const Input& name : items_if_any(matrix_, "entry_names")) names_.push_back(name.text());
     const std::vector<Input> rows = items_if_any(matrix_, "entry_values");
     check_count(matrix_, rows.size(), "row");
     std::vector<std::vector<bool>> values;
-    for (const Input& row : rows) {
-      values.push_back(read_row(row));
-    }
+    for (const Input& row : rows) values.push_back(read_row(row));
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
         if (values[i][j] != values[j][i]) {
@@ -151,9 +135,7 @@ class AllowedReader {
                        fmt::format("expected a symmetric matrix, got two values for {} and {}",
                                    names_[i], names_[j]));
         }
-        if (values[i][j]) {
-          allow(rows[i], names_[i], names_[j]);
-        }
+        if (values[i][j]) allow(rows[i], names_[i], names_[j]);
       }
     }
   }
@@ -185,9 +167,7 @@ class AllowedReader {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = names[i].text();
-      if (!values[i].boolean()) {
-        continue;
-      }
+      if (!values[i].boolean()) continue;
       if (links_.count(name) == 0 && objects_.count(name) == 0) {
         unknown_.insert(name);
         continue;
@@ -207,9 +187,7 @@ class AllowedReader {
       }
     }
     const std::size_t link_count = links_.count(a) + links_.count(b);
-    if (!is_known || link_count == 0) {
-      return;
-    }
+    if (!is_known || link_count == 0) return;
     if (link_count == 1) {
       row.fail(ErrorCode::unsupported,
                fmt::format("{} may touch {}, which is not supported", described(a), described(b)));

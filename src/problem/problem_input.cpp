@@ -23,18 +23,14 @@ bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
 
 std::string find_path(const Input& input, const std::string& directory,
                       const std::string& override_path) {
-  if (!override_path.empty()) {
-    return override_path;
-  }
+  if (!override_path.empty()) return override_path;
   const Input named = input.at("robot");
   const std::string robot = named.text();
   if (robot.find('/') != std::string::npos || robot.ends_with(".urdf")) {
     return (std::filesystem::path(directory) / robot).string();
   }
   const Result<std::string> found = find_robot(robot);
-  if (!found) {
-    named.fail(found.error().code, found.error().message);
-  }
+  if (!found) named.fail(found.error().code, found.error().message);
   return *found;
 }
 
@@ -43,24 +39,18 @@ std::string describe_obstruction(const Robot& robot, const std::string& name) {
   const auto joints = robot.joints();
   const auto joint = std::find_if(joints.begin(), joints.end(),
                                   [&](const Joint& candidate) { return candidate.name == name; });
-  if (joint == joints.end()) {
-    return "no such joint";
-  }
+  if (joint == joints.end()) return "no such joint";
   const auto group = robot.group();
   if (std::find(group.begin(), group.end(), joint - joints.begin()) != group.end()) {
     return "planned for";
   }
-  if (joint->mimic) {
-    return "follows another joint";
-  }
+  if (joint->mimic) return "follows another joint";
   return joint->type == JointType::fixed ? "a fixed joint" : "";
 }
 
 std::vector<std::string> joint_names(const Input& list) {
   std::vector<std::string> names;
-  for (const Input& joint : list.items()) {
-    names.push_back(joint.text());
-  }
+  for (const Input& joint : list.items()) names.push_back(joint.text());
   return names;
 }
 
@@ -92,16 +82,12 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
   if (const auto fixed_joints = input.find("fixed_joints")) {
     std::map<std::string, double> values;
-    for (const auto& [name, value] : fixed_joints->entries()) {
-      values[name] = value.finite_number();
-    }
+    for (const auto& [name, value] : fixed_joints->entries()) values[name] = value.finite_number();
     if (fix_joints(result, options, values, *fixed_joints)) {
       result.robot = load_problem_robot(path, options).robot;
     }
   }
-  for (const std::string& warning : result.robot.warnings()) {
-    result.warnings.push_back(warning);
-  }
+  for (const std::string& warning : result.robot.warnings()) result.warnings.push_back(warning);
   return result;
 }
 
@@ -159,9 +145,7 @@ std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& 
   const auto links = robot.links();
   const auto found =
       std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.name == name; });
-  if (found == links.end()) {
-    return std::nullopt;
-  }
+  if (found == links.end()) return std::nullopt;
   Transform X_RF;
   for (const Link* link = &*found; link->parent_joint >= 0;) {
     const Joint& joint = robot.joints()[static_cast<std::size_t>(link->parent_joint)];
@@ -204,16 +188,10 @@ std::vector<Configuration> read_goals(const Input& input, const ProblemOptions& 
   if (!goals) {
     return {input.at("goal").numbers()};
   }
-  if (input.find("goal")) {
-    goals->fail(ErrorCode::parse, "expected either goal or goals, got both");
-  }
+  if (input.find("goal")) goals->fail(ErrorCode::parse, "expected either goal or goals, got both");
   std::vector<Configuration> result;
-  for (const Input& goal : goals->items()) {
-    result.push_back(goal.numbers());
-  }
-  if (result.empty()) {
-    goals->fail_expecting("at least one goal");
-  }
+  for (const Input& goal : goals->items()) result.push_back(goal.numbers());
+  if (result.empty()) goals->fail_expecting("at least one goal");
   return result;
 }
 
@@ -227,9 +205,7 @@ Scene read_scene_of_problem(const Input& problem, const std::string& path) {
     return value_or_throw(
         load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
   }
-  if (!scene.is_map()) {
-    scene.fail_expecting("a scene, or the path of a scene file");
-  }
+  if (!scene.is_map()) scene.fail_expecting("a scene, or the path of a scene file");
   return read_scene(scene, name);
 }
 

@@ -36,9 +36,7 @@ std::string describe_group(const Robot& robot) {
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
-  for (std::string line; std::getline(lines, line);) {
-    result += "  " + line + "\n";
-  }
+  for (std::string line; std::getline(lines, line);) result += "  " + line + "\n";
   return result;
 }
 

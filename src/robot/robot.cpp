@@ -231,9 +231,7 @@ Error named(const std::string& robot, const Error& error) {
 Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
   const std::string name = parts.name;
   auto sorted = internal::sort_tree(std::move(parts));
-  if (!sorted) {
-    return tl::unexpected(named(name, {ErrorCode::invalid, sorted.error().message}));
-  }
+  if (!sorted) return tl::unexpected(named(name, {ErrorCode::invalid, sorted.error().message}));
   if (const auto error = refuse_solids(sorted->links)) return tl::unexpected(named(name, *error));
   auto group = internal::choose_group(*sorted, options);
   if (!group) return tl::unexpected(named(name, group.error()));

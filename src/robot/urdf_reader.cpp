@@ -252,9 +252,7 @@ Result<Robot::Parts> UrdfReader::sorted() {
   const PartsFault& fault = result.error();
   int line = robot_line_;
   if (fault.link >= 0) line = link_lines_[static_cast<std::size_t>(fault.link)];
-  if (fault.joint >= 0) {
-    line = joint_elements_[static_cast<std::size_t>(fault.joint)]->GetLineNum();
-  }
+  if (fault.joint >= 0) line = joint_elements_[static_cast<std::size_t>(fault.joint)]->GetLineNum();
   xml_.note(line, fault.message);
   return tl::unexpected(*xml_.fault());
 }

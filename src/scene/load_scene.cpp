@@ -45,9 +45,7 @@ Result<Scene> load_scene(const std::string& path) {
 
 Result<FramedScene> load_framed_scene(const std::string& path) {
   const auto text = internal::read_text_file(path);
-  if (!text) {
-    return tl::unexpected<Error>(text.error());
-  }
+  if (!text) return tl::unexpected<Error>(text.error());
   return parse_framed_scene(*text, path);
 }
 

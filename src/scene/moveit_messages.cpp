@@ -13,18 +13,14 @@ namespace mneme::internal {
 namespace {
 
 Vec3 read_vector(const Input& input) {
-  if (!input.is_map()) {
-    return read_point(input);
-  }
+  if (!input.is_map()) return read_point(input);
   input.allow_keys({"x", "y", "z"});
   return {input.at("x").finite_number(), input.at("y").finite_number(),
           input.at("z").finite_number()};
 }
 
 Eigen::Matrix3d read_quaternion(const Input& input) {
-  if (!input.is_map()) {
-    return read_rotation(input, false);
-  }
+  if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
   return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
                              input.at("z").finite_number(), input.at("w").finite_number()});
@@ -34,9 +30,7 @@ Transform read(const Input& input, std::string_view vector, std::string_view qua
   input.allow_keys({vector, quaternion});
   Transform X;
   X.translation = read_vector(input.at(vector));
-  if (const auto rotation = input.find(quaternion)) {
-    X.rotation = read_quaternion(*rotation);
-  }
+  if (const auto rotation = input.find(quaternion)) X.rotation = read_quaternion(*rotation);
   return X;
 }
 
@@ -86,9 +80,7 @@ void read_base(const Input& input, MoveitState& state) {
   input.allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
   const std::vector<Input> names = items_if_any(input, "joint_names");
   const std::vector<Input> transforms = items_if_any(input, "transforms");
-  if (names.empty() && transforms.empty()) {
-    return;
-  }
+  if (names.empty() && transforms.empty()) return;
   if (names.size() != 1 || transforms.size() != 1) {
     input.fail(names.size() == transforms.size() ? ErrorCode::unsupported : ErrorCode::parse,
                fmt::format("expected one virtual joint that carries the robot's root link, got {} "
@@ -122,19 +114,13 @@ MoveitState read_moveit_state(const Input& input) {
       {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
   refuse_attached(input);
   MoveitState state;
-  if (const auto joints = input.find("joint_state")) {
-    read_positions(*joints, state);
-  }
-  if (const auto base = input.find("multi_dof_joint_state")) {
-    read_base(*base, state);
-  }
+  if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
+  if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
   return state;
 }
 
 MoveitState overlaid(MoveitState state, const MoveitState& difference) {
-  for (const auto& [joint, position] : difference.positions) {
-    state.positions[joint] = position;
-  }
+  for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
   if (difference.base) {
     state.base = difference.base;
     state.base_frame = difference.base_frame;
@@ -148,9 +134,7 @@ std::vector<double> read_dimensions(const Input& primitive, std::size_t count,
                                     std::string_view what) {
   const Input dimensions = primitive.at("dimensions");
   const std::vector<double> values = dimensions.finite_numbers(count, what);
-  for (const Input& value : dimensions.items()) {
-    static_cast<void>(value.positive_number());
-  }
+  for (const Input& value : dimensions.items()) static_cast<void>(value.positive_number());
   return values;
 }
 
@@ -190,9 +174,7 @@ void refuse(const Input& object, std::string_view key, const std::string& id) {
 
 void refuse_operation(const Input& object, const std::string& id) {
   const auto operation = object.find("operation");
-  if (!operation) {
-    return;
-  }
+  if (!operation) return;
   const std::string name = operation->is_text() ? operation->text() : "";
   if (name != "0" && name != "add" && name != "ADD") {
     operation->fail(ErrorCode::unsupported,
@@ -205,9 +187,7 @@ MoveitObject read_object(const Input& object) {
                      "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
                      "operation"});
   const std::string id = object.at("id").text();
-  if (id.empty()) {
-    object.at("id").fail_expecting("a name");
-  }
+  if (id.empty()) object.at("id").fail_expecting("a name");
   refuse(object, "meshes", id);
   refuse(object, "planes", id);
   refuse_operation(object, id);

@@ -37,9 +37,7 @@ MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
   if (planning_frame_.empty()) {
     planning_frame_ = state.base ? state.base_frame : frame_of_state(scene);
   }
-  if (!state.base) {
-    return;
-  }
+  if (!state.base) return;
   const bool is_planning_frame = state.base_frame.empty() || state.base_frame == planning_frame_;
   const auto known = X_PF_.find(state.base_frame);
   if (!is_planning_frame && known == X_PF_.end()) {
@@ -54,9 +52,7 @@ MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
 Transform MoveitFrames::pose_in_root(const std::string& frame, const Input& place,
                                      const FindLink& find_link) const {
   const std::string& name = frame.empty() ? planning_frame_ : frame;
-  if (const auto X_RF = find_link(name, place)) {
-    return *X_RF;
-  }
+  if (const auto X_RF = find_link(name, place)) return *X_RF;
   const auto known = X_PF_.find(name);
   const bool is_planning_frame = !name.empty() && name == planning_frame_;
   if (!is_planning_frame && known == X_PF_.end()) {
@@ -67,9 +63,7 @@ Transform MoveitFrames::pose_in_root(const std::string& frame, const Input& plac
                     planning_frame_, name));
   }
   Transform X_RP = X_PR_ ? X_PR_->inverse() : Transform{};
-  if (const auto link = X_PR_ ? std::nullopt : find_link(planning_frame_, place)) {
-    X_RP = *link;
-  }
+  if (const auto link = X_PR_ ? std::nullopt : find_link(planning_frame_, place)) X_RP = *link;
   return is_planning_frame ? X_RP : X_RP * known->second;
 }
 
@@ -106,12 +100,8 @@ MoveitScene read_moveit_scene(const Input& input, const std::string& default_nam
   if (const auto robot = input.find("robot_model_name"); robot && !robot->is_nothing()) {
     scene.robot_name = robot->text();
   }
-  if (const auto state = input.find("robot_state")) {
-    scene.state = read_moveit_state(*state);
-  }
-  if (const auto world = input.find("world")) {
-    scene.objects = read_moveit_objects(*world);
-  }
+  if (const auto state = input.find("robot_state")) scene.state = read_moveit_state(*state);
+  if (const auto world = input.find("world")) scene.objects = read_moveit_objects(*world);
   if (const auto is_diff = input.find("is_diff"); is_diff && is_diff->boolean()) {
     scene.warnings.push_back(
         is_diff->place("this is the difference to a scene that is not given; it is read as the "
@@ -135,9 +125,7 @@ FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) 
   const auto frame_of = [&](const MoveitObject& object) {
     return object.frame.empty() ? frames.planning_frame() : object.frame;
   };
-  if (!scene.objects.empty()) {
-    result.frame = frame_of(scene.objects.front());
-  }
+  if (!scene.objects.empty()) result.frame = frame_of(scene.objects.front());
   for (const MoveitObject& object : scene.objects) {
     if (frame_of(object) != result.frame) {
       object.place.fail(

@@ -17,24 +17,18 @@ constexpr double kFarthest = 1e4;
 }  // namespace
 
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
-  for (Shape& shape : obstacle.shapes) {
-    shape = transformed(X_AB, shape);
-  }
+  for (Shape& shape : obstacle.shapes) shape = transformed(X_AB, shape);
   return obstacle;
 }
 
 Scene moved(const Transform& X_AB, Scene scene) {
-  for (Obstacle& obstacle : scene.obstacles) {
-    obstacle = moved(X_AB, std::move(obstacle));
-  }
+  for (Obstacle& obstacle : scene.obstacles) obstacle = moved(X_AB, std::move(obstacle));
   return scene;
 }
 
 std::optional<std::string> SceneBuilder::add(const std::string& name, const std::string& body,
                                              const Shape& shape) {
-  if (name.empty() && body.empty()) {
-    return "expected a name";
-  }
+  if (name.empty() && body.empty()) return "expected a name";
   if (!decode_utf8(name) || !decode_utf8(body)) {
     return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
                        storable_text(name + body));
@@ -75,17 +69,13 @@ std::string read_name(const Input& input, std::string_view key) {
   if (!name) {
     return {};
   }
-  if (name->text().empty()) {
-    name->fail_expecting("a name");
-  }
+  if (name->text().empty()) name->fail_expecting("a name");
   return name->text();
 }
 
 void add(const Input& input, const std::string& name, const std::string& body, const Shape& shape,
          SceneBuilder& scene) {
-  if (const auto wrong = scene.add(name, body, shape)) {
-    input.fail(ErrorCode::parse, *wrong);
-  }
+  if (const auto wrong = scene.add(name, body, shape)) input.fail(ErrorCode::parse, *wrong);
 }
 
 }  // namespace
@@ -116,9 +106,7 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
 Scene read_scene(const Input& input, const std::string& default_name) {
   input.allow_keys({"name", "circles", "obstacles"});
   SceneBuilder scene;
-  if (const auto circles = input.find("circles")) {
-    read_circles(*circles, scene);
-  }
+  if (const auto circles = input.find("circles")) read_circles(*circles, scene);
   if (const auto obstacles = input.find("obstacles")) {
     read_obstacles(*obstacles, kSceneSpelling, scene);
   }

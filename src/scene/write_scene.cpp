@@ -109,9 +109,7 @@ Result<std::string> to_moveit_yaml(const FramedScene& framed) {
                                  framed.scene.obstacles.empty() ? " []" : "");
   for (const Obstacle& obstacle : framed.scene.obstacles) {
     const auto described = describe(obstacle, framed.frame);
-    if (!described) {
-      return described;
-    }
+    if (!described) return described;
     text += *described;
   }
   return text;

@@ -84,9 +84,7 @@ class YamlListener : public YAML::EventHandler {
   }
   void close() {
     const InputValue& value = tree_.close();
-    if (anchors_.back() != 0) {
-      anchored_[anchors_.back()] = value;
-    }
+    if (anchors_.back() != 0) anchored_[anchors_.back()] = value;
     anchors_.pop_back();
   }
 
@@ -106,9 +104,7 @@ InputValue parse_yaml(std::string_view yaml, const std::string& source) {
   try {
     std::istringstream stream{std::string(yaml)};
     YAML::Parser parser(stream);
-    if (parser.HandleNextDocument(listener)) {
-      parser.HandleNextDocument(listener);
-    }
+    if (parser.HandleNextDocument(listener)) parser.HandleNextDocument(listener);
     return tree.take();
   } catch (const YAML::Exception& error) {
     tree.refuse(line_of(error.mark),
@@ -134,27 +130,19 @@ bool is_plain(std::string_view text) {
 }  // namespace
 
 std::string yaml_number(double value) {
-  if (std::isnan(value)) {
-    return ".nan";
-  }
-  if (std::isinf(value)) {
-    return value > 0.0 ? ".inf" : "-.inf";
-  }
+  if (std::isnan(value)) return ".nan";
+  if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
   return fmt::format("{}", value);
 }
 
 std::string yaml_numbers(std::span<const double> values) {
   std::string text = "[";
-  for (const double value : values) {
-    text += (text.size() == 1 ? "" : ", ") + yaml_number(value);
-  }
+  for (const double value : values) text += (text.size() == 1 ? "" : ", ") + yaml_number(value);
   return text + "]";
 }
 
 std::string yaml_string(std::string_view text) {
-  if (is_plain(text)) {
-    return std::string(text);
-  }
+  if (is_plain(text)) return std::string(text);
   // A string of JSON is one of YAML too.
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
