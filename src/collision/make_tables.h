@@ -14,6 +14,16 @@
 
 namespace mneme::internal {
 
+/// In the order of rows.
+template <class Matrix>
+void store(const Matrix& m, float* out) {
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = 0; column < m.cols(); ++column) {
+      *out++ = static_cast<float>(m(row, column));
+    }
+  }
+}
+
 /// Error: more joints than the kernels can hold.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 

@@ -22,10 +22,6 @@ constexpr double kSweep = 0.15;
 /// Two bodies are one if that meets at most so many times what their own balls do.
 constexpr double kMergeRatio = 1.0;
 
-void store(const Vec3& v, float* out) {
-  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
-}
-
 Ball to_ball(const Sphere& sphere) {
   Ball ball;
   store(sphere.center, ball.center);
@@ -54,7 +50,7 @@ Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
 
 void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
   const Eigen::Matrix3d rounded = rotation.array().round();
-  for (int i = 0; i < 9; ++i) row.rotation[i] = static_cast<float>(rotation(i / 3, i % 3));
+  store(rotation, row.rotation);
   if (!rotation.isApprox(rounded, 1e-9)) {
     row.turn = Turn::general;
     return;
@@ -246,7 +242,7 @@ class RobotTablesBuilder {
                               static_cast<int>(tables_.capsules.size())});
     CapsuleRow& row = tables_.capsules.emplace_back();
     store(capsule.a, row.a);
-    store(capsule.b - capsule.a, row.along);
+    store(Vec3(capsule.b - capsule.a), row.along);
     row.inverse_length2 = static_cast<float>(1 / (capsule.b - capsule.a).squaredNorm());
     row.radius = static_cast<float>(capsule.radius);
   }

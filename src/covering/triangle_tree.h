@@ -11,7 +11,9 @@
 
 namespace mneme::internal {
 
-/// A tree of boxes over triangles. Const and parallel-safe.
+/// A tree of boxes over triangles. Const and parallel-safe. Of the libraries in Debian nanoflann
+/// knows points only, FCL (which the tests use) neither limits nor counts of crossings, and CGAL is
+/// under the GPL.
 class TriangleTree {
  public:
   explicit TriangleTree(TriangleMesh mesh);

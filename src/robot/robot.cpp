@@ -68,7 +68,8 @@ std::vector<Transform> Robot::link_poses(std::span<const double> q) const {
 
 namespace {
 
-constexpr double kBoundTolerance = 1e-5;
+/// Radians or metres beyond a limit: less is a rounding error of whoever wrote the value.
+constexpr double kLimitTolerance = 1e-5;
 
 /// `angle` in [-pi, pi), without rounding.
 double wrapped(double angle) {
@@ -78,7 +79,7 @@ double wrapped(double angle) {
 
 bool is_within_limits(const Joint& joint, double value) {
   return joint.type == JointType::continuous ||
-         (value >= joint.lower - kBoundTolerance && value <= joint.upper + kBoundTolerance);
+         (value >= joint.lower - kLimitTolerance && value <= joint.upper + kLimitTolerance);
 }
 
 }  // namespace
@@ -147,9 +148,6 @@ double within_limits(const Joint& joint, double value) {
   return joint.type == JointType::continuous ? std::remainder(value, 2 * std::numbers::pi)
                                              : std::clamp(value, joint.lower, joint.upper);
 }
-
-/// Less is a rounding error of whoever wrote the value.
-constexpr double kLimitTolerance = 1e-5;
 
 std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<const int> group,
                                       const std::map<std::string, double>& values,

@@ -34,7 +34,7 @@ using LinkPairs = std::vector<std::pair<int, int>>;
 
 /// 16 hexadecimal digits over all that decides whether a configuration is valid. Values count in
 /// steps of 1e-9. Databases store the result: whoever changes what goes in changes the version in
-/// robot_hash.cpp too.
+/// robot_facts.cpp too.
 [[nodiscard]] std::string hash_robot(std::span<const Link> links, std::span<const Joint> joints,
                                      std::span<const int> group,
                                      std::span<const std::pair<int, int>> self_pairs);

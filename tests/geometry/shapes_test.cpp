@@ -3,11 +3,14 @@
 #include "mneme/geometry.h"
 
 #include "geometry/random_shapes.h"
+#include "geometry/solids.h"
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace mneme::test {
 namespace {
@@ -52,6 +55,80 @@ TEST_SUITE("law") {
       REQUIRE(to_shape >= (p - bound.center).norm() - bound.radius - 1e-12);
       const Transform X = random_pose(rng, 3.0);
       REQUIRE(distance(X * p, transformed(X, shape)) == doctest::Approx(to_shape).epsilon(1e-12));
+    }
+  }
+}
+
+/// Volume and mean of the points of a solid, by a grid over the cube around it.
+internal::Moments grid_moments(const Shape& shape) {
+  constexpr int kSteps = 60;
+  const Sphere bound = bounding_sphere(shape);
+  const double step = 2 * bound.radius / kSteps;
+  internal::Moments sum;
+  double count = 0;
+  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+    const Vec3 cell(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps));
+    const Vec3 p = bound.center + step * (cell + Vec3::Constant(0.5 - 0.5 * kSteps));
+    if (distance(p, shape) > 0) continue;
+    count += 1;
+    sum.centroid += p;
+    sum.covariance += (p - bound.center) * (p - bound.center).transpose();
+  }
+  return {count * step * step * step, sum.centroid / count, sum.covariance / count};
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("sizes are full extents, radii and lengths") {
+    using Sizes = std::vector<double>;
+    CHECK(internal::sizes_of(Sphere{{1, 1, 1}, 2}) == Sizes{2});
+    CHECK(internal::sizes_of(Box{{}, {2, 3, 6}}) == Sizes{4, 6, 12});
+    CHECK(internal::sizes_of(Cylinder{{}, 3, 8}) == Sizes{3, 8});
+    CHECK(internal::sizes_of(Capsule{Vec3::Zero(), {4, 0, 0}, 0.5}) == Sizes{0.5, 4});
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a resized shape has these sizes about the same middle") {
+    Rng rng(22);
+    for (int i = 0; i < 400; ++i) {
+      const Shape shape = random_shape(i % kShapeKinds, rng);
+      std::vector<double> sizes = internal::sizes_of(shape);
+      for (double& size : sizes) size += rng.uniform(0.1, 1);
+      const Shape resized = internal::resized(shape, sizes);
+      REQUIRE(resized.index() == shape.index());
+      const std::vector<double> now = internal::sizes_of(resized);
+      for (std::size_t k = 0; k < sizes.size(); ++k) REQUIRE(std::abs(now[k] - sizes[k]) < 1e-12);
+      const Vec3 before = bounding_sphere(shape).center, after = bounding_sphere(resized).center;
+      REQUIRE((before - after).norm() < 1e-12);
+    }
+  }
+
+  TEST_CASE("scaling about a point scales all distances from it") {
+    Rng rng(23);
+    for (int i = 0; i < 400; ++i) {
+      const Shape shape = random_shape(i % kShapeKinds, rng);
+      const Vec3 about = random_vector(rng, 2), p = random_vector(rng, 4);
+      const double factor = rng.uniform(0.2, 3);
+      const double scaled =
+          distance(about + factor * (p - about), internal::scaled(shape, about, factor));
+      REQUIRE(std::abs(scaled - factor * distance(p, shape)) < 1e-9);
+    }
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("moments are those of the points of a solid") {
+    Rng rng(24);
+    for (int i = 0; i < 24; ++i) {
+      const Shape shape = random_shape(i % kShapeKinds, rng);
+      const internal::Moments moments = internal::moments_of(shape), grid = grid_moments(shape);
+      const double size = bounding_sphere(shape).radius;
+      INFO("seed 24, case " << i);
+      if (grid.volume < 0.1 * size * size * size) continue;  // too thin for the grid
+      CHECK(moments.volume == doctest::Approx(grid.volume).epsilon(0.1));
+      CHECK((moments.centroid - grid.centroid).norm() < 0.03 * size);
+      if (std::holds_alternative<Capsule>(shape)) continue;
+      CHECK((moments.covariance - grid.covariance).norm() < 0.1 * moments.covariance.norm());
     }
   }
 }
