@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/link_distances.h"
 
+#include "base/as_index.h"
 #include "robot/link_shapes.h"
 
 #include <algorithm>
@@ -56,7 +57,7 @@ PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
 double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
                               double enough) const {
   const Body& body = at(link);
-  const auto i = static_cast<std::size_t>(link);
+  const auto i = as_index(link);
   const double radius = body.bound.radius;
   if (are_apart(posed.centers[i], other.bound.center, radius + other.bound.radius, enough)) {
     return kInfinity;
@@ -81,7 +82,7 @@ double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleS
 
 double LinkDistances::between(const PosedLinks& posed, int first, int second, double enough) const {
   const Body &one = at(first), &two = at(second);
-  const auto i = static_cast<std::size_t>(first), j = static_cast<std::size_t>(second);
+  const auto i = as_index(first), j = as_index(second);
   if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {
     return kInfinity;
   }
@@ -120,7 +121,7 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
                                    const Scene& scene, std::span<const double> q, double margin) {
   const PosedLinks posed = links.posed(robot.link_poses(q));
   const std::vector<ObstacleShape> obstacles = obstacle_shapes(scene);
-  const auto name = [&](int link) { return robot.links()[static_cast<std::size_t>(link)].name; };
+  const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
   std::vector<Contact> contacts;
   for (int link = 0; link < links.link_count(); ++link) {
     int touched = -1;
@@ -131,7 +132,7 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
         contacts.back().distance = std::min(contacts.back().distance, gap);
       } else {
         touched = shape.obstacle;
-        const Obstacle& obstacle = scene.obstacles[static_cast<std::size_t>(touched)];
+        const Obstacle& obstacle = scene.obstacles[as_index(touched)];
         contacts.push_back({name(link), obstacle.name, false, gap});
       }
     }

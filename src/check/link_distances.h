@@ -9,6 +9,8 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include "base/as_index.h"
+
 #include <span>
 #include <vector>
 
@@ -59,7 +61,7 @@ class LinkDistances {
     Sphere bound;
     bool is_moving = false;
   };
-  [[nodiscard]] const Body& at(int link) const { return links_[static_cast<std::size_t>(link)]; }
+  [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
   std::vector<Body> links_;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/collision.h"
 
+#include "base/as_index.h"
 #include "collision/collision_kernels.h"
 #include "collision/make_tables.h"
 #include "robot/joint_space.h"
@@ -56,7 +57,7 @@ Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& rob
   auto tables = make_robot_tables(robot);
   if (!tables) return tl::unexpected(tables.error());
   const LinkDistances links(robot);
-  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
+  const Configuration zero(as_index(robot.joint_count()), 0.0);
   auto made = std::make_shared<const CheckedRobot>(
       CheckedRobot{std::move(*tables), links, links.posed(robot.link_poses(zero))});
   registry.add(robot, made);
@@ -178,7 +179,7 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   }
   t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
-  const std::size_t joints = static_cast<std::size_t>(t.space.joint_count());
+  const std::size_t joints = internal::as_index(t.space.joint_count());
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     if (!is_within_reach(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
   }

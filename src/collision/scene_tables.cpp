@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/as_index.h"
 #include "collision/make_tables.h"
 
 #include <Eigen/LU>
@@ -142,7 +143,7 @@ struct Place {
 void add(const Placed& placed, SceneTables& tables) {
   tables.obstacles.push_back(placed.row);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
+    const auto i = as_index(axis);
     // Rounding to float must not shrink the box.
     const double reach =
         placed.reach[axis] + 1e-6 * (1 + std::abs(placed.center[axis]) + placed.reach[axis]);

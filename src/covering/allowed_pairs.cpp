@@ -21,11 +21,11 @@ std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Ro
   std::vector<std::pair<int, int>> pairs(robot.self_pairs().begin(), robot.self_pairs().end());
   const LinkDistances links(robot);
   Rng rng(1);
-  Configuration q(static_cast<std::size_t>(robot.joint_count()));
+  Configuration q(as_index(robot.joint_count()));
   for (int i = 0; i < kSamples && !pairs.empty(); ++i) {
     for (int j = 0; j < robot.joint_count(); ++j) {
       const Joint& joint = robot.group_joint(j);
-      q[static_cast<std::size_t>(j)] = rng.uniform(joint.lower, joint.upper);
+      q[as_index(j)] = rng.uniform(joint.lower, joint.upper);
     }
     const PosedLinks posed = links.posed(robot.link_poses(q));
     std::erase_if(pairs, [&](const auto& pair) {
@@ -34,8 +34,7 @@ std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Ro
   }
   std::vector<std::pair<std::string, std::string>> names;
   for (const auto& [first, second] : pairs) {
-    names.emplace_back(robot.links()[static_cast<std::size_t>(first)].name,
-                       robot.links()[static_cast<std::size_t>(second)].name);
+    names.emplace_back(robot.links()[as_index(first)].name, robot.links()[as_index(second)].name);
   }
   return names;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/triangle_mesh.h"
 
+#include "base/as_index.h"
+
 #include <Eigen/Geometry>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -35,14 +37,13 @@ std::vector<int> number_corners(const TriangleMesh& mesh) {
   };
   std::vector<int> order(points.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int i, int j) {
-    return less(points[static_cast<std::size_t>(i)], points[static_cast<std::size_t>(j)]);
-  });
+  std::sort(order.begin(), order.end(),
+            [&](int i, int j) { return less(points[as_index(i)], points[as_index(j)]); });
   std::vector<int> numbers(points.size(), 0);
   int number = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto here = static_cast<std::size_t>(order[i]);
-    if (i > 0 && points[static_cast<std::size_t>(order[i - 1])] != points[here]) ++number;
+    const auto here = as_index(order[i]);
+    if (i > 0 && points[as_index(order[i - 1])] != points[here]) ++number;
     numbers[here] = number;
   }
   return numbers;
@@ -174,7 +175,7 @@ bool is_truncated_stl(const std::string& bytes) {
   if (bytes.size() < 84) return !bytes.starts_with("solid");
   std::uint64_t count = 0;
   for (int i = 3; i >= 0; --i) {
-    count = count << 8 | static_cast<unsigned char>(bytes[80 + static_cast<std::size_t>(i)]);
+    count = count << 8 | static_cast<unsigned char>(bytes[80 + as_index(i)]);
   }
   const bool is_binary = bytes.find('\0') != std::string::npos;
   return is_binary && bytes.size() < 84 + 50 * count;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/instances.h"
 
+#include "base/as_index.h"
 #include "base/text_file.h"
 #include "geometry/solids.h"
 #include "scene/input.h"
@@ -240,7 +241,7 @@ Result<std::vector<int>> assign(const Scene& scene, const Variations& variations
         return fail(ErrorCode::invalid,
                     fmt::format("obstacle '{}' is meant by the variations '{}' and '{}'",
                                 scene.obstacles[j].name,
-                                variations.obstacles[static_cast<std::size_t>(assigned[j])].name,
+                                variations.obstacles[internal::as_index(assigned[j])].name,
                                 variation.name));
       }
       assigned[j] = static_cast<int>(i);
@@ -263,8 +264,8 @@ Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
   for (std::size_t i = 0; i < varied.obstacles.size(); ++i) {
     if ((*assigned)[i] < 0) continue;
     Obstacle& obstacle = varied.obstacles[i];
-    const auto done = vary_obstacle(variations.obstacles[static_cast<std::size_t>((*assigned)[i])],
-                                    rng, obstacle);
+    const auto done =
+        vary_obstacle(variations.obstacles[internal::as_index((*assigned)[i])], rng, obstacle);
     if (!done) {
       return fail(done.error().code,
                   fmt::format("obstacle '{}': {}", obstacle.name, done.error().message));

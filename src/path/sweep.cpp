@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "path/sweep.h"
 
+#include "base/as_index.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>
@@ -31,12 +32,12 @@ std::vector<double> ways_of(const Robot& robot, std::size_t link, double reach,
                             const JointValues& from, const JointValues& to) {
   std::vector<double> ways(robot.joints().size(), 0.0);
   for (int joint = robot.links()[link].parent_joint; joint >= 0;) {
-    const auto i = static_cast<std::size_t>(joint);
+    const auto i = as_index(joint);
     const bool slides = robot.joints()[i].type == JointType::prismatic;
     ways[i] = std::abs(to[i] - from[i]) * (slides ? 1 : reach);
     if (slides) reach += std::max(std::abs(from[i]), std::abs(to[i]));
     reach += robot.joints()[i].origin.translation.norm();
-    joint = robot.links()[static_cast<std::size_t>(robot.joints()[i].parent_link)].parent_joint;
+    joint = robot.links()[as_index(robot.joints()[i].parent_link)].parent_joint;
   }
   return ways;
 }
@@ -69,7 +70,7 @@ Sweep::Sweep(const Robot& robot, const Scene& scene, double margin)
 
 double Sweep::clearance(const Pair& pair, const PosedLinks& posed, double enough) const {
   if (pair.obstacle < 0) return links_.between(posed, pair.link, pair.other_link, enough);
-  const ObstacleShape& obstacle = obstacles_[static_cast<std::size_t>(pair.obstacle)];
+  const ObstacleShape& obstacle = obstacles_[as_index(pair.obstacle)];
   return links_.between(posed, pair.link, obstacle, enough + margin_) - margin_;
 }
 
@@ -91,8 +92,7 @@ class Sweep::Motion {
       speeds_.push_back(std::accumulate(ways[i].begin(), ways[i].end(), 0.0));
     }
     for (const auto& [first, second] : robot.self_pairs()) {
-      speeds_.push_back(approach_of(ways[static_cast<std::size_t>(first)],
-                                    ways[static_cast<std::size_t>(second)]));
+      speeds_.push_back(approach_of(ways[as_index(first)], ways[as_index(second)]));
     }
   }
 
@@ -111,7 +111,7 @@ class Sweep::Motion {
     std::vector<Pair> undecided;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (i % kPairsPerStop == 0 && must_stop_ && must_stop_()) return false;
-      const double approach = half * speeds_[static_cast<std::size_t>(pairs[i].speed)];
+      const double approach = half * speeds_[as_index(pairs[i].speed)];
       if (approach == 0) continue;
       const double clearance = sweep_.clearance(pairs[i], posed, approach);
       // Half for what the middle may overlap, half for what is left of the way.

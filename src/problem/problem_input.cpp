@@ -4,6 +4,7 @@
 
 #include "mneme/covering.h"
 
+#include "base/as_index.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -148,7 +149,7 @@ std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& 
   if (found == links.end()) return std::nullopt;
   Transform X_RF;
   for (const Link* link = &*found; link->parent_joint >= 0;) {
-    const Joint& joint = robot.joints()[static_cast<std::size_t>(link->parent_joint)];
+    const Joint& joint = robot.joints()[as_index(link->parent_joint)];
     if (joint.type != JointType::fixed) {
       place.fail(ErrorCode::unsupported,
                  fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
@@ -156,7 +157,7 @@ std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& 
                              robot.name(), name, joint.name));
     }
     X_RF = joint.origin * X_RF;
-    link = &links[static_cast<std::size_t>(joint.parent_link)];
+    link = &links[as_index(joint.parent_link)];
   }
   return X_RF;
 }

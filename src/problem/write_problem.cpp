@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/problem.h"
 
+#include "base/as_index.h"
 #include "scene/shape_fields.h"
 #include "scene/yaml.h"
 
@@ -22,7 +23,7 @@ std::string describe_group(const Robot& robot) {
     planned.push_back(internal::yaml_string(robot.group_joint(i).name));
   }
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
-    const Joint& joint = robot.joints()[static_cast<std::size_t>(i)];
+    const Joint& joint = robot.joints()[internal::as_index(i)];
     const bool is_planned = std::ranges::count(robot.group(), i) > 0;
     if (is_planned || joint.mimic || joint.fixed_value == 0.0) continue;
     fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),

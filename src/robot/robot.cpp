@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/robot.h"
 
+#include "base/as_index.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/robot_facts.h"
@@ -38,11 +39,11 @@ std::vector<double> joint_values(std::span<const Joint> joints, std::span<const 
   assert(q.size() == group.size());
   std::vector<double> values(joints.size());
   std::ranges::transform(joints, values.begin(), &Joint::fixed_value);
-  for (std::size_t i = 0; i < group.size(); ++i) values[static_cast<std::size_t>(group[i])] = q[i];
+  for (std::size_t i = 0; i < group.size(); ++i) values[as_index(group[i])] = q[i];
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const std::optional<Mimic>& mimic = joints[i].mimic;
     if (!mimic) continue;
-    values[i] = mimic->multiplier * values[static_cast<std::size_t>(mimic->joint)] + mimic->offset;
+    values[i] = mimic->multiplier * values[as_index(mimic->joint)] + mimic->offset;
   }
   return values;
 }
@@ -53,9 +54,8 @@ std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::sp
   std::vector<Transform> poses(joints.size() + 1);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = joints[i];
-    const Transform& parent = poses[static_cast<std::size_t>(joint.parent_link)];
-    poses[static_cast<std::size_t>(joint.child_link)] =
-        parent * joint.origin * joint_motion(joint, values[i]);
+    const Transform& parent = poses[as_index(joint.parent_link)];
+    poses[as_index(joint.child_link)] = parent * joint.origin * joint_motion(joint, values[i]);
   }
   return poses;
 }
@@ -92,7 +92,7 @@ std::optional<std::string> Robot::describe_violation(std::span<const double> q,
   }
   for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = group_joint(i);
-    const double value = q[static_cast<std::size_t>(i)];
+    const double value = q[internal::as_index(i)];
     if (!std::isfinite(value)) {
       return fmt::format("{}: joint '{}' (value {} of {}) is {}, expected a finite number", what,
                          joint.name, i + 1, joint_count(), value);
@@ -110,7 +110,7 @@ Configuration Robot::normalized(std::span<const double> q) const {
   Configuration result(q.begin(), q.end());
   for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = group_joint(i);
-    double& value = result[static_cast<std::size_t>(i)];
+    double& value = result[internal::as_index(i)];
     value = joint.type == JointType::continuous ? wrapped(value)
                                                 : std::clamp(value, joint.lower, joint.upper);
   }
@@ -167,7 +167,7 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
           ErrorCode::invalid,
           fmt::format("the fixed value of joint '{}' is {}, expected a number", name, value)};
     }
-    Joint& joint = joints[static_cast<std::size_t>(*i)];
+    Joint& joint = joints[internal::as_index(*i)];
     joint.fixed_value = within_limits(joint, value);
     const bool is_clamped = joint.type != JointType::continuous &&
                             std::abs(joint.fixed_value - value) > kLimitTolerance;
@@ -178,7 +178,7 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
   }
   for (Joint& joint : joints) {
     if (!joint.mimic) continue;
-    const Joint& leader = joints[static_cast<std::size_t>(joint.mimic->joint)];
+    const Joint& leader = joints[internal::as_index(joint.mimic->joint)];
     joint.fixed_value = joint.mimic->multiplier * leader.fixed_value + joint.mimic->offset;
   }
   return std::nullopt;

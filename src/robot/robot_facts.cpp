@@ -48,7 +48,7 @@ bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
   const std::vector<Transform> poses = forward_kinematics(joints, group, zero);
   const std::vector<bool> is_moving = find_moving(joints, group);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    const Transform& child = poses[static_cast<std::size_t>(joints[i].child_link)];
+    const Transform& child = poses[as_index(joints[i].child_link)];
     if (is_moving[i] && !turns_about_z(joints[i], child)) return false;
   }
   for (std::size_t i = 0; i < links.size(); ++i) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/srdf.h"
 
+#include "base/as_index.h"
 #include "robot/planning_group.h"
 #include "robot/xml_reader.h"
 
@@ -193,7 +194,7 @@ void SrdfLookup::add_joints(const SrdfGroup& group, std::set<std::string>& joint
   for (const SrdfName& name : group.links) {
     const auto link = find_link(name);
     if (!link || *link == 0) continue;
-    joints.insert(parts_.joints[static_cast<std::size_t>(*link - 1)].name);
+    joints.insert(parts_.joints[as_index(*link - 1)].name);
   }
   for (const SrdfPair& chain : group.chains) {
     const auto base = find_link(chain.first), tip = find_link(chain.second);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/urdf_reader.h"
 
+#include "base/as_index.h"
 #include "robot/robot_tree.h"
 #include "robot/xml_reader.h"
 
@@ -251,8 +252,8 @@ Result<Robot::Parts> UrdfReader::sorted() {
   if (result) return std::move(*result);
   const PartsFault& fault = result.error();
   int line = robot_line_;
-  if (fault.link >= 0) line = link_lines_[static_cast<std::size_t>(fault.link)];
-  if (fault.joint >= 0) line = joint_elements_[static_cast<std::size_t>(fault.joint)]->GetLineNum();
+  if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
+  if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
   xml_.note(line, fault.message);
   return tl::unexpected(*xml_.fault());
 }

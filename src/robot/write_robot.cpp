@@ -4,6 +4,8 @@
 
 #include "mneme/robot.h"
 
+#include "base/as_index.h"
+
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -147,7 +149,7 @@ std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
   // Readers want an effort and a velocity where there are limits; mneme uses neither.
   text += "effort=\"1\" velocity=\"1\"/>\n";
   if (joint.mimic) {
-    const Joint& leader = parts.joints[static_cast<std::size_t>(joint.mimic->joint)];
+    const Joint& leader = parts.joints[internal::as_index(joint.mimic->joint)];
     text += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
                         xml_escaped(leader.name), joint.mimic->multiplier, joint.mimic->offset);
   }
@@ -156,7 +158,7 @@ std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
 
 std::string to_xml(const Joint& joint, const Robot::Parts& parts) {
   const auto link_name = [&](int link) {
-    return xml_escaped(parts.links[static_cast<std::size_t>(link)].name);
+    return xml_escaped(parts.links[internal::as_index(link)].name);
   };
   const std::string origin = xml_origin(joint.origin);
   return fmt::format(
@@ -196,7 +198,7 @@ const std::string& parent_of(const JointGroup& group, const Robot::Parts& parts)
                          ? parts.joints.end()
                          : std::ranges::find(parts.joints, group.joints.front(), &Joint::name);
   const int link = joint == parts.joints.end() ? 0 : joint->parent_link;
-  return parts.links[static_cast<std::size_t>(link)].name;
+  return parts.links[internal::as_index(link)].name;
 }
 
 }  // namespace
