@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
-#include <cstdlib>
-
 #include <hwy/targets.h>
+
+#include <cstdlib>
 
 namespace mneme {
 namespace {

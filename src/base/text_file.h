@@ -4,10 +4,10 @@
 /// Files as text.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <cstddef>
 #include <string>
-
-#include "mneme/base.h"
 
 namespace mneme::internal {
 

@@ -5,7 +5,7 @@
 
 #include "base/text_file.h"
 #include "benchmark/suite_settings.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <fmt/ranges.h>
 

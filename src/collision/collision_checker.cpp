@@ -2,19 +2,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/collision.h"
 
-#include <algorithm>
-#include <bit>
-#include <array>
-#include <cmath>
-#include <limits>
+#include "base/as_index.h"
+#include "collision/collision_kernels.h"
+#include "collision/make_tables.h"
+#include "robot/joint_space.h"
 
 #include <fmt/format.h>
 
-#include "collision/checked_robot.h"
-#include "collision/collision_kernels.h"
-#include "check/contacts.h"
-#include "collision/scene_tables.h"
-#include "robot/joint_space.h"
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+struct Entry {
+  std::weak_ptr<const void> identity;
+  std::shared_ptr<const CheckedRobot> robot;
+
+  [[nodiscard]] bool is_of(const std::weak_ptr<const void>& other) const {
+    return !identity.owner_before(other) && !other.owner_before(identity);
+  }
+};
+
+class Registry {
+ public:
+  std::shared_ptr<const CheckedRobot> find(const Robot& robot) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find_if(
+        entries_, [&](const Entry& entry) { return entry.is_of(robot.identity()); });
+    return found == entries_.end() ? nullptr : found->robot;
+  }
+
+  void add(const Robot& robot, std::shared_ptr<const CheckedRobot> checked) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [](const Entry& entry) { return entry.identity.expired(); });
+    entries_.push_back({robot.identity(), std::move(checked)});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot) {
+  static Registry registry;
+  if (auto found = registry.find(robot)) return found;
+  auto tables = make_robot_tables(robot);
+  if (!tables) return tl::unexpected(tables.error());
+  const LinkDistances links(robot);
+  const Configuration zero(as_index(robot.joint_count()), 0.0);
+  auto made = std::make_shared<const CheckedRobot>(
+      CheckedRobot{std::move(*tables), links, links.posed(robot.link_poses(zero))});
+  registry.add(robot, made);
+  return made;
+}
+
+double fixed_clearance(const CheckedRobot& robot, const Scene& scene) {
+  return find_clearance(robot.links, robot.at_zero, obstacle_shapes(scene), false).distance;
+}
+
+}  // namespace mneme::internal
 
 namespace mneme {
 namespace {
@@ -89,7 +143,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (!scene_tables) return tl::unexpected(scene_tables.error());
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
-  const double clearance = internal::least_distance((*checked_robot)->fixed_shapes, scene);
+  const double clearance = internal::fixed_clearance(**checked_robot, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution,
              static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
@@ -125,7 +179,7 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   }
   t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
-  const std::size_t joints = static_cast<std::size_t>(t.space.joint_count());
+  const std::size_t joints = internal::as_index(t.space.joint_count());
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     if (!is_within_reach(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
   }
@@ -158,7 +212,8 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
 }
 
 std::vector<Contact> CollisionChecker::contacts(std::span<const double> q) const {
-  return internal::find_contacts(tables_->robot, tables_->scene, q, tables_->margin);
+  const Tables& t = *tables_;
+  return internal::find_contacts(t.robot, t.checked_robot->links, t.scene, q, t.margin);
 }
 
 }  // namespace mneme

@@ -14,8 +14,8 @@
 #define HWY_TARGET_INCLUDE "collision/collision_kernels.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
+#include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
-#include "collision/obstacle_distance-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 

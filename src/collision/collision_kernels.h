@@ -4,10 +4,11 @@
 /// The kernels' interface: one table of functions per instruction set.
 #pragma once
 
-#include <cstdint>
+#include "mneme/base.h"
 
 #include "collision/tables.h"
-#include "mneme/base.h"
+
+#include <cstdint>
 
 namespace mneme::internal {
 

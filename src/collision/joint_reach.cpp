@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/joint_reach.h"
 
+#include "base/as_index.h"
+
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace mneme::internal {
 namespace {
@@ -63,9 +65,7 @@ class Linkage {
   }
 
  private:
-  [[nodiscard]] const FrameRow& row(int index) const {
-    return tables_.frames[static_cast<std::size_t>(index)];
-  }
+  [[nodiscard]] const FrameRow& row(int index) const { return tables_.frames[as_index(index)]; }
 
   [[nodiscard]] std::pair<double, double> limits_of(int joint) const {
     const Joint& group_joint = robot_.group_joint(joint);
@@ -104,7 +104,7 @@ class Linkage {
     for (const int index : rows) {
       const FrameRow& frame = row(index);
       const auto joint = std::find(joints_.begin(), joints_.end(), frame.joint) - joints_.begin();
-      const double value = value_of(frame, box.middle[static_cast<std::size_t>(joint)]);
+      const double value = value_of(frame, box.middle[as_index(joint)]);
       point = frame.is_prismatic ? Vec3(point + value * Vec3::UnitZ())
                                  : Vec3(rotation_about(Vec3::UnitZ(), value) * point);
       point = Eigen::Map<const RowMajor>(frame.rotation).cast<double>() * point +

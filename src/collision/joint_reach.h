@@ -4,9 +4,10 @@
 /// What joint limits keep apart in every configuration.
 #pragma once
 
-#include "collision/tables.h"
 #include "mneme/geometry.h"
 #include "mneme/robot.h"
+
+#include "collision/tables.h"
 
 namespace mneme::internal {
 

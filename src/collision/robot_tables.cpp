@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/robot_tables.h"
+#include "base/as_index.h"
+#include "collision/joint_reach.h"
+#include "collision/make_tables.h"
+#include "collision/shape_groups.h"
+#include "robot/link_shapes.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
-
-#include <Eigen/Geometry>
-
-#include "collision/joint_reach.h"
-#include "collision/shape_groups.h"
-#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
@@ -21,12 +21,6 @@ namespace {
 constexpr double kSweep = 0.15;
 /// Two bodies are one if that meets at most so many times what their own balls do.
 constexpr double kMergeRatio = 1.0;
-
-std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
-
-void store(const Vec3& v, float* out) {
-  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
-}
 
 Ball to_ball(const Sphere& sphere) {
   Ball ball;
@@ -56,7 +50,7 @@ Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
 
 void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
   const Eigen::Matrix3d rounded = rotation.array().round();
-  for (int i = 0; i < 9; ++i) row.rotation[i] = static_cast<float>(rotation(i / 3, i % 3));
+  store(rotation, row.rotation);
   if (!rotation.isApprox(rounded, 1e-9)) {
     row.turn = Turn::general;
     return;
@@ -81,9 +75,7 @@ class RobotTablesBuilder {
   explicit RobotTablesBuilder(const Robot& robot)
       : robot_(robot), placements_(robot.links().size()), groups_of_link_(robot.links().size()) {
     tables_.joint_count = robot.joint_count();
-    for (int i = 0; i < robot.joint_count(); ++i) {
-      group_index_[robot.group()[as_index(i)]] = i;
-    }
+    for (int i = 0; i < robot.joint_count(); ++i) group_index_[robot.group()[as_index(i)]] = i;
   }
 
   Result<RobotTables> build() {
@@ -171,9 +163,7 @@ class RobotTablesBuilder {
     for (std::size_t i = 0; i < robot_.links().size(); ++i) {
       const int link = static_cast<int>(i);
       const std::vector<Capsule> shapes = shapes_of(link);
-      if (!shapes.empty()) {
-        bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
-      }
+      if (!shapes.empty()) bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
     }
     while (merge_closest(bodies, bodies.size() > as_index(kMaxBodies))) {
     }
@@ -252,7 +242,7 @@ class RobotTablesBuilder {
                               static_cast<int>(tables_.capsules.size())});
     CapsuleRow& row = tables_.capsules.emplace_back();
     store(capsule.a, row.a);
-    store(capsule.b - capsule.a, row.along);
+    store(Vec3(capsule.b - capsule.a), row.along);
     row.inverse_length2 = static_cast<float>(1 / (capsule.b - capsule.a).squaredNorm());
     row.radius = static_cast<float>(capsule.radius);
   }

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/scene_tables.h"
+#include "base/as_index.h"
+#include "collision/make_tables.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
-
-#include <Eigen/LU>
 
 namespace mneme::internal {
 namespace {
@@ -18,14 +19,6 @@ constexpr double kFarthest = 1e4;
 constexpr double kAligned = 1e-7;
 /// Of so many boxes the axes are tried as those of the scene.
 constexpr int kMaxTrials = 16;
-
-void write_out(const Vec3& v, float* out) {
-  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
-}
-
-void write_out(const Eigen::Matrix3d& m, float* out) {
-  for (int i = 0; i < 9; ++i) out[i] = static_cast<float>(m(i / 3, i % 3));
-}
 
 bool is_rotation(const Eigen::Matrix3d& matrix) {
   return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
@@ -108,7 +101,7 @@ struct Place {
     Placed result{{}, s.center, Vec3::Constant(s.radius)};
     result.row.kind = ObstacleKind::sphere;
     result.row.rounding = static_cast<float>(s.radius);
-    write_out(s.center, result.row.center);
+    store(s.center, result.row.center);
     return result;
   }
 
@@ -116,8 +109,8 @@ struct Place {
     Placed result{{}, (s.a + s.b) / 2, Vec3::Constant(s.radius) + (s.b - s.a).cwiseAbs() / 2};
     result.row.kind = ObstacleKind::capsule;
     result.row.rounding = static_cast<float>(s.radius);
-    write_out(s.a, result.row.center);
-    write_out(Vec3(s.b - s.a), result.row.along);
+    store(s.a, result.row.center);
+    store(Vec3(s.b - s.a), result.row.along);
     const double length2 = (s.b - s.a).squaredNorm();
     result.row.inverse_length2 = length2 < 1e-18 ? 0.0f : static_cast<float>(1 / length2);
     return result;
@@ -128,9 +121,9 @@ struct Place {
     Placed result{{}, s.pose.translation, rotation.cwiseAbs() * s.half_extents};
     const bool is_aligned = is_permutation(rotation);
     result.row.kind = is_aligned ? ObstacleKind::aligned_box : ObstacleKind::box;
-    write_out(result.center, result.row.center);
-    write_out(Eigen::Matrix3d(rotation.transpose()), result.row.rotation);
-    write_out(is_aligned ? result.reach : s.half_extents, result.row.half_extents);
+    store(result.center, result.row.center);
+    store(Eigen::Matrix3d(rotation.transpose()), result.row.rotation);
+    store(is_aligned ? result.reach : s.half_extents, result.row.half_extents);
     return result;
   }
 
@@ -140,9 +133,9 @@ struct Place {
     Placed result{{}, s.pose.translation, s.radius * across + s.length / 2 * axis.cwiseAbs()};
     const bool is_upright = axis.head<2>().cwiseAbs().maxCoeff() < kAligned;
     result.row.kind = is_upright ? ObstacleKind::upright_cylinder : ObstacleKind::cylinder;
-    write_out(result.center, result.row.center);
-    write_out(Eigen::Matrix3d(s.pose.rotation.transpose()), result.row.rotation);
-    write_out(Vec3(s.radius, s.radius, s.length / 2), result.row.half_extents);
+    store(result.center, result.row.center);
+    store(Eigen::Matrix3d(s.pose.rotation.transpose()), result.row.rotation);
+    store(Vec3(s.radius, s.radius, s.length / 2), result.row.half_extents);
     return result;
   }
 };
@@ -150,7 +143,7 @@ struct Place {
 void add(const Placed& placed, SceneTables& tables) {
   tables.obstacles.push_back(placed.row);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
+    const auto i = as_index(axis);
     // Rounding to float must not shrink the box.
     const double reach =
         placed.reach[axis] + 1e-6 * (1 + std::abs(placed.center[axis]) + placed.reach[axis]);
@@ -167,7 +160,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene) {
   }
   SceneTables tables;
   const Transform X_SW{choose_axes(scene), Vec3::Zero()};
-  write_out(X_SW.rotation, tables.rotation);
+  store(X_SW.rotation, tables.rotation);
   for (const Obstacle& obstacle : scene.obstacles) {
     for (const Shape& shape : obstacle.shapes) {
       add(std::visit(Place{}, transformed(X_SW, shape)), tables);

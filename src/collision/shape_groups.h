@@ -4,10 +4,10 @@
 /// Bounding balls, and shapes sorted into groups of neighbours. A sphere is a capsule of length 0.
 #pragma once
 
+#include "mneme/geometry.h"
+
 #include <span>
 #include <vector>
-
-#include "mneme/geometry.h"
 
 namespace mneme::internal {
 

@@ -1,22 +1,51 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "covering/allowed_pairs.h"
+
 #include "mneme/covering.h"
+
+#include "base/as_index.h"
+#include "check/link_distances.h"
+#include "robot/link_shapes.h"
+#include "robot/planning_group.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include <fmt/format.h>
+namespace mneme::internal {
 
-#include "covering/touching.h"
-#include "robot/link_shapes.h"
-#include "robot/planning_group.h"
+std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Robot& robot) {
+  constexpr int kSamples = 1000;
+  std::vector<std::pair<int, int>> pairs(robot.self_pairs().begin(), robot.self_pairs().end());
+  const LinkDistances links(robot);
+  Rng rng(1);
+  Configuration q(as_index(robot.joint_count()));
+  for (int i = 0; i < kSamples && !pairs.empty(); ++i) {
+    for (int j = 0; j < robot.joint_count(); ++j) {
+      const Joint& joint = robot.group_joint(j);
+      q[as_index(j)] = rng.uniform(joint.lower, joint.upper);
+    }
+    const PosedLinks posed = links.posed(robot.link_poses(q));
+    std::erase_if(pairs, [&](const auto& pair) {
+      return links.between(posed, pair.first, pair.second, 0) > 0;
+    });
+  }
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& [first, second] : pairs) {
+    names.emplace_back(robot.links()[as_index(first)].name, robot.links()[as_index(second)].name);
+  }
+  return names;
+}
+
+}  // namespace mneme::internal
 
 namespace mneme {
 namespace {
 
+using internal::as_index;
 using Pair = std::pair<int, int>;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// The robot with all joints that have a value of their own.
 Result<Robot> make_whole(const Robot::Parts& parts) {
@@ -38,24 +67,24 @@ class Adjacency {
     std::set<int> solid = {0};
     const auto joints = robot.joints();
     for (const Joint& joint : joints) {
-      bodies_[at(joint.child_link)] =
-          joint.type == JointType::fixed ? bodies_[at(joint.parent_link)] : joint.child_link;
+      bodies_[as_index(joint.child_link)] =
+          joint.type == JointType::fixed ? bodies_[as_index(joint.parent_link)] : joint.child_link;
     }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (internal::has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
     }
     for (const Joint& joint : joints) {
-      int above = bodies_[at(joint.parent_link)];
+      int above = bodies_[as_index(joint.parent_link)];
       while (!solid.contains(above)) {
-        const int up = robot.links()[at(above)].parent_joint;
-        above = bodies_[at(joints[at(up)].parent_link)];
+        const int up = robot.links()[as_index(above)].parent_joint;
+        above = bodies_[as_index(joints[as_index(up)].parent_link)];
       }
-      neighbours_.insert(std::minmax({above, bodies_[at(joint.child_link)]}));
+      neighbours_.insert(std::minmax({above, bodies_[as_index(joint.child_link)]}));
     }
   }
 
   [[nodiscard]] bool are_adjacent(int first, int second) const {
-    const Pair pair = std::minmax({bodies_[at(first)], bodies_[at(second)]});
+    const Pair pair = std::minmax({bodies_[as_index(first)], bodies_[as_index(second)]});
     return pair.first == pair.second || neighbours_.contains(pair);
   }
 
@@ -77,8 +106,8 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   const int count = static_cast<int>(robot.links().size());
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
-      if (internal::has_shapes(robot.links()[at(i)]) &&
-          internal::has_shapes(robot.links()[at(j)])) {
+      if (internal::has_shapes(robot.links()[as_index(i)]) &&
+          internal::has_shapes(robot.links()[as_index(j)])) {
         pairs.emplace_back(i, j);
       }
     }
@@ -87,23 +116,24 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
 }
 
 void sample(const Robot& robot, const PairSettings& settings, std::vector<Record>& records) {
-  internal::PosedShapes shapes(robot);
-  shapes.pose(robot.normalized(Configuration(at(robot.joint_count()), 0.0)));
-  for (Record& record : records) {
-    record.touches_at_rest = shapes.touch(record.links.first, record.links.second);
-  }
+  const internal::LinkDistances links(robot);
+  const auto touch = [&](const internal::PosedLinks& posed, const Pair& pair) {
+    return links.between(posed, pair.first, pair.second, 0) <= 0;
+  };
+  const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
+  const internal::PosedLinks at_rest = links.posed(robot.link_poses(rest));
+  for (Record& record : records) record.touches_at_rest = touch(at_rest, record.links);
   Rng rng(settings.seed);
   std::vector<Record*> open;
   for (Record& record : records) open.push_back(&record);
-  Configuration q(at(robot.joint_count()));
+  Configuration q(as_index(robot.joint_count()));
   for (int i = 0; i < settings.samples && !open.empty(); ++i) {
     for (int j = 0; j < robot.joint_count(); ++j) {
-      q[at(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
+      q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
     }
-    shapes.pose(q);
+    const internal::PosedLinks posed = links.posed(robot.link_poses(q));
     for (Record* record : open) {
-      const bool touches = shapes.touch(record->links.first, record->links.second);
-      (touches ? record->has_touched : record->has_been_apart) = true;
+      (touch(posed, record->links) ? record->has_touched : record->has_been_apart) = true;
     }
     std::erase_if(open, [](const Record* r) { return r->has_touched && r->has_been_apart; });
   }
@@ -156,7 +186,7 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
       reason = reason_for(*record++, settings.allow_at_rest);
     }
     if (!reason) continue;
-    const auto name = [&](int link) { return robot->links()[at(link)].name; };
+    const auto name = [&](int link) { return robot->links()[as_index(link)].name; };
     allowed.push_back({name(pair.first), name(pair.second), *reason});
   }
   return allowed;

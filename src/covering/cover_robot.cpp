@@ -2,12 +2,116 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/cover_robot.h"
 
+#include "mneme/covering.h"
+
+#include "base/installation.h"
+#include "covering/allowed_pairs.h"
+#include "covering/cover_solid.h"
+#include "covering/triangle_mesh.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+#include <xxhash.h>
+
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <thread>
 
-#include "covering/cover_solid.h"
-#include "covering/link_surface.h"
+namespace mneme::internal {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string hash_of(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+Json to_json(const LinkCover& cover) {
+  Json spheres = Json::array();
+  for (const Sphere& s : cover.spheres) {
+    spheres.push_back({s.center.x(), s.center.y(), s.center.z(), s.radius});
+  }
+  return {{"spheres", spheres},
+          {"uncovered", cover.uncovered},
+          {"mean_excess", cover.mean_excess},
+          {"max_excess", cover.max_excess}};
+}
+
+LinkCover from_json(const Json& json) {
+  LinkCover cover;
+  for (const auto& [x, y, z, radius] :
+       json.at("spheres").get<std::vector<std::array<double, 4>>>()) {
+    cover.spheres.push_back({Vec3(x, y, z), radius});
+  }
+  json.at("uncovered").get_to(cover.uncovered);
+  json.at("mean_excess").get_to(cover.mean_excess);
+  json.at("max_excess").get_to(cover.max_excess);
+  return cover;
+}
+
+/// Writes a file of its own and renames it, so that no reader sees half of it.
+bool write_whole(const std::string& path, const std::string& text) {
+  std::string temporary = path + ".XXXXXX";
+  const int file = ::mkstemp(temporary.data());
+  if (file < 0) return false;
+  const ssize_t written = ::write(file, text.data(), text.size());
+  const bool is_closed = ::close(file) == 0;
+  const bool is_written = is_closed && written == static_cast<ssize_t>(text.size()) &&
+                          std::rename(temporary.c_str(), path.c_str()) == 0;
+  if (!is_written) ::unlink(temporary.c_str());
+  return is_written;
+}
+
+}  // namespace
+
+std::string cover_key(const TriangleMesh& surface, const CoverSettings& settings) {
+  std::vector<double> numbers = {kCoverVersion, settings.excess,
+                                 static_cast<double>(settings.max_spheres)};
+  for (const Triangle& triangle : surface) {
+    for (const Vec3& corner : {triangle.a, triangle.b, triangle.c}) {
+      // Adding zero makes -0 the same as 0.
+      for (const double coordinate : corner) numbers.push_back(coordinate + 0.0);
+    }
+  }
+  return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+}
+
+std::string CoverCache::path_of(const std::string& key) const {
+  return fmt::format("{}/cover-{}.json", directory_, key);
+}
+
+std::optional<LinkCover> CoverCache::find(const std::string& key) const {
+  if (directory_.empty()) return std::nullopt;
+  std::ifstream file(path_of(key), std::ios::binary);
+  std::string text;
+  std::string checksum;
+  if (!std::getline(file, text) || !std::getline(file, checksum)) return std::nullopt;
+  if (checksum != hash_of(key + text)) return std::nullopt;
+  try {
+    return from_json(Json::parse(text));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+bool CoverCache::store(const std::string& key, const LinkCover& cover) const {
+  std::error_code error;
+  if (!directory_.empty()) std::filesystem::create_directories(directory_, error);
+  if (directory_.empty() || error) return false;
+  const std::string text = to_json(cover).dump();
+  return write_whole(path_of(key), fmt::format("{}\n{}\n", text, hash_of(key + text)));
+}
+
+}  // namespace mneme::internal
 
 namespace mneme {
 namespace internal {
@@ -76,6 +180,80 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
 Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings) {
   return internal::cover_robot(std::move(parts), settings, internal::CoverCache(""))
       .map([](internal::CachedCovering result) { return std::move(result.covering); });
+}
+
+namespace {
+
+std::string describe(const internal::CachedCovering& made, const internal::CoverCache& cache) {
+  std::size_t spheres = 0;
+  double worst = 0;
+  for (const LinkCover& link : made.covering.links) {
+    spheres += link.spheres.size();
+    worst = std::max(worst, link.max_excess);
+  }
+  const auto links = made.covering.links.size();
+  std::string text = fmt::format(
+      "covered the geometry of {} {} with {} {}, which stick out by up to {:.3f} m", links,
+      links == 1 ? "link" : "links", spheres, spheres == 1 ? "sphere" : "spheres", worst);
+  const auto known = static_cast<std::size_t>(made.found + made.stored);
+  if (made.found > 0) text += fmt::format("; {} from the cache {}", made.found, cache.directory());
+  if (known < links) text += fmt::format("; the cache '{}' cannot be written", cache.directory());
+  return text;
+}
+
+/// Without an SRDF only what is adjacent, or cannot be apart, may touch.
+Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robot::Parts& parts) {
+  return derive_allowed_pairs(parts).map([](const std::vector<AllowedPair>& allowed) {
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (const AllowedPair& pair : allowed) {
+      if (pair.reason == AllowedReason::never) continue;
+      pairs.emplace_back(pair.first, pair.second);
+    }
+    return pairs;
+  });
+}
+
+/// make_robot, with pairs that no configuration parts allowed, because nothing would be valid.
+Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options,
+                          std::vector<std::string>& notes) {
+  auto robot = make_robot(parts, options);
+  if (!robot) return robot;
+  const auto inseparable = internal::find_inseparable_pairs(*robot);
+  if (inseparable.empty()) return robot;
+  RobotOptions allowing = options;
+  for (const auto& pair : inseparable) {
+    allowing.allowed_pairs.push_back(pair);
+    notes.push_back(fmt::format(
+        "links '{}' and '{}' touch in every configuration; they are not checked against each other",
+        pair.first, pair.second));
+  }
+  return make_robot(std::move(parts), allowing);
+}
+
+}  // namespace
+
+Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOptions& options,
+                                        const CoverSettings& settings) {
+  auto parts = read_robot(path, options);
+  if (!parts) return tl::unexpected(parts.error());
+  const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
+  std::vector<std::string> notes;
+  if (std::ranges::any_of(parts->links, has_solids)) {
+    const internal::CoverCache cache(internal::cache_directory());
+    auto made = internal::cover_robot(std::move(*parts), settings, cache);
+    if (!made) return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
+    notes.push_back(describe(*made, cache));
+    parts = std::move(made->covering.parts);
+    if (!parts->allowed_pairs) {
+      auto pairs = derive_pairs(*parts);
+      if (!pairs)
+        return fail(pairs.error().code, fmt::format("{}: {}", path, pairs.error().message));
+      parts->allowed_pairs = std::move(*pairs);
+    }
+  }
+  auto robot = make_usable(std::move(*parts), options, notes);
+  if (!robot) return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
+  return CoveredRobot{std::move(*robot), std::move(notes)};
 }
 
 }  // namespace mneme

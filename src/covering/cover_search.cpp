@@ -2,15 +2,97 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/cover_search.h"
 
+#include "base/as_index.h"
+
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 namespace mneme::internal {
 namespace {
 
-using Indices = std::vector<int>;
+using Key = std::array<int, 3>;
+using Groups = std::map<Key, Element>;
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
+Key key_of(const Vec3& point, double size) {
+  const Vec3 cell = (point / size).array().floor();
+  return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
+}
+
+/// A ball around the mean of the balls' centres.
+Sphere bound(std::span<const Sphere> balls) {
+  Sphere result;
+  for (const Sphere& ball : balls) result.center += ball.center / static_cast<double>(balls.size());
+  for (const Sphere& ball : balls) {
+    result.radius = std::max(result.radius, (ball.center - result.center).norm() + ball.radius);
+  }
+  return result;
+}
+
+/// True if the sphere about the same centre that is smaller by `margin` holds the point.
+bool holds(const Sphere& sphere, const Vec3& point, double margin) {
+  const double reach = sphere.radius - margin;
+  return reach >= 0 && (point - sphere.center).squaredNorm() <= reach * reach;
+}
+
+void drop_equal(std::vector<Sphere>& balls) {
+  const auto key = [](const Sphere& s) {
+    return std::array{s.center.x(), s.center.y(), s.center.z(), s.radius};
+  };
+  std::ranges::sort(balls, {}, key);
+  const auto are_equal = [&](const Sphere& a, const Sphere& b) { return key(a) == key(b); };
+  balls.erase(std::unique(balls.begin(), balls.end(), are_equal), balls.end());
+}
+
+void add_to(std::vector<Element>& elements, Groups groups) {
+  for (auto& [key, element] : groups) {
+    drop_equal(element.balls);
+    element.bound = bound(element.balls);
+    elements.push_back(std::move(element));
+  }
+}
+
+}  // namespace
+
+double Element::reach_from(const Vec3& center) const {
+  double reach = 0;
+  for (const Sphere& ball : balls) {
+    reach = std::max(reach, (ball.center - center).norm() + ball.radius);
+  }
+  return reach;
+}
+
+bool Element::is_within(const Sphere& sphere) const {
+  if (!holds(sphere, bound.center, 0)) return false;
+  if (holds(sphere, bound.center, bound.radius)) return true;
+  return std::ranges::all_of(
+      balls, [&](const Sphere& ball) { return holds(sphere, ball.center, ball.radius); });
+}
+
+std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid, double size) {
+  Groups surface;
+  for (const Triangle& t : subdivide(mesh, size)) {
+    std::vector<Sphere>& balls = surface[key_of(t.centroid(), size)].balls;
+    for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
+  }
+  Groups inside;
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.cell_size();
+  for (const SolidModel::Cell& cell : solid.inner_cells()) {
+    inside[key_of(cell.center, size)].balls.push_back(
+        {cell.center, cell.is_whole ? half_diagonal : 0.0});
+  }
+  std::vector<Element> elements;
+  add_to(elements, std::move(surface));
+  add_to(elements, std::move(inside));
+  return elements;
+}
+
+namespace {
+
+using Indices = std::vector<int>;
 
 /// The state of the search: which proposals are chosen, and how many of them hold each piece.
 class CoverSearch {
@@ -19,15 +101,16 @@ class CoverSearch {
       : proposals_(std::move(proposals)), holders_(elements.size()), rng_(rng) {
     for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
       for (int p = 0; p < static_cast<int>(proposals_.size()); ++p) {
-        if (elements[at(e)].is_within(proposals_[at(p)])) holders_[at(e)].push_back(p);
+        if (elements[as_index(e)].is_within(proposals_[as_index(p)]))
+          holders_[as_index(e)].push_back(p);
       }
-      if (!holders_[at(e)].empty()) continue;
-      holders_[at(e)].push_back(static_cast<int>(proposals_.size()));
-      proposals_.push_back(elements[at(e)].bound);
+      if (!holders_[as_index(e)].empty()) continue;
+      holders_[as_index(e)].push_back(static_cast<int>(proposals_.size()));
+      proposals_.push_back(elements[as_index(e)].bound);
     }
     held_.resize(proposals_.size());
     for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-      for (const int p : holders_[at(e)]) held_[at(p)].push_back(e);
+      for (const int p : holders_[as_index(e)]) held_[as_index(p)].push_back(e);
     }
     counts_.assign(elements.size(), 0);
     gains_.assign(proposals_.size(), 0);
@@ -45,17 +128,17 @@ class CoverSearch {
     }
     std::ranges::sort(chosen_);
     std::vector<Sphere> spheres;
-    for (const int p : chosen_) spheres.push_back(proposals_[at(p)]);
+    for (const int p : chosen_) spheres.push_back(proposals_[as_index(p)]);
     return spheres;
   }
 
  private:
   void choose(int proposal) {
     chosen_.push_back(proposal);
-    for (const int e : held_[at(proposal)]) ++counts_[at(e)];
+    for (const int e : held_[as_index(proposal)]) ++counts_[as_index(e)];
   }
   void discard(std::size_t position) {
-    for (const int e : held_[at(chosen_[position])]) --counts_[at(e)];
+    for (const int e : held_[as_index(chosen_[position])]) --counts_[as_index(e)];
     chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(position));
   }
   void restore(const Indices& chosen) {
@@ -66,9 +149,10 @@ class CoverSearch {
   /// A random sphere and its nearest neighbours.
   void take_some_away() {
     const Vec3 center =
-        proposals_[at(chosen_[rng_.index(static_cast<std::uint32_t>(chosen_.size()))])].center;
+        proposals_[as_index(chosen_[rng_.index(static_cast<std::uint32_t>(chosen_.size()))])]
+            .center;
     std::ranges::sort(chosen_, {}, [&](int p) {
-      return std::pair((proposals_[at(p)].center - center).squaredNorm(), p);
+      return std::pair((proposals_[as_index(p)].center - center).squaredNorm(), p);
     });
     const std::size_t count = std::min<std::size_t>(2 + rng_.index(4), chosen_.size());
     for (std::size_t i = count; i > 0; --i) discard(i - 1);
@@ -82,14 +166,14 @@ class CoverSearch {
       if (counts_[e] > 0) continue;
       ++bare;
       steps_ += 2 * static_cast<std::int64_t>(holders_[e].size());
-      for (const int p : holders_[e]) ++gains_[at(p)];
+      for (const int p : holders_[e]) ++gains_[as_index(p)];
     }
     while (bare > 0) {
       const int best = most_useful(noise);
-      for (const int e : held_[at(best)]) {
-        if (counts_[at(e)] > 0) continue;
+      for (const int e : held_[as_index(best)]) {
+        if (counts_[as_index(e)] > 0) continue;
         --bare;
-        for (const int p : holders_[at(e)]) --gains_[at(p)];
+        for (const int p : holders_[as_index(e)]) --gains_[as_index(p)];
       }
       choose(best);
     }
@@ -111,8 +195,9 @@ class CoverSearch {
 
   void drop_needless() {
     for (std::size_t i = chosen_.size(); i > 0; --i) {
-      const auto& held = held_[at(chosen_[i - 1])];
-      if (std::ranges::all_of(held, [&](int e) { return counts_[at(e)] > 1; })) discard(i - 1);
+      const auto& held = held_[as_index(chosen_[i - 1])];
+      if (std::ranges::all_of(held, [&](int e) { return counts_[as_index(e)] > 1; }))
+        discard(i - 1);
     }
   }
 
@@ -158,6 +243,81 @@ std::vector<Sphere> propose_spheres(const SolidModel& solid, std::vector<Sphere>
 std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<const Element> elements,
                                    std::int64_t effort, Rng& rng) {
   return CoverSearch(std::move(proposals), elements, rng).run(effort);
+}
+
+namespace {
+
+constexpr int kRounds = 8;
+constexpr double kFirstStep = 0.02;
+constexpr double kLastStep = 0.0005;
+
+using Pieces = std::vector<const Element*>;
+
+double reach_from(const Vec3& center, const Pieces& pieces) {
+  double reach = 0;
+  for (const Element* piece : pieces) {
+    // The ball around a piece tells most of those apart that are not the farthest.
+    if ((piece->bound.center - center).norm() + piece->bound.radius <= reach) continue;
+    reach = std::max(reach, piece->reach_from(center));
+  }
+  return reach;
+}
+
+/// Each piece goes to the sphere that holds it with most room to spare.
+std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const Element> elements) {
+  std::vector<Pieces> shares(spheres.size());
+  for (const Element& element : elements) {
+    std::size_t owner = 0;
+    double most_room = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const double distance = (element.bound.center - spheres[i].center).norm();
+      if (spheres[i].radius - distance <= most_room) continue;
+      const double room = spheres[i].radius - element.reach_from(spheres[i].center);
+      if (room <= most_room) continue;
+      most_room = room;
+      owner = i;
+    }
+    shares[owner].push_back(&element);
+  }
+  return shares;
+}
+
+/// Descends along the axes from `center` with shrinking steps.
+Sphere fit(const Vec3& start, const Pieces& pieces, const SolidModel& solid) {
+  const auto rate = [&](const Vec3& center) {
+    return reach_from(center, pieces) - solid.depth(center);
+  };
+  Vec3 center = start;
+  double least = rate(center);
+  for (double step = kFirstStep; step >= kLastStep; step *= 0.5) {
+    for (bool has_moved = true; has_moved;) {
+      has_moved = false;
+      for (int i = 0; i < 6; ++i) {
+        const Vec3 next = center + (i % 2 == 0 ? step : -step) * Vec3::Unit(i / 2);
+        const double stick_out = rate(next);
+        if (stick_out >= least - 0.01 * step) continue;
+        least = stick_out;
+        center = next;
+        has_moved = true;
+      }
+    }
+  }
+  return {center, reach_from(center, pieces)};
+}
+
+}  // namespace
+
+std::vector<Sphere> refine(std::vector<Sphere> spheres, std::span<const Element> elements,
+                           const SolidModel& solid) {
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<Pieces> shares = share_out(spheres, elements);
+    std::vector<Sphere> next;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      if (!shares[i].empty()) next.push_back(fit(spheres[i].center, shares[i], solid));
+    }
+    spheres = std::move(next);
+  }
+  return spheres;
 }
 
 }  // namespace mneme::internal

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/solid_model.h"
 
+#include "base/as_index.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -60,14 +62,14 @@ SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
 }
 
 std::size_t SolidModel::slot(const Index& i) const {
-  const auto at = [&](std::size_t axis) { return static_cast<std::size_t>(i[axis]); };
-  const auto count = [&](std::size_t axis) { return static_cast<std::size_t>(counts_[axis]); };
+  const auto at = [&](std::size_t axis) { return as_index(i[axis]); };
+  const auto count = [&](std::size_t axis) { return as_index(counts_[axis]); };
   return (at(2) * count(1) + at(1)) * count(0) + at(0);
 }
 
 SolidModel::Index SolidModel::index_at(std::size_t slot) const {
-  const auto x = static_cast<std::size_t>(counts_[0]);
-  const auto y = static_cast<std::size_t>(counts_[1]);
+  const auto x = as_index(counts_[0]);
+  const auto y = as_index(counts_[1]);
   return {static_cast<int>(slot % x), static_cast<int>(slot / x % y),
           static_cast<int>(slot / x / y)};
 }

@@ -4,12 +4,12 @@
 /// The inside of a link: which points its surface encloses, and how deep they lie.
 #pragma once
 
+#include "covering/triangle_mesh.h"
+#include "covering/triangle_tree.h"
+
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include "covering/triangle_mesh.h"
-#include "covering/triangle_tree.h"
 
 namespace mneme::internal {
 

@@ -4,10 +4,10 @@
 /// Surfaces as triangles: what every solid is turned into before it is covered.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <array>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 
@@ -42,5 +42,19 @@ struct Bounds {
   Vec3 high;
 };
 [[nodiscard]] Bounds bounds_of(const TriangleMesh& mesh);
+
+/// Largest file and number of triangles that are read.
+inline constexpr std::size_t kMaxMeshBytes = std::size_t{256} << 20;
+inline constexpr std::size_t kMaxTriangles = 1'000'000;
+
+/// Reads STL, OBJ or DAE, binary or text, all objects of the file in their places; the unit that a
+/// DAE file states is honoured, its up axis is not, as robots are modelled with z up. Triangles
+/// without area are left out. Errors name the file: not readable, of another format, malformed, too
+/// large, without triangles, with coordinates that are not finite or beyond 1 km.
+[[nodiscard]] Result<TriangleMesh> read_mesh(const MeshFile& file);
+
+/// The triangles of all solids of `link`, in its frame. Errors name the link, and the mesh file if
+/// that is wrong: see read_mesh; solids that are not finite or have no surface.
+[[nodiscard]] Result<TriangleMesh> link_surface(const Link& link);
 
 }  // namespace mneme::internal

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covering/triangle_tree.h"
 
-#include <algorithm>
-#include <cmath>
+#include "base/as_index.h"
 
 #include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
 
 namespace mneme::internal {
 namespace {
@@ -82,8 +84,8 @@ int TriangleTree::build(int first, int count) {
   });
   build(first, half);
   const int right = build(first + half, count - half);
-  nodes_[static_cast<std::size_t>(index)].count = 0;
-  nodes_[static_cast<std::size_t>(index)].right = right;
+  nodes_[as_index(index)].count = 0;
+  nodes_[as_index(index)].right = right;
   return index;
 }
 
@@ -95,14 +97,14 @@ double TriangleTree::distance(const Vec3& point, double limit) const {
 }
 
 void TriangleTree::nearest(int index, const Vec3& point, double& least2) const {
-  const Node& node = nodes_[static_cast<std::size_t>(index)];
+  const Node& node = nodes_[as_index(index)];
   for (int i = 0; i < node.count; ++i) {
-    const Triangle& triangle = mesh_[static_cast<std::size_t>(node.first + i)];
+    const Triangle& triangle = mesh_[as_index(node.first + i)];
     least2 = std::min(least2, distance2_to_triangle(point, triangle));
   }
   if (node.count > 0) return;
   const auto reach = [&](int child) {
-    const Node& box = nodes_[static_cast<std::size_t>(child)];
+    const Node& box = nodes_[as_index(child)];
     return distance2_to_box(point, box.low, box.high);
   };
   int near = index + 1;
@@ -125,10 +127,10 @@ bool TriangleTree::is_odd_both_ways(const Vec3& origin, const Vec3& direction) c
   while (!open.empty()) {
     const int index = open.back();
     open.pop_back();
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Node& node = nodes_[as_index(index)];
     if (!meets_box(origin, inverse, node.low, node.high)) continue;
     for (int i = 0; i < node.count; ++i) {
-      const int side = crossing(origin, direction, mesh_[static_cast<std::size_t>(node.first + i)]);
+      const int side = crossing(origin, direction, mesh_[as_index(node.first + i)]);
       ahead += side > 0 ? 1 : 0;
       behind += side < 0 ? 1 : 0;
     }

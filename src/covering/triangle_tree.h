@@ -4,14 +4,16 @@
 /// Nearest points on a surface, and which side of it a point is on.
 #pragma once
 
+#include "covering/triangle_mesh.h"
+
 #include <limits>
 #include <vector>
 
-#include "covering/triangle_mesh.h"
-
 namespace mneme::internal {
 
-/// A tree of boxes over triangles. Const and parallel-safe.
+/// A tree of boxes over triangles. Const and parallel-safe. Of the libraries in Debian nanoflann
+/// knows points only, FCL (which the tests use) neither limits nor counts of crossings, and CGAL is
+/// under the GPL.
 class TriangleTree {
  public:
   explicit TriangleTree(TriangleMesh mesh);

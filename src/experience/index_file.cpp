@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/index_file.h"
 
-#include "base/cache_directory.h"
+#include "base/installation.h"
 #include "experience/new_file.h"
 #include "experience/store_url.h"
 

@@ -1,10 +1,29 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/geometry.h"
+#include "geometry/solids.h"
+
+#include <Eigen/Geometry>
 
 #include <cmath>
+#include <numbers>
 
 namespace mneme {
+
+Eigen::Matrix3d rotation_about(const Vec3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+Eigen::Matrix3d rotation_from_rpy(const Vec3& rpy) {
+  return rotation_about(Vec3::UnitZ(), rpy.z()) * rotation_about(Vec3::UnitY(), rpy.y()) *
+         rotation_about(Vec3::UnitX(), rpy.x());
+}
+
+Eigen::Matrix3d rotation_from_quaternion(double w, double x, double y, double z) {
+  Eigen::Quaterniond quaternion(w, x, y, z);
+  quaternion.coeffs().stableNormalize();
+  return quaternion.toRotationMatrix();
+}
+
 namespace {
 
 struct Name {
@@ -33,6 +52,75 @@ struct Bound {
   }
 };
 
+struct Sizes {
+  std::vector<double> operator()(const Sphere& s) const { return {s.radius}; }
+  std::vector<double> operator()(const Box& s) const {
+    return {2 * s.half_extents[0], 2 * s.half_extents[1], 2 * s.half_extents[2]};
+  }
+  std::vector<double> operator()(const Cylinder& s) const { return {s.radius, s.length}; }
+  std::vector<double> operator()(const Capsule& s) const { return {s.radius, (s.b - s.a).norm()}; }
+};
+
+struct Resize {
+  std::span<const double> sizes;
+  Shape operator()(const Sphere& s) const { return Sphere{s.center, sizes[0]}; }
+  Shape operator()(const Box& s) const {
+    return Box{s.pose, 0.5 * Vec3(sizes[0], sizes[1], sizes[2])};
+  }
+  Shape operator()(const Cylinder& s) const { return Cylinder{s.pose, sizes[0], sizes[1]}; }
+  /// It grows at both ends.
+  Shape operator()(const Capsule& s) const {
+    const Vec3 middle = 0.5 * (s.a + s.b), along = s.b - s.a;
+    const Vec3 direction = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ());
+    return Capsule{middle - 0.5 * sizes[1] * direction, middle + 0.5 * sizes[1] * direction,
+                   sizes[0]};
+  }
+};
+
+struct Scale {
+  const Vec3& about;
+  double factor;
+  [[nodiscard]] Vec3 at(const Vec3& point) const { return about + factor * (point - about); }
+  [[nodiscard]] Transform at(const Transform& pose) const {
+    return {pose.rotation, at(pose.translation)};
+  }
+  Shape operator()(const Sphere& s) const { return Sphere{at(s.center), s.radius * factor}; }
+  Shape operator()(const Box& s) const { return Box{at(s.pose), s.half_extents * factor}; }
+  Shape operator()(const Cylinder& s) const {
+    return Cylinder{at(s.pose), s.radius * factor, s.length * factor};
+  }
+  Shape operator()(const Capsule& s) const { return Capsule{at(s.a), at(s.b), s.radius * factor}; }
+};
+
+struct MomentsOf {
+  using Moments = internal::Moments;
+  static Moments posed(double volume, const Transform& pose, const Vec3& variances) {
+    return {volume, pose.translation,
+            pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
+  }
+  Moments operator()(const Sphere& s) const {
+    const double r = s.radius;
+    return posed(4.0 / 3 * std::numbers::pi * r * r * r, {Eigen::Matrix3d::Identity(), s.center},
+                 Vec3::Constant(r * r / 5));
+  }
+  Moments operator()(const Box& s) const {
+    return posed(8 * s.half_extents.prod(), s.pose, s.half_extents.cwiseAbs2() / 3);
+  }
+  Moments operator()(const Cylinder& s) const {
+    const double across = s.radius * s.radius / 4;
+    return posed(std::numbers::pi * s.radius * s.radius * s.length, s.pose,
+                 {across, across, s.length * s.length / 12});
+  }
+  Moments operator()(const Capsule& s) const {
+    const Vec3 along = s.b - s.a;
+    const double length = along.norm();
+    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+        Vec3::UnitZ(), length > 0 ? Vec3(along / length) : Vec3(Vec3::UnitZ()));
+    return (*this)(Cylinder{
+        {turn.toRotationMatrix(), 0.5 * (s.a + s.b)}, s.radius, length + 4.0 / 3 * s.radius});
+  }
+};
+
 }  // namespace
 
 std::string_view shape_name(const Shape& shape) { return std::visit(Name{}, shape); }
@@ -43,4 +131,19 @@ Shape transformed(const Transform& X_AB, const Shape& shape) {
 
 Sphere bounding_sphere(const Shape& shape) { return std::visit(Bound{}, shape); }
 
+namespace internal {
+
+std::vector<double> sizes_of(const Shape& shape) { return std::visit(Sizes{}, shape); }
+
+Shape resized(const Shape& shape, std::span<const double> sizes) {
+  return std::visit(Resize{sizes}, shape);
+}
+
+Shape scaled(const Shape& shape, const Vec3& about, double factor) {
+  return std::visit(Scale{about, factor}, shape);
+}
+
+Moments moments_of(const Shape& shape) { return std::visit(MomentsOf{}, shape); }
+
+}  // namespace internal
 }  // namespace mneme

@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Frozen: whoever changes what is drawn here, or the order of it, raises kThreadedVersion.
-#include <cmath>
-#include <numbers>
+#include "mneme/instances.h"
+#include "mneme/learning.h"
 
 #include "memory/planar_chain.h"
 #include "memory/threaded.h"
-#include "mneme/instances.h"
-#include "mneme/learning.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
 
 namespace mneme {
 namespace {

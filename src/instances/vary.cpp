@@ -1,13 +1,100 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-#include <optional>
+#include "mneme/instances.h"
+
+#include "base/as_index.h"
+#include "base/text_file.h"
+#include "geometry/solids.h"
+#include "scene/input.h"
+#include "scene/scene_input.h"
+#include "scene/yaml.h"
 
 #include <fmt/format.h>
 
-#include "mneme/instances.h"
+#include <algorithm>
+#include <optional>
 
 namespace mneme {
+namespace {
+
+using internal::Input;
+
+/// `{uniform: NUMBERS}` or `{gaussian: NUMBERS}`; a single number may stand for a list of one.
+Spread read_spread(const Input& input) {
+  input.allow_keys({"uniform", "gaussian"});
+  const auto uniform = input.find("uniform");
+  const auto gaussian = input.find("gaussian");
+  if (uniform.has_value() == gaussian.has_value()) input.fail_expecting("uniform or gaussian");
+  const Input& numbers = uniform ? *uniform : *gaussian;
+  Spread spread;
+  spread.is_gaussian = gaussian.has_value();
+  if (!numbers.is_list()) {
+    spread.values = {numbers.finite_number()};
+  } else {
+    for (const Input& item : numbers.items()) spread.values.push_back(item.finite_number());
+  }
+  for (const double value : spread.values) {
+    if (value < 0) numbers.fail_expecting("numbers of at least 0");
+  }
+  return spread;
+}
+
+void read_into(const Input& input, std::string_view key, std::size_t least, std::size_t most,
+               Spread& spread) {
+  const auto found = input.find(key);
+  if (!found) return;
+  spread = read_spread(*found);
+  if (spread.values.size() >= least && spread.values.size() <= most) return;
+  found->fail_expecting(least == most
+                            ? std::to_string(least) + (least == 1 ? " number" : " numbers")
+                            : std::to_string(least) + " to " + std::to_string(most) + " numbers");
+}
+
+void read_motion(const Input& input, Variation& variation) {
+  read_into(input, "position", 3, 3, variation.position);
+  read_into(input, "rpy", 3, 3, variation.rpy);
+  read_into(input, "scale", 1, 1, variation.scale);
+}
+
+Variation read_scene_variation(const Input& input) {
+  input.allow_keys({"position", "rpy", "scale", "center"});
+  Variation variation;
+  read_motion(input, variation);
+  if (const auto center = input.find("center")) variation.center = internal::read_point(*center);
+  return variation;
+}
+
+Variation read_obstacle_variation(const std::string& name, const Input& input) {
+  input.allow_keys({"position", "rpy", "scale", "size"});
+  Variation variation;
+  variation.name = name;
+  read_motion(input, variation);
+  read_into(input, "size", 1, 3, variation.size);
+  return variation;
+}
+
+Variations read_variations(const Input& input) {
+  input.allow_keys({"scene", "obstacles"});
+  Variations variations;
+  if (const auto scene = input.find("scene")) variations.scene = read_scene_variation(*scene);
+  if (const auto obstacles = input.find("obstacles")) {
+    for (const auto& [name, obstacle] : obstacles->entries()) {
+      variations.obstacles.push_back(read_obstacle_variation(name, obstacle));
+    }
+  }
+  return variations;
+}
+
+}  // namespace
+
+Result<Variations> load_variations(const std::string& path) {
+  return internal::without_throwing([&] {
+    const std::string text = internal::value_or_throw(internal::read_text_file(path));
+    const internal::InputValue value = internal::parse_yaml(text, path);
+    return read_variations(Input(value, path));
+  });
+}
+
 namespace {
 
 std::vector<double> draw(const Spread& spread, Rng& rng) {
@@ -23,59 +110,12 @@ Vec3 draw_vector(const Spread& spread, Rng& rng) {
   return numbers.size() == 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : Vec3(Vec3::Zero());
 }
 
-/// How many numbers describe the size of a shape, and references to them.
-std::vector<double*> sizes(Shape& shape) {
-  if (auto* box = std::get_if<Box>(&shape)) {
-    double* half = box->half_extents.data();
-    return {half, half + 1, half + 2};
-  }
-  if (auto* cylinder = std::get_if<Cylinder>(&shape)) return {&cylinder->radius, &cylinder->length};
-  if (auto* sphere = std::get_if<Sphere>(&shape)) return {&sphere->radius};
-  return {&std::get<Capsule>(shape).radius};
-}
-
-/// A capsule's length is the distance of its ends: it grows at both.
-void lengthen(Capsule& capsule, double length) {
-  const Vec3 middle = 0.5 * (capsule.a + capsule.b);
-  const Vec3 along = capsule.b - capsule.a;
-  const Vec3 direction = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ());
-  capsule.a = middle - 0.5 * length * direction;
-  capsule.b = middle + 0.5 * length * direction;
-}
-
-/// Adds `numbers` to the sizes of `shape`; false if one is not positive then.
-bool resize(Shape& shape, const std::vector<double>& numbers) {
-  const std::vector<double*> own = sizes(shape);
-  const double share = std::holds_alternative<Box>(shape) ? 0.5 : 1.0;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    *own[i] += share * numbers[i];
-    if (*own[i] <= 0) return false;
-  }
-  if (auto* capsule = std::get_if<Capsule>(&shape)) {
-    const double length = (capsule->b - capsule->a).norm() + numbers[1];
-    if (length <= 0) return false;
-    lengthen(*capsule, length);
-  }
-  return true;
-}
-
-std::size_t size_count(const Shape& shape) {
-  Shape copy = shape;
-  return std::holds_alternative<Capsule>(shape) ? 2 : sizes(copy).size();
-}
-
-Shape scaled(const Shape& shape, const Vec3& about, double factor) {
-  Shape result = shape;
-  for (double* size : sizes(result)) *size *= factor;
-  const auto move = [&](Vec3& point) { point = about + factor * (point - about); };
-  if (auto* box = std::get_if<Box>(&result)) move(box->pose.translation);
-  if (auto* cylinder = std::get_if<Cylinder>(&result)) move(cylinder->pose.translation);
-  if (auto* sphere = std::get_if<Sphere>(&result)) move(sphere->center);
-  if (auto* capsule = std::get_if<Capsule>(&result)) {
-    move(capsule->a);
-    move(capsule->b);
-  }
-  return result;
+/// `shape` with `numbers` added to its sizes; nothing if one is not positive then.
+std::optional<Shape> grown(const Shape& shape, const std::vector<double>& numbers) {
+  std::vector<double> sizes = internal::sizes_of(shape);
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] += numbers[i];
+  const bool is_positive = std::ranges::all_of(sizes, [](double size) { return size > 0; });
+  return is_positive ? std::optional(internal::resized(shape, sizes)) : std::nullopt;
 }
 
 constexpr int kMostTries = 1000;
@@ -123,7 +163,7 @@ class Motion {
 
   void apply(Obstacle& obstacle) const {
     for (Shape& shape : obstacle.shapes) {
-      if (factor_ != 1) shape = scaled(shape, center_, factor_);
+      if (factor_ != 1) shape = internal::scaled(shape, center_, factor_);
       shape = transformed(X_, shape);
     }
   }
@@ -153,14 +193,17 @@ Result<void> vary_size(const Variation& variation, Rng& rng, Obstacle& obstacle)
                             obstacle.shapes.size()));
   }
   const Shape nominal = obstacle.shapes.front();
-  if (variation.size.values.size() != size_count(nominal)) {
-    return fail(ErrorCode::invalid, fmt::format("its size has {} numbers; expected {} for a {}",
-                                                variation.size.values.size(), size_count(nominal),
-                                                shape_name(nominal)));
+  const std::size_t count = internal::sizes_of(nominal).size();
+  if (variation.size.values.size() != count) {
+    return fail(ErrorCode::invalid,
+                fmt::format("its size has {} numbers; expected {} for a {}",
+                            variation.size.values.size(), count, shape_name(nominal)));
   }
   for (int i = 0; i < kMostTries; ++i) {
-    obstacle.shapes.front() = nominal;
-    if (resize(obstacle.shapes.front(), draw(variation.size, rng))) return {};
+    if (const auto shape = grown(nominal, draw(variation.size, rng))) {
+      obstacle.shapes.front() = *shape;
+      return {};
+    }
   }
   return fail(ErrorCode::invalid, "its size leaves no positive one");
 }
@@ -198,7 +241,7 @@ Result<std::vector<int>> assign(const Scene& scene, const Variations& variations
         return fail(ErrorCode::invalid,
                     fmt::format("obstacle '{}' is meant by the variations '{}' and '{}'",
                                 scene.obstacles[j].name,
-                                variations.obstacles[static_cast<std::size_t>(assigned[j])].name,
+                                variations.obstacles[internal::as_index(assigned[j])].name,
                                 variation.name));
       }
       assigned[j] = static_cast<int>(i);
@@ -221,8 +264,8 @@ Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
   for (std::size_t i = 0; i < varied.obstacles.size(); ++i) {
     if ((*assigned)[i] < 0) continue;
     Obstacle& obstacle = varied.obstacles[i];
-    const auto done = vary_obstacle(variations.obstacles[static_cast<std::size_t>((*assigned)[i])],
-                                    rng, obstacle);
+    const auto done =
+        vary_obstacle(variations.obstacles[internal::as_index((*assigned)[i])], rng, obstacle);
     if (!done) {
       return fail(done.error().code,
                   fmt::format("obstacle '{}': {}", obstacle.name, done.error().message));

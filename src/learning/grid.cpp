@@ -6,7 +6,7 @@
 #include "experience/experience_index.h"
 #include "experience/row_check.h"
 #include "scene/input.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "mneme/memory.h"
 
+#include "geometry/solids.h"
 #include "memory/moved_means.h"
 #include "primitive/near_pairs.h"
 #include "primitive/passage.h"
@@ -19,50 +19,10 @@ namespace {
 
 constexpr std::string_view kBodyPairsVersion = "body_pairs/1";
 
-/// Volume, centroid and covariance of a solid.
-struct Moments {
-  double volume = 0;
-  Vec3 centroid = Vec3::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-};
-
-Moments posed(double volume, const Transform& pose, const Vec3& variances) {
-  return {volume, pose.translation,
-          pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
-}
-
-Moments moments_of_cylinder(const Transform& pose, double radius, double length) {
-  const double across = radius * radius / 4;
-  return posed(std::numbers::pi * radius * radius * length, pose,
-               {across, across, length * length / 12});
-}
-
-Moments moments(const Shape& shape) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-    const double r = sphere->radius;
-    return posed(4.0 / 3 * std::numbers::pi * r * r * r,
-                 {Eigen::Matrix3d::Identity(), sphere->center}, Vec3::Constant(r * r / 5));
-  }
-  if (const auto* box = std::get_if<Box>(&shape)) {
-    return posed(8 * box->half_extents.prod(), box->pose, box->half_extents.cwiseAbs2() / 3);
-  }
-  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
-    return moments_of_cylinder(cylinder->pose, cylinder->radius, cylinder->length);
-  }
-  // A capsule as the cylinder of the same radius and volume.
-  const auto& capsule = std::get<Capsule>(shape);
-  const Vec3 along = capsule.b - capsule.a;
-  const double length = along.norm();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
-      Vec3::UnitZ(), length > 0 ? Vec3(along / length) : Vec3(Vec3::UnitZ()));
-  return moments_of_cylinder({turn.toRotationMatrix(), 0.5 * (capsule.a + capsule.b)},
-                             capsule.radius, length + 4.0 / 3 * capsule.radius);
-}
-
-Moments moments(const Obstacle& obstacle) {
-  Moments sum;
+internal::Moments moments_of(const Obstacle& obstacle) {
+  internal::Moments sum;
   for (const Shape& shape : obstacle.shapes) {
-    const Moments part = moments(shape);
+    const internal::Moments part = internal::moments_of(shape);
     sum.volume += part.volume;
     sum.centroid += part.volume * part.centroid;
     sum.covariance += part.volume * (part.covariance + part.centroid * part.centroid.transpose());
@@ -86,7 +46,7 @@ struct Body {
 };
 
 Body make_body(const Obstacle& obstacle) {
-  const Moments of_all = moments(obstacle);
+  const internal::Moments of_all = moments_of(obstacle);
   return {of_all.centroid, square_root(3 * of_all.covariance)};
 }
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "geometry/nearest_point.h"
+#include "geometry/solids.h"
 #include "primitive/passage.h"
 
 namespace mneme::internal {

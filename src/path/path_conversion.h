@@ -4,10 +4,10 @@
 /// Between the planners' single precision and the public double precision.
 #pragma once
 
+#include "mneme/path.h"
+
 #include <span>
 #include <vector>
-
-#include "mneme/path.h"
 
 namespace mneme::internal {
 

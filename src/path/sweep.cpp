@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "path/sweep.h"
 
+#include "base/as_index.h"
+#include "robot/kinematics.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
-
-#include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 
 namespace mneme::internal {
 namespace {
@@ -33,12 +32,12 @@ std::vector<double> ways_of(const Robot& robot, std::size_t link, double reach,
                             const JointValues& from, const JointValues& to) {
   std::vector<double> ways(robot.joints().size(), 0.0);
   for (int joint = robot.links()[link].parent_joint; joint >= 0;) {
-    const auto i = static_cast<std::size_t>(joint);
+    const auto i = as_index(joint);
     const bool slides = robot.joints()[i].type == JointType::prismatic;
     ways[i] = std::abs(to[i] - from[i]) * (slides ? 1 : reach);
     if (slides) reach += std::max(std::abs(from[i]), std::abs(to[i]));
     reach += robot.joints()[i].origin.translation.norm();
-    joint = robot.links()[static_cast<std::size_t>(robot.joints()[i].parent_link)].parent_joint;
+    joint = robot.links()[as_index(robot.joints()[i].parent_link)].parent_joint;
   }
   return ways;
 }
@@ -55,61 +54,24 @@ double approach_of(const std::vector<double>& first, const std::vector<double>& 
 }  // namespace
 
 Sweep::Sweep(const Robot& robot, const Scene& scene, double margin)
-    : robot_(robot), margin_(margin) {
-  for (const Link& link : robot.links()) {
-    std::vector<Capsule> capsules = shapes_of(link);
-    const Sphere bound = bound_of(capsules);
-    const double reach = reach_of(capsules);
-    links_.push_back({std::move(capsules), bound, reach});
-  }
-  const int links = static_cast<int>(links_.size());
+    : robot_(robot), margin_(margin), links_(robot), obstacles_(obstacle_shapes(scene)) {
+  const int links = links_.link_count();
+  for (int link = 0; link < links; ++link) reaches_.push_back(reach_of(links_.shapes(link)));
   for (const auto& [first, second] : robot.self_pairs()) {
-    pairs_.push_back({first, second, links + static_cast<int>(pairs_.size()), nullptr});
+    pairs_.push_back({first, second, links + static_cast<int>(pairs_.size()), -1});
   }
   for (int link = 0; link < links; ++link) {
-    if (links_[static_cast<std::size_t>(link)].capsules.empty()) continue;
-    for (const Obstacle& obstacle : scene.obstacles) {
-      for (const Shape& shape : obstacle.shapes) pairs_.push_back({link, link, link, &shape});
+    if (links_.shapes(link).empty()) continue;
+    for (int shape = 0; shape < static_cast<int>(obstacles_.size()); ++shape) {
+      pairs_.push_back({link, link, link, shape});
     }
   }
 }
 
-double Sweep::clearance(const LinkShapes& link, const Transform& X_WL, const Shape& shape,
-                        double enough) {
-  const Vec3 center = X_WL * link.bound.center;
-  const double bound = distance_to_segment(center, center, shape) - link.bound.radius;
-  if (bound > enough) return bound;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Capsule& own : link.capsules) {
-    const double between = distance_to_segment(X_WL * own.a, X_WL * own.b, shape);
-    least = std::min(least, between - own.radius);
-  }
-  return least;
-}
-
-double Sweep::clearance(const LinkShapes& first, const Transform& X_WF, const LinkShapes& second,
-                        const Transform& X_WS, double enough) {
-  const double bound = (X_WF * first.bound.center - X_WS * second.bound.center).norm() -
-                       first.bound.radius - second.bound.radius;
-  if (bound > enough) return bound;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Capsule& p : first.capsules) {
-    const Vec3 a = X_WF * p.a, b = X_WF * p.b;
-    for (const Capsule& q : second.capsules) {
-      const double between = segment_distance(a, b, X_WS * q.a, X_WS * q.b);
-      least = std::min(least, between - p.radius - q.radius);
-    }
-  }
-  return least;
-}
-
-double Sweep::clearance(const Pair& pair, std::span<const Transform> poses, double enough) const {
-  const auto first = static_cast<std::size_t>(pair.link);
-  const auto second = static_cast<std::size_t>(pair.other_link);
-  if (pair.shape != nullptr) {
-    return clearance(links_[first], poses[first], *pair.shape, enough + margin_) - margin_;
-  }
-  return clearance(links_[first], poses[first], links_[second], poses[second], enough);
+double Sweep::clearance(const Pair& pair, const PosedLinks& posed, double enough) const {
+  if (pair.obstacle < 0) return links_.between(posed, pair.link, pair.other_link, enough);
+  const ObstacleShape& obstacle = obstacles_[as_index(pair.obstacle)];
+  return links_.between(posed, pair.link, obstacle, enough + margin_) - margin_;
 }
 
 /// One motion while it is halved.
@@ -125,13 +87,12 @@ class Sweep::Motion {
     const JointValues begin = joint_values(robot.joints(), robot.group(), from);
     const JointValues end = joint_values(robot.joints(), robot.group(), at(1));
     std::vector<std::vector<double>> ways;
-    for (std::size_t i = 0; i < sweep.links_.size(); ++i) {
-      ways.push_back(ways_of(robot, i, sweep.links_[i].reach, begin, end));
+    for (std::size_t i = 0; i < sweep.reaches_.size(); ++i) {
+      ways.push_back(ways_of(robot, i, sweep.reaches_[i], begin, end));
       speeds_.push_back(std::accumulate(ways[i].begin(), ways[i].end(), 0.0));
     }
     for (const auto& [first, second] : robot.self_pairs()) {
-      speeds_.push_back(approach_of(ways[static_cast<std::size_t>(first)],
-                                    ways[static_cast<std::size_t>(second)]));
+      speeds_.push_back(approach_of(ways[as_index(first)], ways[as_index(second)]));
     }
   }
 
@@ -146,13 +107,13 @@ class Sweep::Motion {
 
   /// Whether `pairs` stay apart from `middle` - `half` to `middle` + `half`; 1 is the whole motion.
   [[nodiscard]] bool is_part_free(double middle, double half, std::span<const Pair> pairs) const {
-    const std::vector<Transform> poses = sweep_.robot_.link_poses(at(middle));
+    const PosedLinks posed = sweep_.links_.posed(sweep_.robot_.link_poses(at(middle)));
     std::vector<Pair> undecided;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (i % kPairsPerStop == 0 && must_stop_ && must_stop_()) return false;
-      const double approach = half * speeds_[static_cast<std::size_t>(pairs[i].speed)];
+      const double approach = half * speeds_[as_index(pairs[i].speed)];
       if (approach == 0) continue;
-      const double clearance = sweep_.clearance(pairs[i], poses, approach);
+      const double clearance = sweep_.clearance(pairs[i], posed, approach);
       // Half for what the middle may overlap, half for what is left of the way.
       if (clearance < -0.5 * kTolerance) return false;
       if (clearance <= approach && approach > 0.5 * kTolerance) undecided.push_back(pairs[i]);

@@ -4,12 +4,11 @@
 /// Contact anywhere along a motion, not only at states of it.
 #pragma once
 
+#include "check/link_distances.h"
+
 #include <functional>
 #include <span>
 #include <vector>
-
-#include "mneme/robot.h"
-#include "mneme/scene.h"
 
 namespace mneme::internal {
 
@@ -30,33 +29,24 @@ class Sweep {
   static constexpr double kTolerance = 1e-5;  ///< metres; the accuracy of the kernels
 
  private:
-  struct LinkShapes {
-    std::vector<Capsule> capsules;
-    Sphere bound;      ///< holds them all
-    double reach = 0;  ///< metres from the link's origin to their farthest point
-  };
   /// A link and an obstacle's shape, or two links.
   struct Pair {
     int link = 0;
     int other_link = 0;
-    int speed = 0;                 ///< index into Motion::speeds_
-    const Shape* shape = nullptr;  ///< null for two links
+    int speed = 0;      ///< index into Motion::speeds_
+    int obstacle = -1;  ///< index into obstacles_; none for two links
   };
   class Motion;
 
-  /// Metres between the two, less the margin; or, if they are more than `enough` apart anyway, a
-  /// lower bound above it.
-  [[nodiscard]] double clearance(const Pair& pair, std::span<const Transform> poses,
-                                 double enough) const;
-  [[nodiscard]] static double clearance(const LinkShapes& link, const Transform& X_WL,
-                                        const Shape& shape, double enough);
-  [[nodiscard]] static double clearance(const LinkShapes& first, const Transform& X_WF,
-                                        const LinkShapes& second, const Transform& X_WS,
-                                        double enough);
+  /// Metres between the two, less the margin; or, if they are more than `enough` apart anyway,
+  /// anything above it.
+  [[nodiscard]] double clearance(const Pair& pair, const PosedLinks& posed, double enough) const;
 
   const Robot& robot_;
   double margin_;
-  std::vector<LinkShapes> links_;
+  LinkDistances links_;
+  std::vector<double> reaches_;  ///< metres from the links' origins to their farthest points
+  std::vector<ObstacleShape> obstacles_;
   std::vector<Pair> pairs_;  ///< those of two links first
 };
 

@@ -5,6 +5,8 @@
 #include "path/path_conversion.h"
 #include "path/sweep.h"
 
+#include "path/path_conversion.h"
+
 #include <cmath>
 #include <numbers>
 #include <utility>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/passage.h"
 
-#include "geometry/nearest_point.h"
+#include "geometry/solids.h"
 
 namespace mneme::internal {
 namespace {

@@ -2,38 +2,169 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/compact_file.h"
 
-#include "problem/close_names.h"
-#include "problem/json_input.h"
-#include "problem/problem_input.h"
-#include "scene/obstacle_input.h"
 #include "base/text_file.h"
+#include "problem/problem_input.h"
+#include "scene/scene_input.h"
+#include "scene/tree_builder.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
 
 namespace mneme::internal {
+namespace {
+
+/// Reads characters and leaves word of how far it has got: the parser tells lines of errors only.
+class TrackedIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  TrackedIterator(const char* here, const char** reached) : here_(here), reached_(reached) {}
+  reference operator*() const { return *here_; }
+  TrackedIterator& operator++() {
+    *reached_ = ++here_;
+    return *this;
+  }
+  bool operator==(const TrackedIterator& other) const { return here_ == other.here_; }
+  bool operator!=(const TrackedIterator& other) const { return here_ != other.here_; }
+
+ private:
+  const char* here_;
+  const char** reached_;
+};
+
+class JsonListener : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  JsonListener(std::string_view text, TreeBuilder& tree)
+      : text_(text), tree_(tree), reached_(text.data()), counted_(text.data()) {}
+
+  bool parse() {
+    return nlohmann::json::sax_parse(TrackedIterator(text_.data(), &reached_),
+                                     TrackedIterator(text_.data() + text_.size(), &reached_), this);
+  }
+
+  bool null() override { return add({}); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(static_cast<double>(value)); }
+  bool number_unsigned(number_unsigned_t value) override { return add(static_cast<double>(value)); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& text) override { return add(InputValue::Text{text, true}); }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override {
+    tree_.open(line(), InputValue::Map{});
+    return true;
+  }
+  bool key(string_t& key) override {
+    tree_.set_key(line(), key);
+    return true;
+  }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override {
+    tree_.open(line(), InputValue::List{});
+    return true;
+  }
+  bool end_array() override { return close(); }
+  bool parse_error(std::size_t, const std::string&,
+                   const nlohmann::json::exception& error) override {
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: what matters"
+    std::string_view what = error.what();
+    what.remove_prefix(std::min(what.size(), what.find("] ") + 2));
+    if (what.starts_with("parse error at ")) {
+      what.remove_prefix(std::min(what.size(), what.find(": ") + 2));
+    }
+    tree_.refuse(line(), fmt::format("expected JSON: {}", what));
+  }
+
+ private:
+  bool add(TreeBuilder::Content content) {
+    tree_.open(line(), std::move(content));
+    return close();
+  }
+  bool close() {
+    tree_.close();
+    return true;
+  }
+
+  /// Of the character before the last one read, because a number ends where the next character is
+  /// seen.
+  int line() {
+    const char* end = std::max(counted_, reached_ - (reached_ == text_.data() ? 0 : 1));
+    line_ += static_cast<int>(std::count(counted_, end, '\n'));
+    counted_ = end;
+    return line_;
+  }
+
+  std::string_view text_;
+  TreeBuilder& tree_;
+  const char* reached_;
+  const char* counted_;
+  int line_ = 1;
+};
+
+}  // namespace
+
+InputValue parse_json(std::string_view json, const std::string& source) {
+  constexpr int kMaxValues = 16'000'000;
+  TreeBuilder tree(source, kMaxValues);
+  if (!JsonListener(json, tree).parse()) tree.refuse(1, "expected JSON");
+  return tree.take();
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (const char letter : a) {
+    int diagonal = row[0]++;
+    for (std::size_t j = 1; j < row.size(); ++j) {
+      const int replaced = diagonal + (lower(letter) == lower(b[j - 1]) ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> close_names(const std::string& name, std::vector<std::string> names,
+                                     std::size_t count) {
+  std::vector<std::pair<int, std::string>> ranked;
+  for (std::string& candidate : names) {
+    ranked.emplace_back(edit_distance(name, candidate), std::move(candidate));
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> result;
+  for (std::size_t i = 0; i < std::min(count, ranked.size()); ++i) {
+    result.push_back(std::move(ranked[i].second));
+  }
+  return result;
+}
+
 namespace {
 
 constexpr std::string_view kExtension = ".json";
 constexpr std::size_t kShownNames = 5;
 
 std::string name_of(const Input& problem, std::size_t position) {
-  if (const auto name = problem.find("name")) {
-    return name->text();
-  }
-  if (const auto index = problem.find("index")) {
-    return fmt::format("{}", index->finite_number());
-  }
+  if (const auto name = problem.find("name")) return name->text();
+  if (const auto index = problem.find("index")) return fmt::format("{}", index->finite_number());
   return std::to_string(position);
 }
 
 std::vector<std::string> names_of(const std::vector<Input>& problems) {
   std::vector<std::string> names;
-  for (const Input& problem : problems) {
-    names.push_back(name_of(problem, names.size() + 1));
-  }
+  for (const Input& problem : problems) names.push_back(name_of(problem, names.size() + 1));
   return names;
 }
 
@@ -47,9 +178,7 @@ std::size_t find_problem(const std::vector<std::string>& names, const CompactAdd
   const auto refuse = [&](ErrorCode code, const std::string& what) {
     throw InputFailure{{code, fmt::format("{}: {}", address.path, what)}};
   };
-  if (names.empty()) {
-    refuse(ErrorCode::invalid, "expected at least one problem, got an empty list");
-  }
+  if (names.empty()) refuse(ErrorCode::invalid, "expected at least one problem, got an empty list");
   if (address.name.empty()) {
     refuse(ErrorCode::invalid,
            fmt::format("expected the name of one of its {} problems, as in {}#{}; the first are {}",
@@ -77,12 +206,8 @@ Scene read_compact_scene(const Input& problem, const std::string& name) {
     problem.fail(ErrorCode::parse, "expected the key circles or obstacles, both are missing");
   }
   SceneBuilder scene;
-  if (circles) {
-    read_circles(*circles, scene);
-  }
-  if (obstacles) {
-    read_obstacles(*obstacles, kCompactSpelling, scene);
-  }
+  if (circles) read_circles(*circles, scene);
+  if (obstacles) read_obstacles(*obstacles, kCompactSpelling, scene);
   return scene.take(name);
 }
 
@@ -112,9 +237,7 @@ std::optional<CompactAddress> split_address(const std::string& where) {
     return CompactAddress{where, ""};
   }
   const std::size_t dot = where.find(std::string(kExtension) + "#");
-  if (dot == std::string::npos) {
-    return std::nullopt;
-  }
+  if (dot == std::string::npos) return std::nullopt;
   const std::size_t hash = dot + kExtension.size();
   return CompactAddress{where.substr(0, hash), where.substr(hash + 1)};
 }

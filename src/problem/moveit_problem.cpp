@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_problem.h"
 
-#include "problem/moveit_allowed.h"
-#include "problem/moveit_request.h"
-#include "problem/problem_robot.h"
-#include "scene/moveit_scene.h"
 #include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "problem/moveit_request.h"
+#include "problem/problem_input.h"
+#include "scene/moveit_scene.h"
+#include "scene/yaml.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -87,31 +86,23 @@ class MoveitReader {
   }
 
   std::string find_path() const {
-    if (!overrides_.robot_path.empty()) {
-      return overrides_.robot_path;
-    }
+    if (!overrides_.robot_path.empty()) return overrides_.robot_path;
     if (scene_.robot_name.empty()) {
       scene_input_.fail(ErrorCode::parse,
                         "expected the key robot_model_name, or a robot that is "
                         "given beside the problem");
     }
     const Result<std::string> found = find_robot(scene_.robot_name);
-    if (!found) {
-      scene_input_.at("robot_model_name").fail(found.error().code, found.error().message);
-    }
+    if (!found) scene_input_.at("robot_model_name").fail(found.error().code, found.error().message);
     return *found;
   }
 
   ProblemRobot read_robot() {
-    if (options_.group.empty() && options_.joints.empty()) {
-      options_.group = request_.group;
-    }
+    if (options_.group.empty() && options_.joints.empty()) options_.group = request_.group;
     const std::string path = find_path();
     ProblemRobot robot = load_problem_robot(path, options_);
     std::vector<std::string> objects;
-    for (const MoveitObject& object : scene_.objects) {
-      objects.push_back(object.obstacle.name);
-    }
+    for (const MoveitObject& object : scene_.objects) objects.push_back(object.obstacle.name);
     MoveitAllowed allowed = read_moveit_allowed(scene_input_, robot.robot, objects);
     options_.allowed_pairs.insert(options_.allowed_pairs.end(), allowed.pairs.begin(),
                                   allowed.pairs.end());
@@ -140,9 +131,7 @@ class MoveitReader {
 
   void check_other_joint(const Robot& robot, const std::string& name, double position,
                          const Input& place) const {
-    if (is_planned(robot, name)) {
-      return;
-    }
+    if (is_planned(robot, name)) return;
     const auto stays = state_.positions.find(name);
     if (!has_joint(robot, name) || stays == state_.positions.end() ||
         std::abs(stays->second - position) > kSamePosition) {

@@ -4,11 +4,12 @@
 /// Problems as MoveIt and MotionBenchMaker keep them: a planning scene and a motion plan request.
 #pragma once
 
+#include "mneme/problem.h"
+
+#include "scene/input.h"
+
 #include <optional>
 #include <string>
-
-#include "mneme/problem.h"
-#include "scene/input.h"
 
 namespace mneme::internal {
 

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_request.h"
 
-#include <fmt/format.h>
+#include "scene/moveit_messages.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <array>
+#include <set>
 
 namespace mneme::internal {
 namespace {
@@ -23,13 +28,9 @@ void refuse_other_constraints(const Input& constraints, std::string_view what) {
 
 double read_tolerance(const Input& constraint, std::string_view key) {
   const auto tolerance = constraint.find(key);
-  if (!tolerance) {
-    return 0;
-  }
+  if (!tolerance) return 0;
   const double value = tolerance->finite_number();
-  if (value < 0) {
-    tolerance->fail_expecting("a tolerance of 0 or more");
-  }
+  if (value < 0) tolerance->fail_expecting("a tolerance of 0 or more");
   return value;
 }
 
@@ -50,9 +51,7 @@ std::map<std::string, double> read_goal(const Input& goal) {
                  fmt::format("expected each joint once, got {} again", joint.text()));
     }
   }
-  if (positions.empty()) {
-    goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
-  }
+  if (positions.empty()) goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
   return positions;
 }
 
@@ -96,13 +95,127 @@ MoveitRequest read_moveit_request(const Input& input) {
     request.start = read_moveit_state(*start);
   }
   request.goal_places = input.at("goal_constraints").items();
-  for (const Input& goal : request.goal_places) {
-    request.goals.push_back(read_goal(goal));
-  }
-  if (request.goals.empty()) {
-    input.at("goal_constraints").fail_expecting("at least one goal");
-  }
+  for (const Input& goal : request.goal_places) request.goals.push_back(read_goal(goal));
+  if (request.goals.empty()) input.at("goal_constraints").fail_expecting("at least one goal");
   return request;
+}
+
+namespace {
+
+class AllowedReader {
+ public:
+  AllowedReader(const Input& matrix, const Robot& robot, const std::vector<std::string>& objects)
+      : matrix_(matrix), objects_(objects.begin(), objects.end()) {
+    for (const Link& link : robot.links()) links_.insert(link.name);
+  }
+
+  MoveitAllowed read() {
+    matrix_.allow_keys(
+        {"entry_names", "entry_values", "default_entry_names", "default_entry_values"});
+    read_entries();
+    read_defaults();
+    if (!unknown_.empty()) {
+      result_.warnings.push_back(matrix_.place(fmt::format(
+          "left aside, because there is no such link or object: {}", fmt::join(unknown_, ", "))));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void read_entries() {
+    for (const Input& name : items_if_any(matrix_, "entry_names")) names_.push_back(name.text());
+    const std::vector<Input> rows = items_if_any(matrix_, "entry_values");
+    check_count(matrix_, rows.size(), "row");
+    std::vector<std::vector<bool>> values;
+    for (const Input& row : rows) values.push_back(read_row(row));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      for (std::size_t j = i + 1; j < rows.size(); ++j) {
+        if (values[i][j] != values[j][i]) {
+          rows[j].fail(ErrorCode::parse,
+                       fmt::format("expected a symmetric matrix, got two values for {} and {}",
+                                   names_[i], names_[j]));
+        }
+        if (values[i][j]) allow(rows[i], names_[i], names_[j]);
+      }
+    }
+  }
+
+  void check_count(const Input& place, std::size_t count, std::string_view what) const {
+    if (count != names_.size()) {
+      place.fail(ErrorCode::parse, fmt::format("expected one {} per name, got {} for {} names",
+                                               what, count, names_.size()));
+    }
+  }
+
+  /// A row is a list, or, as in ROS messages, a map with the list `enabled`.
+  std::vector<bool> read_row(const Input& row) const {
+    std::vector<bool> values;
+    for (const Input& value : row.is_map() ? row.at("enabled").items() : row.items()) {
+      values.push_back(value.boolean());
+    }
+    check_count(row, values.size(), "value");
+    return values;
+  }
+
+  void read_defaults() {
+    const std::vector<Input> names = items_if_any(matrix_, "default_entry_names");
+    const std::vector<Input> values = items_if_any(matrix_, "default_entry_values");
+    if (names.size() != values.size()) {
+      matrix_.fail(ErrorCode::parse,
+                   fmt::format("expected one default value per name, got {} for {} names",
+                               values.size(), names.size()));
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string name = names[i].text();
+      if (!values[i].boolean()) continue;
+      if (links_.count(name) == 0 && objects_.count(name) == 0) {
+        unknown_.insert(name);
+        continue;
+      }
+      names[i].fail(
+          ErrorCode::unsupported,
+          fmt::format("{} may touch everything, which is not supported", described(name)));
+    }
+  }
+
+  void allow(const Input& row, const std::string& a, const std::string& b) {
+    bool is_known = true;
+    for (const std::string& name : {a, b}) {
+      if (links_.count(name) == 0 && objects_.count(name) == 0) {
+        unknown_.insert(name);
+        is_known = false;
+      }
+    }
+    const std::size_t link_count = links_.count(a) + links_.count(b);
+    if (!is_known || link_count == 0) return;
+    if (link_count == 1) {
+      row.fail(ErrorCode::unsupported,
+               fmt::format("{} may touch {}, which is not supported", described(a), described(b)));
+    }
+    result_.pairs.emplace_back(a, b);
+  }
+
+  std::string described(const std::string& name) const {
+    return fmt::format("{} \"{}\"", links_.count(name) > 0 ? "link" : "object", name);
+  }
+
+  const Input& matrix_;
+  std::set<std::string> links_;
+  std::set<std::string> objects_;
+  std::vector<std::string> names_;
+  std::set<std::string> unknown_;
+  MoveitAllowed result_;
+};
+
+}  // namespace
+
+MoveitAllowed read_moveit_allowed(const Input& scene, const Robot& robot,
+                                  const std::vector<std::string>& objects) {
+  const auto matrix = scene.find("allowed_collision_matrix");
+  if (!matrix || matrix->is_nothing()) {
+    return {};
+  }
+  return AllowedReader(*matrix, robot, objects).read();
 }
 
 }  // namespace mneme::internal

@@ -2,13 +2,179 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/problem_input.h"
 
-#include "problem/problem_robot.h"
-#include "scene/scene_builder.h"
+#include "mneme/covering.h"
+
+#include "base/as_index.h"
 #include "scene/scene_input.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 
 namespace mneme::internal {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+
+bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
+
+std::string find_path(const Input& input, const std::string& directory,
+                      const std::string& override_path) {
+  if (!override_path.empty()) return override_path;
+  const Input named = input.at("robot");
+  const std::string robot = named.text();
+  if (robot.find('/') != std::string::npos || robot.ends_with(".urdf")) {
+    return (std::filesystem::path(directory) / robot).string();
+  }
+  const Result<std::string> found = find_robot(robot);
+  if (!found) named.fail(found.error().code, found.error().message);
+  return *found;
+}
+
+/// Why the value of a joint cannot be fixed, or nothing.
+std::string describe_obstruction(const Robot& robot, const std::string& name) {
+  const auto joints = robot.joints();
+  const auto joint = std::find_if(joints.begin(), joints.end(),
+                                  [&](const Joint& candidate) { return candidate.name == name; });
+  if (joint == joints.end()) return "no such joint";
+  const auto group = robot.group();
+  if (std::find(group.begin(), group.end(), joint - joints.begin()) != group.end()) {
+    return "planned for";
+  }
+  if (joint->mimic) return "follows another joint";
+  return joint->type == JointType::fixed ? "a fixed joint" : "";
+}
+
+std::vector<std::string> joint_names(const Input& list) {
+  std::vector<std::string> names;
+  for (const Input& joint : list.items()) names.push_back(joint.text());
+  return names;
+}
+
+}  // namespace
+
+ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options) {
+  CoveredRobot covered = value_or_throw(load_covered_robot(path, options));
+  return {path, std::move(covered.robot), std::move(covered.notes)};
+}
+
+ProblemRobot read_robot(const Input& input, const std::string& directory,
+                        const ProblemOptions& overrides) {
+  const std::string path = find_path(input, directory, overrides.robot_path);
+  RobotOptions options = overrides.robot;
+  std::vector<std::string> warnings;
+  if (const auto srdf = input.find("srdf"); srdf && options.srdf_path.empty()) {
+    options.srdf_path = (std::filesystem::path(directory) / srdf->text()).string();
+  }
+  if (const auto joints = input.find("joints"); joints && options.joints.empty()) {
+    options.joints = joint_names(*joints);
+    if (!options.group.empty()) {
+      warnings.push_back(joints->place(
+          fmt::format("these joints are planned for, not those of group {}", options.group)));
+    }
+  } else if (const auto group = input.find("group"); group && options.group.empty()) {
+    options.group = group->text();
+  }
+  ProblemRobot result = load_problem_robot(path, options);
+  std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
+  if (const auto fixed_joints = input.find("fixed_joints")) {
+    std::map<std::string, double> values;
+    for (const auto& [name, value] : fixed_joints->entries()) values[name] = value.finite_number();
+    if (fix_joints(result, options, values, *fixed_joints)) {
+      result.robot = load_problem_robot(path, options).robot;
+    }
+  }
+  for (const std::string& warning : result.robot.warnings()) result.warnings.push_back(warning);
+  return result;
+}
+
+bool fix_joints(ProblemRobot& robot, RobotOptions& options,
+                const std::map<std::string, double>& values, const Input& place) {
+  std::vector<std::string> left_aside;
+  bool is_changed = false;
+  for (const auto& [name, value] : values) {
+    const std::string obstruction = describe_obstruction(robot.robot, name);
+    if (obstruction.empty()) {
+      is_changed |= options.fixed_values.emplace(name, value).second;
+    } else {
+      left_aside.push_back(fmt::format("{} ({})", name, obstruction));
+    }
+  }
+  if (!left_aside.empty()) {
+    robot.warnings.push_back(place.place(fmt::format(
+        "left aside for robot {}: {}", robot.robot.name(), fmt::join(left_aside, ", "))));
+  }
+  return is_changed;
+}
+
+void check_robot_facts(const Input& input, const Robot& robot) {
+  if (const auto links = input.find("links")) {
+    std::vector<double> lengths;
+    for (const Link& link : robot.links()) {
+      for (const Capsule& capsule : link.capsules) {
+        lengths.push_back((capsule.b - capsule.a).norm());
+      }
+    }
+    const std::vector<double> expected = links->numbers();
+    if (!std::equal(lengths.begin(), lengths.end(), expected.begin(), expected.end(), is_close)) {
+      links->fail(ErrorCode::invalid,
+                  fmt::format("expected the lengths of robot {}'s capsules, [{}], got [{}]",
+                              robot.name(), fmt::join(lengths, ", "), fmt::join(expected, ", ")));
+    }
+  }
+  if (const auto limits = input.find("joint_limits")) {
+    const std::vector<double> range =
+        limits->finite_numbers(2, "lower and upper limit of all joints");
+    for (int i = 0; i < robot.joint_count(); ++i) {
+      const Joint& joint = robot.group_joint(i);
+      if (!is_close(joint.lower, range[0]) || !is_close(joint.upper, range[1])) {
+        limits->fail(ErrorCode::invalid,
+                     fmt::format("expected the limits of robot {}'s joint {}, [{}, {}], got [{}]",
+                                 robot.name(), joint.name, joint.lower, joint.upper,
+                                 fmt::join(range, ", ")));
+      }
+    }
+  }
+}
+
+std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
+                                         const Input& place) {
+  const auto links = robot.links();
+  const auto found =
+      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.name == name; });
+  if (found == links.end()) return std::nullopt;
+  Transform X_RF;
+  for (const Link* link = &*found; link->parent_joint >= 0;) {
+    const Joint& joint = robot.joints()[as_index(link->parent_joint)];
+    if (joint.type != JointType::fixed) {
+      place.fail(ErrorCode::unsupported,
+                 fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
+                             "which joint {} moves",
+                             robot.name(), name, joint.name));
+    }
+    X_RF = joint.origin * X_RF;
+    link = &links[as_index(joint.parent_link)];
+  }
+  return X_RF;
+}
+
+Transform read_frame(const Input& input, const Robot& robot) {
+  const auto frame = input.find("frame");
+  if (!frame) {
+    return {};
+  }
+  const auto X_RF = find_fixed_link(robot, frame->text(), *frame);
+  if (!X_RF) {
+    frame->fail(ErrorCode::invalid, fmt::format("expected a link of robot {}, got \"{}\"",
+                                                robot.name(), frame->text()));
+  }
+  return *X_RF;
+}
+
 namespace {
 
 Configuration read_start(const Input& input, const ProblemOptions& options) {
@@ -23,16 +189,10 @@ std::vector<Configuration> read_goals(const Input& input, const ProblemOptions& 
   if (!goals) {
     return {input.at("goal").numbers()};
   }
-  if (input.find("goal")) {
-    goals->fail(ErrorCode::parse, "expected either goal or goals, got both");
-  }
+  if (input.find("goal")) goals->fail(ErrorCode::parse, "expected either goal or goals, got both");
   std::vector<Configuration> result;
-  for (const Input& goal : goals->items()) {
-    result.push_back(goal.numbers());
-  }
-  if (result.empty()) {
-    goals->fail_expecting("at least one goal");
-  }
+  for (const Input& goal : goals->items()) result.push_back(goal.numbers());
+  if (result.empty()) goals->fail_expecting("at least one goal");
   return result;
 }
 
@@ -46,9 +206,7 @@ Scene read_scene_of_problem(const Input& problem, const std::string& path) {
     return value_or_throw(
         load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
   }
-  if (!scene.is_map()) {
-    scene.fail_expecting("a scene, or the path of a scene file");
-  }
+  if (!scene.is_map()) scene.fail_expecting("a scene, or the path of a scene file");
   return read_scene(scene, name);
 }
 

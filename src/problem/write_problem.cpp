@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/problem.h"
 
-#include "scene/yaml_text.h"
+#include "base/as_index.h"
+#include "scene/shape_fields.h"
+#include "scene/yaml.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -20,7 +23,7 @@ std::string describe_group(const Robot& robot) {
     planned.push_back(internal::yaml_string(robot.group_joint(i).name));
   }
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
-    const Joint& joint = robot.joints()[static_cast<std::size_t>(i)];
+    const Joint& joint = robot.joints()[internal::as_index(i)];
     const bool is_planned = std::ranges::count(robot.group(), i) > 0;
     if (is_planned || joint.mimic || joint.fixed_value == 0.0) continue;
     fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),
@@ -34,9 +37,7 @@ std::string describe_group(const Robot& robot) {
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
-  for (std::string line; std::getline(lines, line);) {
-    result += "  " + line + "\n";
-  }
+  for (std::string line; std::getline(lines, line);) result += "  " + line + "\n";
   return result;
 }
 
@@ -55,6 +56,31 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
     text += fmt::format("  - {}\n", internal::yaml_numbers(goal));
   }
   return text;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+std::string to_compact_json(const FramedScene& framed) {
+  Json obstacles = Json::array();
+  for (const Obstacle& obstacle : framed.scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      Json json = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name},
+                   {"type", shape_name(shape)}};
+      for (const internal::ShapeField& field :
+           internal::shape_fields(shape, internal::kCompactSpelling)) {
+        json[std::string(field.key)] = field.is_list ? Json(field.values) : Json(field.values[0]);
+      }
+      obstacles.push_back(std::move(json));
+    }
+  }
+  Json file = Json::object();
+  if (!framed.frame.empty()) file["frame"] = framed.frame;
+  file["problems"] = {{{"name", framed.scene.name}, {"obstacles", std::move(obstacles)}}};
+  return file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace mneme

@@ -57,19 +57,24 @@ Json to_json(const Capsule& capsule) {
   return list;
 }
 
+struct AddShape {
+  Json& json;
+  void operator()(const Sphere& s) const { json["sphere"] = to_json(s); }
+  void operator()(const Capsule& s) const { json["capsule"] = to_json(s); }
+  void operator()(const Box& s) const {
+    json["pose"] = to_json(s.pose);
+    json["size"] = flat(std::array<Vec3, 1>{2 * s.half_extents});
+  }
+  void operator()(const Cylinder& s) const {
+    json["pose"] = to_json(s.pose);
+    json["radius"] = rounded(s.radius);
+    json["length"] = rounded(s.length);
+  }
+};
+
 Json shape_json(const Shape& shape) {
   Json json = {{"type", shape_name(shape)}};
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) json["sphere"] = to_json(*sphere);
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) json["capsule"] = to_json(*capsule);
-  if (const auto* box = std::get_if<Box>(&shape)) {
-    json["pose"] = to_json(box->pose);
-    json["size"] = flat(std::array<Vec3, 1>{2 * box->half_extents});
-  }
-  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
-    json["pose"] = to_json(cylinder->pose);
-    json["radius"] = rounded(cylinder->radius);
-    json["length"] = rounded(cylinder->length);
-  }
+  std::visit(AddShape{json}, shape);
   return json;
 }
 

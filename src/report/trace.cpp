@@ -5,7 +5,7 @@
 
 #include "mneme/report.h"
 
-#include "check/clearance.h"
+#include "check/link_distances.h"
 #include "report/picture.h"
 #include "robot/link_shapes.h"
 
@@ -45,7 +45,8 @@ class Tracer {
         trace_(trace),
         link_indices_(links_with_shapes(robot_)),
         skeleton_(robot_),
-        meter_(robot_, problem.scene) {
+        links_(robot_),
+        obstacles_(obstacle_shapes(problem.scene)) {
     for (const int i : link_indices_)
       trace_.links.push_back(robot_.links()[static_cast<std::size_t>(i)]);
     for (int i = 0; i < robot_.joint_count(); ++i)
@@ -123,7 +124,7 @@ class Tracer {
   void add_waypoint(const Configuration& q, double travelled, bool is_vertex) {
     if (is_vertex) trace_.vertices.push_back(static_cast<int>(trace_.waypoints.size()));
     const std::vector<Transform> poses = robot_.link_poses(q);
-    const Clearance clearance = meter_.measure(poses);
+    const Clearance clearance = find_clearance(links_, links_.posed(poses), obstacles_);
     PlanTrace::Waypoint& waypoint = trace_.waypoints.emplace_back();
     waypoint.q = q;
     waypoint.poses = chosen(poses);
@@ -159,7 +160,8 @@ class Tracer {
   PlanTrace& trace_;
   std::vector<int> link_indices_;
   Skeleton skeleton_;
-  ClearanceMeter meter_;
+  LinkDistances links_;
+  std::vector<ObstacleShape> obstacles_;
 };
 
 /// Why something has no pose, or nothing: limits do not matter here.

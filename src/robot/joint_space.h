@@ -4,12 +4,12 @@
 /// The configuration space in single precision, for the inner loops of samplers and planners.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 

@@ -4,10 +4,10 @@
 /// Where the links are: forward kinematics over a sorted tree.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <span>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/link_shapes.h"
 
-#include <algorithm>
+#include "base/as_index.h"
+#include "robot/robot_tree.h"
 
-#include "robot/mimic.h"
+#include <algorithm>
 
 namespace mneme::internal {
 
@@ -48,8 +49,7 @@ std::vector<bool> find_moving_links(const Robot& robot) {
   std::vector<bool> is_moving(robot.links().size(), false);
   for (std::size_t i = 0; i < robot.joints().size(); ++i) {
     const Joint& joint = robot.joints()[i];
-    is_moving[static_cast<std::size_t>(joint.child_link)] =
-        is_driven[i] || is_moving[static_cast<std::size_t>(joint.parent_link)];
+    is_moving[as_index(joint.child_link)] = is_driven[i] || is_moving[as_index(joint.parent_link)];
   }
   return is_moving;
 }

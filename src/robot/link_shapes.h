@@ -4,10 +4,10 @@
 /// The shapes of links as capsules: a sphere is one of length 0.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <span>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 

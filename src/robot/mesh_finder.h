@@ -4,11 +4,11 @@
 /// From the name of a mesh in a URDF to a file.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
 
 namespace mneme::internal {
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/planning_group.h"
 
-#include <algorithm>
-#include <optional>
-#include <utility>
+#include "base/as_index.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -125,9 +127,9 @@ Names joints_between(std::span<const Link> links, std::span<const Joint> joints,
   // A child's index is above its parent's, so the larger of the two is never above the other.
   while (base != tip) {
     int& lower = std::max(base, tip) == tip ? tip : base;
-    const int joint = links[static_cast<std::size_t>(lower)].parent_joint;
-    is_between[static_cast<std::size_t>(joint)] = true;
-    lower = joints[static_cast<std::size_t>(joint)].parent_link;
+    const int joint = links[as_index(lower)].parent_joint;
+    is_between[as_index(joint)] = true;
+    lower = joints[as_index(joint)].parent_link;
   }
   Names names;
   for (std::size_t i = 0; i < joints.size(); ++i) {

@@ -4,11 +4,11 @@
 /// Which joints to plan for.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <span>
 #include <string>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 

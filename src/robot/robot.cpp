@@ -2,17 +2,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/robot.h"
 
+#include "base/as_index.h"
+#include "robot/kinematics.h"
+#include "robot/planning_group.h"
+#include "robot/robot_facts.h"
+#include "robot/robot_tree.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 namespace mneme {
+namespace internal {
 namespace {
 
-constexpr double kBoundTolerance = 1e-5;
+Transform joint_motion(const Joint& joint, double value) {
+  switch (joint.type) {
+    case JointType::fixed:
+      return {};
+    case JointType::prismatic:
+      return {Eigen::Matrix3d::Identity(), value * joint.axis};
+    case JointType::revolute:
+    case JointType::continuous:
+      return {rotation_about(joint.axis, value), Vec3::Zero()};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<double> joint_values(std::span<const Joint> joints, std::span<const int> group,
+                                 std::span<const double> q) {
+  assert(q.size() == group.size());
+  std::vector<double> values(joints.size());
+  std::ranges::transform(joints, values.begin(), &Joint::fixed_value);
+  for (std::size_t i = 0; i < group.size(); ++i) values[as_index(group[i])] = q[i];
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const std::optional<Mimic>& mimic = joints[i].mimic;
+    if (!mimic) continue;
+    values[i] = mimic->multiplier * values[as_index(mimic->joint)] + mimic->offset;
+  }
+  return values;
+}
+
+std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::span<const int> group,
+                                          std::span<const double> q) {
+  const std::vector<double> values = joint_values(joints, group, q);
+  std::vector<Transform> poses(joints.size() + 1);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = joints[i];
+    const Transform& parent = poses[as_index(joint.parent_link)];
+    poses[as_index(joint.child_link)] = parent * joint.origin * joint_motion(joint, values[i]);
+  }
+  return poses;
+}
+
+}  // namespace internal
+
+std::vector<Transform> Robot::link_poses(std::span<const double> q) const {
+  return internal::forward_kinematics(joints(), group(), q);
+}
+
+namespace {
+
+/// Radians or metres beyond a limit: less is a rounding error of whoever wrote the value.
+constexpr double kLimitTolerance = 1e-5;
 
 /// `angle` in [-pi, pi), without rounding.
 double wrapped(double angle) {
@@ -22,7 +79,7 @@ double wrapped(double angle) {
 
 bool is_within_limits(const Joint& joint, double value) {
   return joint.type == JointType::continuous ||
-         (value >= joint.lower - kBoundTolerance && value <= joint.upper + kBoundTolerance);
+         (value >= joint.lower - kLimitTolerance && value <= joint.upper + kLimitTolerance);
 }
 
 }  // namespace
@@ -35,7 +92,7 @@ std::optional<std::string> Robot::describe_violation(std::span<const double> q,
   }
   for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = group_joint(i);
-    const double value = q[static_cast<std::size_t>(i)];
+    const double value = q[internal::as_index(i)];
     if (!std::isfinite(value)) {
       return fmt::format("{}: joint '{}' (value {} of {}) is {}, expected a finite number", what,
                          joint.name, i + 1, joint_count(), value);
@@ -53,7 +110,7 @@ Configuration Robot::normalized(std::span<const double> q) const {
   Configuration result(q.begin(), q.end());
   for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = group_joint(i);
-    double& value = result[static_cast<std::size_t>(i)];
+    double& value = result[internal::as_index(i)];
     value = joint.type == JointType::continuous ? wrapped(value)
                                                 : std::clamp(value, joint.lower, joint.upper);
   }
@@ -83,6 +140,115 @@ double Robot::distance(std::span<const double> a, std::span<const double> b) con
     sum += step * step;
   }
   return std::sqrt(sum);
+}
+
+namespace {
+
+double within_limits(const Joint& joint, double value) {
+  return joint.type == JointType::continuous ? std::remainder(value, 2 * std::numbers::pi)
+                                             : std::clamp(value, joint.lower, joint.upper);
+}
+
+std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<const int> group,
+                                      const std::map<std::string, double>& values,
+                                      std::vector<std::string>& warnings) {
+  for (Joint& joint : joints) {
+    joint.fixed_value = joint.type == JointType::fixed ? 0.0 : within_limits(joint, 0.0);
+  }
+  for (const auto& [name, value] : values) {
+    const auto i = internal::find_free_joint(joints, name);
+    if (!i) return i.error();
+    if (std::ranges::find(group, *i) != group.end()) {
+      return Error{ErrorCode::invalid,
+                   fmt::format("joint '{}' has a fixed value but is in the planning group", name)};
+    }
+    if (!std::isfinite(value)) {
+      return Error{
+          ErrorCode::invalid,
+          fmt::format("the fixed value of joint '{}' is {}, expected a number", name, value)};
+    }
+    Joint& joint = joints[internal::as_index(*i)];
+    joint.fixed_value = within_limits(joint, value);
+    const bool is_clamped = joint.type != JointType::continuous &&
+                            std::abs(joint.fixed_value - value) > kLimitTolerance;
+    if (!is_clamped) continue;
+    warnings.push_back(
+        fmt::format("the fixed value {} of joint '{}' is outside its limits [{}, {}]: it is {}",
+                    value, name, joint.lower, joint.upper, joint.fixed_value));
+  }
+  for (Joint& joint : joints) {
+    if (!joint.mimic) continue;
+    const Joint& leader = joints[internal::as_index(joint.mimic->joint)];
+    joint.fixed_value = joint.mimic->multiplier * leader.fixed_value + joint.mimic->offset;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> refuse_solids(std::span<const Link> links) {
+  for (const Link& link : links) {
+    if (link.solids.empty()) continue;
+    return Error{
+        ErrorCode::unsupported,
+        fmt::format("link '{}' has collision geometry besides spheres and capsules; cover it "
+                    "with spheres first (`mneme robot spheres`, load_covered_robot)",
+                    link.name)};
+  }
+  return std::nullopt;
+}
+
+/// Pairs of links that may touch.
+Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<const int> group,
+                                         const RobotOptions& options) {
+  std::map<std::string_view, int> links;
+  for (const Link& link : parts.links) links.emplace(link.name, static_cast<int>(links.size()));
+  internal::LinkPairs pairs;
+  if (!parts.allowed_pairs) pairs = internal::find_neighbours(parts.links, parts.joints, group);
+  using NamedPairs = std::vector<std::pair<std::string, std::string>>;
+  for (const NamedPairs& allowed :
+       {parts.allowed_pairs.value_or(NamedPairs()), options.allowed_pairs}) {
+    for (const auto& [a, b] : allowed) {
+      const auto first = links.find(a), second = links.find(b);
+      if (first == links.end() || second == links.end()) {
+        return fail(ErrorCode::invalid,
+                    fmt::format("links '{}' and '{}' are allowed to touch, but there is no link "
+                                "'{}'",
+                                a, b, first == links.end() ? a : b));
+      }
+      pairs.emplace_back(first->second, second->second);
+    }
+  }
+  return pairs;
+}
+
+Error named(const std::string& robot, const Error& error) {
+  return {error.code, fmt::format("robot '{}': {}", robot, error.message)};
+}
+
+}  // namespace
+
+Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
+  const std::string name = parts.name;
+  auto sorted = internal::sort_tree(std::move(parts));
+  if (!sorted) return tl::unexpected(named(name, {ErrorCode::invalid, sorted.error().message}));
+  if (const auto error = refuse_solids(sorted->links)) return tl::unexpected(named(name, *error));
+  auto group = internal::choose_group(*sorted, options);
+  if (!group) return tl::unexpected(named(name, group.error()));
+  if (const auto error =
+          set_fixed_values(sorted->joints, *group, options.fixed_values, sorted->warnings)) {
+    return tl::unexpected(named(name, *error));
+  }
+  const auto allowed = find_allowed(*sorted, *group, options);
+  if (!allowed) return tl::unexpected(named(name, allowed.error()));
+  Robot::Model model;
+  model.name = name;
+  model.links = std::move(sorted->links);
+  model.joints = std::move(sorted->joints);
+  model.group = std::move(*group);
+  model.self_pairs = internal::derive_self_pairs(model.links, model.joints, model.group, *allowed);
+  model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs);
+  model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);
+  model.warnings = std::move(sorted->warnings);
+  return Robot(std::make_shared<const Robot::Model>(std::move(model)));
 }
 
 }  // namespace mneme

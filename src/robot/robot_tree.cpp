@@ -2,16 +2,97 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/robot_tree.h"
 
+#include "base/as_index.h"
+
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <set>
 
-#include <fmt/format.h>
-
-#include "robot/mimic.h"
-
 namespace mneme::internal {
+namespace {
+
+bool is_turning(const Joint& joint) {
+  return joint.type == JointType::revolute || joint.type == JointType::continuous;
+}
+
+std::optional<std::string> describe_fault(const std::vector<Joint>& joints, const Mimic& mimic) {
+  if (mimic.joint < 0 || as_index(mimic.joint) >= joints.size()) {
+    return fmt::format("it follows joint {}, which does not exist", mimic.joint);
+  }
+  if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
+    return fmt::format("its multiplier {} and offset {} are not finite", mimic.multiplier,
+                       mimic.offset);
+  }
+  return std::nullopt;
+}
+
+/// Follows the chain from `first` to a joint that follows none. A chain longer than all joints is a
+/// loop.
+std::optional<Mimic> folded(const std::vector<Joint>& joints, const Mimic& first) {
+  Mimic result = first;
+  for (std::size_t step = 0; step < joints.size(); ++step) {
+    const std::optional<Mimic>& next = joints[as_index(result.joint)].mimic;
+    if (!next) return result;
+    result.offset += result.multiplier * next->offset;
+    result.multiplier *= next->multiplier;
+    result.joint = next->joint;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> describe_jump(const Joint& joint, const Joint& leader) {
+  if (leader.type != JointType::continuous) return std::nullopt;
+  const double multiplier = joint.mimic->multiplier;
+  if (multiplier == 0 || (is_turning(joint) && multiplier == std::round(multiplier))) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "it jumps where the continuous joint '{}' that it follows wraps round; expected a turning "
+      "joint and a whole multiplier, not {}",
+      leader.name, multiplier);
+}
+
+}  // namespace
+
+std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joints) {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Joint& joint = joints[i];
+    if (joint.type == JointType::fixed) joint.mimic.reset();
+    if (!joint.mimic) continue;
+    if (auto fault = describe_fault(joints, *joint.mimic)) {
+      return std::pair(static_cast<int>(i), *std::move(fault));
+    }
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Joint& joint = joints[i];
+    if (!joint.mimic) continue;
+    const auto mimic = folded(joints, *joint.mimic);
+    if (!mimic)
+      return std::pair(static_cast<int>(i), std::string("the joints that it follows form a loop"));
+    joint.mimic = mimic;
+    if (auto fault = describe_fault(joints, *mimic)) {
+      return std::pair(static_cast<int>(i), *std::move(fault));
+    }
+    if (auto fault = describe_jump(joint, joints[as_index(mimic->joint)])) {
+      return std::pair(static_cast<int>(i), *std::move(fault));
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<bool> find_moving(std::span<const Joint> joints, std::span<const int> group) {
+  std::vector<bool> is_moving(joints.size(), false);
+  for (const int joint : group) is_moving[as_index(joint)] = true;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const std::optional<Mimic>& mimic = joints[i].mimic;
+    if (mimic && mimic->multiplier != 0) is_moving[i] = is_moving[as_index(mimic->joint)];
+  }
+  return is_moving;
+}
+
 namespace {
 
 /// Bounds the memory for pairs of links, which are quadratic in number.
@@ -19,8 +100,6 @@ constexpr std::size_t kMaxLinkCount = 4096;
 constexpr double kMinAxisNorm = 1e-9;
 
 using Fault = std::optional<PartsFault>;
-
-std::size_t place(int i) { return static_cast<std::size_t>(i); }
 
 template <class Part>
 std::optional<std::size_t> find_doubled_name(const std::vector<Part>& parts) {
@@ -126,18 +205,18 @@ Fault fold_followers(Robot::Parts& parts) {
   const auto fault = fold_mimics(parts.joints);
   if (!fault) return std::nullopt;
   const auto& [joint, what] = *fault;
-  return PartsFault{fmt::format("joint '{}': {}", parts.joints[place(joint)].name, what), -1,
+  return PartsFault{fmt::format("joint '{}': {}", parts.joints[as_index(joint)].name, what), -1,
                     joint};
 }
 
 Fault assign_parents(Robot::Parts& parts) {
   for (Link& link : parts.links) link.parent_joint = -1;
   for (std::size_t i = 0; i < parts.joints.size(); ++i) {
-    Link& child = parts.links[place(parts.joints[i].child_link)];
+    Link& child = parts.links[as_index(parts.joints[i].child_link)];
     if (child.parent_joint >= 0) {
       return PartsFault{
           fmt::format("link '{}' is the child of two joints, '{}' and '{}'", child.name,
-                      parts.joints[place(child.parent_joint)].name, parts.joints[i].name),
+                      parts.joints[as_index(child.parent_joint)].name, parts.joints[i].name),
           -1, static_cast<int>(i)};
     }
     child.parent_joint = static_cast<int>(i);
@@ -148,19 +227,19 @@ Fault assign_parents(Robot::Parts& parts) {
 /// The loop that is met on the way up from `link`, which has no root above it.
 PartsFault describe_loop(const Robot::Parts& parts, int link) {
   const auto parent_of = [&](int child) {
-    return parts.joints[place(parts.links[place(child)].parent_joint)].parent_link;
+    return parts.joints[as_index(parts.links[as_index(child)].parent_joint)].parent_link;
   };
   for (std::size_t i = 0; i < parts.links.size(); ++i) link = parent_of(link);
   std::string names;
   const int first = link;
   int count = 0;
   do {
-    const int joint = parts.links[place(link)].parent_joint;
-    if (++count <= 8) names += fmt::format(" '{}'", parts.joints[place(joint)].name);
+    const int joint = parts.links[as_index(link)].parent_joint;
+    if (++count <= 8) names += fmt::format(" '{}'", parts.joints[as_index(joint)].name);
     link = parent_of(link);
   } while (link != first);
   return {fmt::format("{} joint(s) form a loop:{}{}", count, names, count > 8 ? " ..." : ""), -1,
-          parts.links[place(first)].parent_joint};
+          parts.links[as_index(first)].parent_joint};
 }
 
 tl::expected<int, PartsFault> find_root(const Robot::Parts& parts) {
@@ -170,7 +249,7 @@ tl::expected<int, PartsFault> find_root(const Robot::Parts& parts) {
     if (root >= 0) {
       return tl::unexpected(PartsFault{
           fmt::format("there are several root links: neither '{}' nor '{}' is the child of a joint",
-                      parts.links[place(root)].name, parts.links[i].name),
+                      parts.links[as_index(root)].name, parts.links[i].name),
           static_cast<int>(i)});
     }
     root = static_cast<int>(i);
@@ -183,15 +262,15 @@ tl::expected<int, PartsFault> find_root(const Robot::Parts& parts) {
 std::vector<int> joints_in_order(const Robot::Parts& parts, int root) {
   std::vector<std::vector<int>> below(parts.links.size());
   for (std::size_t i = parts.joints.size(); i-- > 0;) {
-    below[place(parts.joints[i].parent_link)].push_back(static_cast<int>(i));
+    below[as_index(parts.joints[i].parent_link)].push_back(static_cast<int>(i));
   }
   std::vector<int> order;
-  std::vector<int> waiting = below[place(root)];
+  std::vector<int> waiting = below[as_index(root)];
   while (!waiting.empty()) {
     const int joint = waiting.back();
     waiting.pop_back();
     order.push_back(joint);
-    const std::vector<int>& next = below[place(parts.joints[place(joint)].child_link)];
+    const std::vector<int>& next = below[as_index(parts.joints[as_index(joint)].child_link)];
     waiting.insert(waiting.end(), next.begin(), next.end());
   }
   return order;
@@ -215,20 +294,20 @@ Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& ord
   sorted.warnings = std::move(parts.warnings);
   std::vector<int> new_link(parts.links.size(), 0);
   std::vector<int> new_joint(parts.joints.size(), 0);
-  sorted.links.push_back(std::move(parts.links[place(root)]));
+  sorted.links.push_back(std::move(parts.links[as_index(root)]));
   for (const int old_joint : order) {
-    Joint joint = canonical(std::move(parts.joints[place(old_joint)]));
+    Joint joint = canonical(std::move(parts.joints[as_index(old_joint)]));
     const int link = static_cast<int>(sorted.links.size());
-    new_link[place(joint.child_link)] = link;
-    sorted.links.push_back(std::move(parts.links[place(joint.child_link)]));
+    new_link[as_index(joint.child_link)] = link;
+    sorted.links.push_back(std::move(parts.links[as_index(joint.child_link)]));
     sorted.links.back().parent_joint = link - 1;
-    joint.parent_link = new_link[place(joint.parent_link)];
+    joint.parent_link = new_link[as_index(joint.parent_link)];
     joint.child_link = link;
-    new_joint[place(old_joint)] = link - 1;
+    new_joint[as_index(old_joint)] = link - 1;
     sorted.joints.push_back(std::move(joint));
   }
   for (Joint& joint : sorted.joints) {
-    if (joint.mimic) joint.mimic->joint = new_joint[place(joint.mimic->joint)];
+    if (joint.mimic) joint.mimic->joint = new_joint[as_index(joint.mimic->joint)];
   }
   return sorted;
 }
@@ -244,10 +323,10 @@ tl::expected<Robot::Parts, PartsFault> sort_tree(Robot::Parts parts) {
   const std::vector<int> order = joints_in_order(parts, *root);
   if (order.size() == parts.joints.size()) return reordered(std::move(parts), *root, order);
   std::vector<bool> is_reached(parts.joints.size(), false);
-  for (const int joint : order) is_reached[place(joint)] = true;
+  for (const int joint : order) is_reached[as_index(joint)] = true;
   int lost = 0;
-  while (is_reached[place(lost)]) ++lost;
-  return tl::unexpected(describe_loop(parts, parts.joints[place(lost)].child_link));
+  while (is_reached[as_index(lost)]) ++lost;
+  return tl::unexpected(describe_loop(parts, parts.joints[as_index(lost)].child_link));
 }
 
 }  // namespace mneme::internal

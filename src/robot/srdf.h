@@ -4,13 +4,49 @@
 /// What an SRDF says about a robot.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/robot.h"
+
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include "mneme/robot.h"
+#include <vector>
 
 namespace mneme::internal {
+
+/// A name in an SRDF, and where it stands.
+struct SrdfName {
+  std::string name;
+  int line = 0;
+};
+
+/// Two links: the ends of a chain, or what may touch.
+struct SrdfPair {
+  SrdfName first, second;
+};
+
+struct SrdfGroup {
+  SrdfName name;
+  std::vector<SrdfName> joints;     ///< these joints
+  std::vector<SrdfName> links;      ///< the joints that carry these links
+  std::vector<SrdfPair> chains;     ///< the joints between base_link and tip_link
+  std::vector<SrdfName> subgroups;  ///< the joints of these groups
+};
+
+struct Srdf {
+  SrdfName robot;
+  std::vector<SrdfGroup> groups;
+  std::vector<SrdfName> end_effectors;   ///< names of their groups
+  std::vector<SrdfName> virtual_joints;  ///< which connect the robot to the world
+  std::vector<SrdfName> passive_joints;  ///< which cannot be planned for
+  std::vector<SrdfPair> disabled;        ///< links that may touch each other
+  std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
+  std::vector<SrdfPair> enabled;
+};
+
+/// Strict about XML, elements and attributes; names need not exist in a robot. States of groups are
+/// left out.
+[[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
 /// Adds the groups, allowed pairs and warnings of an SRDF to `parts`, which are in tree order.
 /// Names that the robot lacks are left aside with one warning each. Returns what is malformed.

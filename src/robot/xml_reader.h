@@ -4,16 +4,16 @@
 /// Strict reading of XML elements, in which the first fault decides.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/geometry.h"
+
+#include <tinyxml2.h>
+
 #include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include <tinyxml2.h>
-
-#include "mneme/base.h"
-#include "mneme/geometry.h"
 
 namespace mneme::internal {
 

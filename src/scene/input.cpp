@@ -86,30 +86,22 @@ void Input::allow_keys(const std::vector<std::string_view>& keys) const {
 
 std::optional<Input> Input::find(std::string_view key) const {
   const auto* map = std::get_if<InputValue::Map>(&value_->content);
-  if (map == nullptr) {
-    fail_expecting("a map");
-  }
+  if (map == nullptr) fail_expecting("a map");
   for (const InputEntry& entry : *map) {
-    if (entry.key == key) {
-      return child(entry.value, key);
-    }
+    if (entry.key == key) return child(entry.value, key);
   }
   return std::nullopt;
 }
 
 Input Input::at(std::string_view key) const {
   auto found = find(key);
-  if (!found) {
-    fail(ErrorCode::parse, fmt::format("expected the key {}, which is missing", key));
-  }
+  if (!found) fail(ErrorCode::parse, fmt::format("expected the key {}, which is missing", key));
   return *std::move(found);
 }
 
 std::vector<std::pair<std::string, Input>> Input::entries() const {
   const auto* map = std::get_if<InputValue::Map>(&value_->content);
-  if (map == nullptr) {
-    fail_expecting("a map");
-  }
+  if (map == nullptr) fail_expecting("a map");
   std::vector<std::pair<std::string, Input>> result;
   for (const InputEntry& entry : *map) {
     result.emplace_back(entry.key, child(entry.value, entry.key));
@@ -119,9 +111,7 @@ std::vector<std::pair<std::string, Input>> Input::entries() const {
 
 std::vector<Input> Input::items() const {
   const auto* list = std::get_if<InputValue::List>(&value_->content);
-  if (list == nullptr) {
-    fail_expecting("a list");
-  }
+  if (list == nullptr) fail_expecting("a list");
   std::vector<Input> result;
   for (const InputValue& item : *list) {
     result.emplace_back(item, *source_, fmt::format("{}[{}]", key_, result.size()));
@@ -130,37 +120,27 @@ std::vector<Input> Input::items() const {
 }
 
 double Input::number() const {
-  if (const auto* number = std::get_if<double>(&value_->content)) {
-    return *number;
-  }
+  if (const auto* number = std::get_if<double>(&value_->content)) return *number;
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
   const auto number = text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
-  if (!number) {
-    fail_expecting("a number");
-  }
+  if (!number) fail_expecting("a number");
   return *number;
 }
 
 double Input::finite_number() const {
   const double value = number();
-  if (!std::isfinite(value)) {
-    fail_expecting("a finite number");
-  }
+  if (!std::isfinite(value)) fail_expecting("a finite number");
   return value;
 }
 
 double Input::positive_number() const {
   const double value = finite_number();
-  if (value <= 0.0) {
-    fail_expecting("a number above 0");
-  }
+  if (value <= 0.0) fail_expecting("a number above 0");
   return value;
 }
 
 bool Input::boolean() const {
-  if (const auto* value = std::get_if<bool>(&value_->content)) {
-    return *value;
-  }
+  if (const auto* value = std::get_if<bool>(&value_->content)) return *value;
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
   const bool is_plain = text != nullptr && !text->is_quoted;
   if (is_plain && (text->text == "true" || text->text == "True")) return true;
@@ -170,17 +150,13 @@ bool Input::boolean() const {
 
 std::string Input::text() const {
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
-  if (text == nullptr) {
-    fail_expecting("a text");
-  }
+  if (text == nullptr) fail_expecting("a text");
   return text->text;
 }
 
 std::vector<double> Input::numbers() const {
   std::vector<double> result;
-  for (const Input& item : items()) {
-    result.push_back(item.number());
-  }
+  for (const Input& item : items()) result.push_back(item.number());
   return result;
 }
 
@@ -189,9 +165,7 @@ std::vector<double> Input::finite_numbers(std::size_t count, std::string_view wh
     fail_expecting(fmt::format("{} numbers ({})", count, what));
   }
   std::vector<double> result;
-  for (const Input& item : items()) {
-    result.push_back(item.finite_number());
-  }
+  for (const Input& item : items()) result.push_back(item.finite_number());
   return result;
 }
 

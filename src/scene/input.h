@@ -4,6 +4,8 @@
 /// A tree of values read from YAML or JSON, and a way to read it that says where it went wrong.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <array>
 #include <initializer_list>
 #include <optional>
@@ -12,8 +14,6 @@
 #include <utility>
 #include <variant>
 #include <vector>
-
-#include "mneme/base.h"
 
 namespace mneme::internal {
 

@@ -2,14 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
+#include "base/text_file.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
-#include "base/text_file.h"
-#include "scene/yaml_input.h"
+#include "scene/yaml.h"
 
 #include <filesystem>
 
 namespace mneme {
+
+Scene make_circle_scene(std::string name, const std::vector<std::array<double, 3>>& circles) {
+  Scene scene{std::move(name), {}};
+  for (const auto& [x, y, radius] : circles) {
+    scene.obstacles.push_back(
+        {"circle_" + std::to_string(scene.obstacles.size() + 1), {Sphere{{x, y, 0.0}, radius}}});
+  }
+  return scene;
+}
 
 namespace {
 
@@ -36,9 +45,7 @@ Result<Scene> load_scene(const std::string& path) {
 
 Result<FramedScene> load_framed_scene(const std::string& path) {
   const auto text = internal::read_text_file(path);
-  if (!text) {
-    return tl::unexpected<Error>(text.error());
-  }
+  if (!text) return tl::unexpected<Error>(text.error());
   return parse_framed_scene(*text, path);
 }
 

@@ -1,17 +1,48 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// MoveIt's planning scenes.
+/// MoveIt's planning scenes, and the frames that they speak of.
 #pragma once
 
+#include "mneme/geometry.h"
+#include "mneme/scene.h"
+
+#include "scene/moveit_messages.h"
+
+#include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "mneme/scene.h"
-#include "scene/moveit_frames.h"
-#include "scene/moveit_objects.h"
-
 namespace mneme::internal {
+
+/// Pose of a link in the frame of the root link, or nothing if there is no such link. May throw
+/// InputFailure with the place that it is given.
+using FindLink =
+    std::function<std::optional<Transform>(const std::string& name, const Input& place)>;
+
+class MoveitFrames {
+ public:
+  /// Reads `fixed_frame_transforms` of `scene`, and takes the robot's pose from `state`. Throws
+  /// InputFailure.
+  MoveitFrames(const Input& scene, const MoveitState& state);
+
+  /// The frame of the whole scene (P), in which the robot's root link (R) may stand anywhere; empty
+  /// if the scene does not say.
+  [[nodiscard]] const std::string& planning_frame() const { return planning_frame_; }
+  [[nodiscard]] const std::optional<Transform>& X_PR() const { return X_PR_; }
+
+  /// Pose of `frame` in the frame of the root link; `place` is where `frame` is named. An empty
+  /// name stands for the planning frame. Throws InputFailure for a frame that nobody knows.
+  [[nodiscard]] Transform pose_in_root(const std::string& frame, const Input& place,
+                                       const FindLink& find_link) const;
+
+ private:
+  std::string planning_frame_;
+  std::map<std::string, Transform> X_PF_;
+  std::optional<Transform> X_PR_;
+};
 
 /// True if the keys are those of a planning scene.
 [[nodiscard]] bool is_moveit_scene(const Input& input);

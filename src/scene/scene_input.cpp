@@ -2,16 +2,111 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/scene_input.h"
 
-#include "scene/obstacle_input.h"
+#include "base/utf8.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
 
 namespace mneme::internal {
+namespace {
+
+/// Metres; no planner takes what is farther (docs/numerics.md).
+constexpr double kFarthest = 1e4;
+
+}  // namespace
+
+Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
+  for (Shape& shape : obstacle.shapes) shape = transformed(X_AB, shape);
+  return obstacle;
+}
+
+Scene moved(const Transform& X_AB, Scene scene) {
+  for (Obstacle& obstacle : scene.obstacles) obstacle = moved(X_AB, std::move(obstacle));
+  return scene;
+}
+
+std::optional<std::string> SceneBuilder::add(const std::string& name, const std::string& body,
+                                             const Shape& shape) {
+  if (name.empty() && body.empty()) return "expected a name";
+  if (!decode_utf8(name) || !decode_utf8(body)) {
+    return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
+                       storable_text(name + body));
+  }
+  const Sphere bound = bounding_sphere(shape);
+  // Written so that what is not finite fails too.
+  if (!(bound.center.norm() + bound.radius <= kFarthest)) {
+    return fmt::format("expected a shape within {} m of the origin", kFarthest);
+  }
+  const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
+  if (is_new_body && names_.count(body) != 0) {
+    return fmt::format("expected a body name of its own, got \"{}\", which names an obstacle",
+                       body);
+  }
+  if (body.empty() && bodies_.count(name) != 0) {
+    return fmt::format("expected a name of its own, got \"{}\", which names a body", name);
+  }
+  if (!name.empty() && !names_.insert(name).second) {
+    return fmt::format("expected a name of its own, got \"{}\" a second time", name);
+  }
+  if (body.empty()) {
+    obstacles_.push_back({name, {shape}});
+  } else if (is_new_body) {
+    bodies_[body] = obstacles_.size();
+    obstacles_.push_back({body, {shape}});
+  } else {
+    obstacles_[bodies_[body]].shapes.push_back(shape);
+  }
+  return std::nullopt;
+}
+
+Scene SceneBuilder::take(std::string name) { return {std::move(name), std::move(obstacles_)}; }
+
+namespace {
+
+std::string read_name(const Input& input, std::string_view key) {
+  const auto name = input.find(key);
+  if (!name) {
+    return {};
+  }
+  if (name->text().empty()) name->fail_expecting("a name");
+  return name->text();
+}
+
+void add(const Input& input, const std::string& name, const std::string& body, const Shape& shape,
+         SceneBuilder& scene) {
+  if (const auto wrong = scene.add(name, body, shape)) input.fail(ErrorCode::parse, *wrong);
+}
+
+}  // namespace
+
+void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene) {
+  for (const Input& input : list.items()) {
+    const Shape shape = read_shape(input, spelling);
+    add(input, read_name(input, "name"), read_name(input, "body"), shape, scene);
+  }
+}
+
+void read_circles(const Input& circles, SceneBuilder& scene) {
+  std::vector<std::pair<std::string, Input>> named;
+  if (circles.is_map()) {
+    named = circles.entries();
+  } else {
+    for (const Input& circle : circles.items()) {
+      named.emplace_back(fmt::format("circle_{}", named.size() + 1), circle);
+    }
+  }
+  for (const auto& [name, circle] : named) {
+    const std::vector<double> row = circle.finite_numbers(3, "x, y, radius in metres");
+    const double radius = circle.items()[2].positive_number();
+    add(circle, name, "", Sphere{{row[0], row[1], 0.0}, radius}, scene);
+  }
+}
 
 Scene read_scene(const Input& input, const std::string& default_name) {
   input.allow_keys({"name", "circles", "obstacles"});
   SceneBuilder scene;
-  if (const auto circles = input.find("circles")) {
-    read_circles(*circles, scene);
-  }
+  if (const auto circles = input.find("circles")) read_circles(*circles, scene);
   if (const auto obstacles = input.find("obstacles")) {
     read_obstacles(*obstacles, kSceneSpelling, scene);
   }

@@ -31,9 +31,7 @@ void TreeBuilder::set_key(int line, const std::string& key) {
 
 void TreeBuilder::open(int line, Content content) {
   constexpr std::size_t kMaxDepth = 64;
-  if (is_key_next()) {
-    refuse(line, "expected a key that is a text");
-  }
+  if (is_key_next()) refuse(line, "expected a key that is a text");
   if (levels_.size() >= kMaxDepth) {
     refuse(line, fmt::format("expected values nested at most {} deep", kMaxDepth));
   }
@@ -44,9 +42,7 @@ void TreeBuilder::open(int line, Content content) {
 const InputValue& TreeBuilder::close() {
   InputValue value = std::move(levels_.back().value);
   levels_.pop_back();
-  if (levels_.empty()) {
-    return root_ = std::move(value);
-  }
+  if (levels_.empty()) return root_ = std::move(value);
   Level& parent = levels_.back();
   if (auto* map = std::get_if<InputValue::Map>(&parent.value.content)) {
     map->push_back({std::move(*parent.key), std::move(value)});

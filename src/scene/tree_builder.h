@@ -5,12 +5,12 @@
 /// or too large.
 #pragma once
 
+#include "scene/input.h"
+
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
-
-#include "scene/input.h"
 
 namespace mneme::internal {
 

@@ -2,42 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
-#include "scene/yaml_text.h"
+#include "scene/shape_fields.h"
+#include "scene/yaml.h"
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <optional>
 
 namespace mneme {
 namespace {
 
-std::string number(double value) { return internal::yaml_number(value); }
-
-std::string point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
-
-std::string pose(const Transform& X) {
-  std::string text = "position: " + point(X.translation);
-  if (X.rotation != Eigen::Matrix3d::Identity()) {
-    const Eigen::Vector4d xyzw = Eigen::Quaterniond(X.rotation).coeffs();
-    text += ", quat_xyzw: " + internal::yaml_numbers({xyzw.data(), 4});
-  }
-  return text;
+std::string to_text(const internal::ShapeField& field) {
+  return fmt::format("{}: {}", field.key,
+                     field.is_list ? internal::yaml_numbers(field.values)
+                                   : internal::yaml_number(field.values[0]));
 }
-
-struct DescribeShape {
-  std::string operator()(const Sphere& s) const {
-    return fmt::format("position: {}, radius: {}", point(s.center), number(s.radius));
-  }
-  std::string operator()(const Box& s) const {
-    return fmt::format("{}, size: {}", pose(s.pose), point(2.0 * s.half_extents));
-  }
-  std::string operator()(const Cylinder& s) const {
-    return fmt::format("{}, radius: {}, length: {}", pose(s.pose), number(s.radius),
-                       number(s.length));
-  }
-  std::string operator()(const Capsule& s) const {
-    return fmt::format("a: {}, b: {}, radius: {}", point(s.a), point(s.b), number(s.radius));
-  }
-};
 
 }  // namespace
 
@@ -47,10 +27,90 @@ std::string to_yaml(const Scene& scene) {
   for (const Obstacle& obstacle : scene.obstacles) {
     const char* naming_key = obstacle.shapes.size() == 1 ? "name" : "body";
     for (const Shape& shape : obstacle.shapes) {
-      text += fmt::format("  - {{{}: {}, type: {}, {}}}\n", naming_key,
-                          internal::yaml_string(obstacle.name), shape_name(shape),
-                          std::visit(DescribeShape{}, shape));
+      text += fmt::format("  - {{{}: {}, type: {}", naming_key,
+                          internal::yaml_string(obstacle.name), shape_name(shape));
+      for (const internal::ShapeField& field :
+           internal::shape_fields(shape, internal::kSceneSpelling)) {
+        text += ", " + to_text(field);
+      }
+      text += "}\n";
     }
+  }
+  return text;
+}
+
+namespace {
+
+std::string moveit_point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
+
+std::string moveit_pose(const Transform& X) {
+  const Eigen::Vector4d xyzw = Eigen::Quaterniond(X.rotation).coeffs();
+  return fmt::format("{{position: {}, orientation: {}}}", moveit_point(X.translation),
+                     internal::yaml_numbers({xyzw.data(), 4}));
+}
+
+struct Primitive {
+  std::string shape;
+  std::string pose;
+};
+
+/// Nothing for a capsule.
+struct DescribeForMoveit {
+  using Answer = std::optional<Primitive>;
+  Answer operator()(const Sphere& s) const {
+    return Primitive{
+        fmt::format("{{type: sphere, dimensions: [{}]}}", internal::yaml_number(s.radius)),
+        moveit_pose({Eigen::Matrix3d::Identity(), s.center})};
+  }
+  Answer operator()(const Box& s) const {
+    return Primitive{
+        fmt::format("{{type: box, dimensions: {}}}", moveit_point(2.0 * s.half_extents)),
+        moveit_pose(s.pose)};
+  }
+  Answer operator()(const Cylinder& s) const {
+    return Primitive{fmt::format("{{type: cylinder, dimensions: [{}, {}]}}",
+                                 internal::yaml_number(s.length), internal::yaml_number(s.radius)),
+                     moveit_pose(s.pose)};
+  }
+  Answer operator()(const Capsule&) const { return std::nullopt; }
+};
+
+Result<std::string> describe(const Obstacle& obstacle, const std::string& frame) {
+  std::string shapes;
+  std::string poses;
+  for (const Shape& shape : obstacle.shapes) {
+    const auto primitive = std::visit(DescribeForMoveit{}, shape);
+    if (!primitive) {
+      return fail(ErrorCode::unsupported,
+                  fmt::format("obstacle \"{}\" is a capsule; expected spheres, boxes and cylinders "
+                              "alone, which is what MoveIt has",
+                              obstacle.name));
+    }
+    shapes += fmt::format("        - {}\n", primitive->shape);
+    poses += fmt::format("        - {}\n", primitive->pose);
+  }
+  return fmt::format(
+      "    - id: {}\n      header: {{frame_id: {}}}\n      primitives:\n{}      "
+      "primitive_poses:\n{}"
+      "      operation: add\n",
+      internal::yaml_string(obstacle.name), internal::yaml_string(frame), shapes, poses);
+}
+
+}  // namespace
+
+Result<std::string> to_moveit_yaml(const FramedScene& framed) {
+  if (framed.frame.empty()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("scene \"{}\": expected the name of its frame, which MoveIt needs",
+                            framed.scene.name));
+  }
+  std::string text = fmt::format("name: {}\nworld:\n  collision_objects:{}\n",
+                                 internal::yaml_string(framed.scene.name),
+                                 framed.scene.obstacles.empty() ? " []" : "");
+  for (const Obstacle& obstacle : framed.scene.obstacles) {
+    const auto described = describe(obstacle, framed.frame);
+    if (!described) return described;
+    text += *described;
   }
   return text;
 }

@@ -5,10 +5,11 @@
 /// state.
 #pragma once
 
-#include <cstdint>
+#include "mneme/base.h"
 
 #include "hwy/targets.h"
-#include "mneme/base.h"
+
+#include <cstdint>
 
 namespace mneme::internal {
 

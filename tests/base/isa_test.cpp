@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <string>
-
 #include "support/environment.h"
 #include "support/support.h"
+
+#include <string>
 
 namespace mneme {
 namespace {

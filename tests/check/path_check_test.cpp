@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "mneme/report.h"
 
 #include "report/report_support.h"
@@ -51,7 +50,8 @@ TEST_SUITE("unit") {
     const CollisionChecker checker = checker_for({});
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {}, 0.01));
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}, {0, 4, 0}}, 0.01));
-    CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0, std::numeric_limits<double>::quiet_NaN()}}, 0.01));
+    CHECK_FALSE(is_path_free(checker.robot(), checker.scene(),
+                             {{0, 0, std::numeric_limits<double>::quiet_NaN()}}, 0.01));
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0}}, 0.01));
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}}, 0));
     CHECK(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}, {0, 0, 0}}, 0.01));

@@ -4,13 +4,13 @@
 /// How far a state is from contact, by the exact distances of geometry.h alone.
 #pragma once
 
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
 #include <algorithm>
 #include <limits>
 #include <span>
 #include <vector>
-
-#include "mneme/robot.h"
-#include "mneme/scene.h"
 
 namespace mneme::test {
 

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/collision_kernels.h"
+#include "collision/random_worlds.h"
 
 #include <array>
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include "collision/random_worlds.h"
 
 namespace mneme::test {
 namespace {

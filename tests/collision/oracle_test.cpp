@@ -4,15 +4,15 @@
 // Kernels against the exact contacts in double precision, and those against FCL.
 #include "mneme/collision.h"
 
+#include "collision/random_worlds.h"
+#include "geometry/fcl_shapes.h"
+
 #include <array>
 #include <cmath>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "collision/random_worlds.h"
-#include "geometry/fcl_shapes.h"
 
 namespace mneme::test {
 namespace {
@@ -28,10 +28,10 @@ struct RandomObstacle {
   Shape (*make)(Rng&);
 };
 constexpr std::array<RandomObstacle, 5> kKinds = {{{"sphere", small_sphere},
-                                                 {"box", small_box},
-                                                 {"capsule", small_capsule},
-                                                 {"cylinder", small_cylinder},
-                                                 {"any shape", small_shape}}};
+                                                   {"box", small_box},
+                                                   {"capsule", small_capsule},
+                                                   {"cylinder", small_cylinder},
+                                                   {"any shape", small_shape}}};
 
 struct Tally {
   int free = 0, in_contact = 0, self_only = 0;

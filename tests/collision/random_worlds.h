@@ -4,6 +4,13 @@
 /// Random robots, scenes and states, and what checkers say of them.
 #pragma once
 
+#include "mneme/collision.h"
+
+#include "collision/clearance.h"
+#include "collision/make_tables.h"
+#include "geometry/random_shapes.h"
+#include "support/support.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,13 +18,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "collision/clearance.h"
-#include "collision/checked_robot.h"
-#include "check/contacts.h"
-#include "geometry/random_shapes.h"
-#include "mneme/collision.h"
-#include "support/support.h"
 
 namespace mneme::test {
 
@@ -168,7 +168,7 @@ inline Robot random_robot(Rng& rng) {
 inline double fixed_clearance(const Robot& robot, const Scene& scene) {
   const auto checked = internal::share_checked_robot(robot);
   REQUIRE(checked.has_value());
-  return internal::least_distance((*checked)->fixed_shapes, scene);
+  return internal::fixed_clearance(**checked, scene);
 }
 
 /// `count` obstacles made by `make_shape(rng)` that leave links without a moving joint alone.

@@ -1,12 +1,50 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include "covering/cover_search.h"
-
+#include "covering/cover_solid.h"
 #include "covering/solids.h"
 
 namespace mneme::test {
 namespace {
+
+using internal::Element;
+using internal::SolidModel;
+using internal::TriangleMesh;
+
+TEST_SUITE("unit") {
+  TEST_CASE("the reach of a piece is that of its farthest ball") {
+    const Element element{{{0, 0, 0}, 3}, {{{1, 0, 0}, 0.5}, {{-2, 0, 0}, 0.25}}};
+    CHECK(element.reach_from({0, 0, 0}) == doctest::Approx(2.25));
+    CHECK(element.is_within({{0, 0, 0}, 2.3}));
+    CHECK_FALSE(element.is_within({{0, 0, 0}, 2.2}));
+    CHECK_FALSE(element.is_within({{9, 0, 0}, 2.3}));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("spheres that hold all pieces hold all of the surface and the inside") {
+    const TriangleMesh mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
+    const SolidModel solid(mesh);
+    const std::vector<Element> elements = internal::make_elements(mesh, solid, 0.03);
+    std::vector<Sphere> bounds;
+    for (const Element& element : elements) {
+      CHECK(element.is_within(element.bound));
+      CHECK(element.bound.radius < 0.08);
+      bounds.push_back(element.bound);
+    }
+    CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 3000), bounds) == 0);
+    std::vector<Vec3> centers;
+    for (const SolidModel::Cell& cell : solid.inner_cells()) centers.push_back(cell.center);
+    CHECK(internal::uncovered_fraction(centers, bounds) == 0);
+  }
+
+  TEST_CASE("smaller pieces are more pieces") {
+    const TriangleMesh mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
+    const SolidModel solid(mesh);
+    CHECK(internal::make_elements(mesh, solid, 0.02).size() >
+          internal::make_elements(mesh, solid, 0.04).size());
+  }
+}
 
 using internal::Element;
 using internal::SolidModel;
@@ -60,6 +98,46 @@ TEST_SUITE("law") {
         internal::propose_spheres(solid, solid.medial_balls(), elements, 0.02, rng);
     CHECK(proposals.size() > 100);
     for (const Sphere& s : proposals) CHECK(s.radius - solid.depth(s.center) <= 0.02 + 1e-9);
+  }
+}
+
+using internal::Element;
+using internal::SolidModel;
+
+double worst_stick_out(const std::vector<Sphere>& spheres, const SolidModel& solid) {
+  double worst = 0;
+  for (const Sphere& s : spheres) worst = std::max(worst, s.radius - solid.depth(s.center));
+  return worst;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a sphere that nothing needs is dropped") {
+    const auto mesh = internal::triangulate(make_box({0.1, 0.1, 0.1}));
+    const SolidModel solid(mesh);
+    const auto elements = internal::make_elements(mesh, solid, 0.03);
+    const auto spheres = internal::refine({{{0, 0, 0}, 0.2}, {{0, 0, 0}, 0.1}}, elements, solid);
+    REQUIRE(spheres.size() == 1);
+    CHECK(spheres[0].radius == doctest::Approx(0.05 * std::sqrt(3.0)).epsilon(0.02));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("what was held stays held, and spheres stick out less") {
+    const auto mesh = internal::triangulate(Cylinder{{}, 0.06, 0.4});
+    const SolidModel solid(mesh);
+    const auto elements = internal::make_elements(mesh, solid, 0.015);
+    Rng rng(1);
+    const auto proposals =
+        internal::propose_spheres(solid, solid.medial_balls(), elements, 0.03, rng);
+    const auto before = internal::choose_spheres(proposals, elements, 1000000, rng);
+    const auto after = internal::refine(before, elements, solid);
+    CHECK(after.size() <= before.size());
+    CHECK(worst_stick_out(after, solid) < worst_stick_out(before, solid));
+    for (const Element& element : elements) {
+      CHECK(std::ranges::any_of(after, [&](const Sphere& s) {
+        return element.is_within({s.center, s.radius + 1e-12});
+      }));
+    }
   }
 }
 

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
 
 #include "covering/cover_solid.h"
-
-#include "covering/cover_quality.h"
 #include "covering/solids.h"
+
+#include <limits>
 
 namespace mneme::test {
 namespace {
@@ -96,6 +97,104 @@ TEST_SUITE("law") {
     const TriangleMesh mesh = internal::triangulate(Cylinder{{}, 0.06, 0.3});
     CHECK(cover_solid(mesh, {0.02, 200}).spheres.size() >
           cover_solid(mesh, {0.03, 200}).spheres.size());
+  }
+}
+
+using internal::Excess;
+using internal::SolidModel;
+
+TEST_SUITE("unit") {
+  TEST_CASE("what no sphere holds is uncovered") {
+    const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {5, 0, 0}};
+    const std::vector<Sphere> spheres = {{{0, 0, 0}, 1}, {{2, 0, 0}, 0.5}};
+    CHECK(internal::uncovered_fraction(points, spheres) == doctest::Approx(0.25));
+    CHECK(internal::uncovered_fraction(points, {}) == 1);
+    CHECK(internal::uncovered_fraction({}, {}) == 0);
+  }
+
+  TEST_CASE("the excess of a sphere around a box is that of its farthest point") {
+    const SolidModel solid(internal::triangulate(make_box({0.2, 0.2, 0.2})));
+    const std::vector<Sphere> sphere = {{{0, 0, 0}, 0.1 * std::sqrt(3.0)}};
+    const Excess excess = internal::measure_excess(sphere, solid);
+    CHECK(excess.max == doctest::Approx(0.1 * (std::sqrt(3.0) - 1)).epsilon(0.01));
+    CHECK(excess.mean > 0.3 * excess.max);
+    CHECK(excess.mean < excess.max);
+  }
+
+  TEST_CASE("skin that another sphere hides does not count, nor does what is inside") {
+    const SolidModel solid(internal::triangulate(make_box({0.2, 0.2, 0.2})));
+    const std::vector<Sphere> inside = {{{0, 0, 0}, 0.05}};
+    CHECK(internal::measure_excess(inside, solid).max == 0);
+    const std::vector<Sphere> hidden = {{{0, 0, 0}, 1}, {{0.3, 0, 0}, 0.1}};
+    const std::vector<Sphere> alone = {{{0, 0, 0}, 1}};
+    CHECK(internal::measure_excess(hidden, solid).mean ==
+          doctest::Approx(internal::measure_excess(alone, solid).mean));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("samples lie on the surface, as many on each face as its area asks for") {
+    const Box box = make_box({0.4, 0.2, 0.1});
+    int on_top = 0;
+    const auto points = internal::sample_surface(internal::triangulate(box), 10000);
+    for (const Vec3& p : points) {
+      CHECK((box.half_extents - p.cwiseAbs()).minCoeff() == doctest::Approx(0));
+      on_top += p.z() > 0.05 - 1e-9 ? 1 : 0;
+    }
+    CHECK(on_top / 10000.0 == doctest::Approx(0.08 / 0.28).epsilon(0.05));
+  }
+
+  TEST_CASE("samples near the surface are inside, and no deeper than two cells") {
+    const SolidModel solid(internal::triangulate(Cylinder{{}, 0.1, 0.3}));
+    const auto points = internal::sample_near_surface(solid);
+    CHECK(points.size() > 1000);
+    for (const Vec3& p : points) {
+      CHECK(solid.depth(p) > 0);
+      CHECK(solid.depth(p) < 2 * solid.cell_size());
+    }
+  }
+}
+
+Link link_of(std::vector<Solid> solids) {
+  Link link;
+  link.name = "arm";
+  link.solids = std::move(solids);
+  return link;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("all solids of a link are covered together, in the link's frame") {
+    const TemporaryDirectory files;
+    write_file(files / "part.stl", to_binary_stl(internal::triangulate(make_box({0.1, 0.1, 0.1}))));
+    const Transform up{Eigen::Matrix3d::Identity(), {0, 0, 0.3}};
+    const auto cover = cover_link(link_of(
+        {make_box({0.1, 0.1, 0.1}), Cylinder{{Eigen::Matrix3d::Identity(), {0.3, 0, 0}}, 0.05, 0.1},
+         MeshFile{files / "part.stl", Vec3::Ones(), up}}));
+    REQUIRE_MESSAGE(cover.has_value(), (cover ? "" : cover.error().message));
+    CHECK(cover->link == "arm");
+    CHECK(cover->uncovered == 0);
+    for (const Vec3& p : {Vec3(0.05, 0.05, 0.05), Vec3(0.35, 0, 0.05), Vec3(-0.05, 0.05, 0.35)}) {
+      CHECK(is_held(p, cover->spheres));
+    }
+    CHECK_FALSE(is_held({0.15, 0.1, 0.15}, cover->spheres));
+  }
+
+  TEST_CASE("settings that no cover can obey are refused") {
+    const Link link = link_of({make_box({0.1, 0.1, 0.1})});
+    for (const CoverSettings& settings :
+         {CoverSettings{0, 5}, CoverSettings{-1, 5}, CoverSettings{0.02, 0},
+          CoverSettings{std::numeric_limits<double>::quiet_NaN(), 5},
+          CoverSettings{std::numeric_limits<double>::infinity(), 5}}) {
+      const auto cover = cover_link(link, settings);
+      REQUIRE_FALSE(cover.has_value());
+      CHECK(cover.error().code == ErrorCode::invalid);
+    }
+  }
+
+  TEST_CASE("errors of solids are passed on") {
+    const auto cover = cover_link(link_of({MeshFile{"/no/such.stl", Vec3::Ones(), {}}}));
+    REQUIRE_FALSE(cover.has_value());
+    CHECK(contains(cover.error().message, "link 'arm': mesh /no/such.stl"));
   }
 }
 

@@ -4,13 +4,13 @@
 /// Surfaces and mesh files for the tests of this room.
 #pragma once
 
-#include <cstring>
-#include <string>
+#include "covering/triangle_mesh.h"
+#include "support/support.h"
 
 #include <fmt/format.h>
 
-#include "covering/triangle_mesh.h"
-#include "support/support.h"
+#include <cstring>
+#include <string>
 
 namespace mneme::test {
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-
+#include "covering/solids.h"
 #include "covering/triangle_mesh.h"
 
-#include "covering/solids.h"
+#include <limits>
 
 namespace mneme::test {
 namespace {
@@ -57,6 +57,168 @@ TEST_SUITE("law") {
     for (const Triangle& t : pieces) {
       CHECK(std::max({(t.b - t.a).norm(), (t.c - t.b).norm(), (t.a - t.c).norm()}) <= 0.05);
     }
+  }
+}
+
+using internal::read_mesh;
+using internal::TriangleMesh;
+
+/// A DAE file with one triangle, (1 0 0) (0 1 0) (0 0 1), in a node with a matrix.
+std::string make_dae(const std::string& unit, const std::string& up, const std::string& matrix) {
+  return "<?xml version=\"1.0\"?>\n"
+         "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"
+         "<asset><unit name=\"u\" meter=\"" +
+         unit + "\"/><up_axis>" + up +
+         "</up_axis></asset>"
+         "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\">"
+         "<float_array id=\"a\" count=\"9\">1 0 0 0 1 0 0 0 1</float_array>"
+         "<technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\">"
+         "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+         "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"
+         "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
+         "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+         "<p>0 1 2</p></triangles></mesh></geometry></library_geometries>"
+         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" +
+         matrix +
+         "</matrix><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
+         "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>\n";
+}
+
+const TriangleMesh& box_mesh() {
+  static const TriangleMesh kMesh = internal::triangulate(make_box({0.2, 0.4, 0.6}));
+  return kMesh;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("text and binary STL give the same surface, without a rim") {
+    const TemporaryDirectory files;
+    write_file(files / "text.stl", to_text_stl(box_mesh()));
+    write_file(files / "binary.STL", to_binary_stl(box_mesh()));
+    for (const char* name : {"text.stl", "binary.STL"}) {
+      const auto mesh = read_mesh({files / name, Vec3::Ones(), {}});
+      REQUIRE_MESSAGE(mesh.has_value(), (mesh ? "" : mesh.error().message));
+      CHECK(mesh->size() == 12);
+      CHECK(internal::is_closed(*mesh));
+      CHECK(internal::surface_area(*mesh) == doctest::Approx(internal::surface_area(box_mesh())));
+    }
+  }
+
+  TEST_CASE("polygons of an OBJ file become triangles; scale comes before pose") {
+    const TemporaryDirectory files;
+    write_file(files / "square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    const auto mesh =
+        read_mesh({files / "square.obj", {2, 3, 1}, {Eigen::Matrix3d::Identity(), {1, 0, 5}}});
+    REQUIRE(mesh.has_value());
+    CHECK(mesh->size() == 2);
+    CHECK(internal::bounds_of(*mesh).low.isApprox(Vec3(1, 0, 5)));
+    CHECK(internal::bounds_of(*mesh).high.isApprox(Vec3(3, 3, 5)));
+  }
+
+  TEST_CASE("a DAE file's unit and nodes count, its up axis does not") {
+    const TemporaryDirectory files;
+    const std::string shifted = "1 0 0 10 0 1 0 20 0 0 1 30 0 0 0 1";
+    for (const std::string up : {"Z_UP", "Y_UP", "X_UP"}) {
+      write_file(files / "t.dae", make_dae("0.01", up, shifted));
+      const auto mesh = read_mesh({files / "t.dae", Vec3::Ones(), {}});
+      REQUIRE_MESSAGE(mesh.has_value(), (mesh ? "" : mesh.error().message));
+      REQUIRE(mesh->size() == 1);
+      INFO(up);
+      CHECK(internal::bounds_of(*mesh).low.isApprox(Vec3(0.1, 0.2, 0.3), 1e-6));
+      CHECK(internal::bounds_of(*mesh).high.isApprox(Vec3(0.11, 0.21, 0.31), 1e-6));
+    }
+  }
+
+  TEST_CASE("triangles without area, points and lines are left out") {
+    const TemporaryDirectory files;
+    write_file(files / "m.obj",
+               "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nl 1 2\np 3\n");
+    const auto mesh = read_mesh({files / "m.obj", Vec3::Ones(), {}});
+    REQUIRE(mesh.has_value());
+    CHECK(mesh->size() == 1);
+  }
+
+  TEST_CASE("meshes that cannot be used are refused with the file's name and the reason") {
+    const TemporaryDirectory files;
+    const std::string binary = to_binary_stl(box_mesh());
+    TriangleMesh with_nan = box_mesh();
+    with_nan[5].b.y() = std::numeric_limits<double>::quiet_NaN();
+    TriangleMesh with_infinity = box_mesh();
+    with_infinity[5].b.y() = std::numeric_limits<double>::infinity();
+    struct Case {
+      std::string name;
+      std::optional<std::string> text;
+      ErrorCode code;
+      std::string reason;
+    };
+    const std::vector<Case> cases = {
+        {"missing.stl", std::nullopt, ErrorCode::io, "no such file"},
+        {"empty.stl", "", ErrorCode::parse, "is empty"},
+        {"short.stl", binary.substr(0, 60), ErrorCode::parse, "ends before"},
+        {"truncated.stl", binary.substr(0, binary.size() - 70), ErrorCode::parse, "ends before"},
+        {"none.stl", "solid s\nendsolid s\n", ErrorCode::parse, ""},
+        {"words.stl", "this is a letter, not a mesh", ErrorCode::parse, "ends before"},
+        {"cut.stl", to_text_stl(box_mesh()).substr(0, 90), ErrorCode::parse, ""},
+        {"nan.stl", to_binary_stl(with_nan), ErrorCode::parse, "expected coordinates within"},
+        {"infinite.stl", to_binary_stl(with_infinity), ErrorCode::parse, "expected coordinates"},
+        {"far.obj", "v 0 0 0\nv 5000 0 0\nv 0 1 0\nf 1 2 3\n", ErrorCode::parse, "within 1000 m"},
+        {"flat.stl", to_binary_stl({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}), ErrorCode::parse,
+         "no triangle with an area"},
+        {"points.obj", "v 0 0 0\nv 1 0 0\n", ErrorCode::parse, ""},
+        {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ErrorCode::parse, ""},
+        {"broken.dae", "<COLLADA><library_geometries>", ErrorCode::parse, ""},
+        {"other.ply", "ply", ErrorCode::unsupported, "expected a file named .stl, .obj or .dae"},
+    };
+    for (const Case& c : cases) {
+      if (c.text) write_file(files / c.name, *c.text);
+      const auto mesh = read_mesh({files / c.name, Vec3::Ones(), {}});
+      INFO(c.name);
+      REQUIRE_FALSE(mesh.has_value());
+      INFO(mesh.error().message);
+      CHECK(mesh.error().code == c.code);
+      CHECK(contains(mesh.error().message, files / c.name));
+      CHECK(contains(mesh.error().message, c.reason));
+    }
+    const auto directory = read_mesh({files / ".", Vec3::Ones(), {}});
+    CHECK_FALSE(directory.has_value());
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("the surface of a link is that of all its solids") {
+    Link link;
+    link.solids = {make_box({1, 1, 1}), make_box({2, 2, 2}, {5, 0, 0})};
+    const auto surface = internal::link_surface(link);
+    REQUIRE(surface.has_value());
+    CHECK(internal::surface_area(*surface) == doctest::Approx(6 + 24));
+  }
+
+  TEST_CASE("a link without a surface, or one that is not finite, is refused by name") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const std::vector<Solid>& solids :
+         {std::vector<Solid>{},
+          {make_box({0, 0, 0})},
+          {Cylinder{{}, 0, 0}},
+          {make_box({nan, 1, 1})},
+          {make_box({1, 1, 1}), make_box({1, 1, 1}, {nan, 0, 0})}}) {
+      Link link;
+      link.name = "wrist";
+      link.solids = solids;
+      const auto surface = internal::link_surface(link);
+      REQUIRE_FALSE(surface.has_value());
+      CHECK(surface.error().code == ErrorCode::invalid);
+      CHECK(contains(surface.error().message, "link 'wrist'"));
+    }
+  }
+
+  TEST_CASE("a link in millimetres is refused, which would be searched for ever") {
+    Link link;
+    link.name = "wrist";
+    link.solids = {make_box({10, 400, 10})};
+    const auto surface = internal::link_surface(link);
+    REQUIRE_FALSE(surface.has_value());
+    CHECK(surface.error().code == ErrorCode::invalid);
+    CHECK(contains(surface.error().message, "link 'wrist': its collision geometry is 400 m long"));
+    CHECK(contains(surface.error().message, "scale of 0.001"));
   }
 }
 

@@ -4,9 +4,7 @@
 /// The same shapes in FCL, and its distance between them: 0 where they overlap.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
+#include "mneme/geometry.h"
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
@@ -15,7 +13,9 @@
 #include <fcl/narrowphase/collision_object.h>
 #include <fcl/narrowphase/distance.h>
 
-#include "mneme/geometry.h"
+#include <algorithm>
+#include <cmath>
+#include <memory>
 
 namespace mneme::test {
 

@@ -4,12 +4,12 @@
 /// Random geometry for laws and oracles.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/geometry.h"
+
 #include <array>
 #include <cmath>
 #include <string>
-
-#include "mneme/base.h"
-#include "mneme/geometry.h"
 
 namespace mneme::test {
 

@@ -1,13 +1,115 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/base.h"
+#include "mneme/problem.h"
+
 #include "problem/compact_file.h"
+#include "support/support.h"
+
+#include <doctest/doctest.h>
 
 #include <algorithm>
-
-#include "support/support.h"
+#include <cstdint>
 
 namespace mneme::test {
 namespace {
+
+const std::string kSource = "f";
+
+using internal::Input;
+using internal::InputValue;
+
+std::string json_failure(const std::string& json) {
+  const auto result =
+      internal::without_throwing([&] { return internal::parse_json(json, "f.json"); });
+  return result ? "" : result.error().message;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("values are read with their types") {
+    const InputValue value =
+        internal::parse_json(R"({"a": [1, -2, 0.5, 1e3], "b": "1", "c": null, "d": true})", "f");
+    const Input input(value, kSource);
+    CHECK(input.at("a").numbers() == std::vector<double>{1, -2, 0.5, 1000});
+    CHECK(input.at("b").text() == "1");
+    CHECK(input.entries().size() == 4);
+    const auto number = internal::without_throwing([&] { return input.at("b").number(); });
+    REQUIRE_FALSE(number.has_value());
+    CHECK(number.error().message == "f:1: key b: expected a number, got \"1\"");
+  }
+
+  TEST_CASE("every kind of value carries its line") {
+    const InputValue value =
+        internal::parse_json("{\n\"a\":\n1\n,\n\"b\":\n\"x\",\"c\":[\n2\n,3\n]\n}", "f");
+    const auto& map = std::get<InputValue::Map>(value.content);
+    CHECK(value.line == 1);
+    CHECK(map[0].value.line == 3);
+    CHECK(map[1].value.line == 6);
+    CHECK(map[2].value.line == 6);
+    const auto& list = std::get<InputValue::List>(map[2].value.content);
+    CHECK(list[0].line == 7);
+    CHECK(list[1].line == 8);
+  }
+
+  TEST_CASE("malformed text is refused with file, line and reason") {
+    CHECK(json_failure("{\n\"a\": [1, 2,\n}").substr(0, 44) ==
+          "f.json:3: expected JSON: syntax error while ");
+    CHECK(json_failure("").substr(0, 25) == "f.json:1: expected JSON: ");
+    CHECK(json_failure("[1] 2").substr(0, 25) == "f.json:1: expected JSON: ");
+    CHECK(json_failure("[NaN]").substr(0, 25) == "f.json:1: expected JSON: ");
+    CHECK(json_failure("[1,\n\n1e999]") ==
+          "f.json:3: expected JSON: number overflow parsing '1e999'");
+    CHECK(json_failure("[\"\xff\"]").substr(0, 25) == "f.json:1: expected JSON: ");
+  }
+
+  TEST_CASE("doubled keys and deep nesting are refused") {
+    CHECK(json_failure("{\"a\": 1,\n\"a\": 2}") ==
+          "f.json:2: key a: expected once, got a second time");
+    CHECK(json_failure(std::string(100000, '[')) ==
+          "f.json:1: expected values nested at most 64 deep");
+    std::string objects;
+    for (int i = 0; i < 1000; ++i) objects += "{\"a\":";
+    CHECK(json_failure(objects) == "f.json:1: expected values nested at most 64 deep");
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("any bytes are read or refused with the file's name") {
+    Rng rng(91);
+    const std::string letters = "{}[]\",:01e-. \nabtrue";
+    for (int i = 0; i < 5000; ++i) {
+      std::string bytes;
+      const std::uint32_t count = rng.index(40);
+      for (std::uint32_t j = 0; j < count; ++j) {
+        bytes += i % 3 == 0 ? static_cast<char>(rng.index(256))
+                            : letters[rng.index(static_cast<std::uint32_t>(letters.size()))];
+      }
+      INFO("seed 91, case " << i);
+      const std::string message = json_failure(bytes);
+      REQUIRE((message.empty() || message.rfind("f.json:", 0) == 0));
+    }
+  }
+}
+
+using internal::close_names;
+using internal::edit_distance;
+
+TEST_SUITE("unit") {
+  TEST_CASE("edits are insertions, deletions and replacements, whatever the case") {
+    CHECK(edit_distance("", "") == 0);
+    CHECK(edit_distance("abc", "") == 3);
+    CHECK(edit_distance("", "ab") == 2);
+    CHECK(edit_distance("kitten", "sitting") == 3);
+    CHECK(edit_distance("S1", "s1") == 0);
+  }
+
+  TEST_CASE("the closest names come first, and ties keep their order") {
+    CHECK(close_names("s2", {"S1", "B2", "S2", "long name"}, 3) ==
+          std::vector<std::string>{"S2", "S1", "B2"});
+    CHECK(close_names("x", {"a"}, 3) == std::vector<std::string>{"a"});
+    CHECK(close_names("x", {}, 3).empty());
+  }
+}
 
 const std::string kTwo = R"({"robot": "planar8", "note": "a remark", "problems": [
   {"name": "one", "circles": [[1, 2, 0.5], [3, 4, 0.5]], "start": [0], "goal": [1], "gap": 3},
@@ -173,6 +275,40 @@ TEST_SUITE("flow") {
         check_file(file.path().string(), *robot, joint_count);
       }
     }
+  }
+}
+
+const Transform kPose{rotation_from_rpy({0.1, -0.2, 2.5}), {0.5, -0.25, 1.125}};
+
+FramedScene strange_scene() {
+  return {{"a: scene",
+           {{"ball", {Sphere{{1, 2, 3}, 0.1}}},
+            {"table", {Box{kPose, {0.1, 0.2, 0.3}}, Cylinder{kPose, 0.05, 0.7}}}}},
+          "base_link"};
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a scene that is written as compact JSON reads back") {
+    const TemporaryDirectory directory;
+    FramedScene scene = strange_scene();
+    scene.scene.obstacles.push_back({"bar", {Capsule{{1, 0, 0}, {0, 1, 0}, 0.02}}});
+    write_file(directory / "s.json", to_compact_json(scene));
+    const auto read = extract_scene(directory / "s.json" + "#a: scene");
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    CHECK(read->frame == "base_link");
+    CHECK(read->scene.name == "a: scene");
+    REQUIRE(read->scene.obstacles.size() == 3);
+    const auto& box = std::get<Box>(read->scene.obstacles[1].shapes.at(0));
+    CHECK((box.pose.rotation - kPose.rotation).norm() < 1e-12);
+    CHECK(box.pose.translation == kPose.translation);
+    CHECK(box.half_extents == Vec3(0.1, 0.2, 0.3));
+    CHECK(std::get<Cylinder>(read->scene.obstacles[1].shapes.at(1)).length == 0.7);
+    CHECK(std::get<Capsule>(read->scene.obstacles[2].shapes.at(0)).b == Vec3(0, 1, 0));
+  }
+
+  TEST_CASE("a scene in the root link's frame names no frame") {
+    CHECK(to_compact_json({{"s", {}}, ""}) ==
+          "{\n \"problems\": [\n  {\n   \"name\": \"s\",\n   \"obstacles\": []\n  }\n ]\n}\n");
   }
 }
 

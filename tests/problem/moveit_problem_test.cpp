@@ -1,14 +1,159 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/moveit_problem.h"
-
 #include "problem/moveit_files.h"
+#include "problem/moveit_problem.h"
+#include "problem/moveit_request.h"
+#include "problem/small_robots.h"
 #include "scene/read_yaml.h"
+#include "support/support.h"
+
+#include <doctest/doctest.h>
 
 namespace mneme::test {
 namespace {
 
+using internal::read_moveit_request;
+
+std::string request_failure(const std::string& yaml) {
+  return failure_of(yaml, read_moveit_request);
+}
+
+const std::string kGoal =
+    "goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}]}]\n";
+
+TEST_SUITE("unit") {
+  TEST_CASE("a goal is the centre of what its tolerances allow") {
+    const auto request = read_yaml(
+        "group_name: arm\nplanner_id: RRT\nworkspace_parameters: {min_corner: [0, 0, 0]}\n"
+        "goal_constraints:\n"
+        "  - joint_constraints: [{joint_name: a, position: 1, tolerance_above: 0.4, "
+        "tolerance_below: 0.2, weight: 1}]\n"
+        "    position_constraints: []\n"
+        "  - joint_constraints: [{joint_name: a, position: 2}]\n"
+        "path_constraints: {joint_constraints: []}\ntrajectory_constraints:\n",
+        [](const internal::Input& input) {
+          auto read = read_moveit_request(input);
+          read.goal_places.clear();
+          return read;
+        });
+    REQUIRE_MESSAGE(request.has_value(), (request ? "" : request.error().message));
+    CHECK(request->group == "arm");
+    REQUIRE(request->goals.size() == 2);
+    CHECK(request->goals[0].at("a") == doctest::Approx(1.1));
+    CHECK(request->goals[1].at("a") == 2);
+  }
+
+  TEST_CASE("goals and paths that are constrained otherwise are refused by name") {
+    CHECK(request_failure("goal_constraints:\n  - position_constraints: [{link_name: hand}]") ==
+          "f:2: key goal_constraints[0].position_constraints: position_constraints are not "
+          "supported; expected a goal of joint_constraints alone");
+    CHECK(request_failure("goal_constraints:\n  - orientation_constraints: [{link_name: hand}]") ==
+          "f:2: key goal_constraints[0].orientation_constraints: orientation_constraints are not "
+          "supported; expected a goal of joint_constraints alone");
+    CHECK(request_failure(kGoal +
+                          "path_constraints: {orientation_constraints: [{link_name: hand}]}") ==
+          "f:2: key path_constraints.orientation_constraints: orientation_constraints are not "
+          "supported; expected a path without constraints");
+    CHECK(request_failure(kGoal + "path_constraints: {joint_constraints: [{joint_name: a}]}") ==
+          "f:2: key path_constraints: joint_constraints are not supported here; expected a path "
+          "without constraints");
+    CHECK(
+        request_failure(kGoal + "trajectory_constraints: {constraints: [{}]}") ==
+        "f:2: key trajectory_constraints: trajectory_constraints are not supported; expected none");
+  }
+
+  TEST_CASE("requests that are malformed are refused with line and key") {
+    CHECK(request_failure("group_name: arm") ==
+          "f:1: expected the key goal_constraints, which is missing");
+    CHECK(request_failure("goal_constraints: []") ==
+          "f:1: key goal_constraints: expected at least one goal, got a list of 0");
+    CHECK(request_failure("goal_constraints: [{name: g}]") ==
+          "f:1: key goal_constraints[0]: expected joint_constraints, got none");
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a}]}]") ==
+          "f:1: key goal_constraints[0].joint_constraints[0]: expected the key position, which is "
+          "missing");
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1, "
+                          "tolerance_below: -1}]}]") ==
+          "f:1: key goal_constraints[0].joint_constraints[0].tolerance_below: expected a tolerance "
+          "of 0 or more, got -1");
+    CHECK(request_failure("goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}, "
+                          "{joint_name: a, position: 1}]}]") ==
+          "f:1: key goal_constraints[0].joint_constraints[1].joint_name: expected each joint once, "
+          "got a again");
+    CHECK(request_failure(kGoal + "goal: 1").find("f:2: key goal: unknown key, expected one of ") ==
+          0);
+  }
+}
+
 using internal::Input;
+using internal::MoveitAllowed;
+
+Result<MoveitAllowed> read_matrix(const std::string& matrix) {
+  return read_yaml("allowed_collision_matrix:\n" + matrix, [](const Input& input) {
+    const Robot robot = parse_robot(kLiftUrdf, "lifter.urdf").value();
+    return internal::read_moveit_allowed(input, robot, {"cup", "box"});
+  });
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("pairs of links that may touch are found, once each") {
+    const auto allowed = read_matrix(
+        "  entry_names: [arm, base, finger, cup]\n"
+        "  entry_values: [[false, true, false, false], [true, true, false, false],\n"
+        "    {enabled: [false, false, true, false]}, [false, false, false, true]]\n");
+    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
+    CHECK(allowed->pairs == std::vector<std::pair<std::string, std::string>>{{"arm", "base"}});
+    CHECK(allowed->warnings.empty());
+  }
+
+  TEST_CASE("objects may touch each other, and names that nobody has are left aside") {
+    const auto allowed = read_matrix(
+        "  entry_names: [cup, box, ghost, arm]\n"
+        "  entry_values: [[false, true, true, false], [true, false, false, false],\n"
+        "    [true, false, false, true], [false, false, true, false]]\n"
+        "  default_entry_names: [spirit, arm]\n  default_entry_values: [true, false]\n");
+    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
+    CHECK(allowed->pairs.empty());
+    REQUIRE(allowed->warnings.size() == 1);
+    CHECK(allowed->warnings[0] ==
+          "f:2: key allowed_collision_matrix: left aside, because there is no such link or object: "
+          "ghost, spirit");
+  }
+
+  TEST_CASE("a link that may touch an object is refused by name") {
+    CHECK(
+        read_matrix("  entry_names: [cup, arm]\n  entry_values:\n    - [false, true]\n    - [true, "
+                    "false]\n")
+            .error()
+            .message ==
+        "f:4: key allowed_collision_matrix.entry_values[0]: object \"cup\" may "
+        "touch link \"arm\", which is not supported");
+    CHECK(read_matrix("  default_entry_names: [cup]\n  default_entry_values: [true]\n")
+              .error()
+              .message ==
+          "f:2: key allowed_collision_matrix.default_entry_names[0]: object \"cup\" may touch "
+          "everything, which is not supported");
+  }
+
+  TEST_CASE("matrices that are malformed are refused with line and key") {
+    CHECK(read_matrix("  entry_names: [a, b]\n  entry_values: [[true, true]]\n").error().message ==
+          "f:2: key allowed_collision_matrix: expected one row per name, got 1 for 2 names");
+    CHECK(
+        read_matrix("  entry_names: [a]\n  entry_values: [[true, true]]\n").error().message ==
+        "f:3: key allowed_collision_matrix.entry_values[0]: expected one value per name, got 2 for "
+        "1 names");
+    CHECK(read_matrix("  entry_names: [a]\n  entry_values: [[1]]\n").error().message ==
+          "f:3: key allowed_collision_matrix.entry_values[0][0]: expected true or false, got 1");
+    CHECK(read_matrix("  entry_names: [a, b]\n  entry_values: [[true, true], [false, true]]\n")
+              .error()
+              .message ==
+          "f:3: key allowed_collision_matrix.entry_values[1]: expected a symmetric "
+          "matrix, got two values for a and b");
+    CHECK(read_matrix("  default_entry_names: [a]\n").error().message ==
+          "f:2: key allowed_collision_matrix: expected one default value per name, got 0 for 1 "
+          "names");
+  }
+}
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);

@@ -1,10 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// The robots that come with mneme, against facts about their kinematics (see robots/SOURCE.md).
+#include "robot/mesh_finder.h"
+#include "robot/small_robots.h"
+#include "support/environment.h"
+#include "support/support.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <filesystem>
 #include <string>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
+#include <vector>
 
 namespace mneme {
 namespace {
@@ -82,6 +90,301 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(robot.has_value());
     CHECK(robot.error().code == ErrorCode::invalid);
     CHECK(robot.error().message.starts_with("arm.urdf: robot 'arm': there is no joint 'elbow'"));
+  }
+}
+
+namespace {
+
+/// Sets MNEME_ROBOT_PATH for one scope.
+struct RobotPath : test::EnvironmentVariable {
+  explicit RobotPath(const std::string& value) : EnvironmentVariable("MNEME_ROBOT_PATH", value) {}
+};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("robots that came with mneme are found by name, with or without extension") {
+    const RobotPath nothing("");
+    for (const char* name : {"planar8", "planar8.urdf"}) {
+      const auto path = find_robot(name);
+      REQUIRE(path.has_value());
+      CHECK(load_robot(*path).has_value());
+    }
+  }
+
+  TEST_CASE("the directories of MNEME_ROBOT_PATH come first, in their order") {
+    const test::TemporaryDirectory first, second;
+    test::write_file(second / "planar8.urdf", "");
+    const RobotPath path(first / "" + "::" + second / "");
+    CHECK(std::filesystem::equivalent(find_robot("planar8").value(), second / "planar8.urdf"));
+    test::write_file(first / "planar8.urdf", "");
+    CHECK(std::filesystem::equivalent(find_robot("planar8").value(), first / "planar8.urdf"));
+  }
+
+  TEST_CASE("an unknown robot is an error that names the directories and what is there") {
+    const RobotPath path("/nowhere");
+    const auto found = find_robot("no_such_robot");
+    REQUIRE_FALSE(found.has_value());
+    CHECK(found.error().code == ErrorCode::io);
+    CHECK(test::contains(found.error().message, "'no_such_robot'"));
+    CHECK(test::contains(found.error().message, "/nowhere, "));
+    CHECK(test::contains(found.error().message, "robots (which has fetch, panda, planar8, ur5)"));
+  }
+
+  TEST_CASE("a path is no name") {
+    CHECK(find_robot("../robots/planar8").error().code == ErrorCode::invalid);
+    CHECK(find_robot("").error().code == ErrorCode::invalid);
+  }
+}
+
+namespace {
+
+using internal::MeshFinder;
+using test::contains;
+namespace fs = std::filesystem;
+
+/// ROS_PACKAGE_PATH for the duration of a test.
+struct RosPackagePath : test::EnvironmentVariable {
+  explicit RosPackagePath(const std::string& value)
+      : EnvironmentVariable("ROS_PACKAGE_PATH", value) {}
+};
+
+/// src/arm_description/{urdf,meshes/a.stl} and an empty folder, all below a temporary directory.
+class Workspace {
+ public:
+  Workspace() {
+    fs::create_directories(directory_ / "src/arm_description/urdf");
+    fs::create_directories(directory_ / "src/arm_description/meshes");
+    fs::create_directories(directory_ / "empty");
+    test::write_file(mesh(), "solid");
+  }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return directory_ / name; }
+  [[nodiscard]] std::string mesh() const {
+    return fs::path(directory_ / "src/arm_description/meshes/a.stl").lexically_normal();
+  }
+
+ private:
+  test::TemporaryDirectory directory_;
+  RosPackagePath none_{""};
+};
+
+constexpr const char* kMesh = "package://arm_description/meshes/a.stl";
+
+std::string refusal(const MeshFinder& meshes, const std::string& name, ErrorCode code) {
+  const auto path = meshes.find(name);
+  REQUIRE_FALSE(path.has_value());
+  CHECK(path.error().code == code);
+  return path.error().message;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a package path is the package's folder or holds it, and the first that fits counts") {
+    const Workspace w;
+    const std::string urdf = w / "arm.urdf";
+    CHECK(MeshFinder(urdf, {w / "src"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "src/"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "src/arm_description"}).find(kMesh) == w.mesh());
+    CHECK(MeshFinder(urdf, {w / "empty", w / "src/arm_description/"}).find(kMesh) == w.mesh());
+    fs::create_directories(w / "empty/arm_description/meshes");
+    test::write_file(w / "empty/arm_description/meshes/a.stl", "solid");
+    CHECK(MeshFinder(urdf, {w / "empty", w / "src"}).find(kMesh) != w.mesh());
+  }
+
+  TEST_CASE("ROS_PACKAGE_PATH and the folders of the URDF are searched too") {
+    const Workspace w;
+    CHECK(MeshFinder(w / "src/arm_description/urdf/arm.urdf", {}).find(kMesh) == w.mesh());
+    const RosPackagePath variable((w / "empty") + "::" + (w / "src") + ":");
+    CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == w.mesh());
+  }
+
+  TEST_CASE("other names are relative to the URDF or absolute after file://") {
+    const Workspace w;
+    const MeshFinder meshes(w / "src/arm_description/urdf/arm.urdf", {});
+    CHECK(meshes.find("../meshes/a.stl") == w.mesh());
+    CHECK(meshes.find("file://" + w.mesh()) == w.mesh());
+    CHECK(meshes.find(w.mesh()) == w.mesh());
+  }
+
+  TEST_CASE("where a missing file was looked for is said") {
+    const Workspace w;
+    const std::string missing = "package://arm_description/meshes/b.stl";
+    const std::string message =
+        refusal(MeshFinder(w / "arm.urdf", {w / "empty", w / "src"}), missing, ErrorCode::io);
+    CHECK(contains(message, "no such file; searched: "));
+    CHECK(contains(message, "/empty/arm_description/meshes/b.stl, "));
+    CHECK(contains(message, "/src/arm_description/meshes/b.stl"));
+    const MeshFinder nowhere(w / "arm.urdf", {});
+    CHECK(contains(refusal(nowhere, missing, ErrorCode::io),
+                   "where is the package 'arm_description'?"));
+    CHECK(contains(refusal(nowhere, "b.stl", ErrorCode::io), "/b.stl"));
+    CHECK(contains(refusal(nowhere, "empty", ErrorCode::io), "no such file"));
+  }
+
+  TEST_CASE("a package's path must stay in the package") {
+    const Workspace w;
+    const MeshFinder meshes(w / "arm.urdf", {w / "src", w / "src/arm_description"});
+    for (const std::string path : {"../secret.stl", "meshes/../../secret.stl", "/etc/passwd"}) {
+      CAPTURE(path);
+      CHECK(contains(refusal(meshes, "package://arm_description/" + path, ErrorCode::parse),
+                     "leaves the package 'arm_description'"));
+    }
+    CHECK(meshes.find("package://arm_description/urdf/../meshes/a.stl") == w.mesh());
+    for (const std::string name : {"package://", "package:///a.stl", "package://../src/a.stl",
+                                   "package://arm_description", "package://arm_description/"}) {
+      CAPTURE(name);
+      CHECK(contains(refusal(meshes, name, ErrorCode::parse), "expected package://NAME/PATH"));
+    }
+  }
+
+  TEST_CASE("symbolic links are followed, out of the package too, and lead nowhere or in circles") {
+    const Workspace w;
+    test::write_file(w / "shared.stl", "solid");
+    const fs::path package = w / "src/arm_description";
+    fs::create_symlink(w / "shared.stl", package / "meshes/linked.stl");
+    fs::create_directory_symlink(package / "meshes", package / "visual");
+    fs::create_symlink(w / "gone.stl", package / "meshes/dangling.stl");
+    fs::create_symlink(package / "meshes/circle.stl", package / "meshes/circle.stl");
+    fs::create_directory_symlink(package, w / "empty/arm_description");
+    const MeshFinder meshes(w / "arm.urdf", {w / "src"});
+    // colcon --symlink-install leaves packages of links to the sources.
+    CHECK(meshes.find("package://arm_description/meshes/linked.stl").has_value());
+    CHECK(meshes.find("package://arm_description/visual/a.stl").has_value());
+    CHECK(MeshFinder(w / "arm.urdf", {w / "empty"}).find(kMesh).has_value());
+    // A name is made normal before links are followed, so that `..` does not leave through one.
+    CHECK(meshes.find("package://arm_description/visual/../meshes/a.stl") == w.mesh());
+    for (const char* name : {"dangling", "circle"}) {
+      CAPTURE(name);
+      CHECK(
+          contains(refusal(meshes, "package://arm_description/meshes/" + std::string(name) + ".stl",
+                           ErrorCode::io),
+                   "no such file"));
+    }
+  }
+
+  TEST_CASE("other places than files are not supported") {
+    const MeshFinder meshes("arm.urdf", {});
+    CHECK(contains(refusal(meshes, "http://host/a.stl", ErrorCode::unsupported), "package://"));
+    CHECK(contains(refusal(meshes, "file://host/a.stl", ErrorCode::unsupported), "file:///PATH"));
+  }
+}
+
+namespace {
+
+/// Where `tip` is in `base` at `q`: position, and quaternion as x, y, z, w.
+struct TipPose {
+  std::vector<double> q;
+  Vec3 position;
+  Eigen::Quaterniond rotation;
+};
+
+struct Facts {
+  std::string file, base, tip;
+  std::vector<std::string> joints;
+  std::vector<TipPose> poses;
+};
+
+Eigen::Quaterniond xyzw(double x, double y, double z, double w) { return {w, x, y, z}; }
+
+std::vector<Facts> all_facts() {
+  return {
+      {"fetch",
+       "base_link",
+       "gripper_link",
+       {"torso_lift_joint", "shoulder_pan_joint", "shoulder_lift_joint", "upperarm_roll_joint",
+        "elbow_flex_joint", "forearm_roll_joint", "wrist_flex_joint", "wrist_roll_joint"},
+       {{{0, 0, 0, 0, 0, 0, 0, 0}, {1.1281, 0, 0.78601}, xyzw(0, 0, 0, 1)},
+        {{0.1, 1.32, 1.4, -0.2, 1.72, 0, 1.66, 0},
+         {0.050403, -0.127560, 0.837277},
+         xyzw(0.459821, -0.503129, 0.511642, 0.523114)},
+        {{0.38615, 0.5, -0.5, 1, 1, -1, 1, 2},
+         {0.566044, 0.622623, 1.021956},
+         xyzw(0.373028, 0.612634, -0.064775, 0.693782)}}},
+      {"panda",
+       "panda_link0",
+       "panda_hand",
+       {"panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5",
+        "panda_joint6", "panda_joint7"},
+       {{{0, 0, 0, 0, 0, 0, 0}, {0.088, 0, 0.926}, xyzw(0.923880, 0.382683, 0, 0)},
+        {{0, -0.785, 0, -2.356, 0, 1.571, 0.785}, {0.307020, 0, 0.590270}, xyzw(1, 0.000199, 0, 0)},
+        {{2.35, 1, 0, -0.8, 0, 2.5, 0.785},
+         {-0.589871, 0.597224, 0.402264},
+         xyzw(-0.361996, -0.866822, -0.132265, 0.316362)}}},
+      {"ur5",
+       "base_link",
+       "tool0",
+       {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint",
+        "wrist_2_joint", "wrist_3_joint"},
+       {{{0, 0, 0, 0, 0, 0}, {0.817250, 0.191450, -0.005491}, xyzw(0, 0.707107, 0.707107, 0)},
+        {{0, -1.57, 0, -1.57, 0, 0},
+         {0.000802, 0.191450, 1.001059},
+         xyzw(-0.707107, 0.000563, 0.000563, 0.707107)},
+        {{0.5, -1, 1, -0.5, 0.7, 0.3},
+         {0.543898, 0.493236, 0.389140},
+         xyzw(0.011977, 0.587732, 0.803515, 0.093760)}}},
+  };
+}
+
+Robot::Parts require_parts(const std::string& file) {
+  auto parts = read_robot(test::source_file(file));
+  REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
+  CHECK(parts->warnings.empty());
+  return *std::move(parts);
+}
+
+std::size_t index_of(const Robot& robot, const std::string& link) {
+  const auto found = std::ranges::find(robot.links(), link, &Link::name);
+  REQUIRE(found != robot.links().end());
+  return static_cast<std::size_t>(found - robot.links().begin());
+}
+
+void check_poses(const Robot& robot, const Facts& facts) {
+  std::vector<std::string> joints;
+  for (int i = 0; i < robot.joint_count(); ++i) joints.push_back(robot.group_joint(i).name);
+  CHECK(joints == facts.joints);
+  for (const TipPose& pose : facts.poses) {
+    CHECK_FALSE(robot.describe_violation(pose.q, "configuration").has_value());
+    const std::vector<Transform> poses = robot.link_poses(pose.q);
+    const Transform X_base_tip =
+        poses[index_of(robot, facts.base)].inverse() * poses[index_of(robot, facts.tip)];
+    CHECK((X_base_tip.translation - pose.position).norm() < 2e-6);
+    CHECK(Eigen::Quaterniond(X_base_tip.rotation).angularDistance(pose.rotation) < 5e-6);
+  }
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("the sources of the robots have the kinematics of the facts") {
+    for (const Facts& facts : all_facts()) {
+      CAPTURE(facts.file);
+      Robot::Parts parts = require_parts("robots/source/" + facts.file + ".urdf");
+      for (Link& link : parts.links) link.solids.clear();
+      check_poses(test::require_robot(parts), facts);
+    }
+  }
+
+  TEST_CASE("the robots have the kinematics of the facts and one group to plan for") {
+    for (const Facts& facts : all_facts()) {
+      CAPTURE(facts.file);
+      const Robot robot = test::require_robot(require_parts("robots/" + facts.file + ".urdf"));
+      check_poses(robot, facts);
+      CHECK_FALSE(robot.self_pairs().empty());
+    }
+  }
+
+  TEST_CASE("the robots differ from their sources in shapes alone") {
+    for (const Facts& facts : all_facts()) {
+      CAPTURE(facts.file);
+      Robot::Parts source = require_parts("robots/source/" + facts.file + ".urdf");
+      Robot::Parts made = require_parts("robots/" + facts.file + ".urdf");
+      source.allowed_pairs = made.allowed_pairs;
+      for (Robot::Parts* parts : {&source, &made}) {
+        for (Link& link : parts->links) link = Link{link.name, -1, {}, {}, {}};
+      }
+      CHECK(test::require_robot(source).hash() == test::require_robot(made).hash());
+    }
   }
 }
 

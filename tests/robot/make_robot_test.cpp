@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-#include <string>
-#include <vector>
-
+#include "robot/robot_facts.h"
 #include "robot/small_robots.h"
 #include "support/support.h"
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace mneme {
 namespace {
@@ -14,14 +17,7 @@ using test::contains;
 using test::kPi;
 using test::make_chain;
 using test::plan_for;
-
-std::string refusal(Robot::Parts parts, const RobotOptions& options) {
-  const auto robot = make_robot(std::move(parts), options);
-  REQUIRE_FALSE(robot.has_value());
-  CHECK(robot.error().code == ErrorCode::invalid);
-  CHECK(contains(robot.error().message, "robot 'chain': "));
-  return robot.error().message;
-}
+using test::refusal;
 
 }  // namespace
 
@@ -97,6 +93,225 @@ TEST_SUITE("unit") {
     Robot::Parts parts = make_chain(2);
     parts.joints.pop_back();
     CHECK(contains(refusal(parts, {}), "several root links"));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a joint that follows the group must turn about z too") {
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[1].mimic = test::follow(0);
+    CHECK(test::require_robot(parts).is_planar());
+    parts.joints[1].axis = Vec3::UnitX();
+    CHECK_FALSE(test::require_robot(parts).is_planar());
+  }
+
+  TEST_CASE("arms that turn about z with shapes in the plane are planar") {
+    CHECK(test::planar8().is_planar());
+    Robot::Parts parts = test::make_chain(3);
+    parts.joints[1].axis = Vec3(0, 0, -1);
+    parts.joints[2].origin.rotation = rotation_from_rpy(Vec3(0, 0, 0.7));
+    CHECK(test::require_robot(parts).is_planar());
+  }
+
+  TEST_CASE("whatever leaves the plane makes a robot spatial") {
+    const std::vector<std::function<void(Robot::Parts&)>> changes{
+        [](Robot::Parts& p) { p.links[1].spheres[0].center.z() = 1e-6; },
+        [](Robot::Parts& p) { p.links[0].spheres[0].center.z() = 1e-6; },
+        [](Robot::Parts& p) {
+          p.links[2].capsules.push_back({Vec3(0, 0, 0), Vec3(1, 0, 1), 0.1});
+        },
+        [](Robot::Parts& p) { p.joints[1].axis = Vec3(0, 1e-6, 1); },
+        [](Robot::Parts& p) { p.joints[0].origin.rotation = rotation_from_rpy(Vec3(1e-6, 0, 0)); },
+        [](Robot::Parts& p) { p.joints[1].origin.translation.z() = 0.1; },
+        [](Robot::Parts& p) { p.joints[1].type = JointType::prismatic; },
+    };
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      CAPTURE(i);
+      Robot::Parts parts = test::make_chain(3);
+      changes[i](parts);
+      CHECK_FALSE(test::require_robot(parts).is_planar());
+    }
+  }
+
+  TEST_CASE("a lift outside the group counts with its fixed value") {
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[0].type = JointType::prismatic;
+    RobotOptions options;
+    options.joints = {"j2"};
+    CHECK(test::require_robot(parts, options).is_planar());
+    options.fixed_values = {{"j1", 0.5}};
+    CHECK_FALSE(test::require_robot(parts, options).is_planar());
+  }
+}
+
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+Pairs pairs_of(const Robot& robot) {
+  return {robot.self_pairs().begin(), robot.self_pairs().end()};
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("in a chain all links but neighbours are checked") {
+    CHECK(pairs_of(test::require_robot(test::make_chain(3))) == Pairs{{0, 2}, {0, 3}, {1, 3}});
+  }
+
+  TEST_CASE("links without shapes are in no pair") {
+    Robot::Parts parts = test::make_chain(3);
+    parts.links[0].spheres.clear();
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{1, 3}});
+  }
+
+  TEST_CASE("a fixed joint welds its links into one body") {
+    Robot::Parts parts = test::make_chain(4);
+    parts.joints[1].type = JointType::fixed;
+    // Bodies {0}, {1, 2}, {3}, {4}.
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
+  }
+
+  TEST_CASE("a joint outside the group welds its links into one body") {
+    RobotOptions options;
+    options.joints = {"j1", "j3", "j4"};
+    const Robot robot = test::require_robot(test::make_chain(4), options);
+    CHECK(pairs_of(robot) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
+  }
+
+  TEST_CASE("joints that follow the group move their links too") {
+    Robot::Parts parts = test::make_chain(4);
+    parts.joints[1].mimic = test::follow(0);
+    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))) ==
+          Pairs{{0, 2}, {0, 3}, {0, 4}});
+    parts.joints[1].mimic = test::follow(0, 0);
+    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))).empty());
+  }
+
+  TEST_CASE("with a list of allowed pairs neighbours are checked like others") {
+    Robot::Parts parts = test::make_chain(3);
+    parts.joints[2].type = JointType::fixed;
+    parts.allowed_pairs.emplace();
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}});
+    parts.allowed_pairs->emplace_back("l2", "l0");
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 1}, {0, 3}, {1, 2}, {1, 3}});
+  }
+
+  TEST_CASE("links on two branches are checked against each other") {
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[1].parent_link = 0;
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{1, 2}});
+  }
+}
+
+namespace {
+
+using test::plan_for;
+
+struct Change {
+  std::string what;
+  std::function<void(Robot::Parts&)> apply;
+};
+
+std::string hash_after(const Change& change) {
+  Robot::Parts parts = test::make_chain(4);
+  parts.links[1].capsules.push_back({Vec3::Zero(), Vec3(0.5, 0, 0), 0.05});
+  change.apply(parts);
+  return test::require_robot(parts).hash();
+}
+
+const Change kNothing{"nothing", [](Robot::Parts&) {}};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a hash is 16 hexadecimal digits") {
+    const std::string hash = test::planar8().hash();
+    CHECK(hash.size() == 16);
+    CHECK(hash.find_first_not_of("0123456789abcdef") == std::string::npos);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("names, signed zeros and the last bits of a number do not count") {
+    const std::vector<Change> changes{
+        {"names",
+         [](Robot::Parts& p) {
+           p.name = "other";
+           for (Link& link : p.links) link.name += "_renamed";
+           for (Joint& joint : p.joints) joint.name += "_renamed";
+         }},
+        {"signed zeros",
+         [](Robot::Parts& p) {
+           p.joints[0].origin.translation.y() = -0.0;
+           p.links[0].spheres[0].center.z() = -0.0;
+         }},
+        {"last bits", [](Robot::Parts& p) { p.joints[1].origin.translation.z() = 1e-16; }},
+        {"length of an axis", [](Robot::Parts& p) { p.joints[1].axis *= 3; }},
+    };
+    for (const Change& change : changes) {
+      CAPTURE(change.what);
+      CHECK(hash_after(change) == hash_after(kNothing));
+    }
+  }
+
+  TEST_CASE("whatever decides about validity counts") {
+    const std::vector<Change> changes{
+        {"limit", [](Robot::Parts& p) { p.joints[2].upper += 1e-6; }},
+        {"radius of a sphere", [](Robot::Parts& p) { p.links[2].spheres[0].radius += 1e-6; }},
+        {"centre of a sphere", [](Robot::Parts& p) { p.links[2].spheres[0].center.y() = 1e-6; }},
+        {"one shape more", [](Robot::Parts& p) { p.links[3].spheres.push_back({}); }},
+        {"end of a capsule", [](Robot::Parts& p) { p.links[1].capsules[0].b.x() += 1e-6; }},
+        {"radius of a capsule", [](Robot::Parts& p) { p.links[1].capsules[0].radius += 1e-6; }},
+        {"origin", [](Robot::Parts& p) { p.joints[2].origin.translation.x() += 1e-6; }},
+        {"orientation",
+         [](Robot::Parts& p) {
+           p.joints[2].origin.rotation = rotation_from_rpy(Vec3(1e-6, 0, 0));
+         }},
+        {"axis", [](Robot::Parts& p) { p.joints[2].axis = -p.joints[2].axis; }},
+        {"type", [](Robot::Parts& p) { p.joints[2].type = JointType::prismatic; }},
+        {"following", [](Robot::Parts& p) { p.joints[3].mimic = test::follow(0); }},
+        {"parent", [](Robot::Parts& p) { p.joints[3].parent_link = 2; }},
+    };
+    for (const Change& change : changes) {
+      CAPTURE(change.what);
+      CHECK(hash_after(change) != hash_after(kNothing));
+    }
+  }
+
+  TEST_CASE("the group, its order and the fixed values count") {
+    const auto hash = [](const RobotOptions& options) {
+      return test::require_robot(test::make_chain(3), options).hash();
+    };
+    const std::string all = hash(plan_for({"j1", "j2", "j3"}));
+    CHECK(all == hash({}));
+    CHECK(all != hash(plan_for({"j2", "j1", "j3"})));
+    const std::string two = hash(plan_for({"j1", "j2"}));
+    CHECK(two != all);
+    CHECK(two == hash(plan_for({"j1", "j2"}, {{"j3", 0.0}})));
+    CHECK(two != hash(plan_for({"j1", "j2"}, {{"j3", 0.5}})));
+  }
+
+  TEST_CASE("whom a joint follows and how counts, unless it stands still") {
+    const auto hash = [](int joint, double multiplier, double offset,
+                         const std::vector<std::string>& group) {
+      Robot::Parts parts = test::make_chain(4);
+      parts.joints[3].mimic = test::follow(joint, multiplier, offset);
+      return test::require_robot(parts, plan_for(group)).hash();
+    };
+    const std::vector<std::string> group{"j1", "j2", "j3"};
+    CHECK(hash(0, 1, 0, group) != hash(1, 1, 0, group));
+    CHECK(hash(0, 1, 0, group) != hash(0, -1, 0, group));
+    CHECK(hash(0, 1, 0, group) != hash(0, 1, 0.5, group));
+    CHECK(hash(0, 1, 0.5, {"j2"}) == hash(2, -1, 0.5, {"j2"}));
+  }
+
+  TEST_CASE("the pairs that are checked count") {
+    const Robot robot = test::require_robot(test::make_chain(3));
+    const std::vector<std::pair<int, int>> none;
+    CHECK(internal::hash_robot(robot.links(), robot.joints(), robot.group(), none) != robot.hash());
+    CHECK(internal::hash_robot(robot.links(), robot.joints(), robot.group(), robot.self_pairs()) ==
+          robot.hash());
   }
 }
 

@@ -4,10 +4,10 @@
 /// Robots made of parts for the tests of this room.
 #pragma once
 
+#include "support/support.h"
+
 #include <numbers>
 #include <string>
-
-#include "support/support.h"
 
 namespace mneme::test {
 
@@ -67,6 +67,15 @@ inline Mimic follow(int joint, double multiplier = 1, double offset = 0) {
 
 inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+/// Why there is no robot of these parts.
+inline std::string refusal(const Robot::Parts& parts, const RobotOptions& options = {}) {
+  const auto robot = make_robot(parts, options);
+  REQUIRE_FALSE(robot.has_value());
+  CHECK(robot.error().code == ErrorCode::invalid);
+  CHECK(contains(robot.error().message, "robot '" + parts.name + "': "));
+  return robot.error().message;
 }
 
 }  // namespace mneme::test

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "robot/small_robots.h"
 #include "robot/xml_reader.h"
+#include "support/support.h"
 
 #include <clocale>
 #include <string>
 #include <vector>
-
-#include "robot/small_robots.h"
-#include "support/support.h"
 
 namespace mneme {
 namespace {

@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/input.h"
+#include "mneme/base.h"
 
-#include <cmath>
+#include "scene/input.h"
+#include "scene/tree_builder.h"
+#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
 
-#include "scene/yaml_input.h"
+#include <cmath>
+#include <vector>
 
 namespace mneme::test {
 namespace {
@@ -94,6 +97,204 @@ TEST_SUITE("unit") {
   TEST_CASE("a long text is cut in the message") {
     CHECK(failure(std::string(1000, 'x'), [](const Input& i) { static_cast<void>(i.number()); }) ==
           "f:1: expected a number, got \"" + std::string(40, 'x') + "...\"");
+  }
+}
+
+using internal::InputValue;
+using internal::TreeBuilder;
+
+/// The message with which `build` fails.
+template <class Build>
+std::string build_failure(Build&& build) {
+  const auto result = internal::without_throwing([&] {
+    TreeBuilder tree("f", 4);
+    build(tree);
+    return 0;
+  });
+  return result ? "" : result.error().message;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("values that are opened within others are put into them") {
+    TreeBuilder tree("f", 100);
+    tree.open(1, InputValue::Map{});
+    CHECK(tree.is_key_next());
+    tree.set_key(2, "k");
+    CHECK_FALSE(tree.is_key_next());
+    CHECK(tree.key_line() == 2);
+    tree.open(2, InputValue::List{});
+    CHECK_FALSE(tree.key_line());
+    tree.open(3, 7.0);
+    CHECK(tree.close().line == 3);
+    tree.close();
+    tree.close();
+    const InputValue root = tree.take();
+    const auto& map = std::get<InputValue::Map>(root.content);
+    REQUIRE(map.size() == 1);
+    CHECK(map[0].key == "k");
+    CHECK(std::get<InputValue::List>(map[0].value.content).size() == 1);
+  }
+
+  TEST_CASE("a tree of more values than allowed is refused") {
+    CHECK(build_failure([](TreeBuilder& tree) {
+            tree.open(1, InputValue::List{});
+            tree.count(2, 3);
+          }).empty());
+    CHECK(build_failure([](TreeBuilder& tree) {
+            tree.open(1, InputValue::List{});
+            tree.count(2, 4);
+          }) == "f:2: expected at most 4 values");
+  }
+
+  TEST_CASE("a value where a key must stand, and a doubled key, are refused") {
+    CHECK(build_failure([](TreeBuilder& tree) {
+            tree.open(1, InputValue::Map{});
+            tree.open(2, InputValue::List{});
+          }) == "f:2: expected a key that is a text");
+    CHECK(build_failure([](TreeBuilder& tree) {
+            tree.open(1, InputValue::Map{});
+            tree.set_key(1, "k");
+            tree.open(1, 1.0);
+            tree.close();
+            tree.set_key(2, "k");
+          }) == "f:2: key k: expected once, got a second time");
+  }
+}
+
+std::string yaml_failure(const std::string& yaml) {
+  const auto result =
+      internal::without_throwing([&] { return internal::parse_yaml(yaml, "f.yaml"); });
+  return result ? "" : result.error().message;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("values carry their lines, from 1") {
+    const InputValue value = internal::parse_yaml("a: 1\nb:\n  - x\n  - {c: 2}\n", "f");
+    const auto& map = std::get<InputValue::Map>(value.content);
+    CHECK(map[0].value.line == 1);
+    const auto& list = std::get<InputValue::List>(map[1].value.content);
+    CHECK(list[0].line == 3);
+    CHECK(list[1].line == 4);
+  }
+
+  TEST_CASE("a value that was left out is nothing, at the line of its key") {
+    const InputValue value = internal::parse_yaml("a: 1\nb:\n", "f");
+    const auto& entry = std::get<InputValue::Map>(value.content)[1];
+    CHECK(std::holds_alternative<std::monostate>(entry.value.content));
+    CHECK(entry.value.line == 2);
+  }
+
+  TEST_CASE("an empty text is nothing") {
+    CHECK(std::holds_alternative<std::monostate>(internal::parse_yaml("", "f").content));
+    CHECK(std::holds_alternative<std::monostate>(internal::parse_yaml("# remark\n", "f").content));
+  }
+
+  TEST_CASE("malformed text is refused with file, line and reason") {
+    CHECK(yaml_failure("a: 1\nb: [1, 2\nc: 3\n").substr(0, 24) == "f.yaml:3: expected YAML:");
+    CHECK(yaml_failure("a: 1\n\tb: 2\n").substr(0, 9) == "f.yaml:2:");
+    CHECK(yaml_failure("a: *nowhere\n").substr(0, 24) == "f.yaml:1: expected YAML:");
+  }
+
+  TEST_CASE("a doubled key is refused") {
+    CHECK(yaml_failure("a: 1\nb: 2\na: 3\n") ==
+          "f.yaml:3: key a: expected once, got a second time");
+  }
+
+  TEST_CASE("a key that is no text is refused") {
+    CHECK(yaml_failure("[1, 2]: 3\n") == "f.yaml:1: expected a key that is a text");
+  }
+
+  TEST_CASE("a second document is refused") {
+    CHECK(yaml_failure("a: 1\n---\nb: 2\n") ==
+          "f.yaml:2: expected the end of the text after one YAML document");
+  }
+
+  TEST_CASE("deep nesting is refused, however it is written") {
+    const std::string depth = "nested at most 64 deep";
+    CHECK(yaml_failure(std::string(100, '[') + std::string(100, ']')).find(depth) !=
+          std::string::npos);
+    CHECK_FALSE(yaml_failure(std::string(100000, '[')).empty());
+    std::string dashes;
+    for (int i = 0; i < 20000; ++i) dashes += "- ";
+    CHECK_FALSE(yaml_failure(dashes + "1").empty());
+  }
+
+  TEST_CASE("an alias stands for the anchored value") {
+    const InputValue value = internal::parse_yaml("a: &x [1, {b: 2}]\nc: *x\nd: &x 3\ne: *x", "f");
+    const auto& map = std::get<InputValue::Map>(value.content);
+    CHECK(std::get<InputValue::List>(map[1].value.content).size() == 2);
+    CHECK(map[1].value.line == 2);
+    CHECK(std::get<InputValue::Text>(map[3].value.content).text == "3");
+    CHECK(yaml_failure("&a [*a]") == "f.yaml:1: expected an alias of a value that has ended");
+  }
+
+  TEST_CASE("stray brackets after or before the document are refused") {
+    for (const char* text : {"]", "a: 1\n]", "}}", "[1] 2", "{a: 1} ]"}) {
+      CAPTURE(text);
+      CHECK(yaml_failure(text).substr(0, 7) == "f.yaml:");
+    }
+    CHECK(yaml_failure("--- {a: 1}\n...\n# remark\n").empty());
+  }
+
+  TEST_CASE("aliases that expand to too many values are refused") {
+    std::string bomb = "a0: &a0 [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n";
+    for (int i = 1; i <= 8; ++i) {
+      const std::string last = "*a" + std::to_string(i - 1);
+      bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
+      for (int j = 0; j < 10; ++j) bomb += last + (j < 9 ? ", " : "]\n");
+    }
+    CHECK(yaml_failure(bomb).find("expected at most 4000000 values") != std::string::npos);
+  }
+}
+
+const std::string kTextSource = "f";
+
+TEST_SUITE("unit") {
+  TEST_CASE("numbers are as short as they can be") {
+    CHECK(internal::yaml_number(0.1) == "0.1");
+    CHECK(internal::yaml_number(3.0) == "3");
+    CHECK(internal::yaml_number(-INFINITY) == "-.inf");
+    CHECK(internal::yaml_number(NAN) == ".nan");
+    CHECK(internal::yaml_numbers(std::vector<double>{1, 2.5}) == "[1, 2.5]");
+    CHECK(internal::yaml_numbers({}) == "[]");
+  }
+
+  TEST_CASE("texts are quoted where they must be") {
+    CHECK(internal::yaml_string("circle_1") == "circle_1");
+    CHECK(internal::yaml_string("../robots/a-b.urdf") == "\"../robots/a-b.urdf\"");
+    CHECK(internal::yaml_string("null") == "\"null\"");
+    CHECK(internal::yaml_string("") == "\"\"");
+    CHECK(internal::yaml_string("a: b") == "\"a: b\"");
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("numbers read back to the same bits") {
+    Rng rng(71);
+    for (int i = 0; i < 20000; ++i) {
+      const double value = (rng.uniform() - 0.5) * std::pow(10.0, rng.uniform(-300, 300));
+      const internal::InputValue read = {
+          internal::InputValue::Text{internal::yaml_number(value), false}, 1};
+      REQUIRE(Input(read, kTextSource).number() == value);
+    }
+  }
+
+  TEST_CASE("texts read back to the same texts") {
+    Rng rng(72);
+    std::vector<std::string> texts = {
+        "~", "Null", "true", "1.5", "\xc3\xa4\xe2\x82\xac", "\xf0\x9f\xa6\xbe", "a # b", "- a",
+        "'", "\"",   "\\",   "\x7f"};
+    for (int i = 0; i < 500; ++i) {
+      std::string text;
+      const std::uint32_t count = rng.index(10);
+      for (std::uint32_t j = 0; j < count; ++j) text += static_cast<char>(rng.index(128));
+      texts.push_back(text);
+    }
+    for (const std::string& text : texts) {
+      CAPTURE(text);
+      const auto read = internal::parse_yaml("k: " + internal::yaml_string(text), "f");
+      REQUIRE(Input(read, kTextSource).at("k").text() == text);
+    }
   }
 }
 

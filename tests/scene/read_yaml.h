@@ -4,9 +4,9 @@
 /// Reads YAML text as a file "f" with any of the scene room's readers.
 #pragma once
 
-#include <string>
+#include "scene/yaml.h"
 
-#include "scene/yaml_input.h"
+#include <string>
 
 namespace mneme::test {
 

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/link_distances.h"
+
+#include "base/as_index.h"
+#include "robot/link_shapes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mneme::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// True if spheres of these radii are more than `enough` apart.
+bool are_apart(const Vec3& a, const Vec3& b, double radii, double enough) {
+  const double reach = radii + enough;
+  return reach < 0 || (a - b).squaredNorm() > reach * reach;
+}
+
+Vec3 center_of(const Capsule& posed) {
+  return posed.a == posed.b ? posed.a : Vec3(0.5 * (posed.a + posed.b));
+}
+
+}  // namespace
+
+std::vector<ObstacleShape> obstacle_shapes(const Scene& scene) {
+  std::vector<ObstacleShape> shapes;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    for (const Shape& shape : scene.obstacles[i].shapes) {
+      shapes.push_back({static_cast<int>(i), &shape, bounding_sphere(shape)});
+    }
+  }
+  return shapes;
+}
+
+LinkDistances::LinkDistances(const Robot& robot) {
+  const std::vector<bool> is_moving = find_moving_links(robot);
+  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+    Body body{shapes_of(robot.links()[i]), {}, {}, is_moving[i]};
+    body.bound = bound_of(body.shapes);
+    for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
+    links_.push_back(std::move(body));
+  }
+}
+
+PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
+  PosedLinks result{std::move(poses), {}};
+  result.centers.reserve(links_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    result.centers.push_back(result.poses[i] * links_[i].bound.center);
+  }
+  return result;
+}
+
+double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
+                              double enough) const {
+  const Body& body = at(link);
+  const auto i = as_index(link);
+  const double radius = body.bound.radius;
+  if (are_apart(posed.centers[i], other.bound.center, radius + other.bound.radius, enough)) {
+    return kInfinity;
+  }
+  const bool is_one = body.shapes.size() == 1;
+  // Of a large obstacle, such as a table, the sphere around it says little.
+  if (!std::holds_alternative<Sphere>(*other.shape) &&
+      distance(posed.centers[i], *other.shape) - radius > enough) {
+    return kInfinity;
+  }
+  double least = kInfinity;
+  for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+    const Capsule own = moved(body.shapes[s], posed.poses[i]);
+    const double reach = body.bounds[s].radius + other.bound.radius;
+    if (!is_one && are_apart(center_of(own), other.bound.center, reach, std::min(enough, least))) {
+      continue;
+    }
+    least = std::min(least, distance_to_segment(own.a, own.b, *other.shape) - own.radius);
+  }
+  return least;
+}
+
+double LinkDistances::between(const PosedLinks& posed, int first, int second, double enough) const {
+  const Body &one = at(first), &two = at(second);
+  const auto i = as_index(first), j = as_index(second);
+  if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {
+    return kInfinity;
+  }
+  double least = kInfinity;
+  for (std::size_t s = 0; s < one.shapes.size(); ++s) {
+    const Capsule p = moved(one.shapes[s], posed.poses[i]);
+    const Vec3 middle = center_of(p);
+    const double reach = one.bounds[s].radius;
+    if (are_apart(middle, posed.centers[j], reach + two.bound.radius, std::min(enough, least))) {
+      continue;
+    }
+    for (std::size_t t = 0; t < two.shapes.size(); ++t) {
+      const Capsule q = moved(two.shapes[t], posed.poses[j]);
+      const double radii = reach + two.bounds[t].radius;
+      if (are_apart(middle, center_of(q), radii, std::min(enough, least))) continue;
+      least = std::min(least, segment_distance(p.a, p.b, q.a, q.b) - p.radius - q.radius);
+    }
+  }
+  return least;
+}
+
+bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
+             std::span<const ObstacleShape> obstacles) {
+  for (int link = 0; link < links.link_count(); ++link) {
+    if (links.shapes(link).empty()) continue;
+    for (const ObstacleShape& obstacle : obstacles) {
+      if (links.between(posed, link, obstacle, 0) < 0) return false;
+    }
+  }
+  return std::ranges::none_of(robot.self_pairs(), [&](const std::pair<int, int>& pair) {
+    return links.between(posed, pair.first, pair.second, 0) < 0;
+  });
+}
+
+std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
+                                   const Scene& scene, std::span<const double> q, double margin) {
+  const PosedLinks posed = links.posed(robot.link_poses(q));
+  const std::vector<ObstacleShape> obstacles = obstacle_shapes(scene);
+  const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
+  std::vector<Contact> contacts;
+  for (int link = 0; link < links.link_count(); ++link) {
+    int touched = -1;
+    for (const ObstacleShape& shape : obstacles) {
+      const double gap = links.between(posed, link, shape, margin);
+      if (!(gap < margin)) continue;
+      if (shape.obstacle == touched) {
+        contacts.back().distance = std::min(contacts.back().distance, gap);
+      } else {
+        touched = shape.obstacle;
+        const Obstacle& obstacle = scene.obstacles[as_index(touched)];
+        contacts.push_back({name(link), obstacle.name, false, gap});
+      }
+    }
+  }
+  for (const auto& [first, second] : robot.self_pairs()) {
+    const double gap = links.between(posed, first, second, 0);
+    if (gap < 0) contacts.push_back({name(first), name(second), true, gap});
+  }
+  return contacts;
+}
+
+Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
+                         std::span<const ObstacleShape> obstacles, bool of_moving) {
+  Clearance nearest{kInfinity, -1, -1};
+  for (int link = 0; link < links.link_count(); ++link) {
+    if (links.is_moving(link) != of_moving) continue;
+    for (const ObstacleShape& obstacle : obstacles) {
+      const double gap = links.between(posed, link, obstacle, nearest.distance);
+      if (gap < nearest.distance) nearest = {gap, link, obstacle.obstacle};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace mneme::internal

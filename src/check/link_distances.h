@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Distances between links and obstacles, and of links from each other, in double precision. Shares
+/// no code with the kernels.
+#pragma once
+
+#include "mneme/check.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
+#include "base/as_index.h"
+
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+/// One shape of an obstacle.
+struct ObstacleShape {
+  int obstacle = 0;  ///< index into the scene
+  const Shape* shape = nullptr;
+  Sphere bound;
+};
+/// All shapes of the scene, which must outlive them, in its order.
+[[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Scene& scene);
+
+/// Where links stand at one configuration.
+struct PosedLinks {
+  std::vector<Transform> poses;
+  std::vector<Vec3> centers;  ///< of the links' bounds
+};
+
+/// Bounding spheres first, exact distances then. It knows the shapes of a robot's links, not where
+/// they are. Const and parallel-safe.
+class LinkDistances {
+ public:
+  explicit LinkDistances(const Robot& robot);
+
+  /// `poses` are those of all links.
+  [[nodiscard]] PosedLinks posed(std::vector<Transform> poses) const;
+
+  [[nodiscard]] int link_count() const { return static_cast<int>(links_.size()); }
+  /// In the link's frame; a sphere is a capsule of length 0.
+  [[nodiscard]] std::span<const Capsule> shapes(int link) const { return at(link).shapes; }
+  /// Whether a joint of the group moves the link.
+  [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
+
+  /// Metres between the surfaces of a link and an obstacle, exact if that is at most `enough`, and
+  /// otherwise anything above it. In contact negative, by at most the radius of the link's shape.
+  [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
+                               double enough) const;
+  /// The same of two links; in contact negative by at most the sum of the radii.
+  [[nodiscard]] double between(const PosedLinks& posed, int first, int second, double enough) const;
+
+ private:
+  /// Shapes and spheres around them, in the link's frame.
+  struct Body {
+    std::vector<Capsule> shapes;
+    std::vector<Sphere> bounds;
+    Sphere bound;
+    bool is_moving = false;
+  };
+  [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
+  std::vector<Body> links_;
+};
+
+/// True if nothing touches.
+[[nodiscard]] bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
+                           std::span<const ObstacleShape> obstacles);
+
+/// All pairs in contact at `q`: links with obstacles, inflated by `margin`, then links with links.
+[[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
+                                                 const Scene& scene, std::span<const double> q,
+                                                 double margin);
+
+struct Clearance {
+  double distance = 0;  ///< metres, as LinkDistances::between; infinite without obstacles
+  int link = -1;        ///< index into the robot's links
+  int obstacle = -1;    ///< index into the scene
+};
+/// Of the nearest pair of an obstacle and a link that the group moves; or, unless `of_moving`, that
+/// it does not move.
+[[nodiscard]] Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
+                                       std::span<const ObstacleShape> obstacles,
+                                       bool of_moving = true);
+
+}  // namespace mneme::internal

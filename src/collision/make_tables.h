@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Builds the kernels' tables of robots and scenes.
+#pragma once
+
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
+#include "check/link_distances.h"
+#include "collision/tables.h"
+
+#include <memory>
+
+namespace mneme::internal {
+
+/// In the order of rows.
+template <class Matrix>
+void store(const Matrix& m, float* out) {
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = 0; column < m.cols(); ++column) {
+      *out++ = static_cast<float>(m(row, column));
+    }
+  }
+}
+
+/// Error: more joints than the kernels can hold.
+[[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
+
+/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size.
+[[nodiscard]] Result<SceneTables> make_scene_tables(const Scene& scene);
+
+struct CheckedRobot {
+  RobotTables tables;
+  LinkDistances links;
+  PosedLinks at_zero;  ///< where links that no joint of the group moves always stand
+};
+
+/// Made at the first call for a robot or any copy of it, which takes milliseconds, and kept while
+/// one of these lives. Thread-safe. Error: as make_robot_tables.
+[[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
+
+/// Least distance between obstacles and the links that no joint of the group moves.
+[[nodiscard]] double fixed_clearance(const CheckedRobot& robot, const Scene& scene);
+
+}  // namespace mneme::internal

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/robot_facts.h"
+
+#include "base/as_index.h"
+#include "robot/kinematics.h"
+#include "robot/link_shapes.h"
+#include "robot/robot_tree.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+
+bool is_along_z(const Vec3& direction) { return direction.head<2>().norm() < kTolerance; }
+
+bool turns_about_z(const Joint& joint, const Transform& X_root_child) {
+  const bool is_turning = joint.type == JointType::revolute || joint.type == JointType::continuous;
+  // The motion of a joint about z leaves the z axis of its frame, so the child's frame serves.
+  return is_turning && is_along_z(joint.axis) && is_along_z(X_root_child.rotation.col(2));
+}
+
+bool lies_in_plane(const Link& link, const Transform& X_root_link) {
+  const auto is_in_plane = [&](const Vec3& p) {
+    return std::abs((X_root_link * p).z()) < kTolerance;
+  };
+  return std::ranges::all_of(link.spheres,
+                             [&](const Sphere& s) { return is_in_plane(s.center); }) &&
+         std::ranges::all_of(
+             link.capsules, [&](const Capsule& c) { return is_in_plane(c.a) && is_in_plane(c.b); });
+}
+
+}  // namespace
+
+bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
+                    std::span<const int> group) {
+  const std::vector<double> zero(group.size(), 0.0);
+  const std::vector<Transform> poses = forward_kinematics(joints, group, zero);
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Transform& child = poses[as_index(joints[i].child_link)];
+    if (is_moving[i] && !turns_about_z(joints[i], child)) return false;
+  }
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (!lies_in_plane(links[i], poses[i])) return false;
+  }
+  return true;
+}
+
+namespace {
+
+/// The body of each link: the index of the body's topmost link.
+std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
+                      const std::vector<bool>& is_moving) {
+  std::vector<int> bodies(links.size(), 0);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    bodies[as_index(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
+  }
+  return bodies;
+}
+
+}  // namespace
+
+LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                          std::span<const int> group) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  const std::vector<int> bodies = weld(links, joints, is_moving);
+  std::set<std::pair<int, int>> joined;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!is_moving[i]) continue;
+    joined.insert(std::minmax(
+        {bodies[as_index(joints[i].parent_link)], bodies[as_index(joints[i].child_link)]}));
+  }
+  LinkPairs neighbours;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      if (!joined.contains(std::minmax({bodies[a], bodies[b]}))) continue;
+      neighbours.emplace_back(static_cast<int>(a), static_cast<int>(b));
+    }
+  }
+  return neighbours;
+}
+
+LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
+                            std::span<const int> group, const LinkPairs& allowed) {
+  const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
+  std::set<std::pair<int, int>> may_touch;
+  for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
+  LinkPairs pairs;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    if (!has_shapes(links[a])) continue;
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
+      const std::pair pair(static_cast<int>(a), static_cast<int>(b));
+      if (!may_touch.contains(pair)) pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+namespace {
+
+constexpr int kVersion = 2;
+
+/// The bytes to be hashed, little-endian.
+class Bytes {
+ public:
+  void add(std::uint64_t word) {
+    for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<char>(word >> shift));
+  }
+  void add(int value) { add(static_cast<std::uint64_t>(value)); }
+  void add(double value) {
+    // Rounding makes the hash independent of the last bits of sin and cos, which differ between C
+    // libraries.
+    const double rounded = std::abs(value) < 1e6 ? std::round(value * 1e9) : value * 1e9;
+    add(std::bit_cast<std::uint64_t>(rounded == 0 ? 0.0 : rounded));
+  }
+  void add(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+  void add_count(std::size_t count) { add(static_cast<std::uint64_t>(count)); }
+  [[nodiscard]] std::uint64_t hash() const { return XXH3_64bits(bytes_.data(), bytes_.size()); }
+
+ private:
+  std::string bytes_;
+};
+
+void add_shapes(Bytes& bytes, const Link& link) {
+  bytes.add_count(link.spheres.size());
+  for (const Sphere& sphere : link.spheres) {
+    bytes.add(sphere.center);
+    bytes.add(sphere.radius);
+  }
+  bytes.add_count(link.capsules.size());
+  for (const Capsule& capsule : link.capsules) {
+    bytes.add(capsule.a);
+    bytes.add(capsule.b);
+    bytes.add(capsule.radius);
+  }
+}
+
+void add_value(Bytes& bytes, const Joint& joint, bool is_in_group, bool is_moving) {
+  bytes.add(static_cast<int>(is_moving));
+  if (is_in_group) {
+    bytes.add(joint.lower);
+    bytes.add(joint.upper);
+  } else if (is_moving) {
+    bytes.add(joint.mimic->joint);
+    bytes.add(joint.mimic->multiplier);
+    bytes.add(joint.mimic->offset);
+  } else {
+    bytes.add(joint.fixed_value);
+  }
+}
+
+void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group, bool is_moving) {
+  bytes.add(static_cast<int>(joint.type));
+  bytes.add(joint.parent_link);
+  bytes.add(joint.child_link);
+  for (int i = 0; i < 3; ++i) bytes.add(Vec3(joint.origin.rotation.col(i)));
+  bytes.add(joint.origin.translation);
+  if (joint.type == JointType::fixed) return;
+  bytes.add(joint.axis);
+  add_value(bytes, joint, is_in_group, is_moving);
+}
+
+}  // namespace
+
+std::string hash_robot(std::span<const Link> links, std::span<const Joint> joints,
+                       std::span<const int> group,
+                       std::span<const std::pair<int, int>> self_pairs) {
+  Bytes bytes;
+  bytes.add(kVersion);
+  bytes.add_count(links.size());
+  for (const Link& link : links) add_shapes(bytes, link);
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const bool is_in_group = std::ranges::find(group, static_cast<int>(i)) != group.end();
+    add_joint(bytes, joints[i], is_in_group, is_moving[i]);
+  }
+  bytes.add_count(group.size());
+  for (const int joint : group) bytes.add(joint);
+  bytes.add_count(self_pairs.size());
+  for (const auto& [first, second] : self_pairs) {
+    bytes.add(first);
+    bytes.add(second);
+  }
+  return fmt::format("{:016x}", bytes.hash());
+}
+
+}  // namespace mneme::internal

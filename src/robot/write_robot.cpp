@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/write_robot.h"
+
+#include "mneme/robot.h"
+
+#include "base/as_index.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mneme::internal {
+namespace {
+
+/// Roll, pitch and yaw. Roll is taken from what yaw leaves over, so that their sum is right where
+/// the pitch is near a quarter turn and either alone is arbitrary.
+Vec3 rpy_of(const Eigen::Matrix3d& r) {
+  const double yaw = std::atan2(r(1, 0), r(0, 0));
+  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  const double c = std::cos(yaw), s = std::sin(yaw);
+  const double roll = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+  return {roll, pitch, yaw};
+}
+
+}  // namespace
+
+std::string xml_escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string xml_vector(const Vec3& v) {
+  // Adding zero makes a zero positive.
+  return fmt::format("{} {} {}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+}
+
+std::string xml_origin(const Transform& pose) {
+  std::string attributes;
+  if (!pose.translation.isZero(0)) {
+    attributes += fmt::format(" xyz=\"{}\"", xml_vector(pose.translation));
+  }
+  const Vec3 rpy = rpy_of(pose.rotation);
+  if (!rpy.isZero(0)) attributes += fmt::format(" rpy=\"{}\"", xml_vector(rpy));
+  return attributes.empty() ? "" : "<origin" + attributes + "/>";
+}
+
+}  // namespace mneme::internal
+
+namespace mneme {
+namespace {
+
+using internal::xml_escaped;
+using internal::xml_origin;
+using internal::xml_vector;
+
+std::string_view type_name(JointType type) {
+  switch (type) {
+    case JointType::fixed:
+      return "fixed";
+    case JointType::revolute:
+      return "revolute";
+    case JointType::continuous:
+      return "continuous";
+    case JointType::prismatic:
+      return "prismatic";
+  }
+  return "fixed";
+}
+
+std::string collision(const Transform& pose, const std::string& shape) {
+  return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n", xml_origin(pose),
+                     shape);
+}
+
+/// The shortest rotation that takes the z axis to `direction`, which may be zero.
+Eigen::Matrix3d rotation_to(const Vec3& direction) {
+  const Vec3 axis = Vec3::UnitZ().cross(direction);
+  if (axis.norm() > 0) {
+    return rotation_about(axis.normalized(), std::atan2(axis.norm(), direction.z()));
+  }
+  return direction.z() < 0 ? rotation_about(Vec3::UnitX(), std::atan2(0.0, -1.0))
+                           : Eigen::Matrix3d::Identity();
+}
+
+std::string to_xml(const Sphere& sphere) {
+  return collision({Eigen::Matrix3d::Identity(), sphere.center},
+                   fmt::format("<sphere radius=\"{}\"/>", sphere.radius));
+}
+
+std::string to_xml(const Capsule& capsule) {
+  const Vec3 along = capsule.b - capsule.a;
+  return collision(
+      {rotation_to(along), 0.5 * (capsule.a + capsule.b)},
+      fmt::format("<capsule radius=\"{}\" length=\"{}\"/>", capsule.radius, along.norm()));
+}
+
+std::string to_xml(const Box& box) {
+  return collision(box.pose, fmt::format("<box size=\"{}\"/>", xml_vector(2 * box.half_extents)));
+}
+
+std::string to_xml(const Cylinder& cylinder) {
+  return collision(cylinder.pose, fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>",
+                                              cylinder.radius, cylinder.length));
+}
+
+std::string to_xml(const MeshFile& mesh) {
+  const std::string scheme = mesh.path.starts_with('/') ? "file://" : "";
+  return collision(mesh.pose, fmt::format("<mesh filename=\"{}{}\" scale=\"{}\"/>", scheme,
+                                          xml_escaped(mesh.path), xml_vector(mesh.scale)));
+}
+
+std::string to_xml(const Link& link) {
+  std::string shapes;
+  for (const Sphere& sphere : link.spheres) shapes += to_xml(sphere);
+  for (const Capsule& capsule : link.capsules) shapes += to_xml(capsule);
+  for (const Solid& solid : link.solids) {
+    shapes += std::visit([](const auto& s) { return to_xml(s); }, solid);
+  }
+  const std::string name = xml_escaped(link.name);
+  if (shapes.empty()) return fmt::format("  <link name=\"{}\"/>\n", name);
+  return fmt::format("  <link name=\"{}\">\n{}  </link>\n", name, shapes);
+}
+
+std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
+  if (joint.type == JointType::fixed) return "";
+  std::string text = fmt::format("    <axis xyz=\"{}\"/>\n    <limit ", xml_vector(joint.axis));
+  if (joint.type != JointType::continuous) {
+    text += fmt::format("lower=\"{}\" upper=\"{}\" ", joint.lower, joint.upper);
+  }
+  // Readers want an effort and a velocity where there are limits; mneme uses neither.
+  text += "effort=\"1\" velocity=\"1\"/>\n";
+  if (joint.mimic) {
+    const Joint& leader = parts.joints[internal::as_index(joint.mimic->joint)];
+    text += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                        xml_escaped(leader.name), joint.mimic->multiplier, joint.mimic->offset);
+  }
+  return text;
+}
+
+std::string to_xml(const Joint& joint, const Robot::Parts& parts) {
+  const auto link_name = [&](int link) {
+    return xml_escaped(parts.links[internal::as_index(link)].name);
+  };
+  const std::string origin = xml_origin(joint.origin);
+  return fmt::format(
+      "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
+      "{}{}  </joint>\n",
+      xml_escaped(joint.name), type_name(joint.type), link_name(joint.parent_link),
+      link_name(joint.child_link), origin.empty() ? "" : "    " + origin + "\n",
+      motion_to_xml(joint, parts));
+}
+
+}  // namespace
+
+std::string to_urdf(const Robot::Parts& parts, std::string_view comment) {
+  std::string text = "<?xml version=\"1.0\"?>\n";
+  if (!comment.empty()) text += fmt::format("<!-- {} -->\n", comment);
+  text += fmt::format("<robot name=\"{}\">\n", xml_escaped(parts.name));
+  for (const Link& link : parts.links) text += to_xml(link);
+  for (const Joint& joint : parts.joints) text += to_xml(joint, parts);
+  return text + "</robot>\n";
+}
+
+namespace {
+
+using internal::xml_escaped;
+
+std::string to_xml(const JointGroup& group) {
+  std::string text = fmt::format("  <group name=\"{}\">\n", xml_escaped(group.name));
+  for (const std::string& joint : group.joints) {
+    text += fmt::format("    <joint name=\"{}\"/>\n", xml_escaped(joint));
+  }
+  return text + "  </group>\n";
+}
+
+/// The link that carries the first joint of a group; the root of a group without joints.
+const std::string& parent_of(const JointGroup& group, const Robot::Parts& parts) {
+  const auto joint = group.joints.empty()
+                         ? parts.joints.end()
+                         : std::ranges::find(parts.joints, group.joints.front(), &Joint::name);
+  const int link = joint == parts.joints.end() ? 0 : joint->parent_link;
+  return parts.links[internal::as_index(link)].name;
+}
+
+}  // namespace
+
+std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reasons,
+                    std::string_view comment) {
+  std::string text = "<?xml version=\"1.0\"?>\n";
+  if (!comment.empty()) text += fmt::format("<!-- {} -->\n", comment);
+  text += fmt::format("<robot name=\"{}\">\n", xml_escaped(parts.name));
+  for (const JointGroup& group : parts.groups) text += to_xml(group);
+  for (const JointGroup& group : parts.groups) {
+    if (!group.is_end_effector) continue;
+    text += fmt::format("  <end_effector name=\"{0}\" parent_link=\"{1}\" group=\"{0}\"/>\n",
+                        xml_escaped(group.name), xml_escaped(parent_of(group, parts)));
+  }
+  for (std::size_t i = 0; parts.allowed_pairs && i < parts.allowed_pairs->size(); ++i) {
+    const auto& [first, second] = (*parts.allowed_pairs)[i];
+    text += fmt::format("  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"{}\"/>\n",
+                        xml_escaped(first), xml_escaped(second),
+                        i < reasons.size() ? xml_escaped(reasons[i]) : "User");
+  }
+  return text + "</robot>\n";
+}
+
+namespace {
+
+// check_urdf wants an effort and a velocity where there are limits; mneme uses neither.
+constexpr std::string_view kUnusedLimits = R"(effort="1" velocity="1")";
+
+std::string link_element(std::size_t number, double length, double radius) {
+  return fmt::format(R"(  <link name="link_{}">
+    <collision>
+      <origin xyz="{} 0 0" rpy="0 {} 0"/>
+      <geometry><capsule radius="{}" length="{}"/></geometry>
+    </collision>
+  </link>
+)",
+                     number, 0.5 * length, 0.5 * std::numbers::pi, radius, length);
+}
+
+std::string joint_element(std::size_t number, double previous_length) {
+  const bool is_first = number == 1;
+  const std::string parent = is_first ? "base" : fmt::format("link_{}", number - 1);
+  const std::string limits =
+      fmt::format(R"(lower="{}" upper="{}" )", -std::numbers::pi, std::numbers::pi);
+  return fmt::format(R"(  <joint name="joint_{}" type="{}">
+    <parent link="{}"/>
+    <child link="link_{}"/>
+    <origin xyz="{} 0 0" rpy="0 0 0"/>
+    <axis xyz="0 0 1"/>
+    <limit {}{}/>
+  </joint>
+)",
+                     number, is_first ? "continuous" : "revolute", parent, number, previous_length,
+                     is_first ? "" : limits, kUnusedLimits);
+}
+
+bool is_positive(double value) { return std::isfinite(value) && value > 0; }
+
+}  // namespace
+
+Result<std::string> planar_arm_urdf(const std::string& name, std::span<const double> lengths,
+                                    double thickness) {
+  if (name.empty()) return fail(ErrorCode::invalid, "planar arm: the robot's name is empty");
+  if (lengths.empty()) return fail(ErrorCode::invalid, "planar arm: at least one link is needed");
+  if (!is_positive(thickness)) {
+    return fail(ErrorCode::invalid,
+                fmt::format("planar arm: thickness is {}, expected more than 0", thickness));
+  }
+  std::string links, joints;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (!is_positive(lengths[i])) {
+      return fail(ErrorCode::invalid, fmt::format("planar arm: length of link {} is {}, expected "
+                                                  "more than 0",
+                                                  i + 1, lengths[i]));
+    }
+    links += link_element(i + 1, lengths[i], 0.5 * thickness);
+    joints += joint_element(i + 1, i == 0 ? 0.0 : lengths[i - 1]);
+  }
+  return fmt::format(R"(<?xml version="1.0"?>
+<!-- Made by `mneme robot planar`. A capsule is an extension: its length is between cap centres. -->
+<robot name="{}">
+  <link name="base"/>
+{}{}</robot>
+)",
+                     internal::xml_escaped(name), links, joints);
+}
+
+}  // namespace mneme

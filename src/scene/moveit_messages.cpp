@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/moveit_messages.h"
+
+#include "scene/scene_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mneme::internal {
+namespace {
+
+Vec3 read_vector(const Input& input) {
+  if (!input.is_map()) return read_point(input);
+  input.allow_keys({"x", "y", "z"});
+  return {input.at("x").finite_number(), input.at("y").finite_number(),
+          input.at("z").finite_number()};
+}
+
+Eigen::Matrix3d read_quaternion(const Input& input) {
+  if (!input.is_map()) return read_rotation(input, false);
+  input.allow_keys({"x", "y", "z", "w"});
+  return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
+                             input.at("z").finite_number(), input.at("w").finite_number()});
+}
+
+Transform read(const Input& input, std::string_view vector, std::string_view quaternion) {
+  input.allow_keys({vector, quaternion});
+  Transform X;
+  X.translation = read_vector(input.at(vector));
+  if (const auto rotation = input.find(quaternion)) X.rotation = read_quaternion(*rotation);
+  return X;
+}
+
+}  // namespace
+
+Transform read_moveit_pose(const Input& input) { return read(input, "position", "orientation"); }
+
+Transform read_moveit_transform(const Input& input) {
+  return read(input, "translation", "rotation");
+}
+
+namespace {
+
+void refuse_attached(const Input& input) {
+  for (const Input& attached : items_if_any(input, "attached_collision_objects")) {
+    const auto object = attached.is_map() ? attached.find("object") : std::nullopt;
+    const auto id = object && object->is_map() ? object->find("id") : std::nullopt;
+    const auto link = attached.is_map() ? attached.find("link_name") : std::nullopt;
+    attached.fail(ErrorCode::unsupported,
+                  fmt::format("object \"{}\" is attached to link \"{}\"; expected no attached "
+                              "objects: they are not supported",
+                              id && id->is_text() ? id->text() : "",
+                              link && link->is_text() ? link->text() : ""));
+  }
+}
+
+void read_positions(const Input& input, MoveitState& state) {
+  input.allow_keys({"header", "name", "position", "velocity", "effort"});
+  const std::vector<Input> names = items_if_any(input, "name");
+  const std::vector<Input> positions = items_if_any(input, "position");
+  if (names.size() != positions.size()) {
+    input.fail(ErrorCode::parse,
+               fmt::format("expected one position per name, got {} names and {} positions",
+                           names.size(), positions.size()));
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool is_new =
+        state.positions.emplace(names[i].text(), positions[i].finite_number()).second;
+    if (!is_new) {
+      names[i].fail(ErrorCode::parse,
+                    fmt::format("expected each joint once, got {} again", names[i].text()));
+    }
+  }
+}
+
+void read_base(const Input& input, MoveitState& state) {
+  input.allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
+  const std::vector<Input> names = items_if_any(input, "joint_names");
+  const std::vector<Input> transforms = items_if_any(input, "transforms");
+  if (names.empty() && transforms.empty()) return;
+  if (names.size() != 1 || transforms.size() != 1) {
+    input.fail(names.size() == transforms.size() ? ErrorCode::unsupported : ErrorCode::parse,
+               fmt::format("expected one virtual joint that carries the robot's root link, got {} "
+                           "names and {} transforms",
+                           names.size(), transforms.size()));
+  }
+  state.base = read_moveit_transform(transforms.front());
+  state.base_frame = read_frame_id(input);
+}
+
+}  // namespace
+
+std::vector<Input> items_if_any(const Input& input, std::string_view key) {
+  const auto list = input.find(key);
+  return list && !list->is_nothing() ? list->items() : std::vector<Input>();
+}
+
+std::string read_frame_id(const Input& input) {
+  const auto header = input.find("header");
+  const auto frame = header ? header->find("frame_id") : std::nullopt;
+  if (!frame) {
+    return {};
+  }
+  // Older files write the same frame with a slash in front.
+  const std::string name = frame->text();
+  return name.starts_with('/') ? name.substr(1) : name;
+}
+
+MoveitState read_moveit_state(const Input& input) {
+  input.allow_keys(
+      {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
+  refuse_attached(input);
+  MoveitState state;
+  if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
+  if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
+  return state;
+}
+
+MoveitState overlaid(MoveitState state, const MoveitState& difference) {
+  for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
+  if (difference.base) {
+    state.base = difference.base;
+    state.base_frame = difference.base_frame;
+  }
+  return state;
+}
+
+namespace {
+
+std::vector<double> read_dimensions(const Input& primitive, std::size_t count,
+                                    std::string_view what) {
+  const Input dimensions = primitive.at("dimensions");
+  const std::vector<double> values = dimensions.finite_numbers(count, what);
+  for (const Input& value : dimensions.items()) static_cast<void>(value.positive_number());
+  return values;
+}
+
+Shape read_shape(const Input& primitive, const Transform& pose, const std::string& object) {
+  primitive.allow_keys({"type", "dimensions", "polygon"});
+  const Input type = primitive.at("type");
+  const std::string name = type.is_text() ? type.text() : "";
+  if (name == "box" || name == "1") {
+    const auto size = read_dimensions(primitive, 3, "full extents along x, y, z in metres");
+    return Box{pose, 0.5 * Vec3(size[0], size[1], size[2])};
+  }
+  if (name == "sphere" || name == "2") {
+    return Sphere{pose.translation, read_dimensions(primitive, 1, "a radius in metres")[0]};
+  }
+  if (name == "cylinder" || name == "3") {
+    const auto size = read_dimensions(primitive, 2, "height and radius in metres");
+    return Cylinder{pose, size[1], size[0]};
+  }
+  if (name == "cone" || name == "4" || name == "prism" || name == "5") {
+    const bool is_cone = name == "cone" || name == "4";
+    type.fail(ErrorCode::unsupported,
+              fmt::format("object \"{}\" has a {}, which is not supported; expected box, sphere or "
+                          "cylinder",
+                          object, is_cone ? "cone" : "prism"));
+  }
+  type.fail_expecting("box, sphere or cylinder");
+}
+
+void refuse(const Input& object, std::string_view key, const std::string& id) {
+  if (!items_if_any(object, key).empty()) {
+    object.at(key).fail(ErrorCode::unsupported,
+                        fmt::format("object \"{}\" has {}, which are not supported; expected "
+                                    "primitives alone",
+                                    id, key));
+  }
+}
+
+void refuse_operation(const Input& object, const std::string& id) {
+  const auto operation = object.find("operation");
+  if (!operation) return;
+  const std::string name = operation->is_text() ? operation->text() : "";
+  if (name != "0" && name != "add" && name != "ADD") {
+    operation->fail(ErrorCode::unsupported,
+                    fmt::format("object \"{}\": expected the operation add, got \"{}\"", id, name));
+  }
+}
+
+MoveitObject read_object(const Input& object) {
+  object.allow_keys({"header", "id", "type", "pose", "primitives", "primitive_poses", "meshes",
+                     "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
+                     "operation"});
+  const std::string id = object.at("id").text();
+  if (id.empty()) object.at("id").fail_expecting("a name");
+  refuse(object, "meshes", id);
+  refuse(object, "planes", id);
+  refuse_operation(object, id);
+  const auto pose = object.find("pose");
+  const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
+  const std::vector<Input> primitives = items_if_any(object, "primitives");
+  const std::vector<Input> poses = items_if_any(object, "primitive_poses");
+  const bool is_posed_as_one = poses.empty() && pose.has_value();
+  if (primitives.empty() || (poses.size() != primitives.size() && !is_posed_as_one)) {
+    object.fail(ErrorCode::parse,
+                fmt::format("object \"{}\": expected one pose per primitive and at least one "
+                            "primitive, got {} primitives and {} poses",
+                            id, primitives.size(), poses.size()));
+  }
+  MoveitObject result{{id, {}}, read_frame_id(object), object};
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const Transform X_OS = poses.empty() ? Transform{} : read_moveit_pose(poses[i]);
+    result.obstacle.shapes.push_back(read_shape(primitives[i], X_FO * X_OS, id));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<MoveitObject> read_moveit_objects(const Input& world) {
+  world.allow_keys({"collision_objects", "octomap"});
+  if (const auto octomap = world.find("octomap"); octomap && octomap->is_map()) {
+    const auto map = octomap->find("octomap");
+    if (map && map->is_map() && !items_if_any(*map, "data").empty()) {
+      octomap->fail(ErrorCode::unsupported, "expected no octomap: octomaps are not supported");
+    }
+  }
+  std::vector<MoveitObject> objects;
+  std::set<std::string> names;
+  for (const Input& object : items_if_any(world, "collision_objects")) {
+    objects.push_back(read_object(object));
+    if (!names.insert(objects.back().obstacle.name).second) {
+      object.fail(ErrorCode::parse, fmt::format("expected a name of its own, got \"{}\" again",
+                                                objects.back().obstacle.name));
+    }
+  }
+  return objects;
+}
+
+}  // namespace mneme::internal

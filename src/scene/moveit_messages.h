@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Poses, robot states and collision objects in MoveIt's messages.
+#pragma once
+
+#include "mneme/geometry.h"
+#include "mneme/scene.h"
+
+#include "scene/input.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// The keys `position` and `orientation`, which may be missing. Throws InputFailure.
+[[nodiscard]] Transform read_moveit_pose(const Input& input);
+/// The keys `translation` and `rotation`. Throws InputFailure.
+[[nodiscard]] Transform read_moveit_transform(const Input& input);
+
+struct MoveitState {
+  std::map<std::string, double> positions;  ///< by joint
+  /// Pose of the robot's root link in `base_frame`, as a virtual joint has it.
+  std::optional<Transform> base;
+  std::string base_frame;
+};
+
+/// The entries of the list `key`; none if the key is missing or has no value. Throws InputFailure.
+[[nodiscard]] std::vector<Input> items_if_any(const Input& input, std::string_view key);
+/// The text of the key `frame_id` of the key `header`, or nothing.
+[[nodiscard]] std::string read_frame_id(const Input& input);
+
+/// Throws InputFailure; objects that are attached to the robot are refused by name.
+[[nodiscard]] MoveitState read_moveit_state(const Input& input);
+/// `state` with what `difference` says instead.
+[[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
+
+struct MoveitObject {
+  Obstacle obstacle;  ///< in `frame`
+  std::string frame;
+  Input place;
+};
+
+/// The list `collision_objects` of `world`. Throws InputFailure; what is no box, sphere or cylinder
+/// is refused by name.
+[[nodiscard]] std::vector<MoveitObject> read_moveit_objects(const Input& world);
+
+}  // namespace mneme::internal

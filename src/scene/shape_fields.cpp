@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/shape_fields.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme::internal {
+namespace {
+
+/// Reads the shape of one obstacle, and refuses keys that its type does not have.
+class ShapeReader {
+ public:
+  ShapeReader(const Input& input, const ObstacleSpelling& spelling)
+      : input_(input), spelling_(spelling) {}
+
+  Shape read() const {
+    const Input type = input_.at("type");
+    return read_one_of(type, type.is_text() ? type.text() : "");
+  }
+
+ private:
+  template <std::size_t kIndex = 0>
+  Shape read_one_of(const Input& type, const std::string& name) const {
+    if constexpr (kIndex == std::variant_size_v<Shape>) {
+      type.fail_expecting("sphere, box, cylinder or capsule");
+    } else {
+      const std::variant_alternative_t<kIndex, Shape> shape;
+      return name == shape_name(shape) ? read(shape) : read_one_of<kIndex + 1>(type, name);
+    }
+  }
+
+  void allow_posed(std::initializer_list<std::string_view> sizes) const {
+    std::vector<std::string_view> keys = {"name", "body", "type", spelling_.position,
+                                          spelling_.quaternion};
+    keys.insert(keys.end(), sizes);
+    input_.allow_keys(keys);
+  }
+
+  Transform read_pose() const {
+    Transform pose;
+    pose.translation = read_point(input_.at(spelling_.position));
+    if (const auto quaternion = input_.find(spelling_.quaternion)) {
+      pose.rotation = read_rotation(*quaternion, spelling_.is_scalar_first);
+    }
+    return pose;
+  }
+
+  double read_size(std::string_view key) const { return input_.at(key).positive_number(); }
+
+  Shape read(const Sphere&) const {
+    allow_posed({"radius"});
+    return Sphere{read_pose().translation, read_size("radius")};
+  }
+
+  Shape read(const Box&) const {
+    allow_posed({"size"});
+    const Input size = input_.at("size");
+    const std::vector<double> extents = size.finite_numbers(3, "full extents in metres");
+    for (const Input& extent : size.items()) static_cast<void>(extent.positive_number());
+    return Box{read_pose(), 0.5 * Vec3(extents[0], extents[1], extents[2])};
+  }
+
+  Shape read(const Cylinder&) const {
+    allow_posed({"radius", "length"});
+    return Cylinder{read_pose(), read_size("radius"), read_size("length")};
+  }
+
+  Shape read(const Capsule&) const {
+    if (input_.find("a") || input_.find("b")) {
+      input_.allow_keys({"name", "body", "type", "a", "b", "radius"});
+      return Capsule{read_point(input_.at("a")), read_point(input_.at("b")), read_size("radius")};
+    }
+    allow_posed({"radius", "length"});
+    const Transform pose = read_pose();
+    const Vec3 to_end = 0.5 * read_size("length") * Vec3::UnitZ();
+    return Capsule{pose * Vec3(-to_end), pose * to_end, read_size("radius")};
+  }
+
+  const Input& input_;
+  const ObstacleSpelling& spelling_;
+};
+
+class DescribeFields {
+ public:
+  using Fields = std::vector<ShapeField>;
+  explicit DescribeFields(const ObstacleSpelling& spelling) : spelling_(spelling) {}
+
+  Fields operator()(const Sphere& s) const {
+    return {point(spelling_.position, s.center), {"radius", {s.radius}}};
+  }
+  Fields operator()(const Box& s) const {
+    return posed(s.pose, {point("size", 2.0 * s.half_extents)});
+  }
+  Fields operator()(const Cylinder& s) const {
+    return posed(s.pose, {{"radius", {s.radius}}, {"length", {s.length}}});
+  }
+  Fields operator()(const Capsule& s) const {
+    return {point("a", s.a), point("b", s.b), {"radius", {s.radius}}};
+  }
+
+ private:
+  static ShapeField point(std::string_view key, const Vec3& p) {
+    return {key, {p.x(), p.y(), p.z()}, true};
+  }
+
+  [[nodiscard]] Fields posed(const Transform& pose, const Fields& sizes) const {
+    Fields fields = {point(spelling_.position, pose.translation)};
+    if (spelling_.writes_no_rotation || pose.rotation != Eigen::Matrix3d::Identity()) {
+      const Eigen::Quaterniond q(pose.rotation);
+      fields.push_back({spelling_.quaternion, {q.x(), q.y(), q.z(), q.w()}, true});
+      std::vector<double>& values = fields.back().values;
+      if (spelling_.is_scalar_first) std::ranges::rotate(values, values.end() - 1);
+    }
+    fields.insert(fields.end(), sizes.begin(), sizes.end());
+    return fields;
+  }
+
+  const ObstacleSpelling& spelling_;
+};
+
+}  // namespace
+
+Vec3 read_point(const Input& input) {
+  const std::vector<double> p = input.finite_numbers(3, "x, y, z in metres");
+  return {p[0], p[1], p[2]};
+}
+
+Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first) {
+  const std::vector<double> q = input.finite_numbers(
+      4, is_scalar_first ? "a quaternion w, x, y, z" : "a quaternion x, y, z, w");
+  return is_scalar_first ? rotation_of(input, {q[1], q[2], q[3], q[0]})
+                         : rotation_of(input, {q[0], q[1], q[2], q[3]});
+}
+
+Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw) {
+  constexpr double kLeastNorm = 1e-6;
+  const auto [x, y, z, w] = xyzw;
+  if (std::hypot(std::hypot(x, y), std::hypot(z, w)) < kLeastNorm) {
+    input.fail(ErrorCode::parse, "expected a quaternion that is not zero");
+  }
+  return rotation_from_quaternion(w, x, y, z);
+}
+
+Shape read_shape(const Input& input, const ObstacleSpelling& spelling) {
+  return ShapeReader(input, spelling).read();
+}
+
+std::vector<ShapeField> shape_fields(const Shape& shape, const ObstacleSpelling& spelling) {
+  return std::visit(DescribeFields(spelling), shape);
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Shapes as scene files and compact files spell them.
+#pragma once
+
+#include "mneme/geometry.h"
+
+#include "scene/input.h"
+
+#include <string_view>
+#include <vector>
+
+namespace mneme::internal {
+
+/// How the two kinds of files spell a pose.
+struct ObstacleSpelling {
+  std::string_view position;
+  std::string_view quaternion;
+  bool is_scalar_first = false;     ///< order of the quaternion
+  bool writes_no_rotation = false;  ///< as a quaternion, instead of leaving it out
+};
+inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false, false};
+inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
+
+/// Three finite numbers. Throws InputFailure.
+[[nodiscard]] Vec3 read_point(const Input& input);
+/// A quaternion that need not have unit length. Throws InputFailure.
+[[nodiscard]] Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first);
+/// The rotation of x, y, z, w, which `input` has; it fails if they are all zero.
+[[nodiscard]] Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw);
+
+/// The shape of an obstacle that has the key `type` and may have `name` and `body`. Throws
+/// InputFailure, also for keys that its type does not have.
+[[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling);
+
+/// What describes a shape, besides its name: read_shape reads it back to the same.
+struct ShapeField {
+  std::string_view key;
+  std::vector<double> values;
+  bool is_list = false;  ///< otherwise there is one value
+};
+[[nodiscard]] std::vector<ShapeField> shape_fields(const Shape& shape,
+                                                   const ObstacleSpelling& spelling);
+
+}  // namespace mneme::internal

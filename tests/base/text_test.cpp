@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/text_file.h"
+#include "base/utf8.h"
+#include "support/support.h"
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("unit") {
+  TEST_CASE("a file is read byte for byte") {
+    const TemporaryDirectory directory;
+    const std::string text = std::string("a\0b\r\n", 5) + std::string(100000, 'x');
+    write_file(directory / "file", text);
+    CHECK(internal::read_text_file(directory / "file").value() == text);
+  }
+
+  TEST_CASE("a file that is missing is named with the reason") {
+    const auto text = internal::read_text_file("/nonexistent/file");
+    REQUIRE_FALSE(text.has_value());
+    CHECK(text.error().code == ErrorCode::io);
+    CHECK(text.error().message == "/nonexistent/file: cannot be read: No such file or directory");
+  }
+
+  TEST_CASE("a directory is no file") {
+    const auto text = internal::read_text_file("/");
+    REQUIRE_FALSE(text.has_value());
+    CHECK(text.error().code == ErrorCode::io);
+    CHECK(text.error().message.find("Is a directory") != std::string::npos);
+  }
+
+  TEST_CASE("a file at the limit is read and a larger one is refused") {
+    const TemporaryDirectory directory;
+    write_file(directory / "file", "12345");
+    CHECK(internal::read_text_file(directory / "file", 5).has_value());
+    const auto text = internal::read_text_file(directory / "file", 4);
+    REQUIRE_FALSE(text.has_value());
+    CHECK(text.error().code == ErrorCode::unsupported);
+    CHECK(text.error().message == (directory / "file") + ": expected a file of at most 4 bytes");
+  }
+}
+
+}  // namespace
+
+using internal::decode_utf8;
+using internal::encode_utf8;
+
+TEST_SUITE("unit") {
+  TEST_CASE("text of all lengths of code points is taken apart and put together") {
+    const std::string text = "a\u00e9\u20ac\U0001f916z";
+    const auto points = decode_utf8(text);
+    REQUIRE(points.has_value());
+    CHECK(*points == U"a\u00e9\u20ac\U0001f916z");
+    CHECK(encode_utf8(*points) == text);
+    CHECK(decode_utf8("") == U"");
+    CHECK(internal::storable_text(text) == text);
+  }
+
+  TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be made storable") {
+    for (const std::string& bad :
+         {std::string("\0", 1), std::string("\x80"), std::string("\xc0\x80"), std::string("\xc3"),
+          std::string("\xed\xa0\x80"), std::string("\xf4\x90\x80\x80"), std::string("\xff"),
+          std::string("\xe0\x80\x80"), std::string("\xe2\x82")}) {
+      CHECK(!decode_utf8("a" + bad).has_value());
+      const std::string storable = internal::storable_text("a" + bad + "b");
+      CHECK(storable.starts_with("a?"));
+      CHECK(storable.ends_with("b"));
+      CHECK(decode_utf8(storable).has_value());
+    }
+    CHECK(!encode_utf8(std::u32string(1, U'\0')).has_value());
+    CHECK(!encode_utf8(std::u32string(1, static_cast<char32_t>(0xd800))).has_value());
+    CHECK(!encode_utf8(std::u32string(1, static_cast<char32_t>(0x110000))).has_value());
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("every code point survives") {
+    for (char32_t point = 1; point <= 0x10ffff; point += 61) {
+      if (point >= 0xd800 && point <= 0xdfff) continue;
+      const auto text = encode_utf8(std::u32string(1, point));
+      REQUIRE(text.has_value());
+      REQUIRE(decode_utf8(*text) == std::u32string(1, point));
+    }
+  }
+}
+
+}  // namespace mneme::test

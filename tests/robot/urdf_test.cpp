@@ -1,0 +1,368 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/small_robots.h"
+#include "robot/urdf_reader.h"
+#include "support/support.h"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace mneme {
+namespace {
+
+using test::contains;
+using test::kPi;
+
+/// A robot of two links; line numbers count from the line of <robot>.
+const std::string kArm = R"(<robot name="arm">
+  <link name="base"/>
+  <link name="tool">
+    <collision>
+      <origin xyz="0.5 0 0" rpy="0 0 0"/>
+      <geometry>
+        <sphere radius="0.1"/>
+      </geometry>
+    </collision>
+  </link>
+  <joint name="turn" type="revolute">
+    <parent link="base"/>
+    <child link="tool"/>
+    <origin xyz="0 0 1" rpy="0 0 0"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1.5" effort="1" velocity="1"/>
+  </joint>
+</robot>
+)";
+
+std::string replaced(const std::string& from, const std::string& to) {
+  std::string text = kArm;
+  const std::size_t at = text.find(from);
+  REQUIRE_MESSAGE(at != std::string::npos, from);
+  return text.replace(at, from.size(), to);
+}
+
+Robot require_parsed(const std::string& urdf) {
+  const auto robot = parse_robot(urdf, "arm.urdf");
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return *robot;
+}
+
+/// One replacement that breaks kArm, and what the message must begin with and contain.
+struct MalformedUrdf {
+  std::string from, to;
+  int line;
+  std::string part;
+  ErrorCode code = ErrorCode::parse;
+};
+
+void check_refusals(const std::vector<MalformedUrdf>& cases) {
+  for (const MalformedUrdf& c : cases) {
+    CAPTURE(c.from);
+    CAPTURE(c.to);
+    const auto robot = parse_robot(replaced(c.from, c.to), "arm.urdf");
+    REQUIRE_FALSE(robot.has_value());
+    const std::string& message = robot.error().message;
+    CHECK_MESSAGE(message.starts_with("arm.urdf:" + std::to_string(c.line) + ": "), message);
+    CHECK_MESSAGE(contains(message, c.part), message);
+    CHECK(robot.error().code == c.code);
+  }
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a small robot is read with all its values") {
+    const Robot robot = require_parsed(kArm);
+    CHECK(robot.name() == "arm");
+    REQUIRE(robot.links().size() == 2);
+    REQUIRE(robot.links()[1].spheres.size() == 1);
+    CHECK(robot.links()[1].spheres[0].center == Vec3(0.5, 0, 0));
+    CHECK(robot.links()[1].spheres[0].radius == 0.1);
+    const Joint& joint = robot.group_joint(0);
+    CHECK(joint.type == JointType::revolute);
+    CHECK(joint.origin.translation == Vec3(0, 0, 1));
+    CHECK(joint.axis == Vec3::UnitY());
+    CHECK(joint.lower == -1);
+    CHECK(joint.upper == 1.5);
+    const Vec3 center = robot.link_poses(std::vector{0.5 * kPi})[1] * Vec3(0.5, 0, 0);
+    CHECK((center - Vec3(0, 0, 0.5)).norm() < 1e-15);
+  }
+
+  TEST_CASE("a capsule lies along z of its origin, its length between the cap centres") {
+    const Robot robot = require_parsed(replaced(R"(rpy="0 0 0"/>
+      <geometry>
+        <sphere radius="0.1"/>)",
+                                                R"(rpy="-1.5707963267948966 0 0"/>
+      <geometry>
+        <capsule radius="0.2" length="3"/>)"));
+    const Capsule& capsule = robot.links()[1].capsules.at(0);
+    CHECK((capsule.a - Vec3(0.5, -1.5, 0)).norm() < 1e-15);
+    CHECK((capsule.b - Vec3(0.5, 1.5, 0)).norm() < 1e-15);
+    CHECK(capsule.radius == 0.2);
+  }
+
+  TEST_CASE("origin and axis may be missing and mean what URDF says") {
+    const Robot robot = require_parsed(replaced(R"(    <origin xyz="0 0 1" rpy="0 0 0"/>
+    <axis xyz="0 1 0"/>
+)",
+                                                ""));
+    CHECK(robot.group_joint(0).origin.translation == Vec3::Zero());
+    CHECK(robot.group_joint(0).axis == Vec3::UnitX());
+  }
+
+  TEST_CASE("what has no influence on motion is ignored") {
+    const Robot plain = require_parsed(kArm);
+    const std::string link_extras =
+        R"(<visual><geometry><mesh filename="a.dae"/></geometry></visual><inertial><mass value="x"/>
+           </inertial><contact/><collision>)";
+    CHECK(require_parsed(replaced("<collision>", link_extras)).hash() == plain.hash());
+    const std::string joint_extras =
+        R"(<dynamics damping="1"/><safety_controller k_velocity="1"/><calibration/></joint>)";
+    CHECK(require_parsed(replaced("</joint>", joint_extras)).hash() == plain.hash());
+    const std::string robot_extras =
+        R"(<material name="m"/><gazebo><x/></gazebo><transmission><joint name="turn"/>
+           </transmission><ros2_control name="c" type="system"><joint name="turn"/></ros2_control>
+           <sensor name="eye"><parent link="tool"/></sensor><!-- a comment --></robot>)";
+    CHECK(require_parsed(replaced("</robot>", robot_extras)).hash() == plain.hash());
+  }
+
+  TEST_CASE("links may follow the joints that name them") {
+    const std::string link = R"(  <link name="base"/>
+)";
+    CHECK(
+        require_parsed(replaced(link, "").replace(kArm.size() - link.size() - 9, 0, link)).hash() ==
+        require_parsed(kArm).hash());
+  }
+
+  TEST_CASE("shapes that are malformed or unknown are refused at their line") {
+    check_refusals({
+        {"radius=\"0.1\"", "radius=\"-0.1\"", 7, "link 'tool': <sphere>: radius is -0.1"},
+        {"radius=\"0.1\"", "radius=\"0.1m\"", 7, "link 'tool': <sphere>: radius is '0.1m'"},
+        {"radius=\"0.1\"", "radius=\"nan\"", 7, "link 'tool': <sphere>: radius is 'nan'"},
+        {"radius=\"0.1\"", "radius=\"inf\"", 7, "link 'tool': <sphere>: radius is 'inf'"},
+        {"radius=\"0.1\"", "radius=\"0,1\"", 7, "link 'tool': <sphere>: radius is '0,1'"},
+        {"radius=\"0.1\"", "", 7, "<sphere>: attribute 'radius' is missing"},
+        {"radius=\"0.1\"", "radius=\"0.1\" lenght=\"1\"", 7, "unknown attribute 'lenght'"},
+        {"<sphere radius=\"0.1\"/>", "<capsule radius=\"1\"/>", 7, "'length' is missing"},
+        {"<sphere radius=\"0.1\"/>", "", 6, "<geometry>: expected exactly one shape"},
+        {"<sphere radius=\"0.1\"/>", "<sphere radius=\"1\"/><capsule/>", 6, "exactly one shape"},
+        {"<sphere radius=\"0.1\"/>", "<cone radius=\"1\"/>", 7, "unknown element <cone>"},
+        {"xyz=\"0.5 0 0\"", "xyz=\"0.5 0\"", 5, "link 'tool': <origin>: xyz is '0.5 0'"},
+        {"xyz=\"0.5 0 0\"", "xzy=\"0.5 0 0\"", 5, "<origin>: unknown attribute 'xzy'"},
+        {"<geometry>", "<geometry/><geometry>", 6, "there is a second <geometry>"},
+        {"<collision>", "<collision/><collision>", 4, "the element <geometry> is missing"},
+        {"<collision>", "<collison/><collision>", 4, "unknown element <collison> in <link>"},
+        {"<collision>", "<collision>oops", 4, "text 'oops"},
+    });
+  }
+
+  TEST_CASE("joints that are malformed are refused at their line") {
+    check_refusals({
+        {"upper=\"1.5\"", "upper=\"-1.5\"", 11, "joint 'turn': its lower limit -1 is above"},
+        {"upper=\"1.5\"", "upper=\"1.5 2\"", 16, "joint 'turn': <limit>: upper is '1.5 2'"},
+        {"upper=\"1.5\"", "", 16, "joint 'turn': <limit>: attribute 'upper' is missing"},
+        {"<limit lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>", "", 11,
+         "joint 'turn': <joint>: the element <limit> is missing"},
+        {"xyz=\"0 1 0\"", "xyz=\"0 1e-10 0\"", 11, "joint 'turn': its axis"},
+        {"xyz=\"0 1 0\"", "xyz=\"0 1 1 0\"", 15, "joint 'turn': <axis>: xyz is '0 1 1 0'"},
+        {"xyz=\"0 1 0\"", "", 15, "<axis>: attribute 'xyz' is missing"},
+        {"type=\"revolute\"", "type=\"revolut\"", 11, "type 'revolut' is unknown"},
+        {"type=\"revolute\"", "", 11, "attribute 'type' is missing"},
+        {"<parent link=\"base\"/>", "<parent link=\"bass\"/>", 12, "there is no link 'bass'"},
+        {"<parent link=\"base\"/>", "", 11, "joint 'turn': <joint>: the element <parent>"},
+        {"<child link=\"tool\"/>", "<child/>", 13, "<child>: attribute 'link' is missing"},
+        {"<axis", "<axle/><axis", 15, "unknown element <axle> in <joint>"},
+        {"<axis", "<axis xyz=\"1 0 0\"/><axis", 15, "there is a second <axis>"},
+    });
+  }
+
+  TEST_CASE("joints of a kind that mneme lacks are unsupported") {
+    const ErrorCode code = ErrorCode::unsupported;
+    check_refusals({
+        {"type=\"revolute\"", "type=\"planar\"", 11, "joint 'turn': <joint>: type 'planar'", code},
+        {"type=\"revolute\"", "type=\"floating\"", 11, "type 'floating' is not supported", code},
+    });
+  }
+
+  TEST_CASE("a joint may follow one that stands below it in the file") {
+    const Robot robot = require_parsed(replaced("</robot>", R"(<link name="hand"/>
+      <joint name="grip" type="prismatic"><parent link="tool"/><child link="hand"/>
+      <limit lower="0" upper="1"/><mimic joint="slide" multiplier="-2" offset="0.5"/></joint>
+      <link name="other"/><joint name="slide" type="prismatic"><parent link="tool"/>
+      <child link="other"/><limit lower="0" upper="1"/></joint></robot>)"));
+    REQUIRE(robot.joint_count() == 2);
+    CHECK(robot.group_joint(1).name == "slide");
+    const Joint& grip = robot.joints()[1];
+    REQUIRE(grip.name == "grip");
+    REQUIRE(grip.mimic.has_value());
+    CHECK(robot.joints()[static_cast<std::size_t>(grip.mimic->joint)].name == "slide");
+    CHECK(grip.mimic->multiplier == -2);
+    CHECK(grip.mimic->offset == 0.5);
+  }
+
+  TEST_CASE("a fixed joint that should follow another stays fixed") {
+    const std::string fixed = R"(<link name="hand"/><joint name="grip" type="fixed">
+      <parent link="tool"/><child link="hand"/><mimic joint="nobody"/></joint></robot>)";
+    CHECK_FALSE(require_parsed(replaced("</robot>", fixed)).joints()[1].mimic.has_value());
+  }
+
+  TEST_CASE("joints that cannot follow are refused at their line") {
+    check_refusals({
+        {"<axis", "<mimic joint=\"x\"/><axis", 15, "joint 'turn': <mimic>: there is no joint 'x'"},
+        {"<axis", "<mimic/><axis", 15, "joint 'turn': <mimic>: attribute 'joint' is missing"},
+        {"<axis", "<mimic joint=\"turn\"/><axis", 11, "joint 'turn': the joints that it follows"},
+        {"<axis", "<mimic joint=\"turn\" multiplier=\"x\"/><axis", 15, "multiplier is 'x'"},
+        {"<axis", "<mimic joint=\"turn\" ofset=\"1\"/><axis", 15, "unknown attribute 'ofset'"},
+    });
+  }
+
+  TEST_CASE("documents and trees that are malformed are refused") {
+    check_refusals({
+        {"</robot>", "", 1, "malformed XML"},
+        {"</link>", "</lnk>", 3, "malformed XML"},
+        {"<robot name=\"arm\">", "<robot>", 1, "<robot>: attribute 'name' is missing"},
+        {"</robot>", "</robot><robot/>", 18, "more than one <robot>"},
+        {"</robot>", "<model/></robot>", 18,
+         "unknown element <model> in <robot>; expected one of: link,"},
+        {"<link name=\"base\"/>", "<link/>", 2, "<link>: attribute 'name' is missing"},
+        {"<link name=\"base\"/>", "<link name=\"\"/>", 2, "<link>: 'name' is empty"},
+        {"</robot>", "<link name=\"tool\"/></robot>", 18, "link 'tool' is defined twice"},
+        {"</robot>", "<link name=\"far\"/></robot>", 18, "several root links: neither 'base'"},
+        {"<parent link=\"base\"/>", "<parent link=\"tool\"/>", 11,
+         "1 joint(s) form a loop: 'turn'"},
+        {"</robot>",
+         "<joint name=\"turn\" type=\"fixed\"><parent link=\"base\"/><child link=\"tool\"/></joint>"
+         "</robot>",
+         18, "joint 'turn' is defined twice"},
+        {"</robot>",
+         "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child "
+         "link=\"tool\"/></joint></robot>",
+         18, "link 'tool' is the child of two joints, 'turn' and 'b'"},
+        {"</robot>",
+         "<joint name=\"b\" type=\"fixed\"><parent link=\"tool\"/><child "
+         "link=\"base\"/></joint></robot>",
+         18, "2 joint(s) form a loop"},
+    });
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("every prefix of a file is refused and no single damaged byte brings the reader down") {
+    for (std::size_t length = 0; length + 2 < kArm.size(); ++length) {
+      const auto robot = parse_robot(kArm.substr(0, length), "arm.urdf");
+      CHECK_FALSE(robot.has_value());
+    }
+    Rng rng(41);
+    for (int repetition = 0; repetition < 5000; ++repetition) {
+      std::string text = kArm;
+      const auto at = rng.index(static_cast<std::uint32_t>(text.size()));
+      text[at] = static_cast<char>(rng.index(256));
+      const auto robot = parse_robot(text, "arm.urdf");
+      if (!robot) CHECK(robot.error().message.starts_with("arm.urdf:"));
+    }
+  }
+}
+
+namespace {
+
+using test::contains;
+using test::kPi;
+
+/// A robot of one link with this geometry, in a frame that is turned about x and shifted.
+std::string with_geometry(const std::string& geometry) {
+  return R"(<robot name="r"><link name="arm"><collision>
+<origin xyz="1 2 3" rpy="1.5707963267948966 0 0"/><geometry>
+)" + geometry +
+         R"(
+</geometry></collision></link></robot>)";
+}
+
+Link read_link(const std::string& geometry, const std::string& source = "r.urdf") {
+  const auto parts = parse_robot_parts(with_geometry(geometry), source);
+  REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
+  return parts->links.at(0);
+}
+
+void check_pose(const Transform& pose) {
+  CHECK(pose.translation == Vec3(1, 2, 3));
+  CHECK(pose.rotation.isApprox(rotation_about(Vec3::UnitX(), kPi / 2)));
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("spheres and capsules become shapes, the rest solids, all at their poses") {
+    const Sphere sphere = read_link(R"(<sphere radius="0.1"/>)").spheres.at(0);
+    CHECK(sphere.center == Vec3(1, 2, 3));
+    const Capsule capsule = read_link(R"(<capsule radius="0.1" length="2"/>)").capsules.at(0);
+    CHECK((capsule.b - Vec3(1, 1, 3)).norm() < 1e-15);
+    const Link box = read_link(R"(<box size="0.2 0.4 0.6"/>)");
+    CHECK(box.spheres.empty());
+    check_pose(std::get<Box>(box.solids.at(0)).pose);
+    CHECK(std::get<Box>(box.solids.at(0)).half_extents.isApprox(Vec3(0.1, 0.2, 0.3)));
+    const Link cylinder = read_link(R"(<cylinder radius="0.1" length="2"/>)");
+    check_pose(std::get<Cylinder>(cylinder.solids.at(0)).pose);
+    CHECK(std::get<Cylinder>(cylinder.solids.at(0)).radius == 0.1);
+    CHECK(std::get<Cylinder>(cylinder.solids.at(0)).length == 2);
+  }
+
+  TEST_CASE("meshes are found and keep their scale") {
+    const test::TemporaryDirectory directory;
+    test::write_file(directory / "a.stl", "solid");
+    const std::string urdf = directory / "r.urdf";
+    const Link plain = read_link(R"(<mesh filename="a.stl"/>)", urdf);
+    check_pose(std::get<MeshFile>(plain.solids.at(0)).pose);
+    CHECK(std::get<MeshFile>(plain.solids.at(0)).path == directory / "a.stl");
+    CHECK(std::get<MeshFile>(plain.solids.at(0)).scale == Vec3::Ones());
+    const Link mirrored = read_link(R"(<mesh filename="a.stl" scale="0.1 -1 2"/>)", urdf);
+    CHECK(std::get<MeshFile>(mirrored.solids.at(0)).scale == Vec3(0.1, -1, 2));
+  }
+
+  TEST_CASE("a link may have several collisions of different kinds") {
+    std::string text = with_geometry(R"(<box size="1 1 1"/>)");
+    const std::string more = R"(<collision><geometry><cylinder radius="1" length="1"/></geometry>
+      </collision><collision><geometry><sphere radius="1"/></geometry></collision>)";
+    const auto parts = parse_robot_parts(text.replace(text.find("</link>"), 0, more), "r.urdf");
+    REQUIRE(parts.has_value());
+    CHECK(parts->links[0].solids.size() == 2);
+    CHECK(parts->links[0].spheres.size() == 1);
+  }
+
+  TEST_CASE("geometry that is malformed is refused with file, line, link and element") {
+    struct Case {
+      std::string geometry, part;
+      ErrorCode code = ErrorCode::parse;
+    };
+    const std::vector<Case> cases{
+        {"<box/>", "<box>: attribute 'size' is missing"},
+        {"<box size=\"1 1\"/>", "<box>: size is '1 1', expected three"},
+        {"<box size=\"1 0 1\"/>", "<box>: size is 1 0 1, expected three numbers above 0"},
+        {"<box size=\"1 1 1\" radius=\"1\"/>", "<box>: unknown attribute 'radius'"},
+        {"<cylinder radius=\"1\"/>", "<cylinder>: attribute 'length' is missing"},
+        {"<cylinder radius=\"0\" length=\"1\"/>", "<cylinder>: radius is 0, expected more than 0"},
+        {"<cylinder radius=\"1\" length=\"-1\"/>", "<cylinder>: length is -1"},
+        {"<mesh/>", "<mesh>: attribute 'filename' is missing"},
+        {"<mesh filename=\"\"/>", "<mesh>: 'filename' is empty"},
+        {"<mesh filename=\"a.stl\" scale=\"2\"/>", "<mesh>: scale is '2', expected three"},
+        {"<mesh filename=\"a.stl\" scale=\"1 1 0\"/>", "<mesh>: a scale is 0"},
+        {"<mesh filename=\"absent.stl\"/>", "<mesh>: 'absent.stl': there is no such file; searched",
+         ErrorCode::io},
+        {"<mesh filename=\"http://a/b.stl\"/>", "<mesh>: 'http://a/b.stl': expected package://",
+         ErrorCode::unsupported},
+        {"<mesh filename=\"package://p/../b.stl\"/>", "the path leaves the package 'p'"},
+        {"<cone radius=\"1\"/>", "unknown element <cone> in <geometry>"},
+    };
+    for (const Case& c : cases) {
+      CAPTURE(c.geometry);
+      const auto parts = parse_robot_parts(with_geometry(c.geometry), "r.urdf");
+      REQUIRE_FALSE(parts.has_value());
+      const std::string& message = parts.error().message;
+      CHECK_MESSAGE(message.starts_with("r.urdf:3: link 'arm': "), message);
+      CHECK_MESSAGE(contains(message, c.part), message);
+      CHECK(parts.error().code == c.code);
+    }
+  }
+}
+
+}  // namespace mneme

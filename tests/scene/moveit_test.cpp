@@ -1,0 +1,361 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/moveit_messages.h"
+#include "scene/moveit_scene.h"
+#include "scene/read_yaml.h"
+
+#include <doctest/doctest.h>
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("unit") {
+  TEST_CASE("lists and maps say the same pose") {
+    const Transform list =
+        read_yaml("{position: [1, 2, 3], orientation: [0, 0, 1, 1]}", internal::read_moveit_pose)
+            .value();
+    const Transform map = read_yaml(
+                              "{position: {x: 1, y: 2, z: 3}, orientation: {w: 1, x: 0, y: 0, "
+                              "z: 1}}",
+                              internal::read_moveit_pose)
+                              .value();
+    CHECK((list * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm() < 1e-12);
+    CHECK(list.rotation == map.rotation);
+    CHECK(list.translation == map.translation);
+    CHECK((read_yaml("{translation: [1, 2, 3], rotation: [0, 0, 1, 1]}",
+                     internal::read_moveit_transform)
+               .value()
+               .rotation == list.rotation));
+  }
+
+  TEST_CASE("a missing orientation is none, anything else that is missing is refused") {
+    const auto read = internal::read_moveit_pose;
+    CHECK(read_yaml("{position: [1, 2, 3]}", read).value().rotation == Eigen::Matrix3d::Identity());
+    CHECK(failure_of("{orientation: [0, 0, 0, 1]}", read) ==
+          "f:1: expected the key position, which is missing");
+    CHECK(failure_of("{position: {x: 1, y: 2}}", read) ==
+          "f:1: key position: expected the key z, which is missing");
+    CHECK(failure_of("{position: [0, 0, 0], orientation: {x: 0, y: 0, z: 0, w: 0}}", read) ==
+          "f:1: key orientation: expected a quaternion that is not zero");
+    CHECK(failure_of("{position: [0, 0, 0], rpy: [0, 0, 0]}", read) ==
+          "f:1: key rpy: unknown key, expected one of position, orientation");
+  }
+}
+
+using internal::MoveitState;
+using internal::read_moveit_state;
+
+TEST_SUITE("unit") {
+  TEST_CASE("positions are read by joint, and the virtual joint poses the root link") {
+    const MoveitState state = read_yaml(R"(
+joint_state: {header: {frame_id: /world}, name: [a, b], position: [1, -2], velocity: [], effort: []}
+multi_dof_joint_state:
+  header: {frame_id: /world}
+  joint_names: [virtual_joint]
+  transforms: [{translation: [1, 2, 3], rotation: [0, 0, 0, 1]}]
+is_diff: false
+attached_collision_objects: []
+)",
+                                        read_moveit_state)
+                                  .value();
+    CHECK(state.positions == std::map<std::string, double>{{"a", 1}, {"b", -2}});
+    REQUIRE(state.base);
+    CHECK(state.base->translation == Vec3(1, 2, 3));
+    CHECK(state.base_frame == "world");
+  }
+
+  TEST_CASE("what a difference says stands for what was there") {
+    MoveitState state;
+    state.positions = {{"a", 1}, {"b", 2}};
+    state.base = Transform{};
+    MoveitState difference;
+    difference.positions = {{"b", 3}};
+    const MoveitState both = internal::overlaid(state, difference);
+    CHECK(both.positions == std::map<std::string, double>{{"a", 1}, {"b", 3}});
+    CHECK(both.base);
+  }
+
+  TEST_CASE("states that are malformed or carry objects are refused") {
+    const auto failure = [](const std::string& yaml) {
+      return failure_of(yaml, read_moveit_state);
+    };
+    CHECK(failure("joint_state: {name: [a, b], position: [1]}") ==
+          "f:1: key joint_state: expected one position per name, got 2 names and 1 positions");
+    CHECK(failure("joint_state: {name: [a, a], position: [1, 1]}") ==
+          "f:1: key joint_state.name[1]: expected each joint once, got a again");
+    CHECK(failure("joint_state: {name: [a], position: [.inf]}") ==
+          "f:1: key joint_state.position[0]: expected a finite number, got .inf");
+    CHECK(
+        failure("multi_dof_joint_state: {joint_names: [a, b], transforms: [{}, {}]}") ==
+        "f:1: key multi_dof_joint_state: expected one virtual joint that carries the robot's root "
+        "link, got 2 names and 2 transforms");
+    CHECK(failure("attached_collision_objects:\n  - {link_name: hand, object: {id: cup}}") ==
+          "f:2: key attached_collision_objects[0]: object \"cup\" is attached to link \"hand\"; "
+          "expected no attached objects: they are not supported");
+    CHECK(failure("joints: [1]") ==
+          "f:1: key joints: unknown key, expected one of joint_state, multi_dof_joint_state, "
+          "attached_collision_objects, is_diff");
+  }
+}
+
+using internal::read_moveit_objects;
+
+/// The message for an object "x" with these keys on one line.
+std::string object_failure(const std::string& keys) {
+  return failure_of("collision_objects:\n  - {id: x, " + keys + "}", read_moveit_objects);
+}
+
+const std::string kPose = "primitive_poses: [{position: [0, 0, 0]}]";
+
+TEST_SUITE("unit") {
+  TEST_CASE("the pose of an object carries those of its primitives") {
+    const auto objects = read_yaml(R"(
+collision_objects:
+  - id: table
+    header: {frame_id: world}
+    pose: {position: [0, 0, 1], orientation: [0, 0, 1, 1]}
+    primitives:
+      - {type: box, dimensions: [1, 2, 3]}
+      - {type: 3, dimensions: [0.5, 0.1]}
+      - {type: sphere, dimensions: [0.2]}
+    primitive_poses:
+      - {position: [1, 0, 0], orientation: [0, 0, 0, 1]}
+      - {position: [0, 1, 0], orientation: [0, 0, 0, 1]}
+      - {position: [0, 0, 1], orientation: [0, 0, 0, 1]}
+    operation: 0
+)",
+                                   read_moveit_objects)
+                             .value();
+    REQUIRE(objects.size() == 1);
+    CHECK(objects[0].frame == "world");
+    CHECK(objects[0].obstacle.name == "table");
+    const auto& shapes = objects[0].obstacle.shapes;
+    REQUIRE(shapes.size() == 3);
+    CHECK((std::get<Box>(shapes[0]).pose.translation - Vec3(0, 1, 1)).norm() < 1e-12);
+    CHECK(std::get<Box>(shapes[0]).half_extents == Vec3(0.5, 1, 1.5));
+    CHECK((std::get<Cylinder>(shapes[1]).pose.translation - Vec3(-1, 0, 1)).norm() < 1e-12);
+    CHECK(std::get<Cylinder>(shapes[1]).length == 0.5);
+    CHECK(std::get<Cylinder>(shapes[1]).radius == 0.1);
+    CHECK((std::get<Sphere>(shapes[2]).center - Vec3(0, 0, 2)).norm() < 1e-12);
+  }
+
+  TEST_CASE("an object with a pose of its own needs none for its primitives") {
+    const auto objects = read_yaml(
+        "collision_objects: [{id: x, pose: {position: [1, 2, 3]}, primitives: [{type: sphere, "
+        "dimensions: [1]}], primitive_poses: []}]",
+        read_moveit_objects);
+    REQUIRE(objects.has_value());
+    CHECK(std::get<Sphere>(objects->at(0).obstacle.shapes.at(0)).center == Vec3(1, 2, 3));
+  }
+
+  TEST_CASE("objects that are not boxes, spheres and cylinders are refused by name") {
+    CHECK(object_failure("primitives: [{type: cone, dimensions: [1, 1]}], " + kPose) ==
+          "f:2: key collision_objects[0].primitives[0].type: object \"x\" has a cone, which is not "
+          "supported; expected box, sphere or cylinder");
+    CHECK(object_failure("meshes: [{vertices: []}]") ==
+          "f:2: key collision_objects[0].meshes: object \"x\" has meshes, which are not supported; "
+          "expected primitives alone");
+    CHECK(object_failure("planes: [{coef: [0, 0, 1, 0]}]") ==
+          "f:2: key collision_objects[0].planes: object \"x\" has planes, which are not supported; "
+          "expected primitives alone");
+    CHECK(object_failure("operation: remove") ==
+          "f:2: key collision_objects[0].operation: object \"x\": expected the operation add, got "
+          "\"remove\"");
+    CHECK(failure_of("octomap: {header: {}, octomap: {data: [1, 2]}}", read_moveit_objects) ==
+          "f:1: key octomap: expected no octomap: octomaps are not supported");
+  }
+
+  TEST_CASE("objects that are malformed are refused with line and key") {
+    CHECK(
+        object_failure("primitives: [{type: box, dimensions: [1, 1]}], " + kPose) ==
+        "f:2: key collision_objects[0].primitives[0].dimensions: expected 3 numbers (full extents "
+        "along x, y, z in metres), got a list of 2");
+    CHECK(
+        object_failure("primitives: [{type: sphere, dimensions: [-1]}], " + kPose) ==
+        "f:2: key collision_objects[0].primitives[0].dimensions[0]: expected a number above 0, got "
+        "-1");
+    CHECK(object_failure("primitives: [{type: cube, dimensions: [1, 1, 1]}], " + kPose) ==
+          "f:2: key collision_objects[0].primitives[0].type: expected box, sphere or cylinder, got "
+          "\"cube\"");
+    CHECK(
+        object_failure("primitives: [{type: sphere, dimensions: [1]}]") ==
+        "f:2: key collision_objects[0]: object \"x\": expected one pose per primitive and at least "
+        "one primitive, got 1 primitives and 0 poses");
+    CHECK(
+        object_failure("primitives: []") ==
+        "f:2: key collision_objects[0]: object \"x\": expected one pose per primitive and at least "
+        "one primitive, got 0 primitives and 0 poses");
+    CHECK(object_failure("colour: red").find("f:2: key collision_objects[0].colour: unknown key") ==
+          0);
+    CHECK(failure_of("collision_objects: [{id: \"\"}]", read_moveit_objects) ==
+          "f:1: key collision_objects[0].id: expected a name, got \"\"");
+    const std::string ball =
+        "{id: x, primitives: [{type: sphere, dimensions: [1]}], " + kPose + "}";
+    CHECK(failure_of("collision_objects: [" + ball + ", " + ball + "]", read_moveit_objects) ==
+          "f:1: key collision_objects[1]: expected a name of its own, got \"x\" again");
+  }
+}
+
+using internal::Input;
+using internal::MoveitFrames;
+
+/// Where the origin of `frame` is in the root link's frame; the robot has the links root and head.
+Result<Vec3> origin(const std::string& yaml, const std::string& frame) {
+  return read_yaml(yaml, [&](const Input& input) {
+    const auto state = input.find("robot_state");
+    const MoveitFrames frames(
+        input, state ? internal::read_moveit_state(*state) : internal::MoveitState{});
+    return frames
+        .pose_in_root(frame, input,
+                      [](const std::string& name, const Input&) -> std::optional<Transform> {
+                        if (name == "root") return Transform{};
+                        if (name == "head")
+                          return Transform{Eigen::Matrix3d::Identity(), Vec3(0, 0, 1)};
+                        return std::nullopt;
+                      })
+        .translation;
+  });
+}
+
+const std::string kBase =
+    "robot_state: {multi_dof_joint_state: {header: {frame_id: world}, joint_names: [v], "
+    "transforms: [{translation: [1, 0, 0], rotation: [0, 0, 0, 1]}]}}\n";
+const std::string kCamera =
+    "fixed_frame_transforms: [{header: {frame_id: camera}, child_frame_id: world, transform: "
+    "{translation: [0, 5, 0], rotation: [0, 0, 0, 1]}}]\n";
+
+TEST_SUITE("unit") {
+  TEST_CASE("links are frames whatever the scene says") {
+    CHECK(origin("{}", "root").value() == Vec3(0, 0, 0));
+    CHECK(origin(kBase + kCamera, "head").value() == Vec3(0, 0, 1));
+  }
+
+  TEST_CASE("the planning frame is where the virtual joint poses the robot") {
+    CHECK(origin(kBase, "world").value() == Vec3(-1, 0, 0));
+    CHECK(origin(kBase, "").value() == Vec3(-1, 0, 0));
+    CHECK(origin(kCamera, "world").value() == Vec3(0, 0, 0));
+  }
+
+  TEST_CASE("fixed frames are given in the planning frame") {
+    CHECK(origin(kBase + kCamera, "camera").value() == Vec3(-1, 5, 0));
+  }
+
+  TEST_CASE("a frame that nobody knows is refused") {
+    CHECK(
+        origin(kBase, "table").error().message ==
+        "f:1: expected a frame that is a link of the robot, the planning frame \"world\" or one of "
+        "the fixed_frame_transforms, got \"table\"");
+    CHECK_FALSE(origin("{}", "").has_value());
+    CHECK(origin(kCamera +
+                     "robot_state: {multi_dof_joint_state: {header: {frame_id: moon}, joint_names: "
+                     "[v], transforms: [{translation: [1, 0, 0]}]}}\n",
+                 "world")
+              .error()
+              .message ==
+          "f:1: expected the robot's pose in the planning frame \"world\", got one "
+          "in \"moon\"");
+  }
+
+  TEST_CASE("fixed frames of two planning frames are refused") {
+    CHECK(
+        origin(
+            "fixed_frame_transforms:\n"
+            "  - {child_frame_id: a, header: {frame_id: a}, transform: {translation: [0, 0, 0]}}\n"
+            "  - {child_frame_id: b, header: {frame_id: a}, transform: {translation: [0, 0, 0]}}",
+            "root")
+            .error()
+            .message ==
+        "f:3: key fixed_frame_transforms[1].child_frame_id: expected the planning "
+        "frame \"a\" as in the entries before, got \"b\"");
+  }
+}
+
+std::string ball(const std::string& name, const std::string& frame) {
+  return "{id: " + name + ", header: {frame_id: " + frame +
+         "}, primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [1, 0, "
+         "0]}]}";
+}
+
+std::string world(const std::string& objects) {
+  return "world: {collision_objects: [" + objects + "]}\n";
+}
+
+internal::MoveitScene read_planning_scene(const Input& input) {
+  return internal::read_moveit_scene(input, "f");
+}
+
+Result<FramedScene> place(const std::string& yaml) {
+  return parse_scene(yaml, "f.yaml").and_then([&](const Scene&) {
+    return read_yaml(yaml, [](const Input& input) {
+      const internal::MoveitScene scene = read_planning_scene(input);
+      return internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
+    });
+  });
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("planning scenes are told from mneme's own by their keys") {
+    const auto is_moveit = [](const std::string& yaml) {
+      return read_yaml(yaml, internal::is_moveit_scene).value();
+    };
+    CHECK(is_moveit("world: {}"));
+    CHECK(is_moveit("robot_state: {}"));
+    CHECK_FALSE(is_moveit("obstacles: []"));
+    CHECK_FALSE(is_moveit("[world]"));
+  }
+
+  TEST_CASE("what does not change the obstacles is read over") {
+    const auto scene = read_yaml(
+        "name: \"\"\nrobot_model_name: fetch\nobject_colors: [{id: a}]\nlink_padding: [{link_name: "
+        "hand, padding: 0}]\nlink_scale: [{link_name: hand, scale: 1.0}]\nis_diff: true\n" +
+            world(ball("a", "base")),
+        read_planning_scene);
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(scene->name == "f");
+    CHECK(scene->robot_name == "fetch");
+    CHECK(scene->objects.size() == 1);
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(
+        scene->warnings[0] ==
+        "f:6: key is_diff: this is the difference to a scene that is not given; it is read as the "
+        "whole scene");
+  }
+
+  TEST_CASE("links that are padded or scaled are refused by name") {
+    CHECK(
+        failure_of("link_padding: [{link_name: hand, padding: 0.02}]", read_planning_scene) ==
+        "f:1: key link_padding[0]: link \"hand\" has the padding 0.02; expected 0: others are not "
+        "supported");
+    CHECK(failure_of("link_scale: [{link_name: hand, scale: 1.1}]", read_planning_scene) ==
+          "f:1: key link_scale[0]: link \"hand\" has the scale 1.1; expected 1: others are not "
+          "supported");
+    CHECK(failure_of("worlds: {}", read_planning_scene)
+              .find("f:1: key worlds: unknown key, expected one of ") == 0);
+    CHECK(failure_of("is_diff: maybe", read_planning_scene) ==
+          "f:1: key is_diff: expected true or false, got \"maybe\"");
+  }
+
+  TEST_CASE("without a robot all objects share a frame, which is named") {
+    const FramedScene scene = place(world(ball("a", "base") + ", " + ball("b", "base"))).value();
+    CHECK(scene.frame == "base");
+    CHECK(scene.scene.obstacles.size() == 2);
+    CHECK(place(world(ball("a", "base") + ", " + ball("b", "tool")))
+              .error()
+              .message.find("object \"b\" is given in frame \"tool\", others in \"base\"") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("without a robot the virtual joint still says where the root link is") {
+    const FramedScene scene =
+        place(
+            "robot_state: {multi_dof_joint_state: {header: {frame_id: world}, joint_names: [v], "
+            "transforms: [{translation: [0, 0, 2]}]}}\n" +
+            world(ball("a", "world")))
+            .value();
+    CHECK(scene.frame.empty());
+    CHECK(std::get<Sphere>(scene.scene.obstacles.at(0).shapes.at(0)).center == Vec3(1, 0, -2));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
