@@ -5,6 +5,11 @@
 /// becomes of the rows: tables, a report, a database, and the files of OMPL's benchmark tools.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/pipeline.h"
+#include "mneme/problem.h"
+#include "mneme/report.h"
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -16,11 +21,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/pipeline.h"
-#include "mneme/problem.h"
-#include "mneme/report.h"
 
 namespace mneme {
 
