@@ -311,7 +311,7 @@ struct LearnedMemory {
   double time_s = 0;
   bool is_cancelled = false;
 };
-/// What a suite asks of its caller.
+/// What a suite asks of its caller; none may be empty.
 struct SuiteHooks {
   /// Learns into the database `path` what is not there yet.
   std::function<Result<LearnedMemory>(const SuiteMemory& memory, const std::string& path)> learn;
