@@ -45,20 +45,15 @@ bool can_draw(const Problem& problem) {
 
 Result<void> write_picture(const std::string& path, const Problem& problem,
                            const SolveResult& result) {
-  PlanarPicture picture;
-  picture.problem = &problem;
-  picture.gl = &result.gl;
-  picture.path = result.plan.path;
-  picture.title =
-      fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
-                  result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
   if (!problem.robot.is_planar()) {
     return fail(ErrorCode::unsupported,
                 fmt::format("'{}' was not written: robot {} is not planar, which --svg is for; "
                             "--view shows any robot",
                             path, problem.robot.name()));
   }
-  return to_svg(picture).and_then([&](const std::string& svg) { return write_file(path, svg); });
+  return to_svg(make_picture(problem, result)).and_then([&](const std::string& svg) {
+    return write_file(path, svg);
+  });
 }
 
 Result<void> write_trace_and_page(const PlanFiles& files, const Problem& problem,

@@ -87,14 +87,7 @@ py::list primitives_of(const Plan& plan) {
 }
 
 std::string svg_of(const Plan& plan) {
-  PlanarPicture picture;
-  picture.problem = &plan.problem;
-  picture.gl = &plan.result.gl;
-  picture.path = plan.result.plan.path;
-  picture.title = fmt::format(
-      "{}: {} with sampler {}, {} in {:.2f} ms", plan.problem.name, plan.result.planner,
-      plan.result.sampler, to_string(plan.result.plan.status), 1e3 * plan.result.planning_time_s);
-  return unwrap(to_svg(picture));
+  return unwrap(to_svg(make_picture(plan.problem, plan.result)));
 }
 
 std::string trace_of(const Plan& plan) {

@@ -5,6 +5,12 @@
 /// becomes of the rows: tables, a report, a database, and the files of OMPL's benchmark tools.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/learning.h"
+#include "mneme/pipeline.h"
+#include "mneme/problem.h"
+#include "mneme/report.h"
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -16,12 +22,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/learning.h"
-#include "mneme/pipeline.h"
-#include "mneme/problem.h"
-#include "mneme/report.h"
 
 namespace mneme {
 
@@ -289,7 +289,7 @@ struct LearnedMemory {
   double time_s = 0;
   bool is_cancelled = false;
 };
-/// What a suite asks of its caller.
+/// What a suite asks of its caller; none may be empty.
 struct SuiteHooks {
   /// Learns into the database `path` what is not there yet.
   std::function<Result<LearnedMemory>(const SuiteMemory& memory, const std::string& path)> learn;

@@ -4,6 +4,10 @@
 /// What came out of a plan, for people and programs: JSON, SVG pictures, traces and their page.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/check.h"
+#include "mneme/pipeline.h"
+
 #include <cstdint>
 #include <map>
 #include <span>
@@ -11,10 +15,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/check.h"
-#include "mneme/pipeline.h"
 
 namespace mneme {
 
@@ -32,6 +32,8 @@ struct PlanarPicture {
   std::string title;
   int max_arms = 60;  ///< component arms drawn at most
 };
+/// The picture of a plan, whose title says how it came about. It refers to both.
+[[nodiscard]] PlanarPicture make_picture(const Problem& problem, const SolveResult& result);
 /// Errors: unsupported if the robot is not planar; invalid if a configuration, a primitive or the
 /// mixture does not fit it.
 [[nodiscard]] Result<std::string> to_svg(const PlanarPicture& picture);

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
+import threading
+
 import numpy as np
 import pytest
 from conftest import raised
@@ -29,6 +31,20 @@ def test_memory_is_compared_with_none(robot, problem, memory):
     assert runs.rows[0].components > 0 and runs.rows[1].components == 0
     others = mneme.bench(problem, memory, samplers=["pooled", "nearest_scenes"])
     assert all(row.components > 0 for row in others.rows)
+
+
+def test_rows_are_told_to_the_caller_s_thread_whose_exceptions_end_the_benchmark(problem, tmp_path):
+    threads = []
+
+    def refuse_the_second(row):
+        threads.append(threading.get_ident())
+        if len(threads) == 2:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        mneme.bench(problem, seeds=3, csv=tmp_path / "runs.csv", on_row=refuse_the_second)
+    assert threads == [threading.get_ident()] * 2
+    assert (tmp_path / "runs.csv").read_text().count("\n") == 3
 
 
 def test_wrong_benchmarks_are_errors(problem):

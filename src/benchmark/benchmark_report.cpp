@@ -128,7 +128,7 @@ std::string introduction(const ReportOptions& options) {
     html += fmt::format("<figure class=\"card\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
                         picture.svg, escape_markup(picture.caption));
   }
-  return html + "</div>\n";
+  return html + "</div>\n<h2>Runs</h2>\n";
 }
 
 /// What stands below the introduction.

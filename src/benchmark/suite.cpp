@@ -4,7 +4,7 @@
 #include "mneme/benchmark.h"
 
 #include "base/text_file.h"
-#include "benchmark/suite_settings.h"
+#include "scene/input.h"
 #include "scene/yaml.h"
 
 #include <fmt/ranges.h>
@@ -12,57 +12,78 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-
-namespace mneme::internal {
-
-void read_solve_settings(const Input& map, SolveSettings& settings) {
-  const SettingsReader reader(map);
-  visit_settings(settings, reader);
-  visit_settings(settings.plan, reader);
-  visit_settings(settings.memory, reader);
-  visit_settings(settings.learn, reader);
-}
-
-std::vector<std::string_view> solve_setting_names() {
-  std::vector<std::string_view> names = setting_names<SolveSettings>();
-  for (const auto& more : {setting_names<PlanSettings>(), setting_names<MemorySettings>(),
-                           setting_names<LearnSettings>()}) {
-    names.insert(names.end(), more.begin(), more.end());
-  }
-  std::erase(names, "seed");
-  return names;
-}
-
-}  // namespace mneme::internal
+#include <type_traits>
 
 namespace mneme {
 namespace {
 
-/// Names and values of settings as text, in order of declaration.
-template <class Settings>
-void append_texts(const Settings& settings,
-                  std::vector<std::pair<std::string, std::string>>& texts) {
-  visit_settings(settings,
-                 [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
-                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
-                     texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
-                   } else {
-                     texts.emplace_back(name, fmt::format("{}", value));
-                   }
-                 });
+/// All settings of solve(), as visit_settings tells them.
+template <class Settings, class Visitor>
+void visit_all_settings(Settings& settings, const Visitor& visitor) {
+  visit_settings(settings, visitor);
+  visit_settings(settings.plan, visitor);
+  visit_settings(settings.memory, visitor);
+  visit_settings(settings.learn, visitor);
 }
 
-std::vector<std::pair<std::string, std::string>> all_texts(const SolveSettings& settings) {
-  std::vector<std::pair<std::string, std::string>> texts;
-  append_texts(settings, texts);
-  append_texts(settings.plan, texts);
-  append_texts(settings.memory, texts);
-  append_texts(settings.learn, texts);
+using SettingTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// Names and values of settings as text, in order of declaration.
+SettingTexts all_texts(const SolveSettings& settings) {
+  SettingTexts texts;
+  visit_all_settings(settings,
+                     [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
+                       if constexpr (SettingTraits<
+                                         std::remove_cvref_t<decltype(value)>>::is_optional) {
+                         texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
+                       } else {
+                         texts.emplace_back(name, fmt::format("{}", value));
+                       }
+                     });
   return texts;
 }
 
 using internal::Input;
 namespace fs = std::filesystem;
+
+/// Reads each of its settings that `map` has.
+class SettingsReader {
+ public:
+  explicit SettingsReader(const Input& map) : map_(map) {}
+
+  template <class T>
+  void operator()(std::string_view name, T& value, SettingValue<T> least, SettingValue<T> most,
+                  std::string_view) const {
+    using Value = SettingValue<T>;
+    const auto input = map_.find(name);
+    if (!input) return;
+    if constexpr (std::is_same_v<Value, bool>) {
+      value = input->boolean();
+    } else {
+      const double number = input->number();
+      // Written so that a NaN is out of range.
+      const bool is_inside =
+          number >= static_cast<double>(least) && number <= static_cast<double>(most);
+      constexpr bool kIsWhole = std::is_integral_v<Value>;
+      const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
+      if (!is_inside || !is_whole) {
+        input->fail_expecting(fmt::format("{} from {} to {}",
+                                          kIsWhole ? "a whole number" : "a number", least, most));
+      }
+      value = to<Value>(number);
+    }
+  }
+
+ private:
+  /// A cast of a number that T cannot hold would be undefined.
+  template <class T>
+  static T to(double number) {
+    if (!(number > -1e18 && number < 1e18)) return T{};
+    return static_cast<T>(number);
+  }
+
+  const Input& map_;
+};
 
 /// A list of texts, or a single one.
 std::vector<std::string> read_texts(const Input& input) {
@@ -93,7 +114,7 @@ bool is_file_name(std::string_view name) {
 
 template <class T>
 void read_number(const Input& map, std::string_view key, T& value, double least, double most) {
-  const internal::SettingsReader reader(map);
+  const SettingsReader reader(map);
   reader(key, value, static_cast<T>(least), static_cast<T>(most), "");
 }
 
@@ -152,7 +173,11 @@ class SuiteReader {
   }
 
   [[nodiscard]] SuiteMemory read_memory(const std::string& name, const Input& input) const {
-    std::vector<std::string_view> keys = internal::setting_names<LearnSettings>();
+    std::vector<std::string_view> keys;
+    SuiteMemory memory;
+    visit_settings(memory.learn, [&](std::string_view key, auto&, auto, auto, std::string_view) {
+      keys.push_back(key);
+    });
     keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "kind",
                              "paths", "path-timeout", "seed"});
     input.allow_keys(keys);
@@ -160,7 +185,6 @@ class SuiteReader {
       input.fail(ErrorCode::parse,
                  fmt::format("expected a name that a file can have, got \"{}\"", name));
     }
-    SuiteMemory memory;
     memory.name = name;
     const int sources = (input.find("file") ? 1 : 0) + (input.find("primitives") ? 1 : 0) +
                         (input.find("problems") ? 1 : 0);
@@ -181,7 +205,7 @@ class SuiteReader {
     read_number(input, "paths", memory.paths, 1, 1000);
     read_number(input, "path-timeout", memory.path_timeout_s, 0, 1e6);
     read_number(input, "seed", memory.seed, 0, 1e15);
-    visit_settings(memory.learn, internal::SettingsReader(input));
+    visit_settings(memory.learn, SettingsReader(input));
     return memory;
   }
 
@@ -217,11 +241,15 @@ class SuiteReader {
                                           SuiteSetting setting) const {
     setting.name = name;
     if (input.is_nothing()) return setting;
-    std::vector<std::string_view> keys = internal::solve_setting_names();
+    std::vector<std::string_view> keys;
+    visit_all_settings(setting.solve,
+                       [&](std::string_view key, auto&, auto, auto, std::string_view) {
+                         if (key != "seed") keys.push_back(key);
+                       });
     keys.insert(keys.end(), {"memory", "planners", "samplers", "sets"});
     input.allow_keys(keys);
     read_common(input, setting);
-    internal::read_solve_settings(input, setting.solve);
+    visit_all_settings(setting.solve, SettingsReader(input));
     if (setting.solve.plan.continuous && !setting.solve.plan.verify) {
       input.fail(ErrorCode::parse,
                  "setting 'continuous' is a way to verify: expected it with 'verify' only");

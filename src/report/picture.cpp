@@ -292,6 +292,17 @@ void PictureWriter::write_labels(const std::vector<FramedPrimitive>& primitives,
 
 namespace mneme {
 
+PlanarPicture make_picture(const Problem& problem, const SolveResult& result) {
+  PlanarPicture picture;
+  picture.problem = &problem;
+  picture.gl = &result.gl;
+  picture.path = result.plan.path;
+  picture.title =
+      fmt::format("{}: {} with sampler {}, {} in {:.2f} ms", problem.name, result.planner,
+                  result.sampler, to_string(result.plan.status), 1e3 * result.planning_time_s);
+  return picture;
+}
+
 Result<std::string> to_svg(const PlanarPicture& picture) {
   using namespace internal;
   const Result<Drawing> drawing = make_drawing(picture);

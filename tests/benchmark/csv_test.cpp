@@ -80,7 +80,7 @@ BenchmarkRow strange_row() {
   return row;
 }
 
-std::string failure(const std::string& text) {
+std::string parse_failure(const std::string& text) {
   const auto runs = parse_csv(text, "f.csv");
   return runs ? "" : runs.error().message;
 }
@@ -118,15 +118,15 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("Files of other columns and fields that are no numbers are refused") {
-    CHECK(failure("a,b\n").find("f.csv:1: expected the columns problem,set,planner,") == 0);
+    CHECK(parse_failure("a,b\n").find("f.csv:1: expected the columns problem,set,planner,") == 0);
     std::string text = to_csv(std::vector{run(1)});
-    CHECK(failure(text + "a,b\n") == "f.csv: line 3: expected 26 fields, got 2");
+    CHECK(parse_failure(text + "a,b\n") == "f.csv: line 3: expected 26 fields, got 2");
     const std::size_t status = text.rfind("solved");
-    CHECK(failure(text.replace(status, 6, "dreamt")) ==
+    CHECK(parse_failure(text.replace(status, 6, "dreamt")) ==
           "f.csv: line 2: column status: expected a status, got \"dreamt\"");
     text.replace(text.rfind(",,0,"), 4, ",,x,");
     CHECK(
-        failure(text.replace(status, 6, "solved")) ==
+        parse_failure(text.replace(status, 6, "solved")) ==
         "f.csv: line 2: column learning_time_s: expected a finite number of 0 or more, got \"x\"");
   }
 
@@ -134,7 +134,7 @@ TEST_SUITE("unit") {
     const auto refusal = [](auto&& change) {
       BenchmarkRow row = run(1);
       change(row);
-      return failure(to_csv(std::vector{row}));
+      return parse_failure(to_csv(std::vector{row}));
     };
     const std::string finite = "expected a finite number of 0 or more, got ";
     CHECK(refusal([](BenchmarkRow& row) { row.planning_time_s = -5; }) ==
@@ -147,7 +147,7 @@ TEST_SUITE("unit") {
           "f.csv: line 2: column components: expected a whole number of 0 or more, got \"-1\"");
     std::string text = to_csv(std::vector{run(1)});
     text.replace(text.rfind("solved,") + 7, 1, "2");
-    CHECK(failure(text) == "f.csv: line 2: column is_valid: expected 0 or 1, got \"2\"");
+    CHECK(parse_failure(text) == "f.csv: line 2: column is_valid: expected 0 or 1, got \"2\"");
   }
 
   TEST_CASE("Files that end with the column timeout_s, as older versions wrote them, read too") {
