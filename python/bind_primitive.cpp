@@ -13,6 +13,27 @@
 #include <pybind11/stl.h>
 
 namespace mneme::python {
+namespace {
+
+int key_size_for_arm(const MemoryKind& kind, const std::vector<double>& lengths) {
+  return kind.key_size(unwrap(parse_robot(unwrap(planar_arm_urdf("arm", lengths)), "arm")));
+}
+
+/// Keys of whole paths have so many numbers for each joint, whatever the robot.
+PrimitiveKey to_key(const MemoryKind& kind, const py::object& value, const std::string& what) {
+  PrimitiveKey key = to_vector(value, -1, what);
+  const int size = static_cast<int>(key.size()), expected = key_size_for_arm(kind, {1});
+  const int per_joint = key_size_for_arm(kind, {1, 1}) - expected;
+  const bool is_key = per_joint == 0 ? size == expected
+                                     : size > per_joint && size % per_joint == expected % per_joint;
+  if (!is_key) {
+    raise_invalid(
+        fmt::format("{}: a key of the kind '{}' has not {} numbers", what, kind.name, size));
+  }
+  return key;
+}
+
+}  // namespace
 
 void bind_primitive(py::module_& module) {
   py::class_<LocalPrimitive>(module, "Primitive",
@@ -44,8 +65,7 @@ void bind_primitive(py::module_& module) {
         return unwrap(decompose({robot, scene}, settings));
       },
       py::arg("robot"), py::arg("scene"),
-      ("The pairs of close obstacles of a scene, in scene order.\n\n" +
-       describe_memory_keywords())
+      ("The pairs of close obstacles of a scene, in scene order.\n\n" + describe_memory_keywords())
           .c_str());
   module.def(
       "kind_names",
@@ -59,7 +79,7 @@ void bind_primitive(py::module_& module) {
       "similarity_error",
       [](const py::object& a, const py::object& b, const std::string& kind) {
         const MemoryKind& known = *unwrap(find_memory_kind(kind));
-        const PrimitiveKey first = to_vector(a, -1, "a");
+        const PrimitiveKey first = to_key(known, a, "a");
         return similarity_error(known, first, to_vector(b, static_cast<int>(first.size()), "b"));
       },
       py::arg("a"), py::arg("b"), py::arg("kind") = "pairs",

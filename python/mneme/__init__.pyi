@@ -161,11 +161,12 @@ def decompose(
     robot: Robot,
     scene: Scene,
     *,
+    kind: Optional[str] = None,
     # settings:memory
     max_gap: float = 0.0,
     # /settings
 ) -> list[Primitive]: ...
-def similarity_error(a: npt.ArrayLike, b: npt.ArrayLike) -> float: ...
+def similarity_error(a: npt.ArrayLike, b: npt.ArrayLike, kind: str = "pairs") -> float: ...
 
 class Database:
     @staticmethod
@@ -228,6 +229,7 @@ def learn(
     learn_resolution: float = 0.0,
     merge_cliques: bool = False,
     # /settings
+    kind: Optional[str] = None,
     # settings:memory
     max_gap: float = 0.0,
     # /settings
@@ -240,6 +242,7 @@ def learn_from_paths(
     *,
     reach: float = 0.12,
     seed: int = 0,
+    kind: Optional[str] = None,
     # settings:memory
     max_gap: float = 0.0,
     # /settings
@@ -334,6 +337,7 @@ def plan(
     neighbours: int = 10,
     goal_bias: float = 0.05,
     # /settings
+    kind: Optional[str] = None,
     # settings:memory
     max_gap: float = 0.0,
     # /settings

@@ -63,21 +63,43 @@ def test_a_database_that_may_not_be_in_memory_finds_the_same(robot, problem, lea
 
 def test_a_plan_says_what_it_taught(robot, problem, tmp_path):
     path = tmp_path / "paths.db"
-    with mneme.Database.open(path, robot, mode="create", decomposer="paths") as database:
-        plan = mneme.plan(problem, database, remember_after=0)
+    with mneme.Database.open(path, robot, mode="create") as database:
+        plan = mneme.plan(problem, database, kind="paths", remember_after=0)
         assert plan.remembered == 1 and plan.remember_failure == ""
-        assert len(database) == 1
-    read_only = mneme.Database.open(path, robot, decomposer="paths")
+        assert len(database) == 1 and database[0]["kind"].startswith("paths/")
+    read_only = mneme.Database.open(path, robot)
     plan = mneme.plan(problem, read_only, remember_after=0)
     assert plan.is_solved and plan.remembered == 0
     assert "read" in plan.remember_failure
 
 
-def test_the_keys_of_all_decomposers_have_a_similarity_error():
-    for size in (6, 18, 30, 17):
-        assert mneme.similarity_error(np.arange(size), np.arange(size)) == 0
-    with pytest.raises(mneme.Error, match="a primitive's key"):
-        mneme.similarity_error(np.arange(8), np.arange(8))
+def test_the_keys_of_all_kinds_have_a_similarity_error():
+    sizes = {"pairs": 6, "body_pairs": 18, "gaps": 30, "paths": 17}
+    assert set(sizes) == set(mneme.kind_names())
+    for kind, size in sizes.items():
+        assert mneme.similarity_error(np.arange(size), np.arange(size), kind) == 0
+        assert mneme.similarity_error(np.arange(size), np.arange(size) + 1, kind) > 0
+        for wrong in (0, 1, 8):
+            with pytest.raises(mneme.Error, match=f"'{kind}'"):
+                mneme.similarity_error(np.arange(wrong), np.arange(wrong), kind)
+    with pytest.raises(mneme.Error, match="shape"):
+        mneme.similarity_error(np.arange(6), np.arange(8))
+    with pytest.raises(mneme.Error, match="body_pairs"):
+        mneme.similarity_error(np.arange(6), np.arange(6), "nope")
+
+
+def test_a_kind_of_memory_is_chosen_by_name(robot, problem, memory):
+    assert [p.gap for p in mneme.decompose(robot, problem.scene, kind="pairs")] == \
+        [p.gap for p in mneme.decompose(robot, problem.scene)]
+    for call in (lambda **kind: mneme.decompose(robot, problem.scene, **kind),
+                 lambda **kind: mneme.learn(robot, memory, scenes=[problem], **kind),
+                 lambda **kind: mneme.learn_from_paths(robot, memory, problem.scene, [], **kind),
+                 lambda **kind: mneme.plan(problem, memory, **kind)):
+        code, message = raised(call, kind="nope")
+        assert code == "invalid" and "'nope'" in message
+        assert all(name in message for name in mneme.kind_names())
+        with pytest.raises(TypeError, match="kind"):
+            call(kind=3)
 
 
 def test_learning_again_skips_what_is_known(robot, learned, problem):
@@ -137,6 +159,11 @@ def test_a_miss_is_learned_within_the_budget(problem, memory):
     assert plan.primitives[0]["is_learned"]
     assert plan.learning_time_s > 0
     assert len(memory) == 1
+
+
+def test_a_kind_that_does_not_learn_on_a_miss_says_why(problem, memory):
+    code, message = raised(mneme.plan, problem, memory, kind="paths", learn_budget=1)
+    assert code == "unsupported" and "'paths'" in message and "learn-budget" in message
 
 
 def test_results_outlive_the_database(problem, learned):

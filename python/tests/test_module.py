@@ -46,7 +46,7 @@ def test_stubs_of_classes_name_their_public_members():
 
 def documented_settings(doc):
     """Settings and defaults of a docstring, which come from the declarations in C++."""
-    pattern = r"^(\w+): (?:bool|int|float) = ([^,\n]+)"
+    pattern = r"^(\w+): (?:bool|int|float|str) = ([^,\n]+)"
     return dict(re.findall(pattern, doc, re.MULTILINE))
 
 

@@ -79,17 +79,20 @@ def test_settings_are_those_that_are_declared(problem):
     for name in ("lambda_", "sigma", "max_matches", "goal_bias", "max_gap", "starts_per_link"):
         assert f"\n{name}: " in help_text
     assert mneme.plan(problem, lambda_=0, simplify=np.bool_(False), seed=np.uint8(7)).seed == 7
+    assert mneme.plan(problem, lambda_=None, max_iterations=None, kind=None, seed=7).seed == 7
 
 
 @pytest.mark.parametrize("settings, words", [
-    ({"lambda_": 1.5}, "lambda_=1.5 is out of range: expected -1 to 1"),
-    ({"lambda_": -1.1}, "lambda_"),
+    ({"lambda_": 1.5}, "lambda_=1.5 is out of range: expected 0 to 1"),
+    ({"lambda_": -1}, "lambda_=-1 is out of range"),
     ({"lambda_": float("nan")}, "lambda_=nan"),
     ({"seed": -1}, "seed=-1 is out of range: expected 0 or more"),
     ({"seed": 2**64}, "seed"),
     ({"neighbours": 0}, "neighbours=0 is out of range: expected 1 to 1000"),
     ({"timeout": float("inf")}, "timeout=inf"),
     ({"max_matches": 10**30}, "max_matches"),
+    ({"max_matches": 0}, "max_matches=0 is out of range: expected 1 to 1000000"),
+    ({"max_iterations": 0}, "max_iterations=0"),
     ({"planner": "best"}, "best"),
     ({"sampler": "best"}, "best"),
     ({"isa": "mmx"}, "mmx"),

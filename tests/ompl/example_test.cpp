@@ -18,7 +18,7 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     {
       Database database = make_database(directory / "m.db", problem.robot);
-      const auto primitives = decompose(problem.robot, problem.scene, {});
+      const auto primitives = decompose(memory_query(problem));
       REQUIRE(primitives.has_value());
       learn_into(database, problem.robot, {primitives->at(0).key});
     }

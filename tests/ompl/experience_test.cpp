@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ompl/experience.h"
+#include "ompl/small_problems.h"
 
 #include <cmath>
-
-#include "ompl/silence.h"
-#include "ompl/small_problems.h"
 
 namespace mneme::test {
 namespace {
@@ -13,19 +10,24 @@ namespace {
 std::vector<Path> solved_paths(const Problem& problem) {
   SolveSettings settings;
   settings.sampler = "uniform";
-  const auto result = solve(problem, nullptr, settings);
-  REQUIRE(result.has_value());
-  REQUIRE(result->plan.is_solved());
-  return {result->plan.path};
+  const SolveResult result = solve_or_fail(problem, nullptr, settings);
+  REQUIRE(result.plan.is_solved());
+  return {result.plan.path};
+}
+
+Result<void> train(const std::string& name, const Robot& robot, std::span<const Path> paths,
+                   const std::string& file) {
+  return ompl_planner(name).train(robot, paths, file);
 }
 
 }  // namespace
 
 TEST_SUITE("unit") {
   TEST_CASE("only Lightning and Thunder have experience") {
-    const auto trained = train_ompl_experience("PRM", gap_problem().robot, {}, "unused");
-    REQUIRE(!trained.has_value());
-    CHECK(trained.error().code == ErrorCode::invalid);
+    for (const std::string& name : ompl_names()) {
+      const bool learns = name == "Lightning" || name == "Thunder";
+      CHECK_MESSAGE(static_cast<bool>(ompl_planner(name).train) == learns, name);
+    }
   }
 
   TEST_CASE("paths that are none of the robot's are refused") {
@@ -34,7 +36,7 @@ TEST_SUITE("unit") {
     const std::vector<Path> wrong = {{}, {{0, 0, 0}, {0, 0}}, {{0, 0, 0}, {0, 0, std::nan("")}}};
     for (const Path& path : wrong) {
       for (const char* name : {"Lightning", "Thunder"}) {
-        const auto trained = train_ompl_experience(name, robot, {&path, 1}, directory / name);
+        const auto trained = train(name, robot, {&path, 1}, directory / name);
         REQUIRE(!trained.has_value());
         CHECK(trained.error().code == ErrorCode::invalid);
       }
@@ -43,17 +45,14 @@ TEST_SUITE("unit") {
 
   TEST_CASE("experience that is missing, or cannot be written, is an error that names the file") {
     const Problem problem = gap_problem();
-    SolveSettings settings;
-    settings.sampler = "uniform";
-    settings.planner = "Lightning";
-    OmplSettings ompl;
-    ompl.experience_path = "no/such/file";
-    const auto result = solve_with_ompl(problem, nullptr, settings, ompl);
+    SolveSettings settings = settings_for("Lightning");
+    settings.plan.experience_path = "no/such/file";
+    const auto result = solve(problem, nullptr, settings);
     REQUIRE(!result.has_value());
     CHECK(result.error().code == ErrorCode::io);
     CHECK(result.error().message.find("no/such/file") != std::string::npos);
-    const auto trained = train_ompl_experience("Lightning", problem.robot, solved_paths(problem),
-                                               "no/such/directory/file");
+    const auto trained =
+        train("Lightning", problem.robot, solved_paths(problem), "no/such/directory/file");
     REQUIRE(!trained.has_value());
     CHECK(trained.error().message.find("no/such/directory/file") != std::string::npos);
   }
@@ -66,18 +65,14 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     for (const char* name : {"Lightning", "Thunder"}) {
       CAPTURE(name);
-      OmplSettings ompl;
-      ompl.experience_path = directory / name;
-      const auto trained = train_ompl_experience(name, problem.robot, paths, ompl.experience_path);
+      SolveSettings settings = settings_for(name);
+      settings.plan.experience_path = directory / name;
+      const auto trained = train(name, problem.robot, paths, settings.plan.experience_path);
       REQUIRE_MESSAGE(trained.has_value(), (trained ? "" : trained.error().message));
-      CHECK(read_file(ompl.experience_path).size() > 100);
-      SolveSettings settings;
-      settings.sampler = "uniform";
-      settings.planner = name;
-      const auto result = solve_with_ompl(problem, nullptr, settings, ompl);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-      CHECK(result->plan.path.back() == problem.robot.normalized(problem.goals[0]));
+      CHECK(read_file(settings.plan.experience_path).size() > 100);
+      const SolveResult result = solve_or_fail(problem, nullptr, settings);
+      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      CHECK(result.plan.path.back() == problem.robot.normalized(problem.goals[0]));
     }
   }
 }

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/small_problems.h"
-
 #include "ompl/verified_motion_validity.h"
 
 namespace mneme::test {
 namespace {
 
-constexpr std::uint64_t kSeed = 20263;
+constexpr std::uint64_t kMotionSeed = 20263;
 
 struct Motions {
   Problem problem = gap_problem();
@@ -15,7 +14,7 @@ struct Motions {
   std::shared_ptr<mneme::ompl::WorkCounters> counters =
       std::make_shared<mneme::ompl::WorkCounters>();
   ob::SpaceInformationPtr information = mneme::ompl::make_space_information(checker, counters);
-  Rng rng{kSeed};
+  Rng rng{kMotionSeed};
 
   Configuration free_configuration() {
     for (;;) {
@@ -68,7 +67,7 @@ TEST_SUITE("law") {
   TEST_CASE(
       "the last valid state of a blocked motion is free, as is the way there; the next is not") {
     Motions motions;
-    INFO("seed ", kSeed);
+    INFO("seed ", kMotionSeed);
     ob::ScopedState<> last(motions.information);
     int blocked = 0;
     for (int trial = 0; trial < 200; ++trial) {
@@ -103,7 +102,7 @@ TEST_SUITE("law") {
     const auto checker =
         CollisionChecker::make(motions.problem.robot, motions.problem.scene, coarse);
     REQUIRE(checker.has_value());
-    const internal::MotionVerifier verifier(*checker, Verification::motions);
+    const MotionVerifier verifier(*checker, Verification::motions);
     const auto validity = mneme::ompl::make_verified_motion_validity(motions.information, *checker,
                                                                      motions.counters, verifier);
     Motions draws;

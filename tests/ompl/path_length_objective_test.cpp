@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/silence.h"
 #include "ompl/small_problems.h"
 
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/samplers/InformedStateSampler.h>
 #include <ompl/geometric/planners/informedtrees/BITstar.h>
-
-#include "ompl/silence.h"
 
 namespace mneme::test {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ompl/silence.h"
 #include "ompl/small_problems.h"
+#include "pipeline/memory_steps.h"
 
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/SO2StateSpace.h>
@@ -9,9 +11,6 @@
 #include <ompl/geometric/planners/rrt/RRT.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
-
-#include "ompl/silence.h"
-#include "pipeline/valid_components.h"
 
 namespace mneme::test {
 namespace {
@@ -37,12 +36,12 @@ int count_draws() {
   return sampler->drawn();
 }
 
-struct Remembered {
+struct LearnedScene {
   Problem problem = planar_problem("threaded_b4");
   TemporaryDirectory directory;
   Database database = make_database(directory / "m.db", problem.robot);
-  Remembered() {
-    const auto primitives = decompose(problem.robot, problem.scene, {});
+  LearnedScene() {
+    const auto primitives = decompose(memory_query(problem));
     REQUIRE(primitives.has_value());
     std::vector<PrimitiveKey> keys;
     for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
@@ -120,11 +119,10 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("memory answers a fraction lambda of the draws") {
-    Remembered world;
+    LearnedScene world;
     SolveSettings settings;
     settings.drop_invalid_means = false;
-    const auto gl =
-        create_gl_sampler(world.problem.robot, world.problem.scene, world.database, settings);
+    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
     REQUIRE(gl.has_value());
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     for (const double lambda : {0.0, 0.5, 1.0}) {
@@ -141,15 +139,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("states before memory is asked are uniform") {
-    Remembered world;
+    LearnedScene world;
     SolveSettings settings;
     settings.lambda = 1;
     settings.retrieve_after = 100;
     settings.drop_invalid_means = false;
-    const auto gl =
-        create_gl_sampler(world.problem.robot, world.problem.scene, world.database, settings);
-    const auto allocator = mneme::ompl::gl_sampler_allocator(
-        world.problem.robot, world.problem.scene, world.database, settings);
+    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
+    const Problem scene_alone{"", world.problem.robot, "", world.problem.scene, {}, {}, {}};
+    const auto allocator = mneme::ompl::gl_sampler_allocator(scene_alone, world.database, settings);
     REQUIRE(allocator.has_value());
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     const auto sampler = (*allocator)(information->getStateSpace().get());
@@ -161,15 +158,15 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("remembered means that come closer than the margin are not drawn around") {
-    Remembered world;
+    LearnedScene world;
     const Robot& robot = world.problem.robot;
     SolveSettings settings;
     settings.lambda = 1;
     settings.sigma = 1e-4;
     settings.margin = 0.01;
-    const auto gl = create_gl_sampler(robot, world.problem.scene, world.database, settings);
+    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
     REQUIRE(gl.has_value());
-    const auto careful = CollisionChecker::make(robot, world.problem.scene, {0, settings.margin});
+    const auto careful = CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin});
     REQUIRE(careful.has_value());
     const GaussianMixture kept = internal::keep_valid_components(*careful, *gl->mixture);
     const GaussianMixture free =
@@ -189,10 +186,10 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a database of another robot is refused") {
-    Remembered world;
-    const Robot other = planar_arm({1, 1});
-    const auto allocator = mneme::ompl::gl_sampler_allocator(
-        other, make_circle_scene("", {{1.5, 0.75, 0.35}}), world.database);
+    LearnedScene world;
+    const Problem other{
+        "", planar_arm({1, 1}), "", make_circle_scene("", {{1.5, 0.75, 0.35}}), {}, {}, {}};
+    const auto allocator = mneme::ompl::gl_sampler_allocator(other, world.database);
     REQUIRE(!allocator.has_value());
     CHECK(allocator.error().code == ErrorCode::wrong_robot);
   }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/silence.h"
 
-#include <ompl/util/Console.h>
-
 #include "support/support.h"
+
+#include <ompl/util/Console.h>
 
 namespace mneme::test {
 namespace {

@@ -4,9 +4,9 @@
 /// A planar arm among circles, small enough for any planner.
 #pragma once
 
-#include "support/planar_memory.h"
-
 #include "mneme/ompl.h"
+
+#include "support/planar_memory.h"
 
 namespace mneme::test {
 
@@ -33,6 +33,50 @@ inline Problem locked_problem() {
   }
   problem.scene = make_circle_scene("ring", ring);
   return problem;
+}
+
+/// Settings for one of OMPL's planners, which are in the table from here on.
+inline SolveSettings settings_for(const std::string& planner,
+                                  const std::string& sampler = "uniform") {
+  add_ompl_planners();
+  SolveSettings settings;
+  settings.planner = "ompl:" + planner;
+  settings.sampler = sampler;
+  return settings;
+}
+
+inline const PlannerEntry& ompl_planner(const std::string& name) {
+  add_ompl_planners();
+  const auto entry = find_planner("ompl:" + name);
+  REQUIRE_MESSAGE(entry.has_value(), (entry ? "" : entry.error().message));
+  return **entry;
+}
+
+/// Of all OMPL's planners, without the prefix.
+inline std::vector<std::string> ompl_names() {
+  add_ompl_planners();
+  std::vector<std::string> names;
+  for (const std::string& name : planner_names()) {
+    if (name.starts_with("ompl:")) names.push_back(name.substr(5));
+  }
+  REQUIRE(names.size() == 18);
+  return names;
+}
+
+/// Of OMPL's samplers of valid states.
+inline std::vector<std::string> valid_sampler_names() {
+  std::vector<std::string> names;
+  for (const SamplerEntry& sampler : samplers()) {
+    if (sampler.draws_valid_states) names.emplace_back(sampler.name);
+  }
+  return names;
+}
+
+inline SolveResult solve_or_fail(const Problem& problem, Database* database,
+                                 const SolveSettings& settings) {
+  auto result = solve(problem, database, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  return std::move(*result);
 }
 
 inline CollisionChecker checker_of(const Problem& problem) {

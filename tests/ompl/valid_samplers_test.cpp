@@ -29,11 +29,12 @@ TEST_SUITE("unit") {
   TEST_CASE("each sampler draws valid states, near obstacles or far from them as its name says") {
     const Problem problem = gap_problem();
     const auto information = mneme::ompl::make_space_information(checker_of(problem));
-    REQUIRE(ompl_sampler_names().size() == 4);
+    REQUIRE(valid_sampler_names().size() == 4);
     std::map<std::string, double> clearance;
-    for (const std::string_view name : ompl_sampler_names()) {
-      clearance[std::string(name)] =
-          mean_clearance(information, mneme::ompl::valid_sampler_allocator(name, 0.3));
+    for (const std::string& name : valid_sampler_names()) {
+      const auto allocator = mneme::ompl::valid_sampler_allocator(name, 0.3);
+      REQUIRE_MESSAGE(allocator, name);
+      clearance[name] = mean_clearance(information, allocator);
     }
     CHECK(clearance["obstacle_based"] < clearance["max_clearance"]);
     CHECK(clearance["gaussian"] < clearance["max_clearance"]);

@@ -54,7 +54,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("paths that have nothing to shorten stay as they are") {
-    const World world{"", planar_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
+    const World world{"", thick_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
     const CollisionChecker checker = make_checker(world);
     CHECK(shortened(checker, {}, 1).empty());
     const Path point = {{1, 0.1234567890123}};
@@ -64,7 +64,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("motions of no length do no harm") {
-    const World world{"", planar_arm({1, 1}), {}, {}};
+    const World world{"", thick_arm({1, 1}), {}, {}};
     const CollisionChecker checker = make_checker(world);
     const Configuration a = {0.5, 0.5}, b = {1.5, -0.5};
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -74,14 +74,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("shortcuts lead through the jump of a continuous joint") {
-    const World world{"", planar_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
+    const World world{"", thick_arm({1, 1}), make_circle_scene("", {{1.5, 0, 0.2}}), {}};
     const CollisionChecker checker = make_checker(world);
     const Path path = shortened(checker, {{3, 0}, {2.5, 1}, {-2.6, 1}, {-3, 0}}, 1);
     CHECK(path == Path{{3, 0}, {-3, 0}});
   }
 
   TEST_CASE("every waypoint is free at the resolution of the planner, verified or not") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     CheckerSettings coarse;
     coarse.resolution = 0.3;
     const CollisionChecker checker =
@@ -134,7 +134,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the length of a path counts the shorter way round") {
-    const Robot arm = planar_arm({1, 1});
+    const Robot arm = thick_arm({1, 1});
     CHECK(path_length(arm, {}) == 0);
     CHECK(path_length(arm, {{1, 1}}) == 0);
     CHECK(path_length(arm, {{3, 0}, {-3, 0}}) == doctest::Approx(2 * kPi - 6));

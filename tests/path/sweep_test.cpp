@@ -25,7 +25,7 @@ bool is_free_at(const CollisionChecker& checker, const Configuration& from, cons
 
 TEST_SUITE("unit") {
   TEST_CASE("a link that dips into another one between two free states is found") {
-    const Robot robot = planar_arm({1, 0.5, 0.35});
+    const Robot robot = thick_arm({1, 0.5, 0.35});
     const CollisionChecker checker = make_checker(robot, {});
     const Configuration left = {0, 2.4, 1.5}, right = {0, 2.4, 3.0}, up = {1, 2.4, 0.2};
     for (const Configuration& q : {left, right, up}) REQUIRE(checker.contacts(q).empty());
@@ -37,7 +37,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an obstacle thinner than the step between two states is found") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const Scene thin = make_circle_scene("", {{1.5, 0, 1e-4}});
     CHECK_FALSE(Sweep(robot, thin).is_free(Configuration{-1, 0}, Configuration{1.1, 0}));
     CHECK(Sweep(robot, thin).is_free(Configuration{0.1, 0}, Configuration{1.1, 0}));
@@ -46,7 +46,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("contact by less than the tolerance is none, and a little more is") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const auto is_free = [&](double overlap) {
       const Scene scene = make_circle_scene("", {{2 + 0.01 + 0.5 - overlap, 0, 0.5}});
       return Sweep(robot, scene).is_free(Configuration{-0.3, 0}, Configuration{0.3, 0});
@@ -67,19 +67,19 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("closer to an obstacle than the margin is contact, to another link it is not") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const auto is_free = [&](double gap, double margin) {
       const Scene scene = make_circle_scene("", {{2 + 0.01 + 0.5 + gap, 0, 0.5}});
       return Sweep(robot, scene, margin).is_free(Configuration{-0.3, 0}, Configuration{0.3, 0});
     };
     CHECK(is_free(0.01, 0.009));
     CHECK_FALSE(is_free(0.01, 0.011));
-    const Robot folded = planar_arm({1, 0.5, 0.35});
+    const Robot folded = thick_arm({1, 0.5, 0.35});
     CHECK(Sweep(folded, {}, 0.5).is_free(Configuration{0, 2.4, 1.5}, Configuration{1, 2.4, 0.2}));
   }
 
   TEST_CASE("a sweep that must stop finds nothing free") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const Scene scene = make_circle_scene("", {{2.02, 0, 0.0099}});
     const Configuration from = {-0.3, 0}, to = {0.3, 0};
     int asked = 0;
@@ -105,7 +105,7 @@ TEST_SUITE("oracle") {
     constexpr std::uint64_t kSeed = 81;
     constexpr int kStates = 4000;
     Rng rng(kSeed);
-    const Robot arm = planar_arm({1, 0.7, 0.5, 0.4});
+    const Robot arm = thick_arm({1, 0.7, 0.5, 0.4});
     const World space = boxed_goal();
     int free = 0, blocked = 0, refused = 0;
     for (int i = 0; i < 150; ++i) {

@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("half a turn does not pass, because it may go either way round") {
-    const CollisionChecker checker = make_checker(planar_arm({1, 1}), {});
+    const CollisionChecker checker = make_checker(thick_arm({1, 1}), {});
     for (const double from : {-kPi, -kPi / 2, 0.0, 0.3, kPi / 2}) {
       INFO("from ", from);
       const double to = from + (from > 0 ? -kPi : kPi);

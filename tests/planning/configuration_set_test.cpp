@@ -52,7 +52,7 @@ TEST_SUITE("oracle") {
   }
 
   TEST_CASE("sets of any size find the nearest configurations in order") {
-    for (const Robot& robot : {planar8(), spatial_arm(), gantry(), planar_arm({1})}) {
+    for (const Robot& robot : {planar8(), spatial_arm(), gantry(), thick_arm({1})}) {
       const internal::JointSpace space(robot);
       internal::ConfigurationSet set(space, Isa::automatic);
       Rng rng(4);
@@ -120,7 +120,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("equal configurations are found by their lowest index, also beside unused lanes") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const internal::JointSpace space(robot);
     for (int size = 1; size <= 40; ++size) {
       internal::ConfigurationSet set(space, Isa::automatic);
@@ -137,7 +137,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a cleared set starts anew") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const internal::JointSpace space(robot);
     internal::ConfigurationSet set(space, Isa::automatic);
     for (int i = 0; i < 20; ++i) set.add(std::vector<float>{0.0f, 0.0f});
@@ -152,7 +152,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("queries speak of what was there when it was measured") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const internal::JointSpace space(robot);
     internal::ConfigurationSet set(space, Isa::automatic);
     set.add(std::vector<float>{1.0f, 1.0f});

@@ -28,7 +28,7 @@ double squared_distance(const Robot& robot, const std::vector<float>& a,
 TEST_SUITE("oracle") {
   TEST_CASE("a growing tree finds what a plain loop finds, for joints that wrap and that do not") {
     for (const Isa isa : {Isa::automatic, Isa::scalar}) {
-      for (const Robot& robot : {planar8(), spatial_arm(), gantry(), planar_arm({1})}) {
+      for (const Robot& robot : {planar8(), spatial_arm(), gantry(), thick_arm({1})}) {
         const internal::JointSpace space(robot);
         internal::NearestTree tree(space, isa);
         Rng rng(7);
@@ -56,7 +56,7 @@ TEST_SUITE("oracle") {
 
 TEST_SUITE("unit") {
   TEST_CASE("equal configurations fill leaf after leaf") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const internal::JointSpace space(robot);
     internal::NearestTree tree(space, Isa::automatic);
     const std::vector<float> same = {0.5f, -0.25f}, other = {0.75f, -0.25f};
@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a cleared tree knows only what is added afterwards") {
-    const Robot robot = planar_arm({1, 1});
+    const Robot robot = thick_arm({1, 1});
     const internal::JointSpace space(robot);
     internal::NearestTree tree(space, Isa::automatic);
     Rng rng(3);

@@ -308,7 +308,7 @@ inline void check_clamps_rounding_errors(OwnPlanner plan) {
   CHECK(result.path.back() == Configuration{2, 0, 0});
 
   // A continuous joint is wrapped, however often it went round.
-  World arm{"wrap", planar_arm({1, 1}), {}, {{7 * kPi, 0.5}, {{-20, 0.5}}}};
+  World arm{"wrap", thick_arm({1, 1}), {}, {{7 * kPi, 0.5}, {{-20, 0.5}}}};
   const PlanResult wrapped = run(plan, arm, patient_settings());
   check_solution(arm, make_checker(arm), wrapped);
 }
@@ -336,7 +336,7 @@ inline void check_is_repeatable(OwnPlanner plan) {
 
 /// Thin posts between states that are far apart: what comes back survives ten times the resolution.
 inline void check_verification_catches_tunnelling(OwnPlanner plan) {
-  World world{"posts", planar_arm({1, 1}), {}, {{-1, 0.4}, {{1, 0.4}}}};
+  World world{"posts", thick_arm({1, 1}), {}, {{-1, 0.4}, {{1, 0.4}}}};
   world.scene = make_circle_scene("", {{1.9, 0.1, 0.01}, {1.5, 0.3, 0.01}, {0.9, -0.3, 0.01}});
   CheckerSettings coarse;
   coarse.resolution = 0.5;
@@ -403,7 +403,7 @@ inline void check_continuous_verification(OwnPlanner plan) {
 inline void check_half_turns(OwnPlanner plan) {
   for (const double side : {-1.0, 1.0}) {
     const World world{"half a turn",
-                      planar_arm({1, 1}),
+                      thick_arm({1, 1}),
                       make_circle_scene("", {{0, 1.5 * side, 0.2}}),
                       {{0, 0.2}, {{kPi, 0.2}}}};
     const CollisionChecker checker = make_checker(world);

@@ -46,7 +46,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the default range depends on whether the robot is planar") {
-    CHECK(default_range(planar8()) == default_range(planar_arm({1, 1})));
+    CHECK(default_range(planar8()) == default_range(thick_arm({1, 1})));
     CHECK(default_range(spatial_arm()) == default_range(gantry()));
     CHECK(default_range(planar8()) > 0.1);
     CHECK(default_range(gantry()) > 0.1);

@@ -5,14 +5,11 @@
 /// paths.
 #pragma once
 
-#include "support/support.h"
+#include "support/planar_memory.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace mneme::test {
-
-inline constexpr double kPi = std::numbers::pi;
 
 struct World {
   std::string name;
@@ -22,7 +19,7 @@ struct World {
 };
 
 inline CollisionChecker make_checker(const Robot& robot, const Scene& scene,
-                                     const CheckerSettings& settings = {}) {
+                                     const CheckerSettings& settings) {
   auto checker = CollisionChecker::make(robot, scene, settings);
   REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
   return *checker;
@@ -31,13 +28,7 @@ inline CollisionChecker make_checker(const World& world, const CheckerSettings& 
   return make_checker(world.robot, world.scene, settings);
 }
 
-inline Robot planar_arm(const std::vector<double>& lengths) {
-  const auto urdf = planar_arm_urdf("arm", lengths, 0.02);
-  REQUIRE(urdf.has_value());
-  auto robot = parse_robot(*urdf, "arm.urdf");
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
-}
+inline Robot thick_arm(const std::vector<double>& lengths) { return planar_arm(lengths, 0.02); }
 
 /// Adds a link that hangs on the latest one by a joint at `offset`.
 inline void add_link(Robot::Parts& parts, JointType type, const Vec3& offset, const Vec3& axis,
@@ -137,7 +128,7 @@ inline CheckerSettings coarse_states() {
 /// Three robots of the plane, one of space and one that slides; each in an empty scene, beside one
 /// obstacle, and reaching through a gap.
 inline std::vector<World> small_worlds() {
-  const Robot arm2 = planar_arm({1, 1}), arm3 = planar_arm({1, 0.8, 0.6}), arm8 = planar8();
+  const Robot arm2 = thick_arm({1, 1}), arm3 = thick_arm({1, 0.8, 0.6}), arm8 = planar8();
   const Robot spatial = spatial_arm(), slider = gantry();
   const Configuration bent8 = {2.5, 0.3, 0.3, -0.3, 0.4, -0.2, 0.3, 0.1};
   const Configuration straight8(8, 0.0);

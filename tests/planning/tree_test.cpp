@@ -91,7 +91,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("steps of a continuous joint go through its jump and stay wrapped") {
-    TreeFixture f({"", planar_arm({1, 1}), {}, {{3, 0}, {{-2, 0}}}});
+    TreeFixture f({"", thick_arm({1, 1}), {}, {{3, 0}, {{-2, 0}}}});
     f.tree.add(Row{3, 0}, -1);
     const int last = f.tree.connect(0, Row{-2, 0});
     REQUIRE(last == 2);

@@ -21,8 +21,8 @@ inline Robot require_arm(const std::string& urdf) {
   return *robot;
 }
 
-inline Robot planar_arm(const std::vector<double>& lengths) {
-  const auto urdf = planar_arm_urdf("arm", lengths, 0.001);
+inline Robot planar_arm(const std::vector<double>& lengths, double thickness = 0.001) {
+  const auto urdf = planar_arm_urdf("arm", lengths, thickness);
   REQUIRE(urdf.has_value());
   return require_arm(*urdf);
 }

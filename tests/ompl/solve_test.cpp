@@ -8,22 +8,8 @@ namespace {
 /// Radians: a tenth of a planar arm's default.
 constexpr double kExactResolution = 0.002;
 
-SolveResult solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings,
-                          const OmplSettings& ompl = {}) {
-  auto result = solve_with_ompl(problem, database, settings, ompl);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return std::move(*result);
-}
-
-SolveSettings settings_for(const std::string& planner, const std::string& sampler = "uniform") {
-  SolveSettings settings;
-  settings.planner = planner;
-  settings.sampler = sampler;
-  return settings;
-}
-
 void check_refused(const SolveSettings& settings, const std::string& word) {
-  const auto result = solve_with_ompl(gap_problem(), nullptr, settings);
+  const auto result = solve(gap_problem(), nullptr, settings);
   REQUIRE(!result.has_value());
   CHECK(result.error().code == ErrorCode::invalid);
   CHECK_MESSAGE(result.error().message.find(word) != std::string::npos, result.error().message);
@@ -62,7 +48,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a database of another robot is refused") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "m.db", planar8());
-    const auto result = solve_with_ompl(gap_problem(), &database, settings_for("RRTConnect", "gl"));
+    const auto result = solve(gap_problem(), &database, settings_for("RRTConnect", "gl"));
     REQUIRE(!result.has_value());
     CHECK(result.error().code == ErrorCode::wrong_robot);
   }
@@ -81,11 +67,12 @@ TEST_SUITE("unit") {
     Problem problem{"post", planar_arm({1}), "", {}, {-0.5}, {{0.5}}, {}};
     problem.scene = make_circle_scene("", {{0.95, 0, 0.001}});
     SolveSettings settings = settings_for("RRTConnect");
-    OmplSettings paper;
-    paper.as_in_paper = true;
+    SolveSettings careless_settings = settings;
+    careless_settings.plan.ompl_defaults = true;
     int tunnels = 0;
     for (settings.plan.seed = 1; settings.plan.seed <= 10; ++settings.plan.seed) {
-      const SolveResult careless = solve_or_fail(problem, nullptr, settings, paper);
+      careless_settings.plan.seed = settings.plan.seed;
+      const SolveResult careless = solve_or_fail(problem, nullptr, careless_settings);
       if (careless.plan.is_solved() &&
           !is_path_free(problem.robot, problem.scene, careless.plan.path, kExactResolution)) {
         ++tunnels;
@@ -99,14 +86,14 @@ TEST_SUITE("unit") {
 TEST_SUITE("flow") {
   TEST_CASE("every planner solves an easy problem with uniform samples") {
     const Problem problem = gap_problem();
-    for (const std::string_view name : ompl_planner_names()) {
+    for (const std::string& name : ompl_names()) {
       CAPTURE(name);
-      SolveSettings settings = settings_for("ompl:" + std::string(name));
+      SolveSettings settings = settings_for(name);
       settings.plan.timeout_s = 600;
       settings.plan.seed = 2;  // with which the planners that optimise are quick
       const SolveResult result = solve_or_fail(problem, nullptr, settings);
       check_path(problem, result);
-      CHECK(result.planner == "ompl:" + std::string(name));
+      CHECK(result.planner == "ompl:" + name);
       CHECK(result.total_time_s >= result.planning_time_s);
       CHECK(result.plan.states_checked > 0);
       CHECK(result.plan.motions_checked > 0);
@@ -115,9 +102,9 @@ TEST_SUITE("flow") {
 
   TEST_CASE("PRM solves it with every sampler of valid states, and with Halton points") {
     const Problem problem = gap_problem();
-    for (const std::string_view name : ompl_sampler_names()) {
+    for (const std::string& name : valid_sampler_names()) {
       CAPTURE(name);
-      check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", std::string(name))));
+      check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", name)));
     }
     check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", "halton")));
   }
@@ -126,7 +113,7 @@ TEST_SUITE("flow") {
     const Problem problem = planar_problem("threaded_b4");
     const TemporaryDirectory directory;
     Database database = make_database(directory / "m.db", problem.robot);
-    const auto primitives = decompose(problem.robot, problem.scene, {});
+    const auto primitives = decompose(memory_query(problem));
     REQUIRE(primitives.has_value());
     LearnSettings learning = cheap_settings();
     learning.starts_per_link = 2;
@@ -153,12 +140,12 @@ TEST_SUITE("flow") {
     const auto space = make_space(problem.robot);
     Database database = Database::open(directory / "m.db", space, OpenMode::create).value();
     SolveSettings settings = settings_for("RRTConnect", "gl");
-    settings.decompose.decomposer = "paths";
+    settings.memory.kind = "paths";
     CHECK(solve_or_fail(problem, &database, settings).remembered.rows == 0);
     settings.remember_after = 0;
-    OmplSettings paper;
-    paper.as_in_paper = true;
-    CHECK(solve_or_fail(problem, &database, settings, paper).remembered.rows == 0);
+    settings.plan.ompl_defaults = true;
+    CHECK(solve_or_fail(problem, &database, settings).remembered.rows == 0);
+    settings.plan.ompl_defaults = false;
     REQUIRE(database.size() == 0);
 
     const SolveResult result = solve_or_fail(problem, &database, settings);
