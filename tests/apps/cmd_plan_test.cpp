@@ -190,12 +190,14 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--planner", "rrtt"}, 2, {"unknown planner 'rrtt'", "rrt_connect"}},
         {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
         {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
-        {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0 to 1000"}},
-        {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "-1 to 1"}},
+        {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0.001 to 1000"}},
+        {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
         {{"plan", problem, "--lambda", "nan"}, 2, {"--lambda", "'nan'"}},
         {{"plan", problem, "--timeout", "1s"}, 2, {"--timeout", "'1s'", "a number"}},
         {{"plan", problem, "--timeout", "-1"}, 2, {"--timeout", "'-1'"}},
         {{"plan", problem, "--max-matches", "2.5"}, 2, {"--max-matches", "a whole number"}},
+        {{"plan", problem, "--max-matches", "0"}, 2, {"--max-matches", "'0'", "1 to 1000000"}},
+        {{"plan", problem, "--kind", "nope"}, 2, {"--kind", "'nope'", "pairs, body_pairs"}},
         {{"plan", problem, "--seed", "-1"}, 2, {"--seed", "'-1'"}},
         {{"plan", problem, "--seed", "99999999999999999999"}, 2, {"--seed"}},
         {{"plan", problem, "--start", "1,2,x"}, 2, {"--start", "item 3 is 'x'"}},
@@ -284,6 +286,9 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--db", "postgresql://127.0.0.1:1/x"}, 1, {"postgresql"}},
         {{"plan", problem, "--db", "mysql://127.0.0.1/x"}, 1, {"mysql"}},
         {{"plan", files.short_arm_problem(), "--db", files.database()}, 5, {"planar8", "short"}},
+        {{"plan", problem, "--db", files.database(), "--kind", "paths", "--learn-budget", "1"},
+         1,
+         {"learn-budget", "'paths'", "does not learn on a miss"}},
     });
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
   }

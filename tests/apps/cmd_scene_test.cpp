@@ -151,7 +151,7 @@ TEST_SUITE("flow") {
     const std::string shelf = source_file("scenes/shelf/thick.yaml");
     const std::string memory = files / "shelf.db";
     const ProgramRun learned =
-        run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--decomposer", "gaps", "--db",
+        run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--kind", "gaps", "--db",
                      memory, "--starts-per-link", "10", "--paths-per-start", "1", "--jobs", "1",
                      "--learn-iterations", "50000", "--json"});
     REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);

@@ -27,7 +27,11 @@ TEST_SUITE("unit") {
       CHECK_MESSAGE(row.ends_with("| " + std::string(sentence) + " |"), row);
       std::string text = row.substr(std::min(row.size(), flag.size() + 7));
       text = text.substr(0, text.find(" |"));
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) {
+      using Setting = std::remove_cvref_t<decltype(value)>;
+      if constexpr (SettingTraits<Setting>::is_optional) {
+        CHECK(!value.has_value());
+        CHECK(text == "-");
+      } else if constexpr (std::is_same_v<Setting, bool>) {
         CHECK(text == (value ? "on" : "off"));
       } else {
         CHECK(std::strtod(text.c_str(), nullptr) == static_cast<double>(value));
@@ -36,11 +40,10 @@ TEST_SUITE("unit") {
     const SolveSettings settings;
     visit_settings(settings, check);
     visit_settings(settings.plan, check);
-    visit_settings(settings.decompose, check);
+    visit_settings(settings.memory, check);
     visit_settings(settings.learn, check);
-    for (const std::string& decomposer : decomposer_names()) {
-      CHECK(has_text(row_of("decomposer"), decomposer));
-      CHECK_FALSE(row_of(decomposer).empty());
+    for (const MemoryKind* kind : memory_kinds()) {
+      CHECK_FALSE(row_of(std::string(kind->name)).empty());
     }
   }
 

@@ -17,7 +17,7 @@ struct PretendedBench {
       problem.name = name;
       plan.problems.push_back({"set", problem});
     }
-    append_cases({}, std::array{BenchPlanner{"one"}, BenchPlanner{"two"}}, {"uniform"}, plan.cases);
+    append_cases({}, {"one", "two"}, {"uniform"}, plan.cases);
     plan.solve = [answer](const Problem& problem, Database*, const BenchCase& bench_case) {
       SolveResult result;
       result.planner = bench_case.settings.planner;
@@ -110,13 +110,24 @@ TEST_SUITE("unit") {
     CHECK(bench.order().starts_with("Ao1 At1 Bo1 Bt1 At2 Ao2 "));
   }
 
-  TEST_CASE("Names become entries of the table in their order, unknown ones are not built in") {
-    const std::vector<BenchPlanner> all = {{"one"}, {"two", true, true}};
-    const auto found = find_planners(all, {"two", "three", "one"});
-    REQUIRE(found.size() == 3);
-    CHECK(found[0].is_serial);
-    CHECK_FALSE(found[1].is_built_in);
-    CHECK(found[2].name == "one");
+  TEST_CASE("Each planner meets each sampler, in the order of their names; some take turns") {
+    PlannerEntry alone;
+    alone.name = "alone";
+    alone.is_exclusive = true;
+    add_planners({alone});
+    BenchCase setting;
+    setting.setting = "tuned";
+    setting.settings.lambda = 0.25;
+    std::vector<BenchCase> cases(1);
+    append_cases(setting, {"rrt", "alone"}, {"uniform", "gl"}, cases);
+    std::string names;
+    for (const BenchCase& added : std::span(cases).subspan(1)) {
+      CHECK(added.setting == "tuned");
+      CHECK(added.settings.lambda == 0.25);
+      CHECK(added.is_serial == (added.settings.planner == "alone"));
+      names += added.settings.planner + " " + added.settings.sampler + ", ";
+    }
+    CHECK(names == "rrt uniform, rrt gl, alone uniform, alone gl, ");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 namespace mneme {
@@ -33,14 +34,12 @@ TEST_SUITE("unit") {
   }
 }
 
-const SuiteNames kNames = {{"rrt_connect", "prm", "ompl:RRT"}, {"gl", "uniform"}};
-
 constexpr const char* kHead = "problems: [a.yaml]\nmemories:\n  m: {file: m.db}\n";
 
 Result<Suite> read(const std::string& text) {
   const test::TemporaryDirectory directory;
   test::write_file(directory / "small.yaml", text);
-  return load_suite(directory / "small.yaml", kNames);
+  return load_suite(directory / "small.yaml");
 }
 
 std::string failure(const std::string& text) {
@@ -64,7 +63,7 @@ memories:
   seen: {problems: [{file: more/many.json, part: 1/2}], paths: 2, path-timeout: 1.5}
 settings:
   tuned: {memory: grid}
-  paper: {memory: seen, similarity: 3, max-matches: 0, drop-invalid-means: false, timeout: 20,
+  paper: {memory: seen, similarity: 3, max-matches: 1000000, drop-invalid-means: false, timeout: 20,
           planners: rrt_connect, samplers: [gl], sets: [many]}
 )");
     REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
@@ -87,8 +86,8 @@ settings:
     CHECK(suite->settings[0].planners.size() == 2);
     CHECK(suite->settings[1].solve.plan.timeout_s == 20);
     CHECK(suite->settings[1].solve.similarity == 3);
-    CHECK(suite->settings[1].solve.max_matches == 0);
-    CHECK_FALSE(suite->settings[1].solve.drop_invalid_means);
+    CHECK(suite->settings[1].solve.max_matches == 1000000);
+    CHECK(suite->settings[1].solve.drop_invalid_means == false);
     CHECK(suite->settings[1].planners == std::vector<std::string>{"rrt_connect"});
     CHECK(suite->settings[1].sets == std::vector<std::string>{"many"});
   }
@@ -106,9 +105,9 @@ settings:
               .find("small.yaml:2: key planers: unknown key, expected one of problems, planners") ==
           0);
     CHECK(failure("problems: [a.yaml]\nplanners: [best]\n")
-              .find("small.yaml:2: key planners: unknown planner \"best\", expected some of "
+              .find("small.yaml:2: key planners: unknown planner 'best': expected one of "
                     "rrt_connect") == 0);
-    CHECK(failure("problems: [a.yaml]\nsamplers: [halt]\n").find("unknown sampler \"halt\"") !=
+    CHECK(failure("problems: [a.yaml]\nsamplers: [halt]\n").find("unknown sampler 'halt'") !=
           std::string::npos);
     CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: m, sigmoid: 1}\n")
               .find("small.yaml:5: key settings.s.sigmoid: unknown key") == 0);
@@ -189,22 +188,25 @@ settings:
   }
 
   TEST_CASE("The suites that come with mneme are sound, and their files are there") {
-    SuiteNames names = {{"rrt_connect", "rrt", "prm"},
-                        {"gl", "pooled", "nearest_scenes", "cvae", "uniform", "halton", "gaussian",
-                         "obstacle_based", "bridge_test", "max_clearance"}};
-    for (const char* planner : {"RRT", "RRTConnect", "PRM", "BKPIECE1", "KPIECE1", "BiEST",
-                                "STRIDE", "SBL", "BITstar", "Lightning", "Thunder"}) {
-      names.planners.push_back(std::string("ompl:") + planner);
-    }
+    // Those of OMPL's are taken as they are where it was not built in.
+    const std::set<std::string> foreign = {"ompl:RRT",       "ompl:RRTConnect", "ompl:PRM",
+                                           "ompl:BKPIECE1",  "ompl:KPIECE1",    "ompl:BiEST",
+                                           "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
+                                           "ompl:Lightning", "ompl:Thunder"};
     setenv("MEMORY", "memory.db", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
     int count = 0;
     for (const auto& entry :
          std::filesystem::directory_iterator(test::source_file("bench/suites"))) {
-      const auto suite = load_suite(entry.path().string(), names);
+      const auto suite = load_suite(entry.path().string());
       REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
       for (const SuiteProblems& problems : suite->problems) {
         CHECK_MESSAGE(std::filesystem::exists(problems.where), problems.where);
+      }
+      for (const SuiteSetting& setting : suite->settings) {
+        for (const std::string& planner : setting.planners) {
+          if (planner.starts_with("ompl:")) CHECK_MESSAGE(foreign.contains(planner), planner);
+        }
       }
       for (const SuiteMemory& memory : suite->memories) {
         for (const SuiteProblems& lesson : memory.problems) {
@@ -217,8 +219,35 @@ settings:
     CHECK(count >= 6);
   }
 
+  TEST_CASE("Planners that are not built in may be named, and are left out with a note") {
+    const test::TemporaryDirectory directory;
+    test::write_file(directory / "small.yaml",
+                     "problems: [" + test::source_file("scenes/planar/scenario1.yaml") +
+                         "]\nplanners: [\"ompl:RRT\", prm]\nsamplers: [uniform]\n");
+    const auto suite = load_suite(directory / "small.yaml");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    std::vector<std::string> notes;
+    SuiteHooks hooks;
+    hooks.on_note = [&](const std::string& note) { notes.push_back(note); };
+    const auto ready = prepare_suite(*suite, directory / "memories", {}, hooks);
+    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
+    REQUIRE(ready->plan.cases.size() == 1);
+    CHECK(ready->plan.cases[0].settings.planner == "prm");
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].starts_with("left out: ompl:RRT"));
+  }
+
+  TEST_CASE("A memory that is learned from problems may name its kind") {
+    const std::string head = "problems: [a.yaml]\nmemories:\n  m: {problems: [b.yaml], ";
+    const auto suite = read(head + "kind: paths}\nsettings:\n  s: {memory: m}\n");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    CHECK(suite->memories.at(0).kind == "paths");
+    CHECK(failure(head + "kind: nope}\n").find("small.yaml:3: key memories.m.kind: ") == 0);
+    CHECK(failure(head + "decomposer: pairs}\n").find("unknown key") != std::string::npos);
+  }
+
   TEST_CASE("A suite that is not there is an error that names it") {
-    const auto suite = load_suite("no/such.yaml", kNames);
+    const auto suite = load_suite("no/such.yaml");
     REQUIRE_FALSE(suite.has_value());
     CHECK(suite.error().message.find("no/such.yaml") != std::string::npos);
   }

@@ -16,7 +16,8 @@ struct Program {
     for (const auto add :
          {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn, mneme::app::add_db,
           mneme::app::add_robot, mneme::app::add_scene, mneme::app::add_bench, mneme::app::add_view,
-          mneme::app::add_doctor, mneme::app::add_completion, mneme::app::add_manual}) {
+          mneme::app::add_doctor, mneme::app::add_completion, mneme::app::add_manual,
+          mneme::app::add_settings_list}) {
       add(app, action);
     }
     app.require_subcommand(1);

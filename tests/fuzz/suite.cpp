@@ -7,7 +7,7 @@
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "suite.yaml");
-  const auto suite = mneme::load_suite(path, {{"rrt", "rrt_connect"}, {"gl", "uniform"}});
+  const auto suite = mneme::load_suite(path);
   mneme::fuzz::expect_message(suite);
   if (suite) {
     for (const auto& setting : suite->settings) (void)mneme::describe_settings(setting.solve);

@@ -36,7 +36,7 @@ void check_in_range(const PrimitiveGrid& grid, const PrimitiveKey& key) {
 
 double nearest_error(const std::vector<PrimitiveKey>& keys, const PrimitiveKey& probe) {
   double least = std::numeric_limits<double>::infinity();
-  for (const PrimitiveKey& key : keys) least = std::min(least, similarity_error(key, probe));
+  for (const PrimitiveKey& key : keys) least = std::min(least, circle_pair_error(key, probe));
   return least;
 }
 

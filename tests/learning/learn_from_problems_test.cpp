@@ -20,16 +20,14 @@ std::vector<Problem> post_problems(const Posts& posts) {
   return problems;
 }
 
-DecomposeSettings whole_paths() {
-  DecomposeSettings decompose;
-  decompose.decomposer = "paths";
-  return decompose;
+MemorySettings whole_paths() {
+  MemorySettings memory;
+  memory.kind = "paths";
+  return memory;
 }
 
 Database open_paths(const std::string& path, const Robot& robot) {
-  const auto space = make_space(robot, "paths");
-  REQUIRE(space.has_value());
-  auto database = Database::open(path, *space, OpenMode::create);
+  auto database = Database::open(path, make_space(robot), OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }
@@ -153,7 +151,7 @@ TEST_SUITE("unit") {
     CHECK(progress.back().total == 4);
   }
 
-  TEST_CASE("a time limit that makes no sense is an error, and so is a kind that knows no paths") {
+  TEST_CASE("a time limit that makes no sense is an error, and so is an unknown kind") {
     const Posts posts;
     const std::vector<Problem> problems = post_problems(posts);
     Database database = open_paths(posts.directory / "a.db", problems.front().robot);
@@ -162,8 +160,8 @@ TEST_SUITE("unit") {
     const auto refused = learn_from_problems(problems, whole_paths(), database, lesson);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::invalid);
-    DecomposeSettings unknown;
-    unknown.decomposer = "none";
+    MemorySettings unknown;
+    unknown.kind = "none";
     CHECK(!learn_from_problems(problems, unknown, database, two_paths()).has_value());
     CHECK(database.size() == 0);
   }

@@ -195,9 +195,13 @@ WRONG = [
     ("suite", ["seeds"], 0),
     ("suite", ["settings", "plain", "lambda"], 2),
     ("suite", ["settings", "plain", "lamda"], 1),
+    ("suite", ["settings", "plain", "max-matches"], 0),
+    ("suite", ["settings", "plain", "first-components"], 0),
+    ("suite", ["settings", "plain", "resolution"], 0),
     ("suite", ["settings", "plain", "simplify"], 1),
     ("suite", ["memories"], {"own": {}}),
     ("suite", ["memories"], {"own": {"primitives": "grid.yaml"}}),
+    ("suite", ["memories"], {"own": {"problems": [str(PLANAR / "scenario1.yaml")], "decomposer": "pairs"}}),
     ("suite", ["memories"], {"own": {"file": "a.db", "primitives": "grid.yaml", "robot": "planar8"}}),
     ("suite", ["memories"], {"own": {"file": "a.db", "starts-per-link": 0}}),
 ]
@@ -252,7 +256,7 @@ def test_a_suite_may_have_every_setting_of_plan():
     help_text = mneme("plan", "--help")
     flags = set(re.findall(r"^  (?:-\w,)?--([a-z-]+)", help_text, re.MULTILINE))
     others = {"help", "robot", "srdf", "group", "package-path", "start", "goal", "db", "db-memory", "planner",
-              "sampler", "seed", "decomposer", "isa", "view", "svg", "trace", "json"}
+              "sampler", "seed", "kind", "isa", "view", "svg", "trace", "json"}
     assert others <= flags
     definitions = SCHEMAS["suite"]["$defs"]
     assert set(definitions["planning"]["properties"]) | set(definitions["learning"]["properties"]) == flags - others

@@ -45,7 +45,9 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.sampler = kSamplers.at(number / planners().size() % kSamplers.size());
   settings.margin = campaign.margin;
   settings.retrieve_after = 0;
-  settings.learn_budget_s = robot.is_planar() ? 0.01 : 0;
+  const bool has_paths = plan % 2 == 1;  // as Memory::database()
+  if (has_paths) settings.memory = whole_paths();
+  settings.learn_budget_s = robot.is_planar() && !has_paths ? 0.01 : 0;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
   settings.plan.seed = derive_seed(campaign.seed, number);
@@ -53,7 +55,6 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.plan.max_iterations = campaign.max_iterations;
   settings.plan.verify = campaign.verify;
   settings.plan.continuous = campaign.continuous;
-  if (plan % 2 == 1) settings.decompose.decomposer = "paths";  // as Memory::database()
   return settings;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soak/endurance.h"
 
+#include "soak/memory.h"
 #include "soak/random_problem.h"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ SolveSettings settings_of(int plan) {
   settings.plan.seed = static_cast<std::uint64_t>(plan);
   settings.plan.timeout_s = 600;
   settings.plan.max_iterations = 3000;
-  settings.decompose.decomposer = "paths";
+  settings.memory = whole_paths();
   return settings;
 }
 
@@ -61,7 +62,9 @@ Result<void> plan_and_remember(Pair& databases, const Problem& problem, int plan
   ++round.plans;
   if (!solved->plan.is_solved()) return {};
   const std::span<const Path> paths(&solved->plan.path, 1);
-  const auto inserted = databases.writer.insert(learn_whole_paths(problem.robot, paths));
+  auto rows = learn_from_paths({problem.robot, problem.scene}, paths, whole_paths());
+  if (!rows) return tl::unexpected(rows.error());
+  const auto inserted = databases.writer.insert(std::move(*rows));
   if (!inserted) return tl::unexpected(inserted.error());
   const auto seen = databases.reader.refresh();
   if (!seen) return tl::unexpected(seen.error());

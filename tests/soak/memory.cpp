@@ -32,11 +32,14 @@ Result<Memory> Memory::create(const Robot& robot, const std::string& directory) 
 
 Result<void> Memory::remember(const Problem& problem, const Path& path) {
   const std::span<const Path> solved(&path, 1);
-  auto kept = insert(paths_, learn_whole_paths(problem.robot, solved));
-  if (!kept || problem.robot.is_planar()) return kept;
-  auto rows = learn_from_paths(problem.robot, problem.scene, solved, {});
-  if (!rows) return tl::unexpected(rows.error());
-  return insert(pairs_, std::move(*rows));
+  const MemoryQuery query{problem.robot, problem.scene};
+  const auto teach = [&](Database& database, const MemorySettings& kind) {
+    return learn_from_paths(query, solved, kind).and_then([&](std::vector<Experience> rows) {
+      return insert(database, std::move(rows));
+    });
+  };
+  auto kept = teach(paths_, whole_paths());
+  return !kept || problem.robot.is_planar() ? kept : teach(pairs_, {});
 }
 
 }  // namespace mneme::soak

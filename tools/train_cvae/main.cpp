@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "mneme/experience.h"
+#include "mneme/memory.h"
 #include "pipeline/cvae_sampler.h"
 #include "pipeline/cvae_weights.h"
 #include "pipeline/scene_image.h"
@@ -39,32 +39,41 @@ float place(const Joint& joint, double value) {
   return static_cast<float>((value - middle) / (0.5 * (joint.upper - joint.lower)));
 }
 
-/// Each row of the database as it was learned, and its mirror image, which is as good.
-cvae::Examples make_examples(const Robot& robot, const Database& database, const Input& input,
-                             double half_extent) {
+/// Appends a row as it was learned, and its mirror image, which is as good.
+void add_row(const Robot& robot, const Experience& row, const Input& input, double half_extent,
+             cvae::Examples& examples, std::int64_t& scene) {
+  const LocalSampler& sampler = row.sampler;
+  for (const float sign : {1.0f, -1.0f}) {
+    const PrimitiveKey circles = moved_key({0, sign < 0}, row.key);
+    const Symmetry to_canonical = {-internal::mean_direction(circles), false};
+    const auto image =
+        internal::draw_image(moved_key(to_canonical, circles), input.cells, half_extent);
+    examples.images.insert(examples.images.end(), image.begin(), image.end());
+    for (int i = 0; i < sampler.component_count(); ++i) {
+      for (int j = 0; j < robot.joint_count(); ++j) {
+        const float value = sampler.means[static_cast<std::size_t>(i * robot.joint_count() + j)];
+        const double turn = j == 0 ? to_canonical.rotation : 0;
+        examples.configurations.push_back(
+            place(robot.group_joint(j), std::remainder(sign * value + turn, 2 * M_PI)));
+      }
+      examples.scenes.push_back(scene);
+    }
+    ++scene;
+  }
+}
+
+/// The rows of pairs of circles; those of other kinds cannot be drawn.
+Result<cvae::Examples> make_examples(const Robot& robot, const Database& database,
+                                     const Input& input, double half_extent) {
+  const auto pairs = find_memory_kind("pairs");
+  if (!pairs) return tl::unexpected(pairs.error());
   cvae::Examples examples;
   std::int64_t scene = 0;
-  for (std::int64_t row = 0; row < database.size(); ++row) {
-    const Experience& experience = database.get(row);
-    const LocalSampler& sampler = experience.sampler;
-    for (const float sign : {1.0f, -1.0f}) {
-      const PrimitiveKey circles = moved_key({0, sign < 0}, experience.key);
-      const Symmetry to_canonical = {-internal::mean_direction(circles), false};
-      const auto image =
-          internal::draw_image(moved_key(to_canonical, circles), input.cells, half_extent);
-      examples.images.insert(examples.images.end(), image.begin(), image.end());
-      for (int i = 0; i < sampler.component_count(); ++i) {
-        for (int j = 0; j < robot.joint_count(); ++j) {
-          const float value = sampler.means[static_cast<std::size_t>(i * robot.joint_count() + j)];
-          const double turn = j == 0 ? to_canonical.rotation : 0;
-          examples.configurations.push_back(
-              place(robot.group_joint(j), std::remainder(sign * value + turn, 2 * M_PI)));
-        }
-        examples.scenes.push_back(scene);
-      }
-      ++scene;
-    }
-  }
+  const auto read = database.for_each([&](const std::shared_ptr<const Experience>& row) {
+    if (row->kind != (*pairs)->version) return;
+    add_row(robot, *row, input, half_extent, examples, scene);
+  });
+  if (!read) return tl::unexpected(read.error());
   return examples;
 }
 
@@ -107,14 +116,15 @@ Result<void> run(const Input& input) {
   if (!database) return tl::unexpected(database.error());
   if (!robot->is_planar()) return fail(ErrorCode::unsupported, "the CVAE is for planar arms");
   const double half_extent = reach_of(*robot);
-  const cvae::Examples examples = make_examples(*robot, *database, input, half_extent);
-  if (examples.scenes.empty()) return fail(ErrorCode::invalid, "the database has no components");
-  std::printf("%zu configurations of %lld rows, with their mirror images\n", examples.scenes.size(),
-              static_cast<long long>(database->size()));
+  const auto examples = make_examples(*robot, *database, input, half_extent);
+  if (!examples) return tl::unexpected(examples.error());
+  if (examples->scenes.empty()) return fail(ErrorCode::invalid, "the database has no components");
+  std::printf("%zu configurations of %lld rows, with their mirror images\n",
+              examples->scenes.size(), static_cast<long long>(database->size()));
   const cvae::Sizes sizes{robot->joint_count(), input.latents, input.cells * input.cells,
                           input.hidden};
   cvae::TrainedDecoder trained =
-      cvae::train(sizes, examples, input.training, [](int step, double loss) {
+      cvae::train(sizes, *examples, input.training, [](int step, double loss) {
         if (step % 1000 == 0) std::printf("step %d: loss %.4f\n", step, loss);
       });
   std::printf("mean squared error %.5f of (half the limits)^2 per joint, divergence %.2f nats\n",
