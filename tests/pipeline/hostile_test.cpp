@@ -153,7 +153,7 @@ TEST_SUITE("unit") {
     const SolveResult result = solve_hostile(problem, &database, settings);
     CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
     CHECK(result.gl.primitives.empty());
-    settings.decompose.max_gap = 3;
+    settings.memory.max_gap = 3;
     const auto crowded = solve(problem, &database, settings);
     REQUIRE(!crowded.has_value());
     CHECK(crowded.error().message.find("max-gap") != std::string::npos);

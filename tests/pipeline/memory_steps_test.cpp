@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/valid_components.h"
+#include "pipeline/memory_steps.h"
 
 #include "support/planar_memory.h"
 
@@ -54,6 +54,26 @@ TEST_SUITE("unit") {
     const GaussianMixture kept = internal::keep_valid_components(checker, pointing({}));
     CHECK(kept.component_count() == 0);
     CHECK(kept.joint_count == 8);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("mixtures are joined one after the other, each with its own factors") {
+    GaussianMixture all = pointing({1, 2});
+    GaussianMixture more = pointing({3, 4});
+    more.factor_rows = {-1, 0};
+    more.factors.assign(36, 0.5f);
+    more.origins = {5, 6};
+    internal::append(all, more);
+    internal::append(all, more);
+    CHECK(all.means == pointing({1, 2, 3, 4, 3, 4}).means);
+    CHECK(all.factor_rows == std::vector<int>{-1, -1, -1, 0, -1, 1});
+    CHECK(all.factors.size() == 72);
+    CHECK(all.origins == std::vector<Origin>{0, 0, 5, 6, 5, 6});
+    GaussianMixture none;
+    internal::append(none, more);
+    CHECK(none.means == more.means);
+    CHECK(none.origins == more.origins);
   }
 }
 
