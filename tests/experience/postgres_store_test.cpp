@@ -155,7 +155,7 @@ TEST_SUITE("flow") {
     });
     for (const Experience& row : rows) {
       CHECK(find_like(writer, make_primitive(row.key), 1e-9, 1)->size() == 1);
-      const auto matches = partly->find(make_primitive(row.key), 1e-9, 1);
+      const auto matches = find_like(*partly, make_primitive(row.key), 1e-9, 1);
       REQUIRE(matches->size() == 1);
       CHECK(is_same_content(*matches->front().experience, row));
     }

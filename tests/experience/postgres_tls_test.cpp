@@ -37,7 +37,7 @@ TEST_SUITE("flow") {
       auto database = Database::open(url, arm_space(), OpenMode::create);
       REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
       REQUIRE(database->insert(rows).has_value());
-      CHECK(database->find(make_primitive(rows[1].key), 1e-9, 1)->size() == 1);
+      CHECK(find_like(*database, make_primitive(rows[1].key), 1e-9, 1)->size() == 1);
       const auto is_secure =
           connect_to(url).query("SELECT ssl::int FROM pg_stat_ssl WHERE pid = pg_backend_pid()");
       REQUIRE(is_secure.has_value());

@@ -40,9 +40,24 @@ TEST_SUITE("unit") {
           }).empty());
   }
 
+  TEST_CASE("a kind is a short text without control characters") {
+    for (const std::string kind : {"", "a\tb", "\x7f", "\xc2\x85", "caf\xe9", "a\xff"}) {
+      CHECK(flaw_after([&](Experience& e) { e.kind = kind; }).find("its kind is no text") == 0);
+    }
+    CHECK(!flaw_after([](Experience& e) { e.kind = std::string(65, 'k'); }).empty());
+    CHECK(!flaw_after([](Experience& e) { e.kind = std::string("a\0b", 3); }).empty());
+    CHECK(flaw_after([](Experience& e) { e.kind = std::string(64, 'k'); }).empty());
+    CHECK(flaw_after([](Experience& e) { e.kind = "caf\xc3\xa9/1"; }).empty());
+  }
+
   TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {
-    CHECK(flaw_after([](Experience& e) { e.key.pop_back(); }) ==
-          "its key has 5 numbers; expected 6");
+    CHECK(flaw_after([](Experience& e) { e.key.clear(); }) == "its key has no numbers");
+    internal::KeySizes sizes;
+    CHECK(!sizes.check("pairs/1", 6));
+    CHECK(!sizes.check("trios/1", 3));
+    CHECK(!sizes.check("pairs/1", 6));
+    CHECK(sizes.check("pairs/1", 5) ==
+          "its key has 5 numbers; expected 6, as others of kind 'pairs/1'");
     CHECK(flaw_after([](Experience& e) { e.key[2] = kNan; }).find("number 2 of its key") == 0);
     CHECK(flaw_after([](Experience& e) { e.key[0] = -kInfinity; }).find("number 0") == 0);
     CHECK(flaw_after([](Experience& e) { e.key[5] = 1.1e6; }).find("number 5") == 0);

@@ -63,7 +63,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a row that vanished, was doubled or got another id is noticed") {
     for (const std::string change :
          {"DELETE FROM experience WHERE id = 3", "UPDATE experience SET id = 9 WHERE id = 3",
-          "INSERT INTO experience SELECT 9, generation, cell, content, components, key, checksum "
+          "INSERT INTO experience SELECT 9, generation, cell, kind, content, components, key, "
+          "checksum "
           "FROM experience WHERE id = 1",
           "UPDATE experience SET checksum = 5 WHERE id = 2", "DELETE FROM head",
           "INSERT INTO tombstone VALUES (1, 2, 1, '', '', 0)"}) {

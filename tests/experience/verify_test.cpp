@@ -141,7 +141,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a database of a newer mneme is refused rather than judged") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
-    run_sql(directory / "a.db", "PRAGMA user_version = 3; CREATE TABLE more (a)");
+    run_sql(directory / "a.db", "PRAGMA user_version = 4; CREATE TABLE more (a)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(!damages.has_value());
     CHECK(damages.error().code == ErrorCode::unsupported);
