@@ -37,7 +37,7 @@ TEST_SUITE("law") {
       const Symmetry motion{rng.uniform(-3, 3), rng.index(2) == 1};
       const PrimitiveKey there = moved_key(motion, rows[i].key);
       const PrimitiveKey pair = rng.index(2) == 1 ? swapped(there) : there;
-      const auto matches = *find_like(database, make_primitive(pair), 1e-9, 0);
+      const auto matches = *find_matches(database, "pairs/1", make_primitive(pair), 1e-9, 0);
       REQUIRE(matches.size() == 1);
       REQUIRE(matches[0].experience->id == static_cast<std::int64_t>(i) + 1);
       const PrimitiveKey arrived = moved_key(matches[0].to_scene, matches[0].experience->key);

@@ -97,8 +97,10 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a scene without a query cannot ask a memory of paths") {
     PathMemory memory;
+    SolveSettings settings;
+    settings.decompose.decomposer = "paths";
     const auto gl =
-        create_gl_sampler(memory.problem.robot, memory.problem.scene, memory.database, {});
+        create_gl_sampler(memory.problem.robot, memory.problem.scene, memory.database, settings);
     REQUIRE_FALSE(gl.has_value());
     CHECK(gl.error().code == ErrorCode::invalid);
     CHECK(gl.error().message.find("start and goal") != std::string::npos);
