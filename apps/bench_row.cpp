@@ -21,7 +21,8 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem, cons
   return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
          std::any_of(problem.goals.begin(), problem.goals.end(), is_goal) &&
          std::all_of(path.begin(), path.end(), is_within_limits) &&
-         is_path_free(checker.robot(), checker.scene(), path, checker.resolution() / kVerificationRefinement);
+         is_path_free(checker.robot(), checker.scene(), path,
+                      checker.resolution() / kVerificationRefinement);
 }
 
 }  // namespace
