@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mneme/experience.h"
+#include "mneme/exchange.h"
 
 #include "console.h"
 #include "options.h"

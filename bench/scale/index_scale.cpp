@@ -4,7 +4,7 @@
 // mneme_index_scale [KEYS KEY_SIZE...]: how the index in memory and a database in a file do with
 // many keys. Keys are uniform in a cube that holds 50 of them, on average, within the threshold of
 // a query. Times are those of the processor.
-#include "experience/experience_index.h"
+#include "experience/key_index.h"
 #include "mneme/experience.h"
 
 #include <algorithm>

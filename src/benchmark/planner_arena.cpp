@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "benchmark/ompl_experiment.h"
-#include "experience/sqlite_connection.h"
+#include "store/sqlite_connection.h"
 #include "mneme/benchmark.h"
 
 #include <fmt/format.h>

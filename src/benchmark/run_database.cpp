@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "experience/sqlite_connection.h"
+#include "store/sqlite_connection.h"
 #include "mneme/benchmark.h"
 #include "report/visit_columns.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "experience/experience_index.h"
+#include "experience/key_index.h"
 #include "mneme/learning.h"
 
 namespace mneme {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "experience/row_check.h"
+#include "store/row_check.h"
 #include "learning/local_queries.h"
 #include "learning/passage_queries.h"
 #include "learning/planar_chain.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/row_check.h"
+#include "store/row_check.h"
 #include "mneme/learning.h"
 #include "scene/input.h"
 #include "base/text_file.h"

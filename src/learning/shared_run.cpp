@@ -3,7 +3,7 @@
 #include "learning/shared_run.h"
 
 #include "base/stopwatch.h"
-#include "experience/open_store.h"
+#include "store/open_store.h"
 
 #include <unistd.h>
 

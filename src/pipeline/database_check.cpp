@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/database_check.h"
 
-#include "experience/space.h"
+#include "store/row_check.h"
 
 namespace mneme::internal {
 

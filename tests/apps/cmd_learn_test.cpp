@@ -4,7 +4,7 @@
 #include "apps/planar_files.h"
 #include "support/exported.h"
 #ifdef MNEME_HAS_POSTGRESQL
-#include "experience/postgres_server.h"
+#include "store/postgres_server.h"
 #endif
 
 #include <sys/stat.h>
