@@ -28,6 +28,8 @@ class Memory {
     return database_;
   }
   void close() { database_.reset(); }
+  /// The one that was asked for when it was opened, or empty.
+  [[nodiscard]] const std::string& asked_decomposer() const { return decomposer_; }
   /// Empty if there are neither rows nor a wish: then it is the robot's own.
   [[nodiscard]] std::string decomposer() const {
     if (!decomposer_.empty()) return decomposer_;

@@ -21,7 +21,7 @@ std::string flaw_of(CarvedRows& rows, std::int64_t id) {
   return internal::decode(*row, rows.space(), experience).value_or("");
 }
 
-void create(const std::string& path) {
+void create_filled(const std::string& path) {
   Rng rng(24);
   REQUIRE(open_database(path).insert(random_rows(rng, 6, 30)));
 }
@@ -31,7 +31,7 @@ void create(const std::string& path) {
 TEST_SUITE("unit") {
   TEST_CASE("all that a sound file holds is found") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_filled(directory / "a.db");
     CarvedRows rows = carve(directory / "a.db");
     CHECK(rows.space().robot_name == "arm");
     CHECK(rows.space().joint_count == 3);
@@ -50,7 +50,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("parts that are missing or changed are flaws, and tombstones are known") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_filled(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 1");
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     run_sql(directory / "a.db",
@@ -67,7 +67,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file with no robot, or with two, says so") {
     const TemporaryDirectory directory;
-    create(directory / "a.db");
+    create_filled(directory / "a.db");
     ExperienceSpace other = arm_space();
     other.robot_hash = "f";
     run_sql(directory / "a.db",
