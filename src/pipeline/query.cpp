@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/query.h"
 
-#include "experience/space.h"
+#include "store/row_check.h"
 
 #include <fmt/format.h>
 

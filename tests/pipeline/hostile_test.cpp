@@ -102,7 +102,8 @@ TEST_SUITE("unit") {
           INFO(planner.name, " to ", angle, ": ", result.plan.message);
           if (angle < 2) CHECK(result.plan.is_solved());
           const CollisionChecker checker = make_checker(robot, scene);
-          if (result.plan.is_solved()) CHECK(is_path_free(checker.robot(), checker.scene(), result.plan.path, 0.001));
+          if (result.plan.is_solved())
+            CHECK(is_path_free(checker.robot(), checker.scene(), result.plan.path, 0.001));
         }
       }
     }
