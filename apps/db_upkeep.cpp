@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/exchange.h"
 #include "mneme/experience.h"
 
 #include "commands.h"

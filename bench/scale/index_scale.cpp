@@ -4,7 +4,7 @@
 // mneme_index_scale [KEYS KEY_SIZE...]: how the index in memory and a database in a file do with
 // many keys. Keys are uniform in a cube that holds 50 of them, on average, within the threshold of
 // a query. Times are those of the processor.
-#include "experience/experience_index.h"
+#include "experience/key_index.h"
 #include "mneme/experience.h"
 
 #include <algorithm>
@@ -42,6 +42,8 @@ double allocated_bytes() {
   return static_cast<double>(info.uordblks + info.hblkhd);
 }
 
+using Key = std::vector<double>;
+
 /// The edge of a cube in which `count` points leave kMatches in a ball of squared radius
 /// kThreshold.
 double cube_edge(std::int64_t count, int size) {
@@ -50,8 +52,8 @@ double cube_edge(std::int64_t count, int size) {
   return std::pow(static_cast<double>(count) * ball / kMatches, 1.0 / size);
 }
 
-PrimitiveKey random_key(int size, double edge, Rng& rng) {
-  PrimitiveKey key(static_cast<std::size_t>(size));
+Key random_key(int size, double edge, Rng& rng) {
+  Key key(static_cast<std::size_t>(size));
   for (double& number : key) number = rng.uniform(0, edge);
   return key;
 }
@@ -65,7 +67,7 @@ struct Latencies {
 Latencies measure_queries(const internal::ExperienceIndex& index, int size, double edge, Rng& rng) {
   Latencies latencies;
   for (int i = 0; i < kQueries; ++i) {
-    const std::vector<KeyImage> query = {{random_key(size, edge, rng), false}};
+    const std::vector<Key> query = {random_key(size, edge, rng)};
     const auto begin = processor_seconds();
     const auto found = index.find(query, kThreshold, kMatches);
     latencies.seconds.push_back(processor_seconds() - begin);
@@ -83,7 +85,7 @@ void measure_index(std::int64_t count, int size) {
   const auto begin = processor_seconds();
   internal::IndexRows rows;
   for (std::int64_t i = 0; i < count; ++i) {
-    const PrimitiveKey key = random_key(size, edge, rng);
+    const Key key = random_key(size, edge, rng);
     rows.keys.insert(rows.keys.end(), key.begin(), key.end());
     rows.ids.push_back(i + 1);
     rows.components.push_back(kMeans);
@@ -145,7 +147,7 @@ bool measure_opening(const std::string& path, const ExperienceSpace& space, int 
   Rng rng(2);
   Latencies found;
   for (int i = 0; i < kQueries; ++i) {
-    const PrimitiveKey key = random_key(size, edge, rng);
+    const Key key = random_key(size, edge, rng);
     const auto start = processor_seconds();
     const auto matches = opened->find(kKind, {&key, 1}, kThreshold, kMatches);
     found.seconds.push_back(processor_seconds() - start);

@@ -22,12 +22,14 @@ namespace mneme::bench {
 namespace {
 
 const ExperienceSpace kSpace = {"latency", "0123456789abcdef", 8};
+using Key = std::vector<double>;
+
 constexpr const char* kKind = "latency/1";
 constexpr int kMeans = 24;
 constexpr double kEdge = 4;
 
-PrimitiveKey random_key(Rng& rng) {
-  PrimitiveKey key(6);
+Key random_key(Rng& rng) {
+  Key key(6);
   for (double& number : key) number = rng.uniform(0, kEdge);
   return key;
 }
@@ -71,7 +73,7 @@ Latencies measure(const Database& database, std::uint64_t seed, const std::atomi
   rusage before{};
   rusage after{};
   while (!is_over) {
-    const PrimitiveKey key = random_key(rng);
+    const Key key = random_key(rng);
     ::getrusage(RUSAGE_THREAD, &before);
     const auto begin = std::chrono::steady_clock::now();
     const auto found = database.find(kKind, {&key, 1}, 0.3, 8);

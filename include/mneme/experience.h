@@ -15,41 +15,13 @@
 
 #include "mneme/base.h"
 #include "mneme/robot.h"
-#include "mneme/sampling.h"
+#include "mneme/store.h"
 
 namespace mneme {
 namespace internal {
 struct OpenedStore;
 }
 
-/// The parameters of p_i(x | lw_i) in the canonical frame of its primitive.
-using LocalSampler = GaussianMixture;
-
-/// Where a row of experience came from.
-struct Provenance {
-  std::string tool;      ///< such as "mneme 0.1.0"
-  std::string settings;  ///< of the learning, as text
-  std::uint64_t seed = 0;
-  std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
-};
-
-/// A row of the database: key -> local sampler. An empty sampler says that the primitive was tried
-/// and that nothing passes it.
-struct Experience {
-  std::int64_t id = 0;  ///< given by the database
-  std::string kind;     ///< what the key means, such as "pairs/1": 1 to 64 bytes of UTF-8 without
-                        ///< control characters
-  std::vector<double> key;  ///< as many numbers as the other keys of its kind
-  LocalSampler sampler;
-  Provenance provenance;
-};
-
-/// What decides whether experience applies at all.
-struct ExperienceSpace {
-  std::string robot_name;  ///< for messages only
-  std::string robot_hash;  ///< Robot::hash()
-  int joint_count = 0;
-};
 [[nodiscard]] ExperienceSpace make_space(const Robot& robot);
 
 /// A stored experience whose key is near one that was asked for.
@@ -78,15 +50,6 @@ struct DatabaseInfo {
   std::int64_t generation = 0;  ///< changes so far
   std::int64_t tombstones = 0;  ///< rows set aside: damaged, or superseded in a merge
 };
-
-/// One damaged row, or damage to the database itself (id 0).
-struct Damage {
-  std::int64_t id = 0;
-  std::string what;
-  bool is_quarantined = false;  ///< it is set aside, and the rest can be used
-};
-
-enum class OpenMode { read_only, read_write, create };
 
 /// How a database is kept open.
 struct DatabaseSettings {
@@ -162,45 +125,5 @@ class Database {
                                const DatabaseSettings& settings);
   std::unique_ptr<State> state_;
 };
-
-enum class VerifyMode {
-  report,      ///< changes nothing
-  quarantine,  ///< sets damaged rows aside, so that the rest can be used
-};
-/// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
-/// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
-/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer or an older mneme
-/// wrote it.
-[[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
-                                                          VerifyMode mode = VerifyMode::report);
-
-struct MergeSummary {
-  std::int64_t read = 0;      ///< rows of the source
-  std::int64_t added = 0;     ///< that the target did not have
-  std::int64_t replaced = 0;  ///< that the target had, learned later; the earlier provenance stays
-};
-/// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
-/// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
-/// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
-/// if it was interrupted. Errors: wrong_robot if the two are not of one space; those of
-/// Database::open().
-[[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
-                                                   const std::string& from);
-
-/// Writes all rows to a file in an order that depends on their content alone, so that equal sets
-/// give equal bytes: JSON lines (`.jsonl`), or NumPy arrays (`.npz`). Returns their number.
-/// docs/database.md describes both. Errors: invalid if the name ends otherwise; io.
-[[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
-/// Adds the rows of a file that export_database() or another program wrote, as merge_databases()
-/// does. Errors: parse, naming line or array; wrong_robot; those of Database::open().
-[[nodiscard]] Result<MergeSummary> import_database(const std::string& url, const std::string& path);
-
-struct CompactSummary {
-  std::int64_t removed = 0;  ///< rows that were set aside
-  std::int64_t bytes_before = 0;
-  std::int64_t bytes_after = 0;
-};
-/// Removes rows that were set aside, and gives the space back. Other processes may go on.
-[[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
 
 }  // namespace mneme

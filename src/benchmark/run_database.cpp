@@ -4,7 +4,7 @@
 #include "mneme/benchmark.h"
 
 #include "benchmark/csv.h"
-#include "experience/sqlite_connection.h"
+#include "store/sqlite_connection.h"
 
 #include <fmt/format.h>
 

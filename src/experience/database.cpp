@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
+#include "base/utf8.h"
 #include "experience/index_file.h"
-#include "experience/open_store.h"
-#include "experience/row_check.h"
+#include "store/open_store.h"
+#include "store/row_check.h"
 #include "experience/row_loader.h"
-#include "experience/space.h"
-#include "experience/store_reads.h"
-#include "experience/store_writes.h"
+#include "store/store_reads.h"
+#include "store/store_writes.h"
 
 #include <fmt/format.h>
 
@@ -386,6 +386,10 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
 Result<std::int64_t> Database::refresh() {
   const std::lock_guard writing(state_->writing);
   return state_->catch_up();
+}
+
+ExperienceSpace make_space(const Robot& robot) {
+  return {internal::storable_text(robot.name()), robot.hash(), robot.joint_count()};
 }
 
 }  // namespace mneme

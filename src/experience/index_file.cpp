@@ -3,8 +3,8 @@
 #include "experience/index_file.h"
 
 #include "base/installation.h"
-#include "experience/new_file.h"
-#include "experience/store_url.h"
+#include "store/new_file.h"
+#include "store/open_store.h"
 
 #include <fmt/format.h>
 

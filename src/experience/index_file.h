@@ -5,8 +5,8 @@
 /// whatever is wrong with it, the rows say what is right.
 #pragma once
 
-#include "experience/experience_index.h"
-#include "experience/store.h"
+#include "experience/key_index.h"
+#include "store/store.h"
 
 #include <optional>
 #include <string>

@@ -3,8 +3,8 @@
 #include "mneme/learning.h"
 
 #include "base/text_file.h"
-#include "experience/experience_index.h"
-#include "experience/row_check.h"
+#include "experience/key_index.h"
+#include "store/row_check.h"
 #include "scene/input.h"
 #include "scene/yaml.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/row_codec.h"
+#include "store/row_codec.h"
 #include "learning/run.h"
 
 #include <cstring>

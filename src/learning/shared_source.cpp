@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
 
-#include "experience/open_store.h"
+#include "store/open_store.h"
 
 #include <unistd.h>
 

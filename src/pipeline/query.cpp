@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/query.h"
 
-#include "experience/space.h"
+#include "store/row_check.h"
 
 #include <fmt/format.h>
 
@@ -46,7 +46,9 @@ Result<void> check_settings(const SolveSettings& settings) {
 
 Result<void> check_robot(const Robot& robot, const Database& database) {
   const ExperienceSpace wanted = make_space(robot);
-  if (is_same_space(database.space(), wanted)) return {};
+  // A file without rows that is only looked at is of every robot.
+  const bool is_empty = database.space().robot_hash.empty();
+  if (is_empty || is_same_space(database.space(), wanted)) return {};
   return refuse_space(database.info().url, database.space(), wanted);
 }
 

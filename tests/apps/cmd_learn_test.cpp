@@ -5,7 +5,7 @@
 #include "support/exported.h"
 #include "support/posts.h"
 #ifdef MNEME_HAS_POSTGRESQL
-#include "experience/postgres_server.h"
+#include "store/postgres_server.h"
 #endif
 
 #include <sys/stat.h>

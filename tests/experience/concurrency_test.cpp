@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/fixtures.h"
+#include "store/fixtures.h"
 
-#include "experience/open_store.h"
+#include "store/open_store.h"
 
 #include <atomic>
 #include <set>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Databases that are larger than what they may take in memory.
-#include "experience/fixtures.h"
+#include "store/fixtures.h"
 
 #include "experience/index_file.h"
 

@@ -3,7 +3,7 @@
 #include "fuzz/fuzz_input.h"
 
 #include "mneme/experience.h"
-#include "experience/carved_rows.h"
+#include "store/salvage.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "experience.db");

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/fuzz_input.h"
 
-#include "experience/json_rows.h"
+#include "exchange/json_rows.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto line = mneme::fuzz::as_text(data, size);

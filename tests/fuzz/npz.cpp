@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/fuzz_input.h"
 
-#include "experience/npz_rows.h"
-#include "experience/row_check.h"
-#include "experience/zip_file.h"
+#include "exchange/npz_rows.h"
+#include "store/row_check.h"
+#include "exchange/npz_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto archive = mneme::fuzz::as_text(data, size);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "experience/fixtures.h"
+#include "store/fixtures.h"
 #include "support/exported.h"
 #include "support/planar_memory.h"
 
@@ -245,7 +245,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot that is no planar arm is an error and leaves the database empty") {
     const TemporaryDirectory directory;
     const Robot robot = upright_arm();
-    const ExperienceSpace space = {robot.name(), robot.hash(), "pairs/1", 1, 6};
+    const ExperienceSpace space = {robot.name(), robot.hash(), 1};
     auto database = Database::open(directory / "a.db", space, OpenMode::create);
     REQUIRE(database.has_value());
     const auto summary = learn_primitives(robot, random_keys(5, 47), *database, cheap_job(1, 2));

@@ -4,7 +4,7 @@
 #include "support/planar_memory.h"
 
 #ifdef MNEME_HAS_POSTGRESQL
-#include "experience/postgres_server.h"
+#include "store/postgres_server.h"
 #endif
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/random_shapes.h"
+#include "support/kinds.h"
 #include "support/lifting_arm.h"
 
 #include <Eigen/Eigenvalues>
@@ -38,10 +39,8 @@ Obstacle random_obstacle(Rng& rng) {
 
 Box random_box(Rng& rng) { return std::get<Box>(random_shape(1, rng)); }
 
-std::vector<LocalPrimitive> body_pairs(const Robot& robot, const Scene& scene, double max_gap = 0) {
-  DecomposeSettings settings;
-  settings.max_gap = max_gap;
-  const auto result = decompose(robot, scene, settings);
+std::vector<LocalPrimitive> body_pairs(const Robot& robot, const Scene& scene, std::optional<double> max_gap = {}) {
+  const auto result = decompose({robot, scene}, {{}, max_gap});
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *result;
 }
@@ -146,7 +145,7 @@ TEST_SUITE("unit") {
     const SymmetricJoints joints = find_symmetric_joints(lifting_arm());
     const Obstacle a{"a", {box_at({1, 0, 0}, {0.1, 0.2, 0.3})}};
     const Obstacle b{"b", {Sphere{{1, 1, 0.5}, 0.2}}};
-    const auto all = images(make_body_primitive(joints, a, b).key);
+    const auto all = kind_named("body_pairs").images(make_body_primitive(joints, a, b).key);
     REQUIRE(all.size() == 2);
     CHECK(all[0].key == make_body_primitive(joints, a, b).key);
     CHECK(all[1].key == make_body_primitive(joints, b, a).key);
@@ -154,12 +153,11 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("arms in the plane take pairs of bodies only if they are asked to") {
-    CHECK(default_decomposer(planar8()) == "pairs");
-    CHECK(default_decomposer(lifting_arm()) == "body_pairs");
-    DecomposeSettings settings;
-    settings.decomposer = "body_pairs";
-    const auto result =
-        decompose(planar8(), make_circle_scene("", {{3, 1, 0.9}, {3, -1, 0.9}}), settings);
+    CHECK(default_memory_kind(planar8()).name == "pairs");
+    CHECK(default_memory_kind(lifting_arm()).name == "body_pairs");
+    const Robot robot = planar8();
+    const Scene scene = make_circle_scene("", {{3, 1, 0.9}, {3, -1, 0.9}});
+    const auto result = decompose({robot, scene}, of_kind("body_pairs"));
     REQUIRE(result.has_value());
     REQUIRE(result->size() == 1);
     CHECK((*result)[0].key.size() == 2 * kBodyKeySize);
@@ -254,16 +252,16 @@ TEST_SUITE("law") {
     for (int i = 0; i < 500; ++i) {
       const Obstacle a = random_obstacle(rng), b = random_obstacle(rng), c = random_obstacle(rng);
       const PrimitiveKey key = make_body_primitive(joints, a, b).key;
-      REQUIRE(similarity_error(key, make_body_primitive(joints, b, a).key) < 1e-24);
+      REQUIRE(similarity_error(kind_named("body_pairs"), key, make_body_primitive(joints, b, a).key) < 1e-24);
       const PrimitiveKey other = make_body_primitive(joints, c, a).key;
       double least = 1e300;
-      for (const KeyImage& image : images(other)) {
+      for (const KeyImage& image : kind_named("body_pairs").images(other)) {
         double sum = 0;
         for (std::size_t k = 0; k < key.size(); ++k) sum += std::pow(key[k] - image.key[k], 2);
         least = std::min(least, sum);
       }
-      REQUIRE(similarity_error(key, other) == doctest::Approx(least).epsilon(1e-12));
-      REQUIRE(similarity_error(other, key) == doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(similarity_error(kind_named("body_pairs"), key, other) == doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(similarity_error(kind_named("body_pairs"), other, key) == doctest::Approx(least).epsilon(1e-12));
     }
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "primitive/random_pairs.h"
 
 #include <cmath>
@@ -10,17 +11,15 @@ namespace {
 
 std::vector<LocalPrimitive> pairs(const std::vector<std::array<double, 3>>& circles,
                                   double max_gap = 1.0) {
-  DecomposeSettings settings;
-  settings.max_gap = max_gap;
-  const auto result = decompose(planar8(), make_circle_scene("circles", circles), settings);
+  const Robot robot = planar8();
+  const Scene scene = make_circle_scene("circles", circles);
+  const auto result = decompose({robot, scene}, {{}, max_gap});
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *result;
 }
 
 Error refusal(const Robot& robot, const Scene& scene) {
-  DecomposeSettings settings;
-  settings.decomposer = "pairs";
-  const auto result = decompose(robot, scene, settings);
+  const auto result = decompose({robot, scene}, of_kind("pairs"));
   REQUIRE(!result.has_value());
   return result.error();
 }
@@ -114,7 +113,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a robot that rotations and mirror images do not fit is refused with the reason") {
     const Scene scene = make_circle_scene("s", {{3, 1, 0.9}, {3, -1, 0.9}});
-    REQUIRE(decompose(two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 0 1", kAlongX), scene));
+    const Robot robot = two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 0 1", kAlongX);
+    REQUIRE(decompose({robot, scene}));
 
     Error error = refusal(two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 1 0", kAlongX), scene);
     CHECK(error.code == ErrorCode::unsupported);
@@ -154,7 +154,7 @@ TEST_SUITE("law") {
       REQUIRE(before.size() == after.size());
       for (std::size_t k = 0; k < before.size(); ++k) {
         REQUIRE(before[k].obstacles == after[k].obstacles);
-        REQUIRE(similarity_error(before[k].key, after[k].key) < 1e-20);
+        REQUIRE(circle_pair_error(before[k].key, after[k].key) < 1e-20);
       }
       found += static_cast<int>(before.size());
     }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "geometry/random_shapes.h"
+#include "support/kinds.h"
 #include "support/lifting_arm.h"
 
 namespace mneme::test {
@@ -25,18 +26,16 @@ Scene shelf() {
       {bookcase, post("left", 0.85, 0.11), post("right", 0.85, -0.11), post("behind", 1.22, 0.0)}};
 }
 
-std::vector<LocalPrimitive> gaps(const Scene& scene, double max_gap = 0) {
-  DecomposeSettings settings;
-  settings.decomposer = "gaps";
-  settings.max_gap = max_gap;
-  const auto result = decompose(lifting_arm(), scene, settings);
+std::vector<LocalPrimitive> gaps(const Scene& scene, std::optional<double> max_gap = {}) {
+  const Robot robot = lifting_arm();
+  const auto result = decompose({robot, scene}, {"gaps", max_gap});
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *result;
 }
 
 double key_error(const PrimitiveKey& a, const PrimitiveKey& b) {
   REQUIRE(a.size() == kGapKeySize);
-  return std::sqrt(similarity_error(a, b));
+  return std::sqrt(similarity_error(kind_named("gaps"), a, b));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "support/lifting_arm.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace {
 
 std::vector<Experience> learn_rows(const Robot& robot, const Scene& scene,
                                    const std::vector<Path>& paths, double reach = 0.12) {
-  auto rows = learn_from_paths(robot, scene, paths, {}, reach);
+  auto rows = learn_from_paths({robot, scene}, paths, {}, reach);
   REQUIRE_MESSAGE(rows.has_value(), (rows ? "" : rows.error().message));
   return std::move(*rows);
 }
@@ -89,16 +90,16 @@ TEST_SUITE("unit") {
     const Scene scene{"",
                       {{"a", {box_at({-0.35, 0, 0.6}, {0.05, 0.3, 0.6})}},
                        {"b", {box_at({-0.1, 0.35, 0.6}, {0.2, 0.05, 0.6})}}}};
-    REQUIRE(decompose(robot, scene)->size() == 1);
+    REQUIRE(decompose({robot, scene})->size() == 1);
     const Path away = {{0.2, -1.2, 0, 0}};
     CHECK(learn_rows(robot, scene, {away}, 0.3).empty());
     CHECK(learn_rows(robot, scene, {away}, 3.0).size() == 1);
   }
 
   TEST_CASE("the errors are those of the decomposition") {
-    DecomposeSettings settings;
-    settings.decomposer = "triples";
-    const auto rows = learn_from_paths(lifting_arm(), shelf_scene(), {}, settings);
+    const Robot robot = lifting_arm();
+    const Scene scene = shelf_scene();
+    const auto rows = learn_from_paths({robot, scene}, {}, of_kind("triples"));
     REQUIRE(!rows.has_value());
     CHECK(rows.error().message.find("'triples'") != std::string::npos);
   }
@@ -111,7 +112,7 @@ TEST_SUITE("unit") {
     away[0] = 2.5;
     const auto rows = learn_rows(robot, scene, {{through, away}}, 0.3);
     REQUIRE(rows.size() == 1);
-    CHECK(rows[0].key == decompose(robot, scene)->at(0).key);
+    CHECK(rows[0].key == decompose({robot, scene})->at(0).key);
     REQUIRE(rows[0].sampler.component_count() == 1);
     CHECK(robot.distance(row_of(rows[0].sampler, 0), through) < 1e-6);
   }
@@ -132,7 +133,7 @@ TEST_SUITE("law") {
       INFO("seed 3, case ", i);
       REQUIRE(there.size() == here.size());
       for (std::size_t row = 0; row < here.size(); ++row) {
-        CHECK(similarity_error(here[row].key, there[row].key) < 1e-18);
+        CHECK(similarity_error(kind_named("body_pairs"), here[row].key, there[row].key) < 1e-18);
         const LocalSampler &a = here[row].sampler, &b = there[row].sampler;
         REQUIRE(a.component_count() == b.component_count());
         for (int c = 0; c < a.component_count(); ++c) {
@@ -164,7 +165,7 @@ TEST_SUITE("oracle") {
     const SymmetricJoints joints = find_symmetric_joints(robot);
     const Scene scene = shelf_scene();
     const std::vector<Path> paths = {reaching_path(robot, 50, 5), reaching_path(robot, 50, 6)};
-    const auto primitives = decompose(robot, scene);
+    const auto primitives = decompose({robot, scene});
     REQUIRE(primitives.has_value());
     REQUIRE(primitives->size() == 3);
     for (const double reach : {0.03, 0.12}) {
@@ -222,7 +223,7 @@ TEST_SUITE("flow") {
     for (const Symmetry& motion : {Symmetry{}, Symmetry{1.1, false, 0.15}, {-1.7, false, -0.2}}) {
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
       const CollisionChecker there = checker_of(scene);
-      const auto gl = create_gl_sampler(robot, scene, database, settings);
+      const auto gl = create_gl_sampler({robot, scene}, database, settings);
       REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
       CHECK(gl->mixture->component_count() == components);
       int touching = 0;
@@ -247,7 +248,8 @@ TEST_SUITE("flow") {
     REQUIRE(database.insert(learned).has_value());
     SolveSettings settings;
     settings.similarity = 1e-6;
-    const auto primitives = decompose(robot, shelf_scene());
+    const Scene shelf = shelf_scene();
+    const auto primitives = decompose({robot, shelf});
     for (const Symmetry& motion :
          {Symmetry{0, false, 0.25}, Symmetry{2.2, false, 0}, {-2.3, false, -0.24}}) {
       int expected = 0;
@@ -259,7 +261,7 @@ TEST_SUITE("flow") {
         }
       }
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
-      const auto gl = create_gl_sampler(robot, scene, database, settings);
+      const auto gl = create_gl_sampler({robot, scene}, database, settings);
       REQUIRE(gl.has_value());
       CHECK(gl->mixture->component_count() == expected);
       CHECK(expected > 0);

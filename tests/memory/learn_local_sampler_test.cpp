@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
@@ -181,14 +182,12 @@ TEST_SUITE("unit") {
       return Obstacle{name, {Cylinder{{Eigen::Matrix3d::Identity(), {0.85, y, 0.8}}, 0.03, 0.4}}};
     };
     const Scene scene{"posts", {post("a", -0.01), post("b", -0.19)}};
-    DecomposeSettings gaps;
-    gaps.decomposer = "gaps";
-    const auto primitives = decompose(robot, scene, gaps);
+    const auto primitives = decompose({robot, scene}, of_kind("gaps"));
     REQUIRE(primitives.has_value());
     const auto problems = local_problems(scene, *primitives);
     REQUIRE(problems.size() == 1);
     CHECK(problems[0].scene.obstacles.size() == 2);
-    CHECK(problems[0].kind == "gaps/1");
+    CHECK(problems[0].primitive.kind == "gaps/1");
     const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
     REQUIRE(learned.has_value());
     CHECK(learned->solved > 0);
@@ -206,7 +205,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("two bodies that touch teach nothing") {
     const Robot robot = lifting_arm();
-    const auto primitives = decompose(robot, shelf_scene());
+    const Scene shelf = shelf_scene();
+    const auto primitives = decompose({robot, shelf});
     REQUIRE(primitives.has_value());
     const auto problems = local_problems(shelf_scene(), *primitives);
     const auto learned = learn_local_sampler(robot, problems[0], {}, 3);

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/random_pairs.h"
+#include "support/kinds.h"
 
 #include <cmath>
+#include <limits>
 
 namespace mneme::test {
 
@@ -27,7 +29,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a key has four images, itself first") {
     const PrimitiveKey key = {3, 1, 0.5, 4, -1, 0.75};
-    const auto all = images(key);
+    const auto all = kind_named("pairs").images(key);
     REQUIRE(all.size() == 4);
     CHECK(all[0].key == key);
     CHECK(!all[0].is_mirrored);
@@ -40,8 +42,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the similarity error is a squared distance") {
-    CHECK(similarity_error({5, 1, 1, 5, -1, 1}, {5, 1, 1, 5, -1, 3}) == doctest::Approx(4));
-    CHECK(similarity_error({5, 1, 1, 5, -1, 1}, {8, 1, 1, 8, -1, 1}) == doctest::Approx(18));
+    CHECK(circle_pair_error({5, 1, 1, 5, -1, 1}, {5, 1, 1, 5, -1, 3}) == doctest::Approx(4));
+    CHECK(circle_pair_error({5, 1, 1, 5, -1, 1}, {8, 1, 1, 8, -1, 1}) == doctest::Approx(18));
   }
 }
 
@@ -73,11 +75,11 @@ TEST_SUITE("law") {
     for (int i = 0; i < 1000; ++i) {
       const PrimitiveKey a = random_pair(rng);
       const PrimitiveKey b = random_pair(rng);
-      const double error = similarity_error(make_primitive(a).key, make_primitive(b).key);
+      const double error = circle_pair_error(make_primitive(a).key, make_primitive(b).key);
       const PrimitiveKey other_a = make_primitive(moved_key(random_symmetry(rng), swapped(a))).key;
       const PrimitiveKey other_b = make_primitive(moved_key(random_symmetry(rng), b)).key;
-      REQUIRE(similarity_error(other_a, other_b) == doctest::Approx(error).epsilon(1e-10));
-      REQUIRE(similarity_error(other_b, other_a) == doctest::Approx(error).epsilon(1e-10));
+      REQUIRE(circle_pair_error(other_a, other_b) == doctest::Approx(error).epsilon(1e-10));
+      REQUIRE(circle_pair_error(other_b, other_a) == doctest::Approx(error).epsilon(1e-10));
     }
   }
 
@@ -85,15 +87,15 @@ TEST_SUITE("law") {
     Rng rng(24);
     for (int i = 0; i < 1000; ++i) {
       const PrimitiveKey key = make_primitive(random_pair(rng)).key;
-      for (const KeyImage& first : images(key)) {
-        for (const KeyImage& second : images(key)) {
-          REQUIRE(similarity_error(first.key, second.key) == 0);
+      for (const KeyImage& first : kind_named("pairs").images(key)) {
+        for (const KeyImage& second : kind_named("pairs").images(key)) {
+          REQUIRE(circle_pair_error(first.key, second.key) == 0);
         }
       }
       PrimitiveKey changed = key;
       changed[rng.index(6)] += 1e-3;
-      REQUIRE(similarity_error(key, changed) > 1e-9);
-      REQUIRE(similarity_error(key, changed) <= 1.0001e-6);
+      REQUIRE(circle_pair_error(key, changed) > 1e-9);
+      REQUIRE(circle_pair_error(key, changed) <= 1.0001e-6);
     }
   }
 }
@@ -106,14 +108,77 @@ TEST_SUITE("oracle") {
       const PrimitiveKey a = make_primitive(random_pair(rng)).key;
       const PrimitiveKey b = make_primitive(random_pair(rng)).key;
       double least = 1e300;
-      for (const KeyImage& image : images(a)) {
+      for (const KeyImage& image : kind_named("pairs").images(a)) {
         double sum = 0;
         for (std::size_t k = 0; k < b.size(); ++k) sum += std::pow(image.key[k] - b[k], 2);
         least = std::min(least, sum);
       }
       INFO("seed " << seed << ", pair " << i);
-      REQUIRE(similarity_error(a, b) == doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(circle_pair_error(a, b) == doctest::Approx(least).epsilon(1e-12));
     }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("kinds of memory are complete, and found by name and version") {
+    const Robot planar = planar8();
+    for (const MemoryKind* kind : memory_kinds()) {
+      INFO(kind->name);
+      CHECK(find_memory_kind(kind->name).value() == kind);
+      CHECK(memory_kind_of(kind->version) == kind);
+      CHECK(kind->version.starts_with(std::string(kind->name) + "/"));
+      CHECK(!kind->summary.empty());
+      CHECK(kind->key_size(planar) > 0);
+      CHECK(kind->decompose != nullptr);
+      CHECK(kind->images != nullptr);
+      CHECK(kind->synthesize != nullptr);
+      CHECK(kind->learn_from_paths != nullptr);
+      CHECK((kind->learn != nullptr || !kind->no_learning_on_a_miss.empty()));
+      CHECK(kind->defaults.max_matches > 0);
+    }
+    CHECK(kind_named("pairs").version == "pairs/1");
+    CHECK(kind_named("pairs").key_size(planar) == 6);
+    CHECK(memory_kind_of("pairs/0") == nullptr);
+  }
+
+  TEST_CASE("every kind has a test of its own") {
+    for (const MemoryKind* kind : memory_kinds()) {
+      std::string text;
+      for (const char* name : {"circle_pairs", "body_pairs", "gaps", "whole_paths"}) {
+        text += read_file(source_file("tests/memory/" + std::string(name) + "_test.cpp"));
+      }
+      CHECK_MESSAGE(text.find("\"" + std::string(kind->name) + "\"") != std::string::npos,
+                    kind->name);
+    }
+  }
+
+  TEST_CASE("an unknown kind is refused with the names of those there are") {
+    const auto found = find_memory_kind("triples");
+    REQUIRE(!found.has_value());
+    CHECK(found.error().code == ErrorCode::invalid);
+    CHECK(found.error().message.find("'triples'") != std::string::npos);
+    CHECK(found.error().message.find("pairs") != std::string::npos);
+    const Robot robot = planar8();
+    CHECK(!decompose({robot, Scene{}}, of_kind("triples")).has_value());
+  }
+
+  TEST_CASE("a maximal gap that is no length is refused") {
+    const Robot robot = planar8();
+    for (const double gap : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+      const auto result = decompose({robot, Scene{}}, {{}, gap});
+      REQUIRE(!result.has_value());
+      CHECK(result.error().code == ErrorCode::invalid);
+      CHECK(result.error().message.find("max-gap") != std::string::npos);
+    }
+  }
+
+  TEST_CASE("the kind that is left out is the robot's own") {
+    const Robot robot = planar8();
+    const Scene scene = make_circle_scene("two", {{3, 1, 0.9}, {3, -1, 0.9}});
+    const auto result = decompose({robot, scene});
+    REQUIRE(result.has_value());
+    REQUIRE(result->size() == 1);
+    CHECK(result->front().kind == "pairs/1");
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "memory/moved_means.h"
 
 #include "support/lifting_arm.h"
@@ -7,6 +8,11 @@
 
 namespace mneme::test {
 namespace {
+
+GaussianMixture pooled_of(const Robot& robot, std::span<const PrimitiveRetrieval> retrievals) {
+  static const Scene scene;
+  return internal::pool_moved_means({robot, scene}, retrievals);
+}
 
 /// An experience with random means within the limits, every other one with a covariance.
 Experience random_experience(const Robot& robot, int components, Rng& rng) {
@@ -65,7 +71,7 @@ TEST_SUITE("law") {
                                                                   {0, primitives[0].matches[0]},
                                                                   {2, primitives[2].matches[2]},
                                                                   {2, primitives[2].matches[1]}};
-    const GaussianMixture pooled = internal::synthesize(robot, primitives);
+    const GaussianMixture pooled = pooled_of(robot, primitives);
     REQUIRE(pooled.component_count() == 3 + 6 + 3 + 6);
     REQUIRE(pooled.origins.size() == 18);
     int next = 0;
@@ -85,7 +91,7 @@ TEST_SUITE("law") {
     const Robot robot = planar8();
     Rng rng(2);
     const Experience a = random_experience(robot, 2, rng), b = random_experience(robot, 6, rng);
-    const auto mixture = std::make_shared<const GaussianMixture>(internal::synthesize(
+    const auto mixture = std::make_shared<const GaussianMixture>(pooled_of(
         robot, std::vector{retrieve({{shared(a), 0, {}}}), retrieve({{shared(b), 0, {}}})}));
     const auto sampler = make_mixture_sampler(robot, mixture, 0.1);
     const auto stream = sampler->start(1);
@@ -109,9 +115,9 @@ TEST_SUITE("law") {
       const PrimitiveKey moved = moved_key(motion, near_pair());
       const LocalPrimitive primitive = make_primitive(moved);
       PrimitiveRetrieval retrieval;
-      retrieval.matches = *find_matches(database, "pairs/1", primitive, 0.01, 0);
+      retrieval.matches = *find_matches(database, kind_named("pairs"), primitive, 0.01, 0);
       REQUIRE(retrieval.matches.size() == 1);
-      const GaussianMixture pooled = internal::synthesize(robot, std::vector{retrieval});
+      const GaussianMixture pooled = pooled_of(robot, std::vector{retrieval});
       REQUIRE(pooled.component_count() == stored.component_count());
       const CollisionChecker checker = make_checker(robot, make_scene(moved));
       int checked = 0;
@@ -132,13 +138,13 @@ TEST_SUITE("law") {
 TEST_SUITE("unit") {
   TEST_CASE("nothing retrieved is an empty mixture of the robot's joints") {
     const Robot robot = planar8();
-    const GaussianMixture none = internal::synthesize(robot, {});
+    const GaussianMixture none = pooled_of(robot, {});
     CHECK(none.joint_count == 8);
     CHECK(none.component_count() == 0);
     Experience hopeless;
     hopeless.sampler.joint_count = 8;
     const GaussianMixture still_none =
-        internal::synthesize(robot, std::vector{retrieve({{shared(hopeless), 0, {}}})});
+        pooled_of(robot, std::vector{retrieve({{shared(hopeless), 0, {}}})});
     CHECK(still_none.component_count() == 0);
     CHECK(still_none.origins.empty());
   }
@@ -159,7 +165,7 @@ TEST_SUITE("unit") {
     experience.sampler.factors = {1, 2, 3, 4, 5, 6};
 
     const auto synthesized = [&](const Symmetry& motion) {
-      return internal::synthesize(*robot, std::vector{retrieve({{shared(experience), 0, motion}})});
+      return pooled_of(*robot, std::vector{retrieve({{shared(experience), 0, motion}})});
     };
     CHECK(synthesized({}).component_count() == 3);
     const GaussianMixture turned = synthesized({1, false});
@@ -184,7 +190,7 @@ TEST_SUITE("unit") {
     experience.sampler.joint_count = 4;
     experience.sampler.means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
     const auto synthesized = [&](const Symmetry& motion) {
-      return internal::synthesize(robot, std::vector{retrieve({{shared(experience), 0, motion}})})
+      return pooled_of(robot, std::vector{retrieve({{shared(experience), 0, motion}})})
           .means;
     };
     const auto check = [](const std::vector<float>& found, const std::vector<float>& expected) {
@@ -209,7 +215,7 @@ TEST_SUITE("unit") {
     experience.sampler.joint_count = 8;
     experience.sampler.means = {3, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f};
     const GaussianMixture pooled =
-        internal::synthesize(robot, std::vector{retrieve({{shared(experience), 0, {1, false}}})});
+        pooled_of(robot, std::vector{retrieve({{shared(experience), 0, {1, false}}})});
     REQUIRE(pooled.component_count() == 1);
     CHECK(pooled.means[0] == doctest::Approx(4 - 2 * kPi));
     CHECK(pooled.means[7] == 0.7f);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/baseline_samplers.h"
 
-#include "pipeline/complete_settings.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -14,6 +13,9 @@ struct TwoRows {
   Database database = make_database(directory / "m.db", robot);
   std::vector<PrimitiveKey> keys = {near_pair(), make_primitive({6, 1.4, 1.2, 6.4, -1.5, 1.3}).key};
   TwoRows() { learn_into(database, robot, keys); }
+  [[nodiscard]] Problem problem(const Scene& scene) const {
+    return {"", robot, "", scene, Configuration(8, 0.0), {Configuration(8, 0.1)}, {}};
+  }
   [[nodiscard]] int components(std::int64_t row) const {
     return database.get(row)->sampler.component_count();
   }
@@ -23,23 +25,26 @@ struct TwoRows {
 
 TEST_SUITE("unit") {
   TEST_CASE("the pooled sampler is all components as they were learned") {
-    const TwoRows memory;
+    TwoRows memory;
     REQUIRE(memory.components(0) > 0);
-    const GaussianMixture pooled = *internal::pool_all(memory.robot, memory.database);
+    const Problem problem = memory.problem({});
+    const GaussianMixture pooled =
+        *internal::pool_all(*internal::make_query(problem, &memory.database, {}));
     CHECK(pooled.component_count() == memory.components(0) + memory.components(1));
     CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler, 0)) <
           1e-5);
   }
 
   TEST_CASE("the nearest scene is the one that was learned, whichever way it is turned") {
-    const TwoRows memory;
-    SolveSettings settings = internal::complete_settings({}, memory.robot);
+    TwoRows memory;
+    SolveSettings settings;
     settings.max_matches = 1;
     for (std::size_t row = 0; row < 2; ++row) {
       for (const double rotation : {0.0, 1.2, -2.5}) {
         const Scene scene = make_scene(moved_key({rotation, false}, memory.keys[row]));
-        const auto mixture =
-            internal::recall_nearest_scenes(memory.robot, scene, memory.database, settings);
+        const Problem problem = memory.problem(scene);
+        const auto mixture = internal::recall_nearest_scenes(
+            *internal::make_query(problem, &memory.database, settings));
         REQUIRE(mixture.has_value());
         const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler;
         REQUIRE(mixture->component_count() == learned.component_count());
@@ -51,13 +56,16 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a scene without circles has no neighbours, and other solids are an error") {
-    const TwoRows memory;
-    const SolveSettings settings = internal::complete_settings({}, memory.robot);
-    const auto empty = internal::recall_nearest_scenes(memory.robot, {}, memory.database, settings);
+    TwoRows memory;
+    const SolveSettings settings;
+    const Problem nothing = memory.problem({});
+    const auto empty =
+        internal::recall_nearest_scenes(*internal::make_query(nothing, &memory.database, {}));
     REQUIRE(empty.has_value());
     CHECK(empty->component_count() == 0);
     const Scene box{"box", {{"box", {Box{}}}}};
-    CHECK(!internal::recall_nearest_scenes(memory.robot, box, memory.database, settings));
+    const Problem boxed = memory.problem(box);
+    CHECK(!internal::recall_nearest_scenes(*internal::make_query(boxed, &memory.database, {})));
   }
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 GlSampler create(const Robot& robot, const Scene& scene, Database& database,
                  const SolveSettings& settings) {
-  auto gl = create_gl_sampler(robot, scene, database, settings);
+  auto gl = create_gl_sampler({robot, scene}, database, settings);
   REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
   REQUIRE(gl->mixture != nullptr);
   return std::move(*gl);
@@ -156,10 +156,10 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     SolveSettings wrong;
-    wrong.sigma = -1;
+    wrong.sigma = -1.0;
     const Problem problem{"", robot, "", make_scene(near_pair()), Configuration(8), {}, {}};
-    for (const auto& gl : {create_gl_sampler(robot, problem.scene, database, wrong),
-                           create_gl_sampler(problem, database, wrong)}) {
+    for (const auto& gl : {create_gl_sampler({robot, problem.scene}, database, wrong),
+                           create_gl_sampler(memory_query(problem), database, wrong)}) {
       REQUIRE(!gl.has_value());
       CHECK(gl.error().code == ErrorCode::invalid);
       CHECK(gl.error().message.find("'sigma'") != std::string::npos);
@@ -172,26 +172,30 @@ TEST_SUITE("unit") {
     Database database =
         Database::open(directory / "a.db", make_space(robot), OpenMode::create).value();
     SolveSettings settings = learning_settings();
-    settings.decompose.decomposer = "body_pairs";
-    settings.decompose.max_gap = 5;
-    const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
+    settings.memory.kind = "body_pairs";
+    settings.memory.max_gap = 5;
+    const Scene scene = make_scene(near_pair());
+    const auto refused = create_gl_sampler({robot, scene}, database, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("does not learn on a miss") != std::string::npos);
+    settings.learn_budget_s = 0;
+    const GlSampler gl = create(robot, scene, database, settings);
     REQUIRE(gl.primitives.size() == 1);
     CHECK(gl.primitives[0].primitive.key.size() == 18);
-    CHECK(!gl.primitives[0].is_learned);
     CHECK(database.size() == 0);
   }
 
-  TEST_CASE("at most so many matches are used, all of them with zero") {
+  TEST_CASE("at most so many matches are used") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, keys_near(near_pair(), 12, 0.05, 2));
     SolveSettings settings;
-    for (const int most : {1, 3, 8, 12, 100, 0}) {
+    for (const int most : {1, 3, 8, 12, 100, 1000000}) {
       settings.max_matches = most;
       const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
       const auto& matches = gl.primitives.at(0).matches;
-      CHECK(static_cast<int>(matches.size()) == (most == 0 ? 12 : std::min(most, 12)));
+      CHECK(static_cast<int>(matches.size()) == std::min(most, 12));
       int components = 0;
       for (std::size_t i = 0; i < matches.size(); ++i) {
         components += matches[i].experience->sampler.component_count();
@@ -208,20 +212,20 @@ TEST_SUITE("unit") {
     const auto keys = keys_near(near_pair(), 15, 0.4, 3);
     learn_into(database, robot, keys);
     SolveSettings settings;
-    settings.max_matches = 0;
+    settings.max_matches = 1000000;
     std::size_t previous = 0;
     for (const double threshold : {1e-9, 0.1, 0.3, 5.0}) {
       settings.similarity = threshold;
       const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
       std::size_t expected = 0;
       for (const PrimitiveKey& key : keys)
-        expected += similarity_error(key, near_pair()) < threshold;
+        expected += circle_pair_error(key, near_pair()) < threshold;
       const auto& matches = gl.primitives.at(0).matches;
       CHECK(matches.size() == expected);
       for (const Match& match : matches) {
         CHECK(match.similarity_error < threshold);
         CHECK(match.similarity_error ==
-              doctest::Approx(similarity_error(match.experience->key, near_pair())));
+              doctest::Approx(circle_pair_error(match.experience->key, near_pair())));
       }
       CHECK(matches.size() >= previous);
       previous = matches.size();
@@ -239,7 +243,7 @@ TEST_SUITE("unit") {
     CHECK(gl.mixture->component_count() == 0);
     CHECK(database.size() == 0);
     SolveSettings wide;
-    wide.decompose.max_gap = 10;
+    wide.memory.max_gap = 10;
     CHECK(create(robot, make_circle_scene("", {{3, 3, 1}, {-3, -3, 1}}), database, wide)
               .primitives.size() == 1);
   }
@@ -253,7 +257,8 @@ TEST_SUITE("unit") {
     }
     auto database = Database::inspect(directory / "a.db");
     REQUIRE(database.has_value());
-    const auto gl = create_gl_sampler(robot, make_scene(near_pair()), *database, {});
+    const Scene scene = make_scene(near_pair());
+    const auto gl = create_gl_sampler({robot, scene}, *database, {});
     REQUIRE(!gl.has_value());
     CHECK(gl.error().code == ErrorCode::wrong_robot);
     for (const std::string& part : {directory / "a.db", other.hash(), robot.hash()}) {
@@ -276,12 +281,13 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     const Scene scene{"", {{"crate", {Box{}}}}};
-    const auto gl = create_gl_sampler(robot, scene, database, {});
+    const auto gl = create_gl_sampler({robot, scene}, database, {});
     REQUIRE(!gl.has_value());
     CHECK(gl.error().message.find("'crate'") != std::string::npos);
     SolveSettings unknown;
-    unknown.decompose.decomposer = "triples";
-    const auto refused = create_gl_sampler(robot, make_scene(near_pair()), database, unknown);
+    unknown.memory.kind = "triples";
+    const Scene pair = make_scene(near_pair());
+    const auto refused = create_gl_sampler({robot, pair}, database, unknown);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().message.find("triples") != std::string::npos);
   }

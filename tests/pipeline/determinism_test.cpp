@@ -47,7 +47,7 @@ Path solve_or_fail(const Problem& problem, Database* database, const SolveSettin
 Database memory_of(const Problem& problem, const std::string& path) {
   Database database = make_database(path, problem.robot);
   const Path solved = solve_or_fail(problem, nullptr, scalar_settings());
-  auto rows = learn_from_paths(problem.robot, problem.scene, std::vector<Path>{solved}, {}, 0.3);
+  auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{solved}, {}, 0.3);
   REQUIRE(rows.has_value());
   REQUIRE(!rows->empty());
   REQUIRE(database.insert(std::move(*rows)).has_value());
@@ -130,7 +130,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("what one, two and eight threads learn leads to the same path") {
     const Problem problem = planar_problem("threaded_b2");
-    const auto primitives = decompose(problem.robot, problem.scene);
+    const auto primitives = decompose(memory_query(problem));
     REQUIRE(primitives.has_value());
     const std::vector<PrimitiveKey> keys = keys_near((*primitives)[0].key, 12, 0.1, 4);
     const TemporaryDirectory directory;

@@ -102,7 +102,8 @@ TEST_SUITE("unit") {
           INFO(planner.name, " to ", angle, ": ", result.plan.message);
           if (angle < 2) CHECK(result.plan.is_solved());
           const CollisionChecker checker = make_checker(robot, scene);
-          if (result.plan.is_solved()) CHECK(is_path_free(checker.robot(), checker.scene(), result.plan.path, 0.001));
+          if (result.plan.is_solved())
+            CHECK(is_path_free(checker.robot(), checker.scene(), result.plan.path, 0.001));
         }
       }
     }
@@ -153,7 +154,7 @@ TEST_SUITE("unit") {
     const SolveResult result = solve_hostile(problem, &database, settings);
     CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
     CHECK(result.gl.primitives.empty());
-    settings.decompose.max_gap = 3;
+    settings.memory.max_gap = 3;
     const auto crowded = solve(problem, &database, settings);
     REQUIRE(!crowded.has_value());
     CHECK(crowded.error().message.find("max-gap") != std::string::npos);

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/remember.h"
-
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -12,7 +10,7 @@ struct Growing {
   TemporaryDirectory directory;
   SolveSettings settings;
 
-  Growing() { settings.decompose.decomposer = "paths"; }
+  Growing() { settings.memory.kind = "paths"; }
   Database open(OpenMode mode) {
     return Database::open(directory / "m.db", make_space(problem.robot), mode).value();
   }

@@ -31,8 +31,9 @@ void check_refused(const Problem& problem, const SolveSettings& settings, const 
 template <class Part>
 void check_ranges_of(const Problem& problem, SolveSettings& settings, Part& part) {
   visit_settings(part, [&](const char* name, auto& value, auto least, auto most, const char*) {
-    using Value = std::remove_cvref_t<decltype(value)>;
-    const Value before = value;
+    using Setting = std::remove_cvref_t<decltype(value)>;
+    using Value = SettingValue<Setting>;
+    const Setting before = value;
     if constexpr (std::is_floating_point_v<Value>) {
       for (const double bad :
            {least - 1, most * 1.01, std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -76,7 +77,7 @@ void learn_paths_into(Database& database, const Problem& problem) {
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
     paths.push_back(result.plan.path);
   }
-  auto rows = learn_from_paths(problem.robot, problem.scene, paths, {}, 0.3);
+  auto rows = learn_from_paths(memory_query(problem), paths, {}, 0.3);
   REQUIRE(rows.has_value());
   REQUIRE(!rows->empty());
   REQUIRE(database.insert(std::move(*rows)).has_value());
@@ -97,7 +98,7 @@ double mean_iterations(const Problem& problem, Database* database, SolveSettings
 TEST_SUITE("flow") {
   TEST_CASE("memory of similar pairs needs far fewer iterations than uniform sampling") {
     const Problem problem = planar_problem("threaded_b4");
-    const auto primitives = decompose(problem.robot, problem.scene);
+    const auto primitives = decompose(memory_query(problem));
     REQUIRE(primitives.has_value());
     REQUIRE(primitives->size() == 1);
     const TemporaryDirectory directory;
@@ -123,10 +124,12 @@ TEST_SUITE("flow") {
     SolveSettings settings;
     settings.learn_budget_s = 1;
     settings.learn = cheap_settings();
-    settings.decompose.max_gap = 5;
+    settings.memory.max_gap = 5;
     REQUIRE(internal::save_cvae(directory / "a.db.cvae", random_weights(problem.robot, 1)));
     for (const PlannerEntry& planner : planners()) {
-      for (const std::string_view sampler : sampler_names()) {
+      for (const SamplerEntry& entry : samplers()) {
+        if (entry.draws_valid_states) continue;
+        const std::string_view sampler = entry.name;
         INFO(planner.name, " with ", sampler);
         settings.planner = planner.name;
         settings.sampler = sampler;
@@ -173,7 +176,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same seed gives the same path, another one another path") {
     const Problem problem = planar_problem("threaded_b2");
-    const auto primitives = decompose(problem.robot, problem.scene);
+    const auto primitives = decompose(memory_query(problem));
     REQUIRE(primitives.has_value());
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
@@ -256,7 +259,7 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     check_ranges_of(problem, settings, settings);
     check_ranges_of(problem, settings, settings.plan);
-    check_ranges_of(problem, settings, settings.decompose);
+    check_ranges_of(problem, settings, settings.memory);
     check_ranges_of(problem, settings, settings.learn);
     CHECK(solve(problem, nullptr, settings).has_value());
   }
@@ -327,7 +330,7 @@ TEST_SUITE("unit") {
     CHECK(learned_with().find("learn-resolution=0.01") != std::string::npos);
   }
 
-  TEST_CASE("a scene that the decomposer cannot take is an error only for the sampler of memory") {
+  TEST_CASE("a scene that the kind of memory cannot take is an error only for the sampler of memory") {
     Problem problem = easy_problem();
     Box crate;
     crate.pose.translation = Vec3(0, 20, 0);
@@ -441,10 +444,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the samplers have names of their own") {
-    const auto names = sampler_names();
-    CHECK(std::vector<std::string_view>(names.begin(), names.end()) ==
-          std::vector<std::string_view>{"gl", "uniform", "halton", "pooled", "nearest_scenes",
-                                        "cvae"});
+    CHECK(sampler_names() ==
+          std::vector<std::string>{"gl", "uniform", "halton", "pooled", "nearest_scenes", "cvae",
+                                   "gaussian", "obstacle_based", "bridge_test", "max_clearance"});
+    for (const SamplerEntry& entry : samplers()) {
+      CHECK(find_sampler(entry.name).value() == &entry);
+      CHECK(!entry.summary.empty());
+      CHECK(entry.make != nullptr);
+    }
   }
 }
 

@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exchange/json_rows.h"
+
+#include "store/row_check.h"
+#include "store/row_codec.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <limits>
+#include <optional>
+
+namespace mneme::internal {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kFormat = "mneme experience 2";
+
+/// The shortest digits, but "-0.0" for "-0": whole numbers have no sign of zero.
+template <class Number>
+std::string digits_of(Number number) {
+  return number == 0 && std::signbit(number) ? "-0.0" : fmt::format("{}", number);
+}
+
+void append_number(std::string& text, double number) { text += digits_of(number); }
+
+/// The shortest digits that a reader of double precision turns into the same float.
+void append_number(std::string& text, float number) {
+  const std::string digits = digits_of(number);
+  double read = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  const bool is_exact = static_cast<float>(read) == number;
+  text += is_exact ? digits : fmt::format("{}", static_cast<double>(number));
+}
+
+void append_number(std::string& text, int number) { text += std::to_string(number); }
+
+template <class Number>
+std::string list_of(std::span<const Number> numbers) {
+  std::string text = "[";
+  for (const Number number : numbers) {
+    if (text.size() > 1) text += ',';
+    append_number(text, number);
+  }
+  return text + ']';
+}
+
+/// Rows of `width` numbers as lists of lists.
+std::string table_of(std::span<const float> numbers, std::size_t width) {
+  std::string text = "[";
+  for (std::size_t begin = 0; width > 0 && begin + width <= numbers.size(); begin += width) {
+    if (begin > 0) text += ',';
+    text += list_of(numbers.subspan(begin, width));
+  }
+  return text + ']';
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Reads the fields of one line; the first thing that is wrong stays as `error`.
+class Fields {
+ public:
+  explicit Fields(std::string_view line)
+      : json_(Json::parse(line.begin(), line.end(), nullptr, false)) {
+    if (json_.is_discarded() || !json_.is_object()) error_ = "is no JSON object";
+  }
+
+  std::string text(const char* name) {
+    const Json* field = find(name);
+    if (field != nullptr && field->is_string()) return field->get<std::string>();
+    return wrong<std::string>(name, "a text");
+  }
+  std::uint64_t whole_number(const char* name) {
+    const Json* field = find(name);
+    if (field != nullptr && field->is_number_unsigned()) return field->get<std::uint64_t>();
+    return wrong<std::uint64_t>(name, "a whole number from 0");
+  }
+  int count(const char* name) {
+    const std::uint64_t number = whole_number(name);
+    if (number <= static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
+      return static_cast<int>(number);
+    }
+    return wrong<int>(name, "a smaller number");
+  }
+  template <class Number>
+  std::vector<Number> list(const char* name) {
+    std::vector<Number> numbers;
+    const Json* field = find(name);
+    if (field == nullptr || !append(*field, numbers)) wrong<int>(name, "a list of numbers");
+    return numbers;
+  }
+  /// All rows one after the other; `width` is their common size.
+  std::vector<float> table(const char* name, std::size_t& width) {
+    std::vector<float> numbers;
+    const Json* field = find(name);
+    bool is_table = field != nullptr && field->is_array();
+    if (is_table && !field->empty()) width = field->front().size();
+    for (std::size_t i = 0; is_table && i < field->size(); ++i) {
+      const Json& row = (*field)[i];
+      is_table = row.is_array() && row.size() == width && append(row, numbers);
+    }
+    if (!is_table) wrong<int>(name, "a list of lists of equally many numbers");
+    return numbers;
+  }
+  [[nodiscard]] bool has(const char* name) const { return find(name) != nullptr; }
+  [[nodiscard]] const std::optional<std::string>& error() const { return error_; }
+
+ private:
+  [[nodiscard]] const Json* find(const char* name) const {
+    if (!json_.is_object()) return nullptr;
+    const auto field = json_.find(name);
+    return field == json_.end() ? nullptr : &*field;
+  }
+  template <class Number>
+  static bool append(const Json& list, std::vector<Number>& numbers) {
+    if (!list.is_array()) return false;
+    for (const Json& number : list) {
+      if constexpr (std::integral<Number>) {
+        if (!number.is_number_integer()) return false;
+        const auto value = number.get<std::int64_t>();
+        if (value < std::numeric_limits<Number>::min() ||
+            value > std::numeric_limits<Number>::max()) {
+          return false;
+        }
+        numbers.push_back(static_cast<Number>(value));
+      } else {
+        if (!number.is_number()) return false;
+        numbers.push_back(static_cast<Number>(number.get<double>()));
+      }
+    }
+    return true;
+  }
+  template <class T>
+  T wrong(const char* name, const char* expected) {
+    if (!error_) error_ = fmt::format("'{}' is missing or not {}", name, expected);
+    return {};
+  }
+
+  Json json_;
+  std::optional<std::string> error_;
+};
+
+}  // namespace
+
+std::string json_of(const ExperienceSpace& space) {
+  return fmt::format(R"({{"format":{},"robot_name":{},"robot_hash":{},"joint_count":{}}})",
+                     quoted(kFormat), quoted(space.robot_name), quoted(space.robot_hash),
+                     space.joint_count);
+}
+
+std::string json_of(const Experience& row) {
+  const LocalSampler& sampler = row.sampler;
+  const auto joints = static_cast<std::size_t>(sampler.joint_count);
+  const Provenance& provenance = row.provenance;
+  return fmt::format(
+      R"({{"content":"{}","kind":{},"key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
+      to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key),
+      table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
+      table_of(sampler.factors, joints * (joints + 1) / 2), list_of<int>(sampler.origins),
+      quoted(provenance.settings), provenance.seed, quoted(provenance.tool),
+      quoted(provenance.time));
+}
+
+Result<ExperienceSpace> parse_space(std::string_view line) {
+  Fields fields(line);
+  if (!fields.error() && fields.has("format") && fields.text("format") != kFormat) {
+    return fail(ErrorCode::parse,
+                fmt::format("its format is '{}'; expected '{}'", fields.text("format"), kFormat));
+  }
+  ExperienceSpace space;
+  (void)fields.text("format");
+  space.robot_name = fields.text("robot_name");
+  space.robot_hash = fields.text("robot_hash");
+  space.joint_count = fields.count("joint_count");
+  if (fields.error()) return fail(ErrorCode::parse, *fields.error());
+  return space;
+}
+
+Result<Experience> parse_row(std::string_view line) {
+  Fields fields(line);
+  Experience row;
+  std::size_t joints = 0;
+  std::size_t triangle = 0;
+  row.kind = fields.text("kind");
+  row.key = fields.list<double>("key");
+  row.sampler.means = fields.table("means", joints);
+  row.sampler.factor_rows = fields.list<int>("factor_rows");
+  row.sampler.factors = fields.table("factors", triangle);
+  row.sampler.origins = fields.list<int>("origins");
+  // Without means the factors tell.
+  while (joints * (joints + 1) / 2 < triangle && row.sampler.means.empty()) ++joints;
+  row.sampler.joint_count = static_cast<int>(joints);
+  row.provenance.settings = fields.text("settings");
+  row.provenance.seed = fields.whole_number("seed");
+  row.provenance.tool = fields.text("tool");
+  row.provenance.time = fields.text("time");
+  if (fields.error()) return fail(ErrorCode::parse, *fields.error());
+  if (const auto flaw = describe_key_flaw(row.kind, row.key)) {
+    return fail(ErrorCode::parse, *flaw);
+  }
+  if (triangle != 0 && triangle != joints * (joints + 1) / 2) {
+    return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
+                                              triangle, joints * (joints + 1) / 2));
+  }
+  if (fields.has("content") && fields.text("content") != to_hex(EncodedRow(row).content())) {
+    return fail(ErrorCode::parse,
+                "its content is not what 'content' says; leave that out after a change by hand");
+  }
+  return row;
+}
+
+}  // namespace mneme::internal

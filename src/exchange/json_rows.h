@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Experience as lines of JSON.
+#pragma once
+
+#include "mneme/store.h"
+
+#include <string>
+#include <string_view>
+
+namespace mneme::internal {
+
+/// The first line of a file: what its experience is of.
+[[nodiscard]] std::string json_of(const ExperienceSpace& space);
+/// A line of one row, which does not depend on its id.
+[[nodiscard]] std::string json_of(const Experience& row);
+
+// Errors: parse, without file and line.
+[[nodiscard]] Result<ExperienceSpace> parse_space(std::string_view line);
+/// The sizes are not checked against a space.
+[[nodiscard]] Result<Experience> parse_row(std::string_view line);
+
+}  // namespace mneme::internal

@@ -1,0 +1,313 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experience/key_index.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+std::size_t leaf_count(std::size_t size) {
+  std::size_t leaves = 1;
+  while ((size + leaves - 1) / leaves > KeyTree::kLeafSize) leaves *= 2;
+  return leaves;
+}
+
+/// Sorts keys into the halves of halves that the leaves of a tree are.
+class Splitter {
+ public:
+  Splitter(const std::vector<double>& keys, std::size_t key_size, std::vector<std::uint32_t>& order)
+      : keys_(keys), key_size_(key_size), order_(order), column_(order.size()) {
+    lower_.assign(key_size, std::numeric_limits<double>::infinity());
+    upper_.assign(key_size, -std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      lower_[i % key_size] = std::min(lower_[i % key_size], keys[i]);
+      upper_[i % key_size] = std::max(upper_[i % key_size], keys[i]);
+    }
+  }
+
+  void split(std::size_t begin, std::size_t end, std::size_t leaves) {
+    if (leaves == 1) return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const std::size_t widest = widest_number();
+    const double cut = halve(begin, middle, end, widest);
+    const double upper = std::exchange(upper_[widest], cut);
+    split(begin, middle, leaves / 2);
+    upper_[widest] = upper;
+    const double lower = std::exchange(lower_[widest], cut);
+    split(middle, end, leaves / 2);
+    lower_[widest] = lower;
+  }
+
+ private:
+  [[nodiscard]] std::size_t widest_number() const {
+    std::size_t widest = 0;
+    for (std::size_t i = 1; i < key_size_; ++i) {
+      if (upper_[i] - lower_[i] > upper_[widest] - lower_[widest]) widest = i;
+    }
+    return widest;
+  }
+
+  /// Returns the value between the halves.
+  double halve(std::size_t begin, std::size_t middle, std::size_t end, std::size_t number) {
+    const auto at = [&](std::size_t i) { return column_.begin() + static_cast<std::ptrdiff_t>(i); };
+    for (std::size_t i = begin; i < end; ++i) {
+      column_[i] = {keys_[order_[i] * key_size_ + number], order_[i]};
+    }
+    std::nth_element(at(begin), at(middle), at(end));
+    for (std::size_t i = begin; i < end; ++i) order_[i] = column_[i].second;
+    return column_[middle].first;
+  }
+
+  const std::vector<double>& keys_;
+  std::size_t key_size_;
+  std::vector<std::uint32_t>& order_;
+  std::vector<std::pair<double, std::uint32_t>> column_;
+  std::vector<double> lower_;
+  std::vector<double> upper_;
+};
+
+/// Visits the leaves' ranges of keys from the first to the last.
+template <class Visit>
+void visit_leaves(std::size_t begin, std::size_t end, std::size_t leaves, const Visit& visit) {
+  if (leaves == 1) return visit(begin, end);
+  const std::size_t middle = begin + (end - begin) / 2;
+  visit_leaves(begin, middle, leaves / 2, visit);
+  visit_leaves(middle, end, leaves / 2, visit);
+}
+
+KeyTreeData packed(std::size_t key_size, IndexRows rows) {
+  KeyTreeData data{std::move(rows.ids), std::move(rows.components), {}, {}};
+  data.order.resize(data.ids.size());
+  std::iota(data.order.begin(), data.order.end(), 0U);
+  const std::size_t leaves = leaf_count(data.ids.size());
+  Splitter(rows.keys, key_size, data.order).split(0, data.order.size(), leaves);
+  data.keys.reserve(rows.keys.size());
+  visit_leaves(0, data.order.size(), leaves, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t number = 0; number < key_size; ++number) {
+      for (std::size_t i = begin; i < end; ++i) {
+        data.keys.push_back(rows.keys[data.order[i] * key_size + number]);
+      }
+    }
+  });
+  return data;
+}
+
+}  // namespace
+
+KeyTree::KeyTree(int key_size, IndexRows rows)
+    : KeyTree(key_size, packed(static_cast<std::size_t>(key_size), std::move(rows))) {}
+
+KeyTree::KeyTree(int key_size, KeyTreeData data)
+    : key_size_(static_cast<std::size_t>(key_size)),
+      leaves_(leaf_count(data.ids.size())),
+      data_(std::move(data)),
+      components_(
+          std::accumulate(data_.components.begin(), data_.components.end(), std::int64_t{0})),
+      boxes_(4 * leaves_ * key_size_) {
+  bound({1, 0, size()});
+}
+
+IndexRows KeyTree::rows() const {
+  IndexRows rows{data_.ids, data_.components, std::vector<double>(data_.keys.size())};
+  const double* key = data_.keys.data();
+  visit_leaves(0, size(), leaves_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t number = 0; number < key_size_; ++number) {
+      for (std::size_t i = begin; i < end; ++i) {
+        rows.keys[data_.order[i] * key_size_ + number] = *key++;
+      }
+    }
+  });
+  return rows;
+}
+
+KeyTree::Node KeyTree::child(const Node& node, std::size_t which) {
+  const std::size_t middle = node.begin + (node.end - node.begin) / 2;
+  if (which == 0) return {2 * node.index, node.begin, middle};
+  return {2 * node.index + 1, middle, node.end};
+}
+
+void KeyTree::bound(const Node& node) {
+  double* lower = boxes_.data() + 2 * key_size_ * node.index;
+  double* upper = lower + key_size_;
+  if (is_leaf(node)) {
+    const std::size_t count = node.end - node.begin;
+    const double* column = data_.keys.data() + node.begin * key_size_;
+    for (std::size_t number = 0; number < key_size_ && count > 0; ++number, column += count) {
+      lower[number] = *std::min_element(column, column + count);
+      upper[number] = *std::max_element(column, column + count);
+    }
+    return;
+  }
+  bound(child(node, 0));
+  bound(child(node, 1));
+  const double* first = boxes_.data() + 4 * key_size_ * node.index;
+  const double* second = first + 2 * key_size_;
+  for (std::size_t i = 0; i < key_size_; ++i) {
+    lower[i] = std::min(first[i], second[i]);
+    upper[i] = std::max(first[key_size_ + i], second[key_size_ + i]);
+  }
+}
+
+double KeyTree::distance_to_box(const Node& node, const double* query) const {
+  const double* lower = boxes_.data() + 2 * key_size_ * node.index;
+  const double* upper = lower + key_size_;
+  const auto squared = [&](std::size_t i) {
+    const double outside = std::max(0.0, std::max(lower[i] - query[i], query[i] - upper[i]));
+    return outside * outside;
+  };
+  // Two sums at a time, where one would wait for itself.
+  std::array<double, 2> sums{};
+  for (std::size_t i = 0; i + 1 < key_size_; i += 2) {
+    for (const std::size_t lane : {0, 1}) sums[lane] += squared(i + lane);
+  }
+  if (key_size_ % 2 == 1) sums[0] += squared(key_size_ - 1);
+  return sums[0] + sums[1];
+}
+
+void KeyTree::search(const double* query, NearestMatches& nearest) const {
+  if (size() > 0) search({1, 0, size()}, query, nearest);
+}
+
+void KeyTree::search(const Node& node, const double* query, NearestMatches& nearest) const {
+  if (is_leaf(node)) return scan(node, query, nearest);
+  std::array children = {child(node, 0), child(node, 1)};
+  std::array distances = {distance_to_box(children[0], query), distance_to_box(children[1], query)};
+  if (distances[1] < distances[0]) {
+    std::swap(children[0], children[1]);
+    std::swap(distances[0], distances[1]);
+  }
+  for (const std::size_t i : {0, 1}) {
+    if (distances[i] < nearest.bound()) search(children[i], query, nearest);
+  }
+}
+
+void KeyTree::scan(const Node& leaf, const double* query, NearestMatches& nearest) const {
+  const std::size_t count = leaf.end - leaf.begin;
+  const double* column = data_.keys.data() + leaf.begin * key_size_;
+  const double bound = nearest.bound();
+  std::array<double, kLeafSize> sums{};
+  for (std::size_t number = 0; number < key_size_; ++number, column += count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double difference = column[i] - query[number];
+      sums[i] += difference * difference;
+    }
+    // Of long keys, a few numbers often tell that none of them is near.
+    if (number % 4 == 3 && number + 4 < key_size_ &&
+        *std::min_element(sums.begin(), sums.begin() + count) >= bound) {
+      return;
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (sums[i] < bound) nearest.offer(sums[i], data_.ids[data_.order[leaf.begin + i]]);
+  }
+}
+
+namespace {
+
+/// Trees up to this size are built anew in some microseconds, so that a new row always joins one.
+constexpr std::size_t kSmallTree = 64;
+
+template <class Value>
+void append_to(std::vector<Value>& values, const std::vector<Value>& more) {
+  values.insert(values.end(), more.begin(), more.end());
+}
+
+bool has_any(const KeyTree& tree, const std::function<bool(std::int64_t)>& is_gone) {
+  return std::ranges::any_of(tree.data().ids, is_gone);
+}
+
+IndexRows rows_without(const KeyTree& tree, int key_size,
+                       const std::function<bool(std::int64_t)>& is_gone) {
+  const IndexRows all = tree.rows();
+  IndexRows kept;
+  for (std::size_t i = 0; i < all.ids.size(); ++i) {
+    if (is_gone(all.ids[i])) continue;
+    kept.ids.push_back(all.ids[i]);
+    kept.components.push_back(all.components[i]);
+    const auto key = all.keys.begin() + static_cast<std::ptrdiff_t>(i) * key_size;
+    kept.keys.insert(kept.keys.end(), key, key + key_size);
+  }
+  return kept;
+}
+
+}  // namespace
+
+ExperienceIndex::ExperienceIndex(int key_size, std::vector<std::shared_ptr<const KeyTree>> trees)
+    : key_size_(key_size), trees_(std::move(trees)) {
+  count();
+}
+
+void ExperienceIndex::append(IndexRows rows) {
+  if (rows.ids.empty()) return;
+  std::size_t total = rows.ids.size();
+  auto first = trees_.end();
+  while (first != trees_.begin() && (*std::prev(first))->size() <= std::max(total, kSmallTree)) {
+    --first;
+    total += (*first)->size();
+  }
+  IndexRows joined;
+  for (auto tree = first; tree != trees_.end(); ++tree) {
+    const IndexRows old = (*tree)->rows();
+    append_to(joined.ids, old.ids);
+    append_to(joined.components, old.components);
+    append_to(joined.keys, old.keys);
+  }
+  append_to(joined.ids, rows.ids);
+  append_to(joined.components, rows.components);
+  append_to(joined.keys, rows.keys);
+  trees_.erase(first, trees_.end());
+  trees_.push_back(std::make_shared<const KeyTree>(key_size_, std::move(joined)));
+  count();
+}
+
+void ExperienceIndex::remove(const std::function<bool(std::int64_t)>& is_gone) {
+  for (auto& tree : trees_) {
+    if (!has_any(*tree, is_gone)) continue;
+    tree = std::make_shared<const KeyTree>(key_size_, rows_without(*tree, key_size_, is_gone));
+  }
+  count();
+}
+
+std::vector<IndexMatch> ExperienceIndex::find(std::span<const std::vector<double>> images,
+                                              double threshold, int max_matches) const {
+  const auto bound = static_cast<std::size_t>(std::max(max_matches, 0));
+  std::vector<IndexMatch> found;
+  for (std::uint32_t image = 0; image < images.size(); ++image) {
+    NearestMatches nearest(threshold, bound, image);
+    for (const auto& tree : trees_) tree->search(images[image].data(), nearest);
+    found.insert(found.end(), nearest.matches().begin(), nearest.matches().end());
+    threshold = nearest.limit();
+  }
+  // A key may be near to several images: its nearest one, the first of equals, stands for it.
+  std::sort(found.begin(), found.end(), [](const IndexMatch& a, const IndexMatch& b) {
+    return std::tie(a.id, a.error, a.image) < std::tie(b.id, b.error, b.image);
+  });
+  const auto is_same = [](const IndexMatch& a, const IndexMatch& b) { return a.id == b.id; };
+  found.erase(std::unique(found.begin(), found.end(), is_same), found.end());
+  std::sort(found.begin(), found.end(), is_nearer);
+  if (bound > 0 && found.size() > bound) found.resize(bound);
+  return found;
+}
+
+std::int64_t ExperienceIndex::id(std::int64_t position) const {
+  auto tree = trees_.begin();
+  auto place = static_cast<std::size_t>(position);
+  for (; place >= (*tree)->size(); ++tree) place -= (*tree)->size();
+  return (*tree)->data().ids[place];
+}
+
+void ExperienceIndex::count() {
+  size_ = 0;
+  components_ = 0;
+  for (const auto& tree : trees_) {
+    size_ += static_cast<std::int64_t>(tree->size());
+    components_ += tree->components();
+  }
+}
+
+}  // namespace mneme::internal

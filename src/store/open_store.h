@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The engine that a URL asks for.
+#pragma once
+
+#include "mneme/base.h"
+
+#include "store/store.h"
+#include "store/task_queue.h"
+
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
+[[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
+
+/// Opens a store that must hold experience of `space`, and creates it if `mode` says so; returns it
+/// with its schema version. Errors: wrong_robot.
+struct OpenedStore {
+  std::unique_ptr<Store> store;
+  ExperienceSpace space;
+  int schema_version = 0;
+};
+[[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
+                                                const ExperienceSpace& space, OpenMode mode);
+/// Opens a store for reading, whatever space it is of; the space of an empty one has no joints.
+[[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
+
+/// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of
+/// its live rows, as salvage_file() says. Errors: those, and unsupported on a server.
+[[nodiscard]] Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages);
+
+/// The tasks that processes share beside the database of `space` at `url`. Errors: unsupported if
+/// it is not on a PostgreSQL server.
+[[nodiscard]] Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
+                                                            const ExperienceSpace& space,
+                                                            TaskOwner owner);
+
+/// A command that may help whoever is told that `url` is damaged.
+[[nodiscard]] Error with_advice(Error error, const std::string& url);
+
+enum class Engine { sqlite, postgresql };
+
+/// A path is SQLite's, whatever characters are in it, unless it begins like a URL: letters and
+/// "://". Errors: unsupported for other schemes than postgresql and postgres.
+[[nodiscard]] Result<Engine> engine_of(const std::string& url);
+
+/// A PostgreSQL URL for messages: with asterisks for the password.
+[[nodiscard]] std::string without_password(const std::string& url);
+
+}  // namespace mneme::internal

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// libpq with owners and Results. Values never become part of a statement: they are parameters, or
+/// the data of a COPY.
+
+struct pg_conn;
+struct pg_result;
+#pragma once
+
+#include "mneme/base.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mneme::internal {
+
+/// What a statement answered, in libpq's binary format.
+class PostgresAnswer {
+ public:
+  explicit PostgresAnswer(pg_result* result) : result_(result) {}
+
+  [[nodiscard]] int row_count() const;
+  /// What was done, such as "COMMIT" or, instead of it after an error, "ROLLBACK".
+  [[nodiscard]] std::string_view command() const;
+  // Rows and columns count from 0. Views are valid as long as the answer.
+  [[nodiscard]] bool is_null(int row, int column) const;
+  /// Of a boolean or a whole number of any width.
+  [[nodiscard]] std::int64_t integer(int row, int column) const;
+  [[nodiscard]] std::string_view text(int row, int column) const;
+  [[nodiscard]] std::span<const std::byte> blob(int row, int column) const;
+
+ private:
+  struct Clear {
+    void operator()(pg_result* result) const;
+  };
+  std::unique_ptr<pg_result, Clear> result_;
+};
+
+/// The text of an array parameter.
+[[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
+
+/// One connection to a server. Not thread-safe. Errors name the URL without its password; `corrupt`
+/// stands for damage that the server reports and for tables that are not as we created them, `io`
+/// for everything else.
+class PostgresConnection {
+ public:
+  /// `url` goes to libpq as it is, with its TLS options, roles and search path; without a
+  /// connect_timeout, connecting may take 10 s.
+  [[nodiscard]] static Result<PostgresConnection> open(const std::string& url);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Connects again if the connection was lost.
+  [[nodiscard]] Result<void> revive();
+
+  /// Parameters are text; $1 is the first.
+  [[nodiscard]] Result<PostgresAnswer> query(const char* sql,
+                                             const std::vector<std::string>& parameters = {});
+  /// Hands each row to `visit` as row 0 of an answer, without keeping them all in memory.
+  [[nodiscard]] Result<void> stream(
+      const char* sql, const std::vector<std::string>& parameters,
+      const std::function<Result<void>(const PostgresAnswer&)>& visit);
+  /// Runs `COPY ... FROM STDIN` with `data`.
+  [[nodiscard]] Result<void> copy_in(const char* sql, std::string_view data);
+  /// The SQLSTATE of the last error.
+  [[nodiscard]] const std::string& last_state() const { return last_state_; }
+
+ private:
+  struct Finish {
+    void operator()(pg_conn* connection) const;
+  };
+  [[nodiscard]] tl::unexpected<Error> error_of(const pg_result* result);
+  Result<void> finish_command();
+
+  std::string name_;
+  std::string last_state_;
+  std::unique_ptr<pg_conn, Finish> connection_;
+};
+
+/// Rows as a COPY in binary format wants them.
+class BinaryCopy {
+ public:
+  BinaryCopy();
+  /// Begins a row of `column_count` values, which must follow.
+  BinaryCopy& row(int column_count);
+  BinaryCopy& add(std::int64_t value);
+  BinaryCopy& add(std::string_view text);
+  BinaryCopy& add(std::span<const std::byte> bytes);
+  /// All rows with the end mark; nothing can be added afterwards.
+  [[nodiscard]] const std::string& finish();
+
+ private:
+  void append_big_endian(std::uint64_t value, int bytes);
+  std::string data_;
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What an experience must look like to be stored, and to be used once read.
+#pragma once
+
+#include "mneme/store.h"
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Numbers of a key beyond this cannot be metres; far larger ones would overflow the index's
+/// distances.
+inline constexpr double kMaxKeyMagnitude = 1e6;
+
+/// Bytes in the name of a kind.
+inline constexpr std::size_t kMostKindBytes = 64;
+
+/// Why there cannot be rows of `kind` with `key`, or nothing if there can.
+[[nodiscard]] std::optional<std::string> describe_key_flaw(const std::string& kind,
+                                                           const std::vector<double>& key);
+
+/// How long the keys of each kind are.
+class KeySizes {
+ public:
+  /// Why a key of `size` numbers cannot be of `kind`, or nothing if it can. The first one decides.
+  [[nodiscard]] std::optional<std::string> check(std::string_view kind, std::size_t size);
+  [[nodiscard]] bool knows(std::string_view kind) const { return sizes_.contains(kind); }
+
+ private:
+  std::map<std::string, std::size_t, std::less<>> sizes_;
+};
+
+/// Why `experience` cannot belong to `space` (sizes, values that are not finite, rows that do not
+/// exist, texts that are not UTF-8), or nothing if it can; how long the key should be is not
+/// checked. An empty sampler may have a joint count of 0.
+[[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
+                                                       const ExperienceSpace& space);
+
+/// What of a space matters to users, for messages.
+[[nodiscard]] std::string describe(const ExperienceSpace& space);
+
+/// True if experience of `a` is experience of `b`; names do not count.
+[[nodiscard]] bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b);
+/// Error: wrong_robot, because `url` holds experience of `found`.
+[[nodiscard]] tl::unexpected<Error> refuse_space(const std::string& url,
+                                                 const ExperienceSpace& found,
+                                                 const ExperienceSpace& wanted);
+
+}  // namespace mneme::internal

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What stands in a store, as bytes and with its checksums: little-endian numbers without padding.
+#pragma once
+
+#include "mneme/store.h"
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mneme::internal {
+
+/// XXH3 (128 bits) of a row's kind, key, mixture, settings and seed: rows with the same hash are
+/// the same experience, whenever, wherever and with whichever version of mneme they were learned.
+using ContentHash = std::array<std::byte, 16>;
+
+/// What an experience consists of; views into a statement or an EncodedRow.
+struct RowView {
+  std::string_view kind;
+  std::span<const std::byte> key;          ///< float64 each
+  std::span<const std::byte> means;        ///< float32 each
+  std::span<const std::byte> factor_rows;  ///< int32 each
+  std::span<const std::byte> factors;      ///< float32 each
+  std::span<const std::byte> origins;      ///< int32 each
+  std::string_view tool;
+  std::string_view settings;
+  std::int64_t seed = 0;  ///< the bits of the unsigned number
+  std::string_view time;
+};
+
+/// A row as it stands in a store, sound or not: one record in the table `experience` and, unless
+/// only the keys are read, one in `mixture`.
+struct StoredRow {
+  std::int64_t id = 0;
+  std::int64_t generation = 0;  ///< of the transaction that added it
+  std::int64_t cell = 0;        ///< cell_of() its key
+  std::span<const std::byte> content;
+  std::int64_t components = 0;
+  RowView columns;
+  std::int64_t key_checksum = 0;      ///< of the record in `experience`
+  std::int64_t mixture_checksum = 0;  ///< of the record in `mixture`
+  std::string flaw;                   ///< what the store already knows to be wrong with it
+};
+
+/// How far a store has come, and what must be in it by then: the row of the table `head`. Whoever
+/// has read up to one state reads on from there.
+struct StoreState {
+  std::int64_t generation = 0;  ///< transactions that changed something
+  std::int64_t epoch = 0;       ///< changes whenever rows may have vanished
+  std::int64_t last_row = 0;    ///< ids up to these were given away
+  std::int64_t last_tombstone = 0;
+  std::int64_t row_count = 0;   ///< dead ones included
+  std::int64_t row_digest = 0;  ///< exclusive or of tally_mark(id, key checksum)
+  std::int64_t tombstone_count = 0;
+  std::int64_t tombstone_digest = 0;
+
+  bool operator==(const StoreState&) const = default;
+};
+/// The columns of `head` in their order.
+inline constexpr int kHeadSize = 8;
+[[nodiscard]] std::array<std::int64_t, kHeadSize> to_numbers(const StoreState& state);
+[[nodiscard]] StoreState to_state(std::span<const std::int64_t, kHeadSize> numbers);
+
+/// Says that a row is dead: it stays where it is, but nobody uses it any more.
+struct Tombstone {
+  std::int64_t id = 0;
+  std::int64_t row = 0;
+  std::int64_t generation = 0;
+  std::string reason;
+  std::string time;
+  std::int64_t checksum = 0;
+};
+[[nodiscard]] std::int64_t checksum_of(const Tombstone& tombstone);
+/// The checksum of the row that names a store's space.
+[[nodiscard]] std::int64_t checksum_of(const ExperienceSpace& space);
+
+/// The bytes of an experience. Refers to its texts, which must outlive it.
+class EncodedRow {
+ public:
+  explicit EncodedRow(const Experience& experience);
+  [[nodiscard]] const RowView& view() const { return stored_.columns; }
+  [[nodiscard]] const ContentHash& content() const { return *content_; }
+  /// The row as it is stored under `id`. Valid as long as this.
+  [[nodiscard]] StoredRow stored(std::int64_t id, std::int64_t generation) const;
+
+ private:
+  std::array<std::vector<std::byte>, 5> blobs_;
+  // On the heap because `stored_` points to it when the row moves.
+  std::unique_ptr<const ContentHash> content_;
+  StoredRow stored_;
+};
+
+/// Edge of the cells that keys are sorted into, metres.
+inline constexpr double kCellEdge = 1.0;
+/// The cell of a key, by which a cluster may spread rows over machines: XXH3 of its numbers in
+/// units of kCellEdge, rounded down, as int64 each.
+[[nodiscard]] std::int64_t cell_of(const std::vector<double>& key);
+
+/// XXH3 of some bytes, as a signed integer.
+[[nodiscard]] std::int64_t hash_bytes(std::span<const std::byte> bytes);
+/// XXH3 of some numbers in little-endian order.
+[[nodiscard]] std::int64_t hash_numbers(std::span<const std::int64_t> numbers);
+[[nodiscard]] ContentHash content_hash(const RowView& row);
+/// Lower-case hexadecimal digits.
+[[nodiscard]] std::string to_hex(std::span<const std::byte> bytes);
+
+/// XXH3 over all columns of a record in `experience` and in `mixture`.
+[[nodiscard]] std::int64_t key_checksum(const StoredRow& row);
+[[nodiscard]] std::int64_t mixture_checksum(const StoredRow& row);
+/// What a row or tombstone adds, by exclusive or, to a digest of the store.
+[[nodiscard]] std::int64_t tally_mark(std::int64_t id, std::int64_t checksum);
+
+/// Fills `experience`. Returns what is wrong with the row, if anything is; how long its key should
+/// be is not checked.
+[[nodiscard]] std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
+                                                Experience& experience);
+/// Fills id, kind and key of `experience` from a row that was read without its mixture.
+[[nodiscard]] std::optional<std::string> decode_key(const StoredRow& row, Experience& experience);
+
+}  // namespace mneme::internal

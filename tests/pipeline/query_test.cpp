@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/query.h"
+
+#include "support/kinds.h"
+#include "support/lifting_arm.h"
+
+#include <array>
+#include <limits>
+#include <sstream>
+
+namespace mneme::test {
+namespace {
+
+using internal::KindSettings;
+using internal::MemoryRequest;
+
+Database open_of(const std::string& path, const Robot& robot) {
+  auto database = Database::open(path, make_space(robot), OpenMode::create);
+  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
+  return std::move(*database);
+}
+
+Result<MemoryRequest> request(const Robot& robot, Database* database,
+                              const SolveSettings& settings = {}) {
+  static const Scene scene;
+  return internal::make_memory_request({robot, scene}, database, settings);
+}
+
+/// What counts for the first kind of memory that an empty database of the robot is asked for.
+KindSettings completed(const Robot& robot, const SolveSettings& settings = {}) {
+  const TemporaryDirectory directory;
+  Database database = open_of(directory / "m.db", robot);
+  const auto made = request(robot, &database, settings);
+  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+  REQUIRE(made->kinds.size() == 1);
+  return made->kinds.front();
+}
+
+Problem one_post() {
+  Scene scene;
+  scene.obstacles.push_back({"post", {Sphere{{0, 9, 0}, 0.5}}});
+  return {"one", planar8(), {}, scene, Configuration(8, 0.0), {Configuration(8, 0.1)}, {}};
+}
+
+/// Why the query is refused.
+Error refusal(const SolveSettings& settings) {
+  const Problem problem = one_post();
+  const auto query = internal::make_query(problem, nullptr, settings);
+  REQUIRE(!query.has_value());
+  return query.error();
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("what is left out gets the defaults of planar arms or of arms in space") {
+    const KindSettings planar = completed(planar8());
+    CHECK(planar.kind->name == "pairs");
+    CHECK(planar.sigma == 0.05);
+    CHECK(planar.similarity == 0.5);
+    CHECK(planar.retrieve_after == 0);
+    CHECK(planar.widening.first == 1e9);
+    CHECK(planar.lambda == 0.5);
+    CHECK(planar.max_matches == 8);
+    CHECK(planar.drop_invalid_means);
+    const KindSettings spatial = completed(lifting_arm());
+    CHECK(spatial.kind->name == "body_pairs");
+    CHECK(spatial.sigma == 0.3);
+    CHECK(spatial.similarity == 0.05);
+    CHECK(spatial.retrieve_after == 1500);
+    CHECK(spatial.widening.first == 20);
+    CHECK_FALSE(spatial.drop_invalid_means);
+  }
+
+  TEST_CASE("the kind that was asked for decides, otherwise those that the database holds") {
+    const Robot robot = lifting_arm();
+    SolveSettings settings;
+    settings.memory.kind = "paths";
+    CHECK(completed(robot, settings).max_matches == 50);
+    CHECK(completed(robot, settings).lambda == 0.7);
+    SolveSettings remembering;
+    remembering.remember_after = 0;
+    CHECK(completed(robot, remembering).kind->name == "paths");
+    const TemporaryDirectory directory;
+    Database database = open_of(directory / "m.db", robot);
+    const Configuration q(static_cast<std::size_t>(robot.joint_count()));
+    REQUIRE(database.insert(learn_whole_paths(robot, std::vector<Path>{{q, q}})));
+    const auto found = request(robot, &database);
+    REQUIRE(found.has_value());
+    REQUIRE(found->kinds.size() == 1);
+    CHECK(found->kinds[0].kind->name == "paths");
+    CHECK(found->kinds[0].sigma == 0.4);
+    settings.memory.kind = "body_pairs";
+    CHECK(request(robot, &database, settings)->kinds[0].sigma == 0.3);
+  }
+
+  TEST_CASE("what is set stays, also drop-invalid-means where it does not help") {
+    SolveSettings settings;
+    settings.sigma = 0.01;
+    settings.similarity = 1e-300;
+    settings.retrieve_after = 0;
+    settings.first_components = 1;
+    settings.lambda = 0.25;
+    settings.max_matches = 3;
+    settings.drop_invalid_means = true;
+    for (const Robot& robot : {planar8(), lifting_arm()}) {
+      const KindSettings complete = completed(robot, settings);
+      CHECK(complete.sigma == 0.01);
+      CHECK(complete.similarity == 1e-300);
+      CHECK(complete.retrieve_after == 0);
+      CHECK(complete.widening.first == 1);
+      CHECK(complete.widening.growth == settings.component_growth / 0.25);
+      CHECK(complete.lambda == 0.25);
+      CHECK(complete.max_matches == 3);
+      CHECK(complete.drop_invalid_means);
+    }
+  }
+
+  TEST_CASE("a similarity of zero still finds the key itself") {
+    SolveSettings settings;
+    settings.similarity = 0;
+    CHECK(completed(planar8(), settings).similarity > 0);
+  }
+
+  TEST_CASE("the declared sentences name the defaults of all kinds") {
+    const SolveSettings settings;
+    const auto contains = [](const std::string& text, double value) {
+      std::stringstream number;
+      number << value;
+      return text.find(number.str()) != std::string::npos;
+    };
+    int checked = 0;
+    for (const MemoryKind* kind : memory_kinds()) {
+      const MemoryDefaults& defaults = kind->defaults;
+      visit_settings(settings, [&](const std::string& name, auto&, auto, auto, const char* text) {
+        const auto check = [&](double value) {
+          CHECK_MESSAGE(contains(text, value), text);
+          ++checked;
+        };
+        if (name == "lambda") check(defaults.lambda);
+        if (name == "sigma") check(defaults.sigma);
+        if (name == "similarity" && defaults.similarity < 1e9) check(defaults.similarity);
+        if (name == "max-matches") check(defaults.max_matches);
+        if (name == "retrieve-after") check(defaults.retrieve_after);
+        if (name == "first-components" && defaults.first_components < 1e9) {
+          check(defaults.first_components);
+        }
+      });
+    }
+    CHECK(checked == 4 * 5 + 2 - 1);
+  }
+
+  TEST_CASE("a number out of range is named, in whatever part of the settings it is") {
+    const Robot robot = planar8();
+    CHECK(request(robot, nullptr).has_value());
+    SolveSettings settings;
+    settings.lambda = 1.5;
+    CHECK(request(robot, nullptr, settings).error().message ==
+          "setting 'lambda' is 1.5: expected 0 to 1");
+    settings = {};
+    settings.plan.timeout_s = std::numeric_limits<double>::quiet_NaN();
+    CHECK(request(robot, nullptr, settings).error().message.find("'timeout'") !=
+          std::string::npos);
+    settings = {};
+    settings.learn.starts_per_link = 0;
+    CHECK(request(robot, nullptr, settings).error().code == ErrorCode::invalid);
+    settings = {};
+    settings.memory.max_gap = -1;
+    CHECK(request(robot, nullptr, settings).error().message.find("'max-gap'") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("continuous verification goes with verification only") {
+    SolveSettings settings;
+    settings.plan.continuous = true;
+    CHECK(request(planar8(), nullptr, settings).has_value());
+    settings.plan.verify = false;
+    CHECK(request(planar8(), nullptr, settings).error().code == ErrorCode::invalid);
+    settings.plan.continuous = false;
+    CHECK(request(planar8(), nullptr, settings).has_value());
+  }
+
+  TEST_CASE("a budget for learning goes with kinds that learn on a miss, or is refused with why") {
+    const TemporaryDirectory directory;
+    const Robot robot = planar8();
+    Database database = open_of(directory / "m.db", robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    CHECK(request(robot, &database, settings).has_value());
+    for (const char* name : {"paths", "body_pairs", "gaps"}) {
+      settings.memory.kind = name;
+      const auto refused = request(robot, &database, settings);
+      REQUIRE(!refused.has_value());
+      CHECK(refused.error().code == ErrorCode::unsupported);
+      CHECK(refused.error().message.find("'learn-budget'") != std::string::npos);
+      CHECK(refused.error().message.find(name) != std::string::npos);
+    }
+  }
+
+  TEST_CASE("unknown planners, samplers and kinds are errors that list the known ones") {
+    SolveSettings settings;
+    settings.sampler = "halto";
+    CHECK(refusal(settings).message.find("unknown sampler 'halto': expected one of gl, uniform") ==
+          0);
+    settings = {};
+    settings.planner = "rrt_star";
+    CHECK(refusal(settings).message.find("expected one of rrt_connect") != std::string::npos);
+    const TemporaryDirectory directory;
+    Database database = open_of(directory / "a.db", planar8());
+    settings = {};
+    settings.memory.kind = "triples";
+    const auto refused = request(planar8(), &database, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::invalid);
+    CHECK(refused.error().message.find("'triples'") != std::string::npos);
+  }
+
+  TEST_CASE("samplers of valid states are refused with planners that draw none") {
+    SolveSettings settings;
+    settings.sampler = "gaussian";
+    const Error error = refusal(settings);
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(error.message.find("'gaussian'") != std::string::npos);
+  }
+
+  TEST_CASE("a database of the robot will do, one of another robot is refused with both") {
+    const TemporaryDirectory directory;
+    const Robot planar = planar8(), spatial = lifting_arm();
+    Database own = open_of(directory / "own.db", planar);
+    CHECK(request(planar, &own).has_value());
+    Database foreign = open_of(directory / "a.db", spatial);
+    const auto refused = request(planar, &foreign);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    for (const std::string& word :
+         {directory / "a.db", planar.name(), spatial.name(), planar.hash(), spatial.hash()}) {
+      CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
+                    refused.error().message);
+    }
+  }
+
+  TEST_CASE("an empty file that is only looked at is of every robot") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
+    auto database = Database::inspect(directory / "a.db");
+    REQUIRE(database.has_value());
+    CHECK(request(planar8(), &*database).has_value());
+    CHECK(request(lifting_arm(), &*database).has_value());
+  }
+
+  TEST_CASE("the checker has the resolution, margin and instruction set of the settings") {
+    const Problem problem = one_post();
+    SolveSettings settings;
+    settings.resolution = 0.125;
+    settings.isa = Isa::scalar;
+    const auto query = internal::make_query(problem, nullptr, settings);
+    REQUIRE(query.has_value());
+    CHECK(query->checker.resolution() == 0.125);
+    CHECK(query->checker.isa() == Isa::scalar);
+    CHECK(query->checker.is_valid(problem.start));
+    settings.margin = 10;
+    const auto wary = internal::make_query(problem, nullptr, settings);
+    REQUIRE(wary.has_value());
+    CHECK_FALSE(wary->checker.is_valid(problem.start));
+    settings.margin = -1;
+    CHECK(refusal(settings).message.find("'margin'") != std::string::npos);
+  }
+
+  TEST_CASE("only samplers of memory ask the database") {
+    const TemporaryDirectory directory;
+    const Problem problem = one_post();
+    Database foreign = open_of(directory / "a.db", lifting_arm());
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    CHECK(internal::make_query(problem, &foreign, settings).has_value());
+    settings.sampler = "gl";
+    CHECK(!internal::make_query(problem, &foreign, settings).has_value());
+  }
+}
+
+}  // namespace mneme::test

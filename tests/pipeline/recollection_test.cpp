@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/recollection.h"
+
+#include "support/kinds.h"
+#include "support/planar_memory.h"
+
+#include <algorithm>
+
+namespace mneme::test {
+namespace {
+
+/// A memory of two kinds, each of which has something to say about the problem.
+struct MemoryFixture {
+  Problem problem = planar_problem("threaded_b4");
+  TemporaryDirectory directory;
+  Database database = make_database(directory / "m.db", problem.robot);
+  SolveSettings settings;
+
+  MemoryFixture() {
+    const auto primitives = decompose(memory_query(problem));
+    REQUIRE(primitives.has_value());
+    std::vector<PrimitiveKey> keys;
+    for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
+    learn_into(database, problem.robot, keys);
+  }
+  internal::Query query() {
+    auto made = internal::make_query(problem, &database, settings);
+    REQUIRE(made.has_value());
+    return *std::move(made);
+  }
+};
+
+/// Three components of the start's neighbourhood, as if memory had them.
+Result<GaussianMixture> near_start(const internal::MemoryRequest& request,
+                                   const internal::KindSettings&, GlSampler& gl) {
+  gl.primitives.emplace_back();
+  GaussianMixture mixture;
+  mixture.joint_count = 8;
+  for (int i = 0; i < 3; ++i) {
+    mixture.means.insert(mixture.means.end(), request.query.start->begin(),
+                         request.query.start->end());
+  }
+  return mixture;
+}
+
+std::vector<Origin> draw_origins(SampleStream& stream, int count) {
+  std::vector<float> q(8);
+  std::vector<Origin> origins;
+  for (int i = 0; i < count; ++i) origins.push_back(stream.next(q));
+  return origins;
+}
+
+bool is_uniform(const std::vector<Origin>& origins) {
+  return std::all_of(origins.begin(), origins.end(),
+                     [](Origin origin) { return origin == kUniformOrigin; });
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("memory is asked at once where no iterations come before it") {
+    MemoryFixture fixture;
+    const internal::Query query = fixture.query();
+    internal::Recollection recollection(query, near_start);
+    const auto sampler = recollection.draw_by_kind();
+    CHECK(!recollection.failure());
+    CHECK(!is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(recollection.take().mixture->component_count() == 3);
+  }
+
+  TEST_CASE("memory is asked after the iterations that come before it, by one stream for all") {
+    MemoryFixture fixture;
+    fixture.settings.retrieve_after = 20;
+    const internal::Query query = fixture.query();
+    internal::Recollection recollection(query, near_start);
+    const auto sampler = recollection.draw_by_kind();
+    const auto first = sampler->start(1), second = sampler->start(2);
+    CHECK(is_uniform(draw_origins(*first, 20)));
+    CHECK(!is_uniform(draw_origins(*first, 50)));
+    CHECK(is_uniform(draw_origins(*second, 20)));
+    CHECK(!is_uniform(draw_origins(*second, 50)));
+    CHECK(recollection.take().primitives.size() == 1);
+  }
+
+  TEST_CASE("memory that cannot be asked is a failure, and samples are uniform") {
+    MemoryFixture fixture;
+    const internal::Query query = fixture.query();
+    internal::Recollection recollection(
+        query, [](const auto&, const auto&, auto&) -> Result<GaussianMixture> {
+          return fail(ErrorCode::io, "the disk is gone");
+        });
+    const auto sampler = recollection.draw_by_kind();
+    REQUIRE(recollection.failure().has_value());
+    CHECK(recollection.failure()->message == "the disk is gone");
+    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+  }
+
+  TEST_CASE("memory with nothing to say leaves uniform samples") {
+    MemoryFixture fixture;
+    const internal::Query query = fixture.query();
+    internal::Recollection recollection(
+        query, [](const auto&, const auto&, auto&) { return GaussianMixture{8, {}, {}, {}, {}}; });
+    const auto sampler = recollection.draw_by_kind();
+    CHECK(!recollection.failure());
+    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(recollection.take().mixture->component_count() == 0);
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("a database of several kinds is asked for each, when its time has come") {
+    MemoryFixture fixture;
+    const Path path = {fixture.problem.start, Configuration(8, 0.0), fixture.problem.goals[0]};
+    REQUIRE(fixture.database.insert(
+        learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
+    const internal::Query query = fixture.query();
+    REQUIRE(query.kinds.size() == 2);
+    std::vector<std::string_view> asked;
+    internal::Recollection recollection(
+        query, [&](const auto& request, const internal::KindSettings& kind, GlSampler& gl) {
+          asked.push_back(kind.kind->name);
+          return near_start(request, kind, gl);
+        });
+    const auto stream = recollection.draw_by_kind()->start(1);
+    CHECK(asked == std::vector<std::string_view>{"pairs"});
+    draw_origins(*stream, kind_named("paths").defaults.retrieve_after + 1);
+    CHECK(asked == std::vector<std::string_view>{"pairs", "paths"});
+    const auto origins = draw_origins(*stream, 2000);
+    const auto uniform = std::ranges::count(origins, kUniformOrigin);
+    CHECK(uniform > 600);
+    CHECK(uniform < 1000);
+    CHECK(recollection.take().mixture->component_count() == 6);
+  }
+
+  TEST_CASE("a plan draws from all kinds that its database holds") {
+    MemoryFixture fixture;
+    const Path path = {fixture.problem.start, Configuration(8, 0.0), fixture.problem.goals[0]};
+    REQUIRE(fixture.database.insert(
+        learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
+    fixture.settings.retrieve_after = 0;
+    const auto result = solve(fixture.problem, &fixture.database, fixture.settings);
+    REQUIRE(result.has_value());
+    CHECK(result->plan.is_solved());
+    REQUIRE(result->gl.primitives.size() == 2);
+    CHECK(result->gl.primitives[0].primitive.kind == "pairs/1");
+    CHECK(result->gl.primitives[1].primitive.kind == "paths/1");
+    fixture.settings.memory.kind = "paths";
+    const auto paths = solve(fixture.problem, &fixture.database, fixture.settings);
+    REQUIRE(paths.has_value());
+    REQUIRE(paths->gl.primitives.size() == 1);
+    CHECK(paths->gl.primitives[0].primitive.kind == "paths/1");
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "store/new_file.h"
+#include "support/support.h"
+
+namespace mneme::test {
+
+using internal::NewFile;
+
+TEST_SUITE("unit") {
+  TEST_CASE("a file has its name only once it is finished") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a";
+    write_file(path, "old");
+    {
+      auto file = NewFile::create(path);
+      REQUIRE(file.has_value());
+      REQUIRE(file->write("new"));
+    }
+    CHECK(read_file(path) == "old");
+    CHECK(!std::filesystem::exists(path + ".unfinished"));
+    auto file = NewFile::create(path);
+    REQUIRE(file->write("ne"));
+    REQUIRE(file->write("w"));
+    REQUIRE(file->finish());
+    CHECK(read_file(path) == "new");
+    CHECK(!std::filesystem::exists(path + ".unfinished"));
+  }
+
+  TEST_CASE("a link is written through and stays a link") {
+    const TemporaryDirectory directory;
+    write_file(directory / "a", "old");
+    std::filesystem::create_symlink(directory / "a", directory / "link");
+    auto file = NewFile::create(directory / "link");
+    REQUIRE(file.has_value());
+    REQUIRE(file->write("new"));
+    REQUIRE(file->finish());
+    CHECK(std::filesystem::is_symlink(directory / "link"));
+    CHECK(read_file(directory / "a") == "new");
+  }
+
+  TEST_CASE("a place that cannot be written and a full disk are errors with the name") {
+    const TemporaryDirectory directory;
+    const auto missing = NewFile::create(directory / "none/a");
+    REQUIRE(!missing.has_value());
+    CHECK(missing.error().message.find(directory / "none/a") == 0);
+    auto full = NewFile::create("/dev/full");
+    REQUIRE(full.has_value());
+    const auto written = full->write("x").and_then([&] { return full->finish(); });
+    REQUIRE(!written.has_value());
+    CHECK(written.error().code == ErrorCode::io);
+    CHECK(written.error().message.find("No space left") != std::string::npos);
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,359 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "store/fixtures.h"
+#include "store/sqlite_store.h"
+
+namespace mneme::test {
+namespace {
+
+using internal::Connection;
+
+Connection open_connection(const std::string& path) {
+  auto connection = Connection::open(path, Connection::Access::create);
+  REQUIRE(connection.has_value());
+  return std::move(*connection);
+}
+
+void create(const std::string& path) {
+  Connection connection = open_connection(path);
+  REQUIRE(internal::create_schema(connection, arm_space()));
+}
+
+/// What becomes of a database when `sql` is done to it.
+Result<int> kind_after(const std::string& sql) {
+  const TemporaryDirectory directory;
+  create(directory / "a.db");
+  run_sql(directory / "a.db", sql);
+  Connection connection = open_connection(directory / "a.db");
+  return internal::identify(connection);
+}
+
+void check_refused(const std::string& sql, ErrorCode code, const std::string& reason) {
+  INFO(sql);
+  const auto kind = kind_after(sql);
+  REQUIRE(!kind.has_value());
+  CHECK(kind.error().code == code);
+  CHECK_MESSAGE(kind.error().message.find(reason) != std::string::npos, kind.error().message);
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a file is empty before its schema is created and a database after") {
+    const TemporaryDirectory directory;
+    Connection connection = open_connection(directory / "a.db");
+    CHECK(internal::identify(connection) == 0);
+    REQUIRE(internal::create_schema(connection, arm_space()));
+    CHECK(internal::identify(connection) == internal::kSchemaVersion);
+    const auto space = internal::read_space(connection);
+    REQUIRE(space.has_value());
+    CHECK(space->robot_name == "arm");
+    CHECK(space->robot_hash == "0123456789abcdef");
+    CHECK(space->joint_count == 3);
+  }
+
+  TEST_CASE("creating a schema that another process has created changes nothing") {
+    const TemporaryDirectory directory;
+    create(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
+    ExperienceSpace other = arm_space();
+    other.robot_name = "other";
+    REQUIRE(internal::create_schema(connection, other));
+    CHECK(internal::read_space(connection)->robot_name == "arm");
+  }
+
+  TEST_CASE("the pragmas that tell what the file is are set") {
+    const TemporaryDirectory directory;
+    create(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
+    CHECK(connection.integer("PRAGMA application_id") == 0x6d6e656d);
+    CHECK(connection.integer("PRAGMA user_version") == 3);
+    CHECK(connection.integer("PRAGMA page_size") == 8192);
+  }
+
+  TEST_CASE("a database of a newer schema is refused as such") {
+    check_refused("PRAGMA user_version = 7; CREATE TABLE more (a)", ErrorCode::unsupported,
+                  "was written by a newer mneme (schema 7); this one reads schema 3");
+  }
+
+  TEST_CASE("a version of its own is damage if the tables are known ones") {
+    check_refused("PRAGMA user_version = 7", ErrorCode::corrupt, "user_version is 7");
+  }
+
+  TEST_CASE("a file that is no database of ours is refused") {
+    check_refused("PRAGMA user_version = 0", ErrorCode::corrupt, "schema 0 was never in use");
+    check_refused("PRAGMA application_id = 5", ErrorCode::corrupt, "no mneme database");
+    check_refused("PRAGMA application_id = 0", ErrorCode::corrupt, "no mneme database");
+  }
+
+  TEST_CASE("tables that are not as they were created are damage") {
+    check_refused("DROP INDEX tombstone_row", ErrorCode::corrupt,
+                  "table 'tombstone_row' is missing");
+    check_refused("CREATE TABLE more (a)", ErrorCode::corrupt, "'more' is not one");
+    check_refused("CREATE TRIGGER t AFTER INSERT ON experience BEGIN DELETE FROM experience; END",
+                  ErrorCode::corrupt, "'t' is not one");
+    check_refused("ALTER TABLE experience RENAME COLUMN key TO key2", ErrorCode::corrupt,
+                  "'experience' is not one");
+  }
+
+  TEST_CASE("a database of an older schema is refused, and told what to do") {
+    check_refused("PRAGMA user_version = 2; ALTER TABLE experience DROP COLUMN cell",
+                  ErrorCode::unsupported,
+                  "was written by an older mneme (schema 2); this one reads schema 3: learn anew");
+    check_refused("PRAGMA user_version = 2", ErrorCode::corrupt, "user_version is 2");
+  }
+
+  TEST_CASE("statistics that SQLite keeps for itself are no damage") {
+    CHECK(kind_after("ANALYZE") == internal::kSchemaVersion);
+  }
+
+  TEST_CASE("a changed or missing space is damage, not another robot") {
+    for (const std::string change :
+         {"UPDATE space SET robot_hash = '0123456789abcdee'", "UPDATE space SET joint_count = 4",
+          "UPDATE space SET checksum = checksum + 1", "DELETE FROM space"}) {
+      const TemporaryDirectory directory;
+      create(directory / "a.db");
+      run_sql(directory / "a.db", change);
+      Connection connection = open_connection(directory / "a.db");
+      const auto space = internal::read_space(connection);
+      INFO(change);
+      REQUIRE(!space.has_value());
+      CHECK(space.error().code == ErrorCode::corrupt);
+    }
+  }
+
+  TEST_CASE("pages that do not fit together are found") {
+    const TemporaryDirectory directory;
+    create(directory / "a.db");
+    {
+      Connection connection = open_connection(directory / "a.db");
+      CHECK(internal::check_pages(connection).has_value());
+    }
+    std::string bytes = read_file(directory / "a.db");
+    bytes[39] = 1;  // the header now counts one free page, but the list of free pages is empty
+    write_file(directory / "a.db", bytes);
+    Connection connection = open_connection(directory / "a.db");
+    const auto checked = internal::check_pages(connection);
+    REQUIRE(!checked.has_value());
+    CHECK(checked.error().code == ErrorCode::corrupt);
+  }
+}
+
+namespace {
+
+using internal::Connection;
+using internal::EncodedRow;
+using internal::RowParts;
+using internal::StoredRow;
+
+Connection connect(const std::string& path) {
+  auto connection = Connection::open(path, Connection::Access::create);
+  REQUIRE(connection.has_value());
+  REQUIRE(internal::create_schema(*connection, arm_space()));
+  return std::move(*connection);
+}
+
+/// Adds rows under the ids from `first` on.
+void add(Connection& connection, const std::vector<Experience>& rows, std::int64_t first) {
+  for (const Experience& row : rows) {
+    const EncodedRow encoded(row);
+    const StoredRow stored = encoded.stored(first++, 1);
+    REQUIRE(internal::add_rows(connection, std::span(&stored, 1)));
+  }
+}
+
+std::vector<std::int64_t> ids_after(Connection& connection, std::int64_t after, RowParts parts) {
+  std::vector<std::int64_t> ids;
+  REQUIRE(internal::read_rows(connection, after, parts, [&](const StoredRow& row) {
+    CHECK(row.columns.means.empty() == (parts == RowParts::keys));
+    ids.push_back(row.id);
+    return Result<void>();
+  }));
+  return ids;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("rows come back in the order of their ids with what was written") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(43);
+    const auto rows = random_rows(rng, 5);
+    add(connection, rows, 1);
+    std::size_t position = 0;
+    const auto check = [&](const StoredRow& row) {
+      Experience experience;
+      CHECK(!internal::decode(row, arm_space(), experience).has_value());
+      CHECK(experience.id == static_cast<std::int64_t>(position) + 1);
+      CHECK(is_same_content(experience, rows[position++]));
+      return Result<void>();
+    };
+    REQUIRE(internal::read_rows(connection, 0, RowParts::all, check));
+    CHECK(position == 5);
+    CHECK(ids_after(connection, 3, RowParts::all) == std::vector<std::int64_t>{4, 5});
+    CHECK(ids_after(connection, 0, RowParts::keys) == std::vector<std::int64_t>{1, 2, 3, 4, 5});
+  }
+
+  TEST_CASE("rows can be asked for by id, and ids that do not exist are passed over") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(44);
+    add(connection, random_rows(rng, 4), 1);
+    std::vector<std::int64_t> ids;
+    const std::vector<std::int64_t> wanted = {4, 9, 2};
+    REQUIRE(internal::read_rows_by_id(connection, wanted, [&](const StoredRow& row) {
+      ids.push_back(row.id);
+      return Result<void>();
+    }));
+    CHECK(ids == std::vector<std::int64_t>{4, 2});
+  }
+
+  TEST_CASE("an error of the visitor ends the reading") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(44);
+    add(connection, random_rows(rng, 3), 1);
+    int visited = 0;
+    const auto read =
+        internal::read_rows(connection, 0, RowParts::all, [&](const StoredRow&) -> Result<void> {
+          ++visited;
+          return fail(ErrorCode::invalid, "enough");
+        });
+    REQUIRE(!read.has_value());
+    CHECK(read.error().message == "enough");
+    CHECK(visited == 1);
+  }
+
+  TEST_CASE("live rows are found by their content, dead ones are not") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(45);
+    const auto rows = random_rows(rng, 3);
+    add(connection, rows, 1);
+    std::vector<internal::ContentHash> contents;
+    for (const Experience& row : rows) contents.push_back(EncodedRow(row).content());
+    contents.push_back(EncodedRow(random_experience(rng)).content());
+    internal::Tombstone tombstone{1, 2, 1, "test", "now", 0};
+    tombstone.checksum = checksum_of(tombstone);
+    REQUIRE(internal::add_tombstones(connection, std::span(&tombstone, 1)));
+    const auto known = internal::find_contents(connection, contents);
+    REQUIRE(known.has_value());
+    REQUIRE(known->size() == 2);
+    CHECK(known->at(0).id == 1);
+    CHECK(known->at(1).id == 3);
+    CHECK(known->at(1).content == contents[2]);
+    CHECK(known->at(1).time == rows[2].provenance.time);
+
+    REQUIRE(internal::remove_dead(connection));
+    CHECK(ids_after(connection, 0, RowParts::all) == std::vector<std::int64_t>{1, 3});
+  }
+
+  TEST_CASE("a mixture without its key is an orphan, a key without its mixture has a flaw") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(46);
+    add(connection, random_rows(rng, 3), 1);
+    REQUIRE(connection.execute(
+        "DELETE FROM experience WHERE id = 2; DELETE FROM mixture WHERE id = 3"));
+    CHECK(internal::find_orphans(connection) == std::vector<std::int64_t>{2});
+    std::string flaw;
+    REQUIRE(internal::read_rows(connection, 2, RowParts::all, [&](const StoredRow& row) {
+      flaw = row.flaw;
+      return Result<void>();
+    }));
+    CHECK(flaw == "its mixture is missing");
+  }
+
+  TEST_CASE("the head is one row, and a change of it is noticed") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    CHECK(internal::read_head(connection) == internal::StoreState{});
+    const internal::StoreState state{1, 2, 3, 4, 5, 6, 7, 8};
+    REQUIRE(internal::write_head(connection, state));
+    CHECK(internal::read_head(connection) == state);
+    REQUIRE(connection.execute("UPDATE head SET last_row = 4"));
+    const auto changed = internal::read_head(connection);
+    REQUIRE(!changed.has_value());
+    CHECK(changed.error().code == ErrorCode::corrupt);
+    REQUIRE(connection.execute("DELETE FROM head"));
+    CHECK(internal::read_head(connection).error().code == ErrorCode::corrupt);
+  }
+}
+
+namespace {
+
+std::unique_ptr<internal::Store> open(const std::string& path, OpenMode mode) {
+  auto store = internal::open_sqlite_store(path, mode);
+  REQUIRE_MESSAGE(store.has_value(), (store ? "" : store.error().message));
+  return std::move(*store);
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("an empty store has no schema, no rows and no head") {
+    const TemporaryDirectory directory;
+    const auto store = open(directory / "a.db", OpenMode::create);
+    CHECK(store->schema_version() == 0);
+    CHECK(store->name() == directory / "a.db");
+    const auto transaction = store->begin(internal::Store::Kind::read);
+    REQUIRE(transaction.has_value());
+    CHECK((*transaction)->head() == internal::StoreState{});
+    const auto read = (*transaction)->read_rows(0, internal::RowParts::all, [](const auto&) {
+      return fail(ErrorCode::invalid, "no row");
+    });
+    CHECK(read.has_value());
+  }
+
+  TEST_CASE("a reader begins no writing transaction, and two writers do not share one") {
+    const TemporaryDirectory directory;
+    const auto first = open(directory / "a.db", OpenMode::create);
+    REQUIRE(first->create(arm_space()));
+    CHECK(first->schema_version() == 3);
+    const auto reader = open(directory / "a.db", OpenMode::read_only);
+    const auto refused = reader->begin(internal::Store::Kind::write);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("reading only") != std::string::npos);
+    const auto writing = first->begin(internal::Store::Kind::write);
+    REQUIRE(writing.has_value());
+    CHECK(reader->begin(internal::Store::Kind::read).has_value());
+  }
+
+  TEST_CASE("a transaction that is not committed leaves nothing") {
+    const TemporaryDirectory directory;
+    const auto store = open(directory / "a.db", OpenMode::create);
+    REQUIRE(store->create(arm_space()));
+    Rng rng(15);
+    const Experience row = random_experience(rng);
+    const internal::EncodedRow encoded(row);
+    const auto stored = encoded.stored(1, 1);
+    for (const bool is_committed : {false, true}) {
+      {
+        const auto writing = store->begin(internal::Store::Kind::write);
+        REQUIRE((*writing)->add_rows(std::span(&stored, 1)));
+        if (is_committed) REQUIRE((*writing)->commit());
+      }
+      int count = 0;
+      const auto reading = store->begin(internal::Store::Kind::read);
+      REQUIRE((*reading)->read_rows(0, internal::RowParts::all, [&](const auto&) {
+        ++count;
+        return Result<void>();
+      }));
+      CHECK(count == (is_committed ? 1 : 0));
+    }
+  }
+
+  TEST_CASE("a sound file's structure has no damage") {
+    const TemporaryDirectory directory;
+    const auto store = open(directory / "a.db", OpenMode::create);
+    REQUIRE(store->create(arm_space()));
+    std::vector<Damage> damages;
+    CHECK(store->check_structure(damages));
+    CHECK(damages.empty());
+    CHECK(store->reclaim());
+    CHECK(*store->bytes() > 8192);
+  }
+}
+
+}  // namespace mneme::test
