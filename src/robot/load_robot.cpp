@@ -122,4 +122,11 @@ Result<std::string> find_robot(const std::string& name) {
   return fail(ErrorCode::io, fmt::format("there is no robot '{}': no {} in {}", name, file, tried));
 }
 
+Result<std::string> robot_file(const std::string& robot) {
+  std::error_code ignored;
+  const bool is_path = robot.find('/') != std::string::npos || robot.ends_with(kExtension);
+  if (is_path || std::filesystem::is_regular_file(robot, ignored)) return robot;
+  return find_robot(robot);
+}
+
 }  // namespace mneme
