@@ -38,9 +38,6 @@ Plan plan(const Problem& problem, const Memory* memory, const std::string& plann
             read_solve_settings(planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
-  if (memory != nullptr && made.settings.decompose.decomposer.empty()) {
-    made.settings.decompose.decomposer = memory->asked_decomposer();
-  }
   if (made.settings.learn_budget_s > 0 && made.database == nullptr) {
     raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
   }
