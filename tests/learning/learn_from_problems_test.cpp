@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/exported.h"
+#include "support/kinds.h"
 #include "support/posts.h"
 
 #include <atomic>
@@ -20,12 +21,6 @@ std::vector<Problem> post_problems(const Posts& posts) {
   return problems;
 }
 
-MemorySettings whole_paths() {
-  MemorySettings memory;
-  memory.kind = "paths";
-  return memory;
-}
-
 Database open_paths(const std::string& path, const Robot& robot) {
   auto database = Database::open(path, make_space(robot), OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
@@ -42,7 +37,7 @@ ProblemLesson two_paths(std::uint64_t seed = 1, int jobs = 1) {
 
 LearnSummary learn_well(std::span<const Problem> problems, Database& database,
                         const ProblemLesson& lesson) {
-  auto summary = learn_from_problems(problems, whole_paths(), database, lesson);
+  auto summary = learn_from_problems(problems, of_kind("paths"), database, lesson);
   REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
   return *summary;
 }
@@ -157,12 +152,10 @@ TEST_SUITE("unit") {
     Database database = open_paths(posts.directory / "a.db", problems.front().robot);
     ProblemLesson lesson = two_paths();
     lesson.timeout_s = -1;
-    const auto refused = learn_from_problems(problems, whole_paths(), database, lesson);
+    const auto refused = learn_from_problems(problems, of_kind("paths"), database, lesson);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::invalid);
-    MemorySettings unknown;
-    unknown.kind = "none";
-    CHECK(!learn_from_problems(problems, unknown, database, two_paths()).has_value());
+    CHECK(!learn_from_problems(problems, of_kind("none"), database, two_paths()).has_value());
     CHECK(database.size() == 0);
   }
 }

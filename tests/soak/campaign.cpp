@@ -5,6 +5,7 @@
 #include "soak/fcl_oracle.h"
 #include "soak/memory.h"
 #include "soak/random_problem.h"
+#include "support/kinds.h"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +47,7 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.margin = campaign.margin;
   settings.retrieve_after = 0;
   const bool has_paths = plan % 2 == 1;  // as Memory::database()
-  if (has_paths) settings.memory = whole_paths();
+  if (has_paths) settings.memory = test::of_kind("paths");
   settings.learn_budget_s = robot.is_planar() && !has_paths ? 0.01 : 0;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;

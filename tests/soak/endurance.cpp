@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soak/endurance.h"
 
-#include "soak/memory.h"
 #include "soak/random_problem.h"
+#include "support/kinds.h"
 
 #include <algorithm>
 #include <ctime>
@@ -38,7 +38,7 @@ SolveSettings settings_of(int plan) {
   settings.plan.seed = static_cast<std::uint64_t>(plan);
   settings.plan.timeout_s = 600;
   settings.plan.max_iterations = 3000;
-  settings.memory = whole_paths();
+  settings.memory = test::of_kind("paths");
   return settings;
 }
 
@@ -62,7 +62,7 @@ Result<void> plan_and_remember(Pair& databases, const Problem& problem, int plan
   ++round.plans;
   if (!solved->plan.is_solved()) return {};
   const std::span<const Path> paths(&solved->plan.path, 1);
-  auto rows = learn_from_paths({problem.robot, problem.scene}, paths, whole_paths());
+  auto rows = learn_from_paths({problem.robot, problem.scene}, paths, test::of_kind("paths"));
   if (!rows) return tl::unexpected(rows.error());
   const auto inserted = databases.writer.insert(std::move(*rows));
   if (!inserted) return tl::unexpected(inserted.error());

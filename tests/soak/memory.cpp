@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soak/memory.h"
 
+#include "support/kinds.h"
+
 #include <span>
 
 namespace mneme::soak {
@@ -38,7 +40,7 @@ Result<void> Memory::remember(const Problem& problem, const Path& path) {
       return insert(database, std::move(rows));
     });
   };
-  auto kept = teach(paths_, whole_paths());
+  auto kept = teach(paths_, test::of_kind("paths"));
   return !kept || problem.robot.is_planar() ? kept : teach(pairs_, {});
 }
 

@@ -11,13 +11,6 @@
 
 namespace mneme::soak {
 
-/// Of the kind that remembers whole paths.
-[[nodiscard]] inline MemorySettings whole_paths() {
-  MemorySettings settings;
-  settings.kind = "paths";
-  return settings;
-}
-
 /// Two databases: of pairs of obstacles, and of whole paths. Planar arms learn pairs on a miss;
 /// other robots learn them from what they have solved.
 class Memory {
