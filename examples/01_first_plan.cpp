@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// Plans a problem that came with mneme, or the one whose file is given.
-#include <cstdio>
-
 #include "mneme/mneme.h"
+
+#include <cstdio>
 
 namespace {
 

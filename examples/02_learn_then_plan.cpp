@@ -3,9 +3,9 @@
 
 /// Learns how to get through one gap, then plans in a scene with a similar one, with and without
 /// that memory. The database is the file given, or learned.db.
-#include <cstdio>
-
 #include "mneme/mneme.h"
+
+#include <cstdio>
 
 namespace {
 

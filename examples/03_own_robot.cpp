@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// An own robot, scene, start and goal: an arm of three links passes a post.
-#include <cstdio>
-
 #include "mneme/mneme.h"
+
+#include <cstdio>
 
 namespace {
 

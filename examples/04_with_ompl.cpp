@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // An OMPL program whose state space draws from memory. Its three lines for mneme are marked.
-#include <iostream>
+#include "mneme/ompl.h"
 
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 
-#include "mneme/ompl.h"
+#include <iostream>
 
 int main(int count, char** arguments) {
   if (count != 3) return std::cerr << "usage: 04_with_ompl PROBLEM.yaml MEMORY.db\n", 2;

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
+#include "mneme/collision.h"
 
 #include "micro/suite.h"
-#include "mneme/collision.h"
+
+#include <memory>
 
 namespace mneme::bench {
 namespace {

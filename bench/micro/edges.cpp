@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "micro/edges.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <limits>
-
 #include "mneme/collision.h"
 #include "mneme/planning.h"
 #include "mneme/sampling.h"
+
 #include "robot/joint_space.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
 
 namespace mneme::bench {
 namespace {

@@ -4,10 +4,10 @@
 /// Motions as a planner asks for them, recorded on problems.
 #pragma once
 
+#include "mneme/problem.h"
+
 #include <string>
 #include <vector>
-
-#include "mneme/problem.h"
 
 namespace mneme::bench {
 

@@ -3,13 +3,13 @@
 
 // mneme_micro --problems DIR --robot F.urdf --srdf F.srdf: nanoseconds per state and the like, per
 // instruction set. Options of google-benchmark, such as --benchmark_filter=valid, are understood.
-#include <algorithm>
-#include <cstdint>
-#include <cstdio>
+#include "micro/suite.h"
 
 #include <CLI/CLI.hpp>
 
-#include "micro/suite.h"
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
 
 namespace mneme::bench {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
+#include "mneme/sampling.h"
 
 #include "micro/suite.h"
-#include "mneme/sampling.h"
 #include "planning/configuration_set.h"
 #include "planning/nearest_tree.h"
+
+#include <memory>
 
 namespace mneme::bench {
 namespace {

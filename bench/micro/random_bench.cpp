@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
-
 #include "micro/suite.h"
+
+#include <memory>
 
 namespace mneme::bench {
 namespace {

@@ -4,14 +4,15 @@
 /// What the micro-benchmarks share: one file per room registers its own.
 #pragma once
 
-#include <functional>
-#include <string>
-#include <vector>
+#include "mneme/robot.h"
+
+#include "micro/edges.h"
 
 #include <benchmark/benchmark.h>
 
-#include "micro/edges.h"
-#include "mneme/robot.h"
+#include <functional>
+#include <string>
+#include <vector>
 
 namespace mneme::bench {
 

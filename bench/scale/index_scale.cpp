@@ -4,8 +4,9 @@
 // mneme_index_scale [KEYS KEY_SIZE...]: how the index in memory and a database in a file do with
 // many keys. Keys are uniform in a cube that holds 50 of them, on average, within the threshold of
 // a query. Times are those of the processor.
-#include "experience/key_index.h"
 #include "mneme/experience.h"
+
+#include "experience/key_index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-
 #include <malloc.h>
 #include <unistd.h>
 

@@ -13,7 +13,6 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
-
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "apps/planar_files.h"
+#include "benchmark/bench_support.h"
 
 #include <cstdlib>
 #include <limits>
-
-#include "benchmark/bench_support.h"
 
 namespace mneme::test {
 namespace {

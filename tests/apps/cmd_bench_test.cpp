@@ -3,10 +3,10 @@
 
 #include "apps/planar_files.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <sstream>
-
-#include <nlohmann/json.hpp>
 
 namespace mneme::test {
 namespace {

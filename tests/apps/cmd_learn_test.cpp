@@ -8,9 +8,9 @@
 #include "store/postgres_server.h"
 #endif
 
-#include <sys/stat.h>
-
 #include <nlohmann/json.hpp>
+
+#include <sys/stat.h>
 
 namespace mneme::test {
 namespace {

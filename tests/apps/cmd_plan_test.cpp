@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <sys/stat.h>
-
 #include "apps/planar_files.h"
 
 #include <nlohmann/json.hpp>
+
+#include <sys/stat.h>
 
 namespace mneme::test {
 namespace {

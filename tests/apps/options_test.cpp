@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <sstream>
-
 #include "apps/run_program.h"
+
+#include <sstream>
 
 namespace mneme::test {
 namespace {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "apps/planar_files.h"
-
 #include "benchmark/bench_support.h"
 
 namespace mneme::test {

@@ -4,17 +4,17 @@
 /// Runs the program as a user would, and keeps what it printed.
 #pragma once
 
+#include "support/support.h"
+
+#include <doctest/doctest.h>
+
 #include <cstdio>
 #include <string>
 #include <vector>
-
-#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "support/support.h"
 
 namespace mneme::test {
 

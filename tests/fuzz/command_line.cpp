@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.h"
+
 #include "commands.h"
 #include "fuzz/fuzz_input.h"
 #include "options.h"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/benchmark.h"
+
+#include "fuzz/fuzz_input.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto text = mneme::fuzz::as_text(data, size);

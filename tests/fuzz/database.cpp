@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/experience.h"
+
+#include "fuzz/fuzz_input.h"
 #include "store/salvage.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -12,7 +12,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-
 #include <unistd.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

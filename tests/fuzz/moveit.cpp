@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/problem.h"
 #include "mneme/scene.h"
+
+#include "fuzz/fuzz_input.h"
 
 namespace {
 

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/fuzz_input.h"
-
 #include "exchange/npz_rows.h"
 #include "store/row_check.h"
 #include "exchange/npz_file.h"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/robot.h"
+
+#include "fuzz/fuzz_input.h"
 #include "robot/srdf.h"
 
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/benchmark.h"
 #include "mneme/instances.h"
+
+#include "fuzz/fuzz_input.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "suite.yaml");

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fuzz/fuzz_input.h"
-
 #include "mneme/robot.h"
+
+#include "fuzz/fuzz_input.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   auto parts = mneme::parse_robot_parts(mneme::fuzz::as_text(data, size), "fuzz.urdf");

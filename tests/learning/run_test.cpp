@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
-
 #include "support/support.h"
 
 #include <atomic>

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/small_worlds.h"
-
 #include "planning/configuration_set.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include "support/support.h"
+
+#include <cmath>
 
 namespace mneme::test {
 namespace {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/scripted_sampler.h"
 #include "planning/small_worlds.h"
-
 #include "planning/step_batch.h"
 
 #include <algorithm>

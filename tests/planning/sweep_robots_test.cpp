@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/random_worlds.h"
+#include "path/sweep.h"
 
 #include <fmt/format.h>
-
-#include "path/sweep.h"
 
 namespace mneme::test {
 namespace {

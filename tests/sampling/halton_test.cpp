@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
-#include <set>
-
 #include "mneme/sampling.h"
 
 #include "sampling/sample_rows.h"
+
+#include <array>
+#include <set>
 
 namespace mneme::test {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/sampling.h"
+
+#include "sampling/sample_rows.h"
+
 #include <array>
 #include <limits>
 #include <memory>
 #include <set>
-
-#include "mneme/sampling.h"
-
-#include "sampling/sample_rows.h"
 
 namespace mneme::test {
 namespace {

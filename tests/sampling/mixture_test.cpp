@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
-
 #include "mneme/sampling.h"
 
 #include "sampling/sample_rows.h"
+
+#include <memory>
 
 namespace mneme::test {
 namespace {

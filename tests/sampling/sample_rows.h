@@ -4,14 +4,14 @@
 /// Robots with joints of all kinds, and rows of samples with their moments.
 #pragma once
 
+#include "support/support.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include "support/support.h"
 
 namespace mneme::test {
 

@@ -7,13 +7,13 @@
 #include "soak/random_problem.h"
 #include "support/kinds.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <string_view>
-
-#include <fmt/format.h>
 
 namespace mneme::soak {
 namespace {

@@ -4,12 +4,12 @@
 /// Random plans whose paths FCL looks at again.
 #pragma once
 
+#include "mneme/pipeline.h"
+
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
-
-#include "mneme/pipeline.h"
 
 namespace mneme::soak {
 

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
-
 #include <unistd.h>
 
 namespace mneme::soak {

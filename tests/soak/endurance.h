@@ -4,11 +4,11 @@
 /// Planning, inserting and refreshing for long in one process, which must neither grow nor slow.
 #pragma once
 
+#include "mneme/pipeline.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "mneme/pipeline.h"
 
 namespace mneme::soak {
 

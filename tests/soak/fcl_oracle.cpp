@@ -4,11 +4,11 @@
 
 #include "geometry/fcl_shapes.h"
 
+#include <fcl/narrowphase/collision.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fcl/narrowphase/collision.h>
 
 namespace mneme::soak {
 namespace {

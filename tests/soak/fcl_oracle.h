@@ -5,19 +5,19 @@
 /// kernels or its exact distances.
 #pragma once
 
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
+#include "mneme/planning.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
 
 #include <Eigen/Geometry>
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/narrowphase/collision_object.h>
 
-#include "mneme/planning.h"
-#include "mneme/robot.h"
-#include "mneme/scene.h"
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace mneme::soak {
 

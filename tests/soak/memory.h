@@ -4,10 +4,10 @@
 /// What a robot remembers during a campaign.
 #pragma once
 
+#include "mneme/pipeline.h"
+
 #include <memory>
 #include <string>
-
-#include "mneme/pipeline.h"
 
 namespace mneme::soak {
 

@@ -3,7 +3,6 @@
 #include "soak/random_problem.h"
 
 #include "soak/fcl_oracle.h"
-
 #include "geometry/random_shapes.h"
 
 #include <cmath>

@@ -3,12 +3,11 @@
 #include "soak/sampling_limits.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <Eigen/Geometry>
 
 namespace mneme::soak {
 namespace {

@@ -3,19 +3,19 @@
 
 /// Plans at random for all robots, planners and samplers, and has FCL look at every path again.
 /// Succeeds if nothing was wrong with any of them.
+#include "soak/campaign.h"
+#include "soak/endurance.h"
+#include "soak/sampling_limits.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
 #include <unistd.h>
-
-#include "soak/campaign.h"
-#include "soak/endurance.h"
-#include "soak/sampling_limits.h"
 
 namespace {
 

@@ -4,13 +4,13 @@
 /// What the tests of several rooms need: files, the planar arm, problems from MNEME_DATA.
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
+#include "mneme/mneme.h"
 
 #include <doctest/doctest.h>
 
-#include "mneme/mneme.h"
+#include <filesystem>
+#include <optional>
+#include <string>
 
 namespace mneme::test {
 

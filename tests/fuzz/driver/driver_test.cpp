@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-#include <set>
+#include "fuzz/driver/material.h"
+#include "support/support.h"
 
 #include <doctest/doctest.h>
 
-#include "fuzz/driver/material.h"
-#include "support/support.h"
+#include <cstdlib>
+#include <set>
 
 using namespace mneme;
 

@@ -7,6 +7,11 @@
 // -artifact_prefix; other flags are ignored. It does not see what the target's code does with an
 // input.
 
+#include "fuzz/driver/material.h"
+#include "fuzz/fuzz_input.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -19,15 +24,10 @@
 #include <memory>
 #include <new>
 #include <type_traits>
-
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "fuzz/driver/material.h"
-#include "fuzz/fuzz_input.h"
 
 namespace mneme::fuzz {
 namespace {

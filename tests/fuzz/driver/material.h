@@ -4,11 +4,11 @@
 /// What inputs are made of: seeds, words of a dictionary, and simple changes.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
 
 namespace mneme::fuzz {
 
