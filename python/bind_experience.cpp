@@ -38,7 +38,7 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
   if (!robot) return Memory(unwrap(app::inspect_database(path.string(), kept)));
-  if (!decomposer.empty()) unwrap(decomposer_version(decomposer));
+  if (!decomposer.empty()) (void)unwrap(decomposer_version(decomposer));
   return Memory(unwrap(app::open_database(path.string(), *robot, open_mode, kept)), decomposer);
 }
 
