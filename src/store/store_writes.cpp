@@ -28,8 +28,9 @@ Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason
 /// Rows on their way into a writing transaction.
 class Append {
  public:
-  Append(StoreTransaction& transaction, const StoreState& head, Duplicates rule)
-      : transaction_(transaction), rule_(rule) {
+  Append(const std::string& name, StoreTransaction& transaction, const StoreState& head,
+         Duplicates rule)
+      : name_(name), transaction_(transaction), rule_(rule) {
     result_.before = head;
     result_.state = head;
     ++result_.state.generation;
@@ -75,7 +76,8 @@ class Append {
         (void)sizes_.check(row.kind, stored->value_or(row.key.size()));
       }
       if (const auto flaw = sizes_.check(row.kind, row.key.size())) {
-        return fail(ErrorCode::invalid, fmt::format("a row cannot be inserted: {}", *flaw));
+        return fail(ErrorCode::invalid,
+                    fmt::format("{}: a row cannot be inserted: {}", name_, *flaw));
       }
     }
     return {};
@@ -107,6 +109,7 @@ class Append {
                             KnownRow{row.content(), stored.id, provenance.time, provenance.tool});
   }
 
+  const std::string& name_;  // of the store
   StoreTransaction& transaction_;
   Duplicates rule_;
   KeySizes sizes_;
@@ -179,7 +182,7 @@ Result<Appended> append_rows_of(Store& store, const RowSource& source, Duplicate
   if (!head) return tl::unexpected(head.error());
   const auto chosen = source(*head);
   if (!chosen) return tl::unexpected(chosen.error());
-  Append append(**transaction, *head, rule);
+  Append append(store.name(), **transaction, *head, rule);
   for (auto rows = *chosen; !rows.empty();
        rows = rows.subspan(std::min(kRowsAtOnce, rows.size()))) {
     const auto added = append.add(rows.first(std::min(kRowsAtOnce, rows.size())));

@@ -245,6 +245,7 @@ TEST_SUITE("unit") {
       const auto refused = database->insert({random_experience(rng), row});
       REQUIRE(!refused.has_value());
       CHECK(refused.error().code == ErrorCode::invalid);
+      CHECK(refused.error().message.find(directory / "a.db") == 0);
       CHECK(refused.error().message.find("7 numbers; expected 6") != std::string::npos);
     }
     REQUIRE(second.refresh() == 1);
