@@ -4,8 +4,8 @@
 /// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of
 /// B in A.
 ///
-/// To add a shape: a struct and a `Shape` alternative here, its distances in src/geometry/, its
-/// columns in the scene tables of src/collision/, one row in tests/collision/oracle_test.cpp.
+/// To add a shape: a struct and a `Shape` alternative here; the compiler names the other places, as
+/// CONTRIBUTING.md does.
 #pragma once
 
 #include <string_view>

@@ -13,12 +13,6 @@
 #include <sstream>
 #include <utility>
 
-namespace mneme {
-
-std::string_view version() { return MNEME_VERSION; }
-
-}  // namespace mneme
-
 namespace mneme::internal {
 
 std::filesystem::path shared_data_of(const std::filesystem::path& file) {
@@ -29,6 +23,16 @@ std::filesystem::path shared_data_of(const std::filesystem::path& file) {
     }
   }
   return {};
+}
+
+std::string cache_directory() {
+  const auto absolute = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value == '/' ? std::string(value) : std::string();
+  };
+  if (const std::string cache = absolute("XDG_CACHE_HOME"); !cache.empty()) return cache + "/mneme";
+  const std::string home = absolute("HOME");
+  return home.empty() ? "" : home + "/.cache/mneme";
 }
 
 }  // namespace mneme::internal
@@ -94,18 +98,6 @@ Result<std::string> find_scene(const std::string& name) {
                   tried.empty() ? "share/mneme/scenes: mneme is not installed whole" : tried));
 }
 
+std::string_view version() { return MNEME_VERSION; }
+
 }  // namespace mneme
-
-namespace mneme::internal {
-
-std::string cache_directory() {
-  const auto absolute = [](const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value == '/' ? std::string(value) : std::string();
-  };
-  if (const std::string cache = absolute("XDG_CACHE_HOME"); !cache.empty()) return cache + "/mneme";
-  const std::string home = absolute("HOME");
-  return home.empty() ? "" : home + "/.cache/mneme";
-}
-
-}  // namespace mneme::internal

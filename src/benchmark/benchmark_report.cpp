@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace mneme {
 namespace {
@@ -168,8 +169,9 @@ class ReportWriter {
     report_.html += internal::time_table(panel);
     const auto comparisons = internal::compare_series(panel, options_.baseline);
     if (comparisons.empty()) return;
-    report_.html += "<h3>Paired ratios</h3>\n" + std::string(kHowToCompare) +
-                    internal::ratio_table(comparisons);
+    report_.html += "<h3>Paired ratios</h3>\n";
+    if (!std::exchange(is_comparison_explained_, true)) report_.html += kHowToCompare;
+    report_.html += internal::ratio_table(comparisons);
   }
 
   void add_figure(const std::string& name, const std::string& svg) {
@@ -181,6 +183,7 @@ class ReportWriter {
   const ReportOptions& options_;
   std::vector<Panel> panels_;
   std::vector<std::string> samplers_;
+  bool is_comparison_explained_ = false;
   BenchmarkReport report_;
 };
 

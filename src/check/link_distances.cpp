@@ -91,13 +91,18 @@ double LinkDistances::between(const PosedLinks& posed, int first, int second, do
     const Capsule p = moved(one.shapes[s], posed.poses[i]);
     const Vec3 middle = center_of(p);
     const double reach = one.bounds[s].radius;
-    if (are_apart(middle, posed.centers[j], reach + two.bound.radius, std::min(enough, least))) {
+    // A link's bound is that of its only shape.
+    if (one.shapes.size() > 1 &&
+        are_apart(middle, posed.centers[j], reach + two.bound.radius, std::min(enough, least))) {
       continue;
     }
     for (std::size_t t = 0; t < two.shapes.size(); ++t) {
       const Capsule q = moved(two.shapes[t], posed.poses[j]);
       const double radii = reach + two.bounds[t].radius;
-      if (are_apart(middle, center_of(q), radii, std::min(enough, least))) continue;
+      if (two.shapes.size() > 1 &&
+          are_apart(middle, center_of(q), radii, std::min(enough, least))) {
+        continue;
+      }
       least = std::min(least, segment_distance(p.a, p.b, q.a, q.b) - p.radius - q.radius);
     }
   }

@@ -111,10 +111,6 @@ bool CoverCache::store(const std::string& key, const LinkCover& cover) const {
   return write_whole(path_of(key), fmt::format("{}\n{}\n", text, hash_of(key + text)));
 }
 
-}  // namespace mneme::internal
-
-namespace mneme {
-namespace internal {
 namespace {
 
 /// What became of one link.
@@ -175,7 +171,9 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
   return result;
 }
 
-}  // namespace internal
+}  // namespace mneme::internal
+
+namespace mneme {
 
 Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings) {
   return internal::cover_robot(std::move(parts), settings, internal::CoverCache(""))

@@ -60,7 +60,6 @@ Result<Problem> load_problem(const std::string& where, const ProblemOptions& opt
 
 namespace {
 
-using internal::Input;
 using internal::value_or_throw;
 
 FramedScene extract_from_yaml(const std::string& path) {

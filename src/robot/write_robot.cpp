@@ -182,8 +182,6 @@ std::string to_urdf(const Robot::Parts& parts, std::string_view comment) {
 
 namespace {
 
-using internal::xml_escaped;
-
 std::string to_xml(const JointGroup& group) {
   std::string text = fmt::format("  <group name=\"{}\">\n", xml_escaped(group.name));
   for (const std::string& joint : group.joints) {

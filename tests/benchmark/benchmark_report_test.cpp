@@ -156,6 +156,11 @@ TEST_SUITE("unit") {
     const std::string html = illustrated_page();
     CHECK(pieces(html, "<table class=\"times\">", "</table>").size() == 2);
     CHECK(occurrences(html, "class=\"plot boxes\"") == 2);
+    auto compared = test::suite_rows();
+    for (std::size_t i = 0; i < compared.size(); i += 2) compared[i].set = "other";
+    const std::string two = make_benchmark_report(compared, {}, {}).html;
+    CHECK(occurrences(two, "<h3>Paired ratios</h3>") == 2);
+    CHECK(occurrences(two, "Ratios above 1 say") == 1);
     CHECK(occurrences(html, "<td>uniform &amp; &quot;more&quot;</td>") == 1);
     CHECK(occurrences(html, "<figure class") == 1);
     CHECK(occurrences(html, "<figcaption>caption &lt;b&gt;</figcaption>") == 1);

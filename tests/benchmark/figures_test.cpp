@@ -5,7 +5,6 @@
 #include "benchmark/figures.h"
 #include "report/markup.h"
 
-#include <algorithm>
 #include <sstream>
 
 namespace mneme::internal {

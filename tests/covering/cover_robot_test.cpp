@@ -101,8 +101,6 @@ TEST_SUITE("unit") {
   }
 }
 
-using internal::CoverCache;
-
 /// l0 has a box and shapes of its own, l1 only shapes, l2 a cylinder.
 Robot::Parts make_parts() {
   Robot::Parts parts = make_bare_chain(2);

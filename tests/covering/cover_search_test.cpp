@@ -46,9 +46,6 @@ TEST_SUITE("law") {
   }
 }
 
-using internal::Element;
-using internal::SolidModel;
-
 Element point_at(double x, double y = 0) {
   const Sphere point{{x, y, 0}, 0};
   return {point, {point}};
@@ -100,9 +97,6 @@ TEST_SUITE("law") {
     for (const Sphere& s : proposals) CHECK(s.radius - solid.depth(s.center) <= 0.02 + 1e-9);
   }
 }
-
-using internal::Element;
-using internal::SolidModel;
 
 double worst_stick_out(const std::vector<Sphere>& spheres, const SolidModel& solid) {
   double worst = 0;

@@ -88,7 +88,6 @@ TEST_SUITE("oracle") {
 }
 
 using internal::SolidModel;
-using internal::TriangleMesh;
 
 TriangleMesh cube(double size, const Vec3& center = Vec3::Zero()) {
   return internal::triangulate(make_box(Vec3::Constant(size), center));

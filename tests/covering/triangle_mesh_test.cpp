@@ -61,7 +61,6 @@ TEST_SUITE("law") {
 }
 
 using internal::read_mesh;
-using internal::TriangleMesh;
 
 /// A DAE file with one triangle, (1 0 0) (0 1 0) (0 0 1), in a node with a matrix.
 std::string make_dae(const std::string& unit, const std::string& up, const std::string& matrix) {

@@ -9,7 +9,6 @@
 #include <tinyxml2.h>
 
 #include <memory>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>

@@ -8,7 +8,6 @@
 
 #include "report/report_support.h"
 
-#include <limits>
 
 namespace mneme::test {
 

@@ -99,7 +99,6 @@ TEST_SUITE("law") {
 namespace {
 
 using test::contains;
-using test::kPi;
 
 double norm(const Configuration& v) {
   double sum = 0;

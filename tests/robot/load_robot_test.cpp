@@ -140,7 +140,6 @@ TEST_SUITE("unit") {
 namespace {
 
 using internal::MeshFinder;
-using test::contains;
 namespace fs = std::filesystem;
 
 /// ROS_PACKAGE_PATH for the duration of a test.

@@ -206,8 +206,6 @@ TEST_SUITE("unit") {
 
 namespace {
 
-using test::plan_for;
-
 struct Change {
   std::string what;
   std::function<void(Robot::Parts&)> apply;

@@ -156,9 +156,7 @@ TEST_SUITE("law") {
 namespace {
 
 using internal::fold_mimics;
-using test::contains;
 using test::follow;
-using test::make_chain;
 
 /// The fault of a chain of four joints after `change`.
 template <class Change>
@@ -259,7 +257,6 @@ TEST_SUITE("unit") {
 
 namespace {
 
-using test::contains;
 using Names = std::vector<std::string>;
 
 /// Two arms, j1 - j2 and j3 - j4, on one base.

@@ -126,7 +126,6 @@ TEST_SUITE("law") {
 namespace {
 
 using internal::apply_srdf;
-using test::contains;
 using Names = std::vector<std::string>;
 using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 

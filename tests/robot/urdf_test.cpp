@@ -266,9 +266,6 @@ TEST_SUITE("law") {
 
 namespace {
 
-using test::contains;
-using test::kPi;
-
 /// A robot of one link with this geometry, in a frame that is turned about x and shifted.
 std::string with_geometry(const std::string& geometry) {
   return R"(<robot name="r"><link name="arm"><collision>
