@@ -106,10 +106,9 @@ void SettingsFlags::add_switch(std::string_view name, bool& value, std::string_v
 
 void SettingsFlags::add_switch(std::string_view name, std::optional<bool>& value,
                                std::string_view sentence) {
-  app_.add_flag_callback(
-      fmt::format("--{}", name), [&value] { value = true; }, std::string(sentence));
-  app_.add_flag_callback(
-      fmt::format("--no-{}", name), [&value] { value = false; }, "the opposite");
+  const auto read = [&value](std::int64_t count) { value = count > 0; };
+  app_.add_flag_function(fmt::format("--{0},!--no-{0}", name), read, std::string(sentence))
+      ->take_last();
 }
 
 void add_memory_settings(CLI::App& app, MemorySettings& settings) {

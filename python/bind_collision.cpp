@@ -14,14 +14,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace mneme::python {
 namespace {
 
-CollisionChecker make(const Robot& robot, const Scene& scene, double resolution, double margin,
-                      const std::string& isa) {
-  if (!(resolution >= 0 && resolution <= 10)) {
-    raise_invalid("resolution: expected 0 to 10 radians, 0 for the robot's default");
+CollisionChecker make(const Robot& robot, const Scene& scene, std::optional<double> resolution,
+                      double margin, const std::string& isa) {
+  if (resolution && !(*resolution >= 1e-4 && *resolution <= 10)) {
+    raise_invalid("resolution: expected 1e-4 to 10 radians, or None for the robot's default");
   }
   if (!(margin >= 0 && margin <= 10)) raise_invalid("margin: expected 0 to 10 metres");
   return unwrap(CollisionChecker::make(robot, scene, {resolution, margin, unwrap(parse_isa(isa))}));
@@ -73,12 +74,13 @@ py::list contacts(const CollisionChecker& checker, const py::object& q) {
   return found;
 }
 
-bool path_is_free(const CollisionChecker& checker, const py::object& path, double resolution) {
-  if (resolution != 0 && !(resolution >= 1e-5 && resolution <= 10)) {
-    raise_invalid("resolution: expected 1e-5 to 10 radians, or 0 for a tenth of the checker's");
+bool path_is_free(const CollisionChecker& checker, const py::object& path,
+                  std::optional<double> resolution) {
+  if (resolution && !(*resolution >= 1e-5 && *resolution <= 10)) {
+    raise_invalid("resolution: expected 1e-5 to 10 radians, or None for a tenth of the checker's");
   }
   const Path rows = to_rows(path, checker.robot().joint_count(), "path");
-  const double step = resolution > 0 ? resolution : checker.resolution() / kVerificationRefinement;
+  const double step = resolution.value_or(checker.resolution() / kVerificationRefinement);
   const py::gil_scoped_release released;
   return is_path_free(checker.robot(), checker.scene(), rows, step);
 }
@@ -91,9 +93,10 @@ void bind_collision(py::module_& module) {
       "Decides whether configurations and straight motions are free of contact. Joint limits are\n"
       "not its business: see Robot.describe_violation.")
       .def(py::init(&make), py::arg("robot"), py::arg("scene"), py::kw_only(),
-           py::arg("resolution") = 0.0, py::arg("margin") = 0.0, py::arg("isa") = "automatic",
+           py::arg("resolution") = py::none(), py::arg("margin") = 0.0,
+           py::arg("isa") = "automatic",
            "resolution: largest L2 joint distance between checked states of a motion, radians;\n"
-           "0 for the robot's default. margin: metres that the robot is inflated by.")
+           "None for the robot's default. margin: metres that the robot is inflated by.")
       .def_property_readonly("resolution", &CollisionChecker::resolution)
       .def_property_readonly("margin", &CollisionChecker::margin)
       .def_property_readonly(
@@ -106,9 +109,9 @@ void bind_collision(py::module_& module) {
       .def("contacts", &contacts, py::arg("q"),
            "Everything that touches at q: dictionaries with link, other, is_self and distance\n"
            "(metres, negative in contact).")
-      .def("is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = 0.0,
+      .def("is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = py::none(),
            "True if every state of path, shape (n, joint_count), is within limits and free by\n"
-           "exact distances that share no code with the kernels. resolution: radians; 0 for a\n"
+           "exact distances that share no code with the kernels. resolution: radians; None for a\n"
            "tenth of the checker's.");
 }
 

@@ -132,7 +132,7 @@ class CollisionChecker:
         robot: Robot,
         scene: Scene,
         *,
-        resolution: float = 0.0,
+        resolution: Optional[float] = None,
         margin: float = 0.0,
         isa: str = "automatic",
     ) -> None: ...
@@ -145,7 +145,7 @@ class CollisionChecker:
     def is_valid(self, q: npt.ArrayLike) -> Union[bool, npt.NDArray[np.bool_]]: ...
     def is_motion_valid(self, start: npt.ArrayLike, end: npt.ArrayLike) -> bool: ...
     def contacts(self, q: npt.ArrayLike) -> list[dict[str, Any]]: ...
-    def is_path_free(self, path: npt.ArrayLike, resolution: float = 0.0) -> bool: ...
+    def is_path_free(self, path: npt.ArrayLike, resolution: Optional[float] = None) -> bool: ...
 
 class Primitive:
     @staticmethod
@@ -163,7 +163,7 @@ def decompose(
     *,
     kind: Optional[str] = None,
     # settings:memory
-    max_gap: float = 0.0,
+    max_gap: Optional[float] = None,
     # /settings
 ) -> list[Primitive]: ...
 def similarity_error(a: npt.ArrayLike, b: npt.ArrayLike, kind: str = "pairs") -> float: ...
@@ -226,12 +226,12 @@ def learn(
     paths_per_start: int = 2,
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
-    learn_resolution: float = 0.0,
+    learn_resolution: Optional[float] = None,
     merge_cliques: bool = False,
     # /settings
     kind: Optional[str] = None,
     # settings:memory
-    max_gap: float = 0.0,
+    max_gap: Optional[float] = None,
     # /settings
 ) -> LearnSummary: ...
 def learn_from_paths(
@@ -244,7 +244,7 @@ def learn_from_paths(
     seed: int = 0,
     kind: Optional[str] = None,
     # settings:memory
-    max_gap: float = 0.0,
+    max_gap: Optional[float] = None,
     # /settings
 ) -> int: ...
 
@@ -312,23 +312,23 @@ def plan(
     isa: str = "automatic",
     record: bool = False,
     # settings:solve
-    lambda_: float = -1.0,
-    sigma: float = 0.0,
-    similarity: float = 0.0,
-    max_matches: int = -1,
-    drop_invalid_means: bool = True,
-    retrieve_after: int = -1,
-    first_components: float = -1.0,
+    lambda_: Optional[float] = None,
+    sigma: Optional[float] = None,
+    similarity: Optional[float] = None,
+    max_matches: Optional[int] = None,
+    drop_invalid_means: Optional[bool] = None,
+    retrieve_after: Optional[int] = None,
+    first_components: Optional[float] = None,
     component_growth: float = 0.5,
     learn_budget: float = 0.0,
-    remember_after: int = -1,
-    resolution: float = 0.0,
+    remember_after: Optional[int] = None,
+    resolution: Optional[float] = None,
     margin: float = 0.0,
     # /settings
     # settings:plan
-    range: float = 0.0,
+    range: Optional[float] = None,
     timeout: float = 10.0,
-    max_iterations: int = 0,
+    max_iterations: Optional[int] = None,
     max_nodes: int = 10000000,
     seed: int = 1,
     simplify: bool = True,
@@ -336,17 +336,18 @@ def plan(
     continuous: bool = False,
     neighbours: int = 10,
     goal_bias: float = 0.05,
+    ompl_defaults: bool = False,
     # /settings
     kind: Optional[str] = None,
     # settings:memory
-    max_gap: float = 0.0,
+    max_gap: Optional[float] = None,
     # /settings
     # settings:learn
     starts_per_link: int = 3,
     paths_per_start: int = 2,
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
-    learn_resolution: float = 0.0,
+    learn_resolution: Optional[float] = None,
     merge_cliques: bool = False,
     # /settings
 ) -> Plan: ...

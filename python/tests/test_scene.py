@@ -109,7 +109,7 @@ def test_motions_and_margins_are_checked(robot):
     assert not wide.is_valid(np.zeros(8)) and checker.is_valid(np.zeros(8))
     assert raised(mneme.CollisionChecker, robot, scene, margin=-1)[0] == "invalid"
     assert raised(mneme.CollisionChecker, robot, scene, isa="mmx")[0] == "invalid"
-    for resolution in (np.nan, 1e-9):
+    for resolution in (np.nan, 0, 1e-9):
         assert raised(mneme.CollisionChecker, robot, scene, resolution=resolution)[0] == "invalid"
     assert raised(checker.is_path_free, [left], 1e-9)[0] == "invalid"
     assert raised(checker.contacts, np.full(8, np.nan))[0] == "invalid"

@@ -285,7 +285,7 @@ TEST_SUITE("flow") {
     for (int round = 0; round < count; ++round) {
       const pid_t child = start_child([&] {
         const auto space = make_space(robot);
-        auto database = Database::open(path, *space, OpenMode::create);
+        auto database = Database::open(path, space, OpenMode::create);
         if (!database) return 1;
         LearnJob job;
         job.settings = cheap_settings();

@@ -4,7 +4,7 @@
 /// Experience to store, and child processes to kill.
 #pragma once
 
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 #include "support/support.h"
 
 #include <sqlite3.h>
@@ -77,7 +77,7 @@ inline Database open_database(const std::string& path, OpenMode mode = OpenMode:
 /// All ways to write down a key.
 inline std::vector<PrimitiveKey> keys_of(const PrimitiveKey& canonical) {
   std::vector<PrimitiveKey> keys;
-  for (const KeyImage& image : images(canonical)) keys.push_back(image.key);
+  for (const KeyImage& image : memory_kind_of(kPairs)->images(canonical)) keys.push_back(image.key);
   return keys;
 }
 
