@@ -216,7 +216,7 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--sampler", "nearest_scenes"}, 2, {"nearest_scenes needs --db"}},
         {{"plan", problem, "--sampler", "gaussian"},
          2,
-         {"--sampler", "'gaussian' is OMPL's", "ompl:PRM", "not 'rrt_connect'"}},
+         {"--sampler", "'gaussian' is for planners", "ompl:PRM", "not 'rrt_connect'"}},
     });
   }
 
