@@ -14,14 +14,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace mneme::test {
-
-inline constexpr double kPi = std::numbers::pi;
 
 inline std::vector<Isa> available_isas() {
   std::vector<Isa> result;

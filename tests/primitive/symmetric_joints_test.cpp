@@ -3,12 +3,9 @@
 #include "support/lifting_arm.h"
 
 #include <algorithm>
-#include <numbers>
 
 namespace mneme::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void check_joints(const Robot& robot, int turn, int lift, double axis_x = 0, double axis_y = 0) {
   const SymmetricJoints found = find_symmetric_joints(robot);

@@ -6,12 +6,9 @@
 
 #include "support/support.h"
 
-#include <numbers>
 #include <string>
 
 namespace mneme::test {
-
-inline constexpr double kPi = std::numbers::pi;
 
 inline Joint make_joint(const std::string& name, JointType type, int parent, int child) {
   Joint joint;

@@ -9,13 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <string>
 #include <vector>
 
 namespace mneme::test {
-
-inline constexpr double kPi = std::numbers::pi;
 
 /// A chain about z: a joint of each of `types`; revolute ones from -2 to 1, prismatic ones from 0.5
 /// to 2.

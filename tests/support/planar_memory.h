@@ -9,11 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace mneme::test {
-
-inline constexpr double kPi = std::numbers::pi;
 
 inline Robot require_arm(const std::string& urdf) {
   auto robot = parse_robot(urdf, "arm.urdf");

@@ -9,10 +9,13 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 
 namespace mneme::test {
+
+inline constexpr double kPi = std::numbers::pi;
 
 /// What tests of time allow for: instrumented code is so many times slower.
 #ifdef MNEME_INSTRUMENTED
