@@ -3,6 +3,7 @@
 
 /// mneme doctor: what is built in and installed, and whether it works.
 #include "mneme/base.h"
+#include "mneme/upkeep.h"
 #include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
@@ -99,7 +100,7 @@ class ScratchFile {
 /// Learns one primitive into a new database, and plans from it.
 Result<std::string> try_memory(const Problem& problem) {
   const ScratchFile file;
-  Result<Database> database = 
+  Result<Database> database =
       Database::open(file.path(), make_space(problem.robot), OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   SolveSettings settings;

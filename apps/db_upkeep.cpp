@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/exchange.h"
+#include "mneme/upkeep.h"
 #include "mneme/experience.h"
 
 #include "commands.h"

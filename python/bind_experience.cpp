@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
+#include "mneme/upkeep.h"
 #include "mneme/pipeline.h"
 
 #include "arrays.h"

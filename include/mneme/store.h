@@ -50,36 +50,10 @@ struct Damage {
   bool is_quarantined = false;  ///< it is set aside, and the rest can be used
 };
 
-enum class VerifyMode {
-  report,      ///< changes nothing
-  quarantine,  ///< sets damaged rows aside, so that the rest can be used
-};
-/// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
-/// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
-/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer or an older mneme
-/// wrote it.
-[[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
-                                                          VerifyMode mode = VerifyMode::report);
-
 struct MergeSummary {
   std::int64_t read = 0;      ///< rows of the source
   std::int64_t added = 0;     ///< that the target did not have
   std::int64_t replaced = 0;  ///< that the target had, learned later; the earlier provenance stays
 };
-/// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
-/// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
-/// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
-/// if it was interrupted. Errors: wrong_robot if the two are not of one space; those of
-/// Database::open().
-[[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
-                                                   const std::string& from);
-
-struct CompactSummary {
-  std::int64_t removed = 0;  ///< rows that were set aside
-  std::int64_t bytes_before = 0;
-  std::int64_t bytes_after = 0;
-};
-/// Removes rows that were set aside, and gives the space back. Other processes may go on.
-[[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
 
 }  // namespace mneme

@@ -4,7 +4,6 @@
 
 #include "store/postgres_store.h"
 #include "store/row_check.h"
-#include "store/salvage.h"
 #include "store/sqlite_store.h"
 
 #include <fmt/format.h>
@@ -125,15 +124,6 @@ Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace&
 
 Result<OpenedStore> inspect_store(const std::string& url) {
   return open_store(url, OpenMode::read_only).and_then(identified);
-}
-
-Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages) {
-  const auto engine = engine_of(url);
-  if (!engine) return tl::unexpected(engine.error());
-  if (*engine == Engine::sqlite) return salvage_file(url, damages).map([](const std::string&) {});
-  return fail(ErrorCode::unsupported,
-              fmt::format("{}: what stands beneath the rows can only be repaired on the server",
-                          without_password(url)));
 }
 
 Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const ExperienceSpace& space,

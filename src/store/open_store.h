@@ -29,10 +29,6 @@ struct OpenedStore {
 /// Opens a store for reading, whatever space it is of; the space of an empty one has no joints.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
 
-/// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of
-/// its live rows, as salvage_file() says. Errors: those, and unsupported on a server.
-[[nodiscard]] Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages);
-
 /// The tasks that processes share beside the database of `space` at `url`. Errors: unsupported if
 /// it is not on a PostgreSQL server.
 [[nodiscard]] Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/upkeep.h"
+
 #include "store/fixtures.h"
 
 #include <cstdlib>

@@ -131,7 +131,7 @@ std::vector<IndexMatch> brute_force(const std::vector<PrimitiveKey>& keys,
     if (gone.contains(static_cast<std::int64_t>(id))) continue;
     IndexMatch nearest{static_cast<std::int64_t>(id), 0, std::numeric_limits<double>::infinity()};
     std::uint32_t image = 0;
-    for (const KeyImage& other : images(query)) {
+    for (const KeyImage& other : memory_kinds().front()->images(query)) {
       double error = 0;
       for (std::size_t i = 0; i < other.key.size(); ++i) {
         const double difference = other.key[i] - keys[id][i];
@@ -236,8 +236,9 @@ TEST_SUITE("oracle") {
     std::set<std::int64_t> gone;
     for (int i = 0; i < 3000; ++i) {
       // Some keys come twice, some as the mirror image of another.
-      PrimitiveKey key =
-          i % 10 == 9 ? images(keys[rng.index(i)])[rng.index(4)].key : random_key(rng);
+      PrimitiveKey key = i % 10 == 9
+                             ? memory_kinds().front()->images(keys[rng.index(i)])[rng.index(4)].key
+                             : random_key(rng);
       add(index, i, key);
       keys.push_back(std::move(key));
       if (i % 200 == 150) {

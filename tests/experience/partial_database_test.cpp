@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Databases that are larger than what they may take in memory.
+#include "mneme/upkeep.h"
+
 #include "store/fixtures.h"
 
 #include "experience/index_file.h"
@@ -265,7 +267,7 @@ TEST_SUITE("flow") {
             const auto matches = find_like(database, primitive, 3, 8);
             if (!matches) is_sound = false;
             for (const KeyMatch& match : matches.value_or(std::vector<KeyMatch>())) {
-              const double error = similarity_error(primitive.key, match.experience->key);
+              const double error = circle_pair_error(primitive.key, match.experience->key);
               if (std::abs(error - match.similarity_error) > 1e-12) is_sound = false;
             }
             if (i % 10 == 0 && !database.refresh()) is_sound = false;

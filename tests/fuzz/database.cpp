@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
+#include "mneme/upkeep.h"
 
 #include "fuzz/fuzz_input.h"
-#include "store/salvage.h"
+#include "upkeep/salvage.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "experience.db");

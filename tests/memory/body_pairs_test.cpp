@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/random_shapes.h"
+#include "primitive/random_pairs.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
 
@@ -14,13 +15,6 @@ namespace mneme::test {
 namespace {
 
 using BodyKey = std::array<double, kBodyKeySize>;
-
-double largest_difference(std::span<const double> a, std::span<const double> b) {
-  REQUIRE(a.size() == b.size());
-  double result = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, std::abs(a[i] - b[i]));
-  return result;
-}
 
 double key_distance(const BodyKey& a, const BodyKey& b) {
   double sum = 0;
@@ -39,7 +33,8 @@ Obstacle random_obstacle(Rng& rng) {
 
 Box random_box(Rng& rng) { return std::get<Box>(random_shape(1, rng)); }
 
-std::vector<LocalPrimitive> body_pairs(const Robot& robot, const Scene& scene, std::optional<double> max_gap = {}) {
+std::vector<LocalPrimitive> body_pairs(const Robot& robot, const Scene& scene,
+                                       std::optional<double> max_gap = {}) {
   const auto result = decompose({robot, scene}, {{}, max_gap});
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *result;
@@ -252,7 +247,8 @@ TEST_SUITE("law") {
     for (int i = 0; i < 500; ++i) {
       const Obstacle a = random_obstacle(rng), b = random_obstacle(rng), c = random_obstacle(rng);
       const PrimitiveKey key = make_body_primitive(joints, a, b).key;
-      REQUIRE(similarity_error(kind_named("body_pairs"), key, make_body_primitive(joints, b, a).key) < 1e-24);
+      REQUIRE(similarity_error(kind_named("body_pairs"), key,
+                               make_body_primitive(joints, b, a).key) < 1e-24);
       const PrimitiveKey other = make_body_primitive(joints, c, a).key;
       double least = 1e300;
       for (const KeyImage& image : kind_named("body_pairs").images(other)) {
@@ -260,8 +256,10 @@ TEST_SUITE("law") {
         for (std::size_t k = 0; k < key.size(); ++k) sum += std::pow(key[k] - image.key[k], 2);
         least = std::min(least, sum);
       }
-      REQUIRE(similarity_error(kind_named("body_pairs"), key, other) == doctest::Approx(least).epsilon(1e-12));
-      REQUIRE(similarity_error(kind_named("body_pairs"), other, key) == doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(similarity_error(kind_named("body_pairs"), key, other) ==
+              doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(similarity_error(kind_named("body_pairs"), other, key) ==
+              doctest::Approx(least).epsilon(1e-12));
     }
   }
 }

@@ -220,9 +220,15 @@ TEST_SUITE("unit") {
     std::vector<std::string> texts = {describe({})};
     LearnSettings changed;
     visit_settings(changed, [&](const char*, auto& value, auto, auto, const char*) {
-      const auto before = value;
-      value = static_cast<std::remove_cvref_t<decltype(value)>>(before == 0 ? 1 : before / 2);
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) value = !before;
+      using Setting = std::remove_cvref_t<decltype(value)>;
+      const Setting before = value;
+      if constexpr (SettingTraits<Setting>::is_optional) {
+        value = before ? Setting() : Setting(1);
+      } else if constexpr (std::is_same_v<Setting, bool>) {
+        value = !before;
+      } else {
+        value = static_cast<Setting>(before == 0 ? 1 : before / 2);
+      }
       texts.push_back(describe(changed));
       value = before;
     });

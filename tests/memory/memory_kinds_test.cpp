@@ -129,11 +129,11 @@ TEST_SUITE("unit") {
       CHECK(kind->version.starts_with(std::string(kind->name) + "/"));
       CHECK(!kind->summary.empty());
       CHECK(kind->key_size(planar) > 0);
-      CHECK(kind->decompose != nullptr);
-      CHECK(kind->images != nullptr);
-      CHECK(kind->synthesize != nullptr);
-      CHECK(kind->learn_from_paths != nullptr);
-      CHECK((kind->learn != nullptr || !kind->no_learning_on_a_miss.empty()));
+      CHECK(bool(kind->decompose != nullptr));
+      CHECK(bool(kind->images != nullptr));
+      CHECK(bool(kind->synthesize != nullptr));
+      CHECK(bool(kind->learn_from_paths != nullptr));
+      CHECK(bool(kind->learn != nullptr || !kind->no_learning_on_a_miss.empty()));
       CHECK(kind->defaults.max_matches > 0);
     }
     CHECK(kind_named("pairs").version == "pairs/1");

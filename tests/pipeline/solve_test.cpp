@@ -330,7 +330,8 @@ TEST_SUITE("unit") {
     CHECK(learned_with().find("learn-resolution=0.01") != std::string::npos);
   }
 
-  TEST_CASE("a scene that the kind of memory cannot take is an error only for the sampler of memory") {
+  TEST_CASE(
+      "a scene that the kind of memory cannot take is an error only for the sampler of memory") {
     Problem problem = easy_problem();
     Box crate;
     crate.pose.translation = Vec3(0, 20, 0);
@@ -450,7 +451,7 @@ TEST_SUITE("unit") {
     for (const SamplerEntry& entry : samplers()) {
       CHECK(find_sampler(entry.name).value() == &entry);
       CHECK(!entry.summary.empty());
-      CHECK(entry.make != nullptr);
+      CHECK(bool(entry.make != nullptr));
     }
   }
 }

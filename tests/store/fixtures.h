@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/memory.h"
+#include "mneme/upkeep.h"
 #include "support/support.h"
 
 #include <sqlite3.h>

@@ -7,7 +7,7 @@
 
 #include "mneme/store.h"
 
-#include "store/page_file.h"
+#include "upkeep/page_file.h"
 #include "store/store.h"
 
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/page_file.h"
+#include "upkeep/page_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

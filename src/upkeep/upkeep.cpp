@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/store.h"
-
-#include "mneme/store.h"
+#include "mneme/upkeep.h"
 
 #include "store/open_store.h"
 #include "store/row_check.h"
 #include "store/store_reads.h"
 #include "store/store_writes.h"
+#include "upkeep/salvage.h"
 
 #include <fmt/format.h>
 
@@ -91,12 +90,24 @@ Result<Findings> verify(const std::string& url) {
       .map([&] { return findings; });
 }
 
+/// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of
+/// its live rows, as salvage_file() says. Errors: those, and unsupported on a server.
+Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages) {
+  const auto engine = internal::engine_of(url);
+  if (!engine) return tl::unexpected(engine.error());
+  if (*engine == internal::Engine::sqlite)
+    return internal::salvage_file(url, damages).map([](const std::string&) {});
+  return fail(ErrorCode::unsupported,
+              fmt::format("{}: what stands beneath the rows can only be repaired on the server",
+                          internal::without_password(url)));
+}
+
 /// Leaves a store that can be used. Names in `findings` also what was found only by then.
 Result<void> cure(const std::string& url, Findings& findings) {
   const auto opened = internal::inspect_store(url);
   if (!opened && opened.error().code != ErrorCode::corrupt) return tl::unexpected(opened.error());
   if (!opened || findings.is_structural) {
-    return internal::rebuild_store(url, findings.damages);
+    return rebuild_store(url, findings.damages);
   }
   const auto store = internal::open_store(url, OpenMode::read_write);
   if (!store) return tl::unexpected(store.error());

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/upkeep.h"
+
 #include "store/fixtures.h"
-#include "store/salvage.h"
+#include "upkeep/salvage.h"
 
 namespace mneme::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/salvage.h"
+#include "upkeep/salvage.h"
 
 #include "store/database_file.h"
 #include "store/row_check.h"

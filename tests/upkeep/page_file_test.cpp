@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/fixtures.h"
-#include "store/page_file.h"
+#include "upkeep/page_file.h"
 
 #include <limits>
 

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Keeping databases in order: verification, repair, merging and compaction.
+#pragma once
+
+#include "mneme/base.h"
+#include "mneme/store.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mneme {
+
+enum class VerifyMode {
+  report,      ///< changes nothing
+  quarantine,  ///< sets damaged rows aside, so that the rest can be used
+};
+/// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
+/// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
+/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer or an older mneme
+/// wrote it.
+[[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
+                                                          VerifyMode mode = VerifyMode::report);
+
+/// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
+/// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
+/// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
+/// if it was interrupted. Errors: wrong_robot if the two are not of one space; those of
+/// Database::open().
+[[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
+                                                   const std::string& from);
+
+struct CompactSummary {
+  std::int64_t removed = 0;  ///< rows that were set aside
+  std::int64_t bytes_before = 0;
+  std::int64_t bytes_after = 0;
+};
+/// Removes rows that were set aside, and gives the space back. Other processes may go on.
+[[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
+
+}  // namespace mneme
