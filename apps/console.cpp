@@ -4,8 +4,8 @@
 #include "console.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <csignal>

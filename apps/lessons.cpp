@@ -7,8 +7,8 @@
 #include "inputs.h"
 
 #include <fmt/format.h>
-#include <glob.h>
 
+#include <glob.h>
 #include <algorithm>
 
 namespace mneme::app {

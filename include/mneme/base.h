@@ -5,6 +5,8 @@
 /// header needs.
 #pragma once
 
+#include <tl/expected.hpp>
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -14,8 +16,6 @@
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include <tl/expected.hpp>
 
 namespace mneme {
 

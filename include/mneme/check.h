@@ -5,13 +5,13 @@
 /// kernels.
 #pragma once
 
-#include <span>
-#include <string>
-#include <vector>
-
 #include "mneme/base.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
+
+#include <span>
+#include <string>
+#include <vector>
 
 namespace mneme {
 

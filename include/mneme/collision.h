@@ -4,17 +4,17 @@
 /// Collision checking on SIMD kernels: single states, batches, and motions.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/check.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/check.h"
-#include "mneme/robot.h"
-#include "mneme/scene.h"
 
 namespace mneme {
 

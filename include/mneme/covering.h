@@ -5,15 +5,15 @@
 /// that need no check.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/robot.h"
+
 #include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/robot.h"
 
 namespace mneme {
 

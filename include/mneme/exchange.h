@@ -4,11 +4,11 @@
 /// Databases as files for other programs.
 #pragma once
 
-#include <cstdint>
-#include <string>
-
 #include "mneme/base.h"
 #include "mneme/store.h"
+
+#include <cstdint>
+#include <string>
 
 namespace mneme {
 

@@ -4,6 +4,10 @@
 /// The database of local samplers.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/robot.h"
+#include "mneme/store.h"
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,10 +16,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/robot.h"
-#include "mneme/store.h"
 
 namespace mneme {
 namespace internal {

@@ -8,10 +8,10 @@
 /// CONTRIBUTING.md does.
 #pragma once
 
+#include <Eigen/Core>
+
 #include <string_view>
 #include <variant>
-
-#include <Eigen/Core>
 
 namespace mneme {
 

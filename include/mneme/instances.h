@@ -5,6 +5,10 @@
 /// the same, and problems that are proven to have a path.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/path.h"
+#include "mneme/scene.h"
+
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -12,10 +16,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/path.h"
-#include "mneme/scene.h"
 
 namespace mneme {
 

@@ -4,6 +4,10 @@
 /// Learning offline: lessons from grids of primitives, from scenes and from solved problems.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/memory.h"
+#include "mneme/problem.h"
+
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -14,10 +18,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/memory.h"
-#include "mneme/problem.h"
 
 namespace mneme {
 

@@ -5,6 +5,11 @@
 /// make samples of that for another query.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/experience.h"
+#include "mneme/planning.h"
+#include "mneme/primitive.h"
+
 #include <array>
 #include <atomic>
 #include <concepts>
@@ -16,11 +21,6 @@
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/experience.h"
-#include "mneme/planning.h"
-#include "mneme/primitive.h"
 
 namespace mneme {
 
@@ -178,8 +178,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// What solved paths teach the kind that choose_kind() says: of pairs of obstacles one row per
 /// primitive, whose components are the waypoints that belong to it, moved to the canonical frame. A
 /// waypoint belongs to a primitive if one shape of the robot that the symmetric joints move is
-/// closer than `reach` (metres) to all its obstacles. Rows have no provenance yet; primitives without a
-/// waypoint have none. O(waypoints * shapes * obstacles).
+/// closer than `reach` (metres) to all its obstacles. Rows have no provenance yet; primitives
+/// without a waypoint have none. O(waypoints * shapes * obstacles).
 [[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                                std::span<const Path> paths,
                                                                const MemorySettings& settings = {},

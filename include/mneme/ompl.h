@@ -5,13 +5,7 @@
 /// own, mneme::ompl. This header includes OMPL's: compile what includes it without -march.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "mneme/pipeline.h"
 
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/OptimizationObjective.h>
@@ -20,7 +14,13 @@
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 
-#include "mneme/pipeline.h"
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mneme::ompl {
 

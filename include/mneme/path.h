@@ -4,6 +4,9 @@
 /// Paths: their length, shortening and verification.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/collision.h"
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -12,9 +15,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/collision.h"
 
 namespace mneme {
 namespace internal {

@@ -4,6 +4,11 @@
 /// Algorithms 1 and 2 of the paper: from a scene to a global sampler, and from a problem to a path.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/memory.h"
+#include "mneme/planning.h"
+#include "mneme/problem.h"
+
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,11 +16,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/memory.h"
-#include "mneme/planning.h"
-#include "mneme/problem.h"
 
 namespace mneme {
 namespace internal {

@@ -4,6 +4,10 @@
 /// Sampling-based planners.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/path.h"
+#include "mneme/sampling.h"
+
 #include <atomic>
 #include <concepts>
 #include <cstdint>
@@ -13,10 +17,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/path.h"
-#include "mneme/sampling.h"
 
 namespace mneme {
 

@@ -4,6 +4,10 @@
 /// Local primitives: the pieces of a workspace that experience is bound to.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
 #include <array>
 #include <concepts>
 #include <optional>
@@ -12,10 +16,6 @@
 #include <string_view>
 #include <type_traits>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/robot.h"
-#include "mneme/scene.h"
 
 namespace mneme {
 

@@ -4,12 +4,12 @@
 /// Motion planning problems: a robot, a scene, a start and goals.
 #pragma once
 
+#include "mneme/robot.h"
+#include "mneme/scene.h"
+
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "mneme/robot.h"
-#include "mneme/scene.h"
 
 namespace mneme {
 

@@ -4,6 +4,9 @@
 /// Robots: kinematic trees of links that carry spheres and capsules, read from URDF at run time.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/geometry.h"
+
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,9 +15,6 @@
 #include <utility>
 #include <variant>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/geometry.h"
 
 namespace mneme {
 

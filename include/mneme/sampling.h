@@ -4,14 +4,14 @@
 /// Sources of configurations for sampling-based planners. Planners know only this interface.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/robot.h"
+
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/robot.h"
 
 namespace mneme {
 

@@ -4,11 +4,11 @@
 /// Workspaces: named rigid obstacles of one or more shapes.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "mneme/base.h"
 #include "mneme/geometry.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme {
 

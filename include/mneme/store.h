@@ -4,12 +4,12 @@
 /// What a database keeps, whatever keeps it, and its upkeep.
 #pragma once
 
+#include "mneme/base.h"
+#include "mneme/sampling.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "mneme/base.h"
-#include "mneme/sampling.h"
 
 namespace mneme {
 

@@ -4,9 +4,9 @@
 
 #include "mneme/base.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <dlfcn.h>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <sstream>
 

@@ -4,8 +4,8 @@
 #include "mneme/benchmark.h"
 
 #include <fmt/chrono.h>
-#include <sys/utsname.h>
 
+#include <sys/utsname.h>
 #include <algorithm>
 #include <chrono>
 #include <fstream>

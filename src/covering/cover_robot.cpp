@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 #include <xxhash.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <atomic>

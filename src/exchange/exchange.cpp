@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/exchange.h"
-
 #include "mneme/store.h"
 
 #include "base/text_file.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
 
-
 #include <algorithm>
 #include <condition_variable>
 #include <deque>

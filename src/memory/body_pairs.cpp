@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
-#include <Eigen/Eigenvalues>
-
 #include "mneme/memory.h"
 
 #include "geometry/solids.h"
 #include "memory/moved_means.h"
 #include "primitive/near_pairs.h"
 #include "primitive/passage.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace mneme {
 namespace {

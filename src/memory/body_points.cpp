@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/body_points.h"
 
-#include <algorithm>
-#include <cmath>
+#include "mneme/primitive.h"
 
 #include <Eigen/Geometry>
 
-#include "mneme/primitive.h"
+#include <algorithm>
+#include <cmath>
 
 namespace mneme::internal {
 namespace {

@@ -4,12 +4,12 @@
 /// A robot's moving body as points with radii, and how they move with its joints.
 #pragma once
 
-#include <span>
-#include <vector>
+#include "mneme/robot.h"
 
 #include <Eigen/Core>
 
-#include "mneme/robot.h"
+#include <span>
+#include <vector>
 
 namespace mneme::internal {
 

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include <Eigen/Geometry>
-
 #include "mneme/memory.h"
 
 #include "memory/moved_means.h"
 #include "primitive/near_pairs.h"
 #include "primitive/passage.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace mneme {
 namespace {
@@ -171,7 +171,10 @@ extern constinit const MemoryKind kGaps = {
     .defaults = {.sigma = 0.07, .similarity = 0.03, .retrieve_after = 1500, .max_gap = 0.25},
     .key_size = [](const Robot&) { return kGapKeySize; },
     .decompose = decompose_into_gaps,
-    .images = [](const PrimitiveKey& key) { return std::vector<KeyImage>{{key, false}}; },
+    .images =
+        [](const PrimitiveKey& key) {
+          return std::vector<KeyImage>{{key, false}};
+        },
     .synthesize = pool_moved_means,
     .learn_from_paths = learn_waypoints<decompose_into_gaps>,
     .learn = learn_local_sampler,

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include "mneme/memory.h"
 
 #include "memory/local_queries.h"
 #include "memory/passage_queries.h"
 #include "memory/planar_chain.h"
 #include "memory/threaded.h"
-#include "mneme/memory.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 namespace mneme {
 namespace {

@@ -5,9 +5,9 @@
 // and each one samples with Algorithm 1 from what the shallower ones have taught.
 #include "memory/local_queries.h"
 
-#include <algorithm>
-
 #include "memory/merge_cliques.h"
+
+#include <algorithm>
 
 namespace mneme::internal {
 namespace {

@@ -5,11 +5,11 @@
 /// business of a QuerySource.
 #pragma once
 
+#include "mneme/memory.h"
+
 #include <atomic>
 #include <optional>
 #include <span>
-
-#include "mneme/memory.h"
 
 namespace mneme::internal {
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
-
 #include "mneme/memory.h"
+
+#include <functional>
 
 namespace mneme::internal {
 

@@ -3,11 +3,10 @@
 #include "memory/moved_means.h"
 
 #include "memory/body_points.h"
+#include "robot/joint_space.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "robot/joint_space.h"
 
 namespace mneme::internal {
 namespace {

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/passage_queries.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include "geometry/solids.h"
+#include "primitive/passage.h"
 
 #include <Eigen/Cholesky>
 
-#include "geometry/solids.h"
-#include "primitive/passage.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace mneme::internal {
 namespace {

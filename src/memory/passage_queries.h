@@ -4,11 +4,11 @@
 /// Local queries of a robot in space, reaching through the passage between two obstacles.
 #pragma once
 
-#include <vector>
-
 #include "memory/body_points.h"
 #include "memory/local_queries.h"
 #include "primitive/passage.h"
+
+#include <vector>
 
 namespace mneme::internal {
 

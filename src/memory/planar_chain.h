@@ -4,12 +4,12 @@
 /// A planar arm as a chain of segments, for constructing configurations link by link.
 #pragma once
 
-#include <span>
-#include <vector>
+#include "mneme/robot.h"
 
 #include <Eigen/Core>
 
-#include "mneme/robot.h"
+#include <span>
+#include <vector>
 
 namespace mneme::internal {
 

@@ -4,8 +4,9 @@
 /// The functions of mneme/learning.h on a chain that was made once.
 #pragma once
 
-#include "memory/planar_chain.h"
 #include "mneme/memory.h"
+
+#include "memory/planar_chain.h"
 
 namespace mneme::internal {
 

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/experience.h"
 
-#include <array>
-#include <filesystem>
+#include "mneme/ompl.h"
+
+#include "ompl/planner_table.h"
+#include "ompl/silence.h"
 
 #include <ompl/geometric/planners/experience/LightningRetrieveRepair.h>
 #include <ompl/geometric/planners/experience/ThunderRetrieveRepair.h>
@@ -13,9 +15,8 @@
 #include <ompl/tools/thunder/SPARSdb.h>
 #include <ompl/tools/thunder/ThunderDB.h>
 
-#include "mneme/ompl.h"
-#include "ompl/planner_table.h"
-#include "ompl/silence.h"
+#include <array>
+#include <filesystem>
 
 namespace mneme {
 namespace ompl {

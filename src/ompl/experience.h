@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
-#include <string>
-#include <string_view>
+#include "mneme/path.h"
 
 #include <ompl/base/Planner.h>
 
-#include "mneme/path.h"
+#include <span>
+#include <string>
+#include <string_view>
 
 namespace mneme::ompl {
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+
 #include <span>
 #include <vector>
-
-#include <ompl/base/spaces/RealVectorStateSpace.h>
 
 namespace mneme::ompl {
 

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-
 #include "mneme/ompl.h"
+
 #include "ompl/joint_values.h"
 #include "ompl/verified_motion_validity.h"
 #include "ompl/work.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
 
 namespace mneme::ompl {
 namespace {

@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/ompl_run.h"
 
-#include <algorithm>
-#include <exception>
-
-#include <ompl/base/goals/GoalStates.h>
-#include <ompl/util/RandomNumbers.h>
-
 #include "ompl/count_samples.h"
 #include "ompl/experience.h"
 #include "ompl/silence.h"
 #include "ompl/verified_motion_validity.h"
+
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <algorithm>
+#include <exception>
 
 namespace mneme::ompl {
 namespace {
@@ -30,10 +30,7 @@ ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Con
 }  // namespace
 
 OmplRun::OmplRun(const OmplPlanner& planner, const PlanTask& task)
-    : planner_(planner),
-      task_(task),
-      settings_(task.settings),
-      robot_(task.checker.robot()) {
+    : planner_(planner), task_(task), settings_(task.settings), robot_(task.checker.robot()) {
   set_up_information();
   define_problem();
 }
@@ -60,8 +57,7 @@ void OmplRun::set_up_information() {
 
 void OmplRun::define_problem() {
   definition_ = std::make_shared<ob::ProblemDefinition>(information_);
-  definition_->addStartState(
-      to_state(information_, robot_.normalized(task_.query.start)).get());
+  definition_->addStartState(to_state(information_, robot_.normalized(task_.query.start)).get());
   const auto goals = std::make_shared<ob::GoalStates>(information_);
   for (const Configuration& goal : task_.query.goals) {
     goals->addState(to_state(information_, robot_.normalized(goal)).get());

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
+#include "mneme/ompl.h"
+
+#include "ompl/planner_table.h"
 
 #include <ompl/base/PlannerTerminationCondition.h>
 #include <ompl/base/ProblemDefinition.h>
 
-#include "mneme/ompl.h"
-#include "ompl/planner_table.h"
+#include <atomic>
 
 namespace mneme::ompl {
 

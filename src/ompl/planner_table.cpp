@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/planner_table.h"
 
-#include <array>
-#include <charconv>
-#include <string>
+#include "mneme/ompl.h"
+
+#include "ompl/experience.h"
+#include "ompl/ompl_run.h"
 
 #include <ompl/geometric/planners/est/BiEST.h>
 #include <ompl/geometric/planners/est/EST.h>
@@ -23,9 +24,9 @@
 #include <ompl/geometric/planners/sbl/SBL.h>
 #include <ompl/geometric/planners/stride/STRIDE.h>
 
-#include "mneme/ompl.h"
-#include "ompl/experience.h"
-#include "ompl/ompl_run.h"
+#include <array>
+#include <charconv>
+#include <string>
 
 namespace mneme {
 namespace ompl {

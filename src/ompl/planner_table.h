@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
-#include <string_view>
-
 #include <ompl/base/Planner.h>
 #include <ompl/base/SpaceInformation.h>
+
+#include <span>
+#include <string_view>
 
 namespace mneme::ompl {
 

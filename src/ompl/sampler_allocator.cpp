@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
-
 #include "mneme/ompl.h"
+
 #include "ompl/count_samples.h"
 #include "ompl/joint_values.h"
+
+#include <atomic>
 
 namespace mneme::ompl {
 namespace {

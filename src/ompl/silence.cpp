@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/silence.h"
 
-#include <mutex>
-
 #include <ompl/util/Console.h>
+
+#include <mutex>
 
 namespace mneme::ompl {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/ompl.h"
+
+#include <ompl/base/spaces/RealVectorStateProjections.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
-
-#include <ompl/base/spaces/RealVectorStateProjections.h>
-
-#include "mneme/ompl.h"
 
 namespace mneme::ompl {
 namespace {

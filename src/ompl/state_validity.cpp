@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/ompl.h"
+
 #include "ompl/joint_values.h"
 #include "ompl/work.h"
 

@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
+#include "mneme/ompl.h"
+
+#include "ompl/planner_table.h"
 
 #include <ompl/base/samplers/BridgeTestValidStateSampler.h>
 #include <ompl/base/samplers/GaussianValidStateSampler.h>
 #include <ompl/base/samplers/MaximizeClearanceValidStateSampler.h>
 #include <ompl/base/samplers/ObstacleBasedValidStateSampler.h>
 
-#include "mneme/ompl.h"
-#include "ompl/planner_table.h"
+#include <array>
 
 namespace mneme {
 namespace ompl {

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mneme/ompl.h"
+
 #include <memory>
 #include <span>
 #include <vector>
-
-#include "mneme/ompl.h"
 
 namespace mneme::ompl {
 

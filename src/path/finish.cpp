@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/path.h"
 
-
 #include <algorithm>
 #include <utility>
 

@@ -4,7 +4,6 @@
 
 #include "path/path_conversion.h"
 #include "path/sweep.h"
-
 #include "path/path_conversion.h"
 
 #include <cmath>
@@ -26,8 +25,8 @@ MotionVerifier::MotionVerifier(const CollisionChecker& checker, Verification ver
   // close.
   const bool is_thin = verification == Verification::states && checker.robot().is_planar();
   if (verification == Verification::motions || is_thin) {
-    sweep_ = std::make_shared<const internal::Sweep>(checker.robot(), checker.scene(),
-                                                     checker.margin());
+    sweep_ =
+        std::make_shared<const internal::Sweep>(checker.robot(), checker.scene(), checker.margin());
   }
 }
 

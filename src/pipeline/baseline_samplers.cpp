@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/baseline_samplers.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "memory/moved_means.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/scene_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace mneme::internal {
 namespace {
@@ -45,7 +45,9 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
 
 Result<GaussianMixture> pool_all(const Query& query) {
   std::vector<Match> matches;
-  return query.database->for_each([&](const auto& row) { matches.push_back({row, 0, {}}); })
+  return query.database->for_each([&](const auto& row) {
+                         matches.push_back({row, 0, {}});
+                       })
       .map([&] { return pool_matches(query, std::move(matches)); });
 }
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/cvae_sampler.h"
 
-#include <Eigen/Core>
-
 #include "pipeline/scene_image.h"
 #include "robot/joint_space.h"
+
+#include <Eigen/Core>
 
 namespace mneme::internal {
 namespace {

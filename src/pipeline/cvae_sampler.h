@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
-
 #include "mneme/pipeline.h"
+
 #include "pipeline/cvae_weights.h"
+
+#include <memory>
 
 namespace mneme::internal {
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <string>
 #include <vector>
-
-#include "mneme/robot.h"
 
 namespace mneme::internal {
 

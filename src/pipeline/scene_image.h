@@ -5,9 +5,9 @@
 /// are conditioned on.
 #pragma once
 
-#include <vector>
-
 #include "mneme/primitive.h"
+
+#include <vector>
 
 namespace mneme::internal {
 

@@ -4,11 +4,11 @@
 /// Configurations in the layout that the kernels for nearest neighbours read.
 #pragma once
 
+#include "planning/nearest_kernels.h"
+
 #include <limits>
 #include <span>
 #include <vector>
-
-#include "planning/nearest_kernels.h"
 
 namespace mneme::internal {
 

@@ -5,15 +5,16 @@
 /// small, by a tree when it is not.
 #pragma once
 
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "mneme/base.h"
+
 #include "planning/configuration_blocks.h"
 #include "planning/nearest_kernels.h"
 #include "planning/nearest_tree.h"
 #include "robot/joint_space.h"
+
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace mneme::internal {
 

@@ -4,10 +4,10 @@
 /// Distances from one configuration to many, a vector at a time.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <cstdint>
 #include <utility>
-
-#include "mneme/base.h"
 
 namespace mneme::internal {
 

@@ -4,14 +4,14 @@
 /// A growing set of configurations with nearest-neighbour queries by boxes around its leaves.
 #pragma once
 
+#include "planning/configuration_blocks.h"
+#include "planning/nearest_kernels.h"
+#include "robot/joint_space.h"
+
 #include <array>
 #include <span>
 #include <utility>
 #include <vector>
-
-#include "planning/configuration_blocks.h"
-#include "planning/nearest_kernels.h"
-#include "robot/joint_space.h"
 
 namespace mneme::internal {
 

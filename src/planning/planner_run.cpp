@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/planner_run.h"
 
+#include "path/path_conversion.h"
+
 #include <algorithm>
 #include <limits>
-
-#include "path/path_conversion.h"
 
 namespace mneme::internal {
 namespace {
@@ -34,8 +34,8 @@ PlannerRun::PlannerRun(const PlanTask& task)
       shorten_and_verify_(task.shorten_and_verify),
       settings_(task.settings),
       space_(checker_.robot()),
-      range_(static_cast<float>(std::max(
-          settings_.range.value_or(default_range(checker_.robot())), kLeastRange))),
+      range_(static_cast<float>(
+          std::max(settings_.range.value_or(default_range(checker_.robot())), kLeastRange))),
       long_range_(settings_.range ? range_ : range_ / 2),
       first_domain_(checker_.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                  : kFirstDomainRadius * kFirstDomainRadius),

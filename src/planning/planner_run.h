@@ -4,6 +4,10 @@
 /// What all planners do around their algorithm: limits, and what becomes of a path.
 #pragma once
 
+#include "mneme/planning.h"
+
+#include "robot/joint_space.h"
+
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -11,9 +15,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "mneme/planning.h"
-#include "robot/joint_space.h"
 
 namespace mneme::internal {
 

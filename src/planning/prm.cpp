@@ -5,12 +5,13 @@
 // meet. As there, milestones that are connected already are not connected again, so that the
 // roadmap is a forest. Departure: each milestone also tries the components of start and goals,
 // which is what a query waits for.
-#include <algorithm>
-#include <numeric>
-
 #include "mneme/planning.h"
+
 #include "planning/configuration_set.h"
 #include "planning/planner_run.h"
+
+#include <algorithm>
+#include <numeric>
 
 namespace mneme {
 namespace internal {

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <functional>
+#include "mneme/planning.h"
+
+#include "path/path_conversion.h"
 
 #include <fmt/format.h>
 
-#include "mneme/planning.h"
-#include "path/path_conversion.h"
+#include <algorithm>
+#include <functional>
 
 namespace mneme {
 namespace {

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453.
-#include <algorithm>
-
 #include "mneme/planning.h"
+
 #include "planning/planner_run.h"
 #include "planning/tree.h"
+
+#include <algorithm>
 
 namespace mneme {
 namespace internal {

@@ -6,13 +6,14 @@
 // other one is still in a passage, and as far towards the sample as it gets; nodes that cannot be
 // extended have bounded domains; a path whose motions fail verification costs the tree the failing
 // branch, and planning goes on.
-#include <algorithm>
-#include <utility>
-
 #include "mneme/planning.h"
+
 #include "planning/planner_run.h"
 #include "planning/step_batch.h"
 #include "planning/tree.h"
+
+#include <algorithm>
+#include <utility>
 
 namespace mneme {
 namespace internal {
@@ -99,6 +100,8 @@ class RrtConnect {
 }  // namespace
 }  // namespace internal
 
-PlanResult rrt_connect(const PlanTask& task) { return internal::run_planner<internal::RrtConnect>(task); }
+PlanResult rrt_connect(const PlanTask& task) {
+  return internal::run_planner<internal::RrtConnect>(task);
+}
 
 }  // namespace mneme

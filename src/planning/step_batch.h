@@ -4,12 +4,12 @@
 /// Steps of a tree towards samples, drawn and looked at together.
 #pragma once
 
+#include "planning/planner_run.h"
+#include "planning/tree.h"
+
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "planning/planner_run.h"
-#include "planning/tree.h"
 
 namespace mneme::internal {
 

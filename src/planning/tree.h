@@ -4,12 +4,12 @@
 /// The tree of RRT and RRT-Connect.
 #pragma once
 
+#include "planning/configuration_set.h"
+#include "planning/planner_run.h"
+
 #include <optional>
 #include <span>
 #include <vector>
-
-#include "planning/configuration_set.h"
-#include "planning/planner_run.h"
 
 namespace mneme::internal {
 

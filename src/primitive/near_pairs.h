@@ -4,10 +4,10 @@
 /// Which obstacles may form a pair at all.
 #pragma once
 
+#include "mneme/scene.h"
+
 #include <utility>
 #include <vector>
-
-#include "mneme/scene.h"
 
 namespace mneme::internal {
 

@@ -4,10 +4,10 @@
 /// The passage between two obstacles.
 #pragma once
 
+#include "mneme/scene.h"
+
 #include <limits>
 #include <optional>
-
-#include "mneme/scene.h"
 
 namespace mneme::internal {
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-
 #include "mneme/primitive.h"
+
+#include <algorithm>
 
 namespace mneme {
 namespace {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
-#include <cmath>
-
 #include "robot/joint_space.h"
+
+#include <cmath>
 
 namespace mneme {
 namespace {

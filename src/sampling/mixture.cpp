@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
+#include "robot/joint_space.h"
+
 #include <algorithm>
 #include <cassert>
-
-#include "robot/joint_space.h"
 
 namespace mneme {
 namespace {

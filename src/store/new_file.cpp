@@ -3,8 +3,8 @@
 #include "store/new_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include <unistd.h>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>

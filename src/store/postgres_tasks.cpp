@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/postgres_store.h"
-
 #include "store/store_writes.h"
 
 #include <fmt/format.h>

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/store.h"
+
 #include "store/row_codec.h"
 
 #include <cstdint>

@@ -3,7 +3,6 @@
 #include "mneme/upkeep.h"
 
 #include "store/fixtures.h"
-
 #include "store/open_store.h"
 
 #include <atomic>

@@ -5,7 +5,6 @@
 #include "mneme/upkeep.h"
 
 #include "store/fixtures.h"
-
 #include "experience/index_file.h"
 
 #include <thread>

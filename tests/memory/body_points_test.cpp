@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/body_points.h"
-
 #include "support/lifting_arm.h"
 
 namespace mneme::test {

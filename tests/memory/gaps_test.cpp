@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "geometry/random_shapes.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace mneme::test {
 namespace {

@@ -108,7 +108,7 @@ TEST_SUITE("unit") {
       const auto learned = learn_local_sampler(planar8(), key, cheap_settings(), 1);
       REQUIRE(!learned.has_value());
       CHECK(learned.error().code == ErrorCode::invalid);
-      CHECK_MESSAGE(learned.error().message.find("'pairs'") != std::string::npos,
+      CHECK_MESSAGE(learned.error().message.find("pair of circles") != std::string::npos,
                     learned.error().message);
     }
   }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/kinds.h"
 #include "memory/moved_means.h"
-
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
@@ -190,8 +189,7 @@ TEST_SUITE("unit") {
     experience.sampler.joint_count = 4;
     experience.sampler.means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
     const auto synthesized = [&](const Symmetry& motion) {
-      return pooled_of(robot, std::vector{retrieve({{shared(experience), 0, motion}})})
-          .means;
+      return pooled_of(robot, std::vector{retrieve({{shared(experience), 0, motion}})}).means;
     };
     const auto check = [](const std::vector<float>& found, const std::vector<float>& expected) {
       REQUIRE(found.size() == expected.size());

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/passage_queries.h"
+#include "support/lifting_arm.h"
 
 #include <algorithm>
-
-#include "support/lifting_arm.h"
 
 namespace mneme::test {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
-
 #include "memory/planar_chain.h"
 
 namespace mneme::test {

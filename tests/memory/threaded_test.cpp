@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/threaded.h"
-
 #include "support/planar_memory.h"
 
 namespace mneme::test {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/baseline_samplers.h"
-
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -63,7 +62,7 @@ TEST_SUITE("unit") {
         internal::recall_nearest_scenes(*internal::make_query(nothing, &memory.database, {}));
     REQUIRE(empty.has_value());
     CHECK(empty->component_count() == 0);
-    const Scene box{"box", {{"box", {Box{}}}}};
+    const Scene box{"box", {{"box", {Box{{}, {0.1, 0.1, 0.1}}}}}};
     const Problem boxed = memory.problem(box);
     CHECK(!internal::recall_nearest_scenes(*internal::make_query(boxed, &memory.database, {})));
   }

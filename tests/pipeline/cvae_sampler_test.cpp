@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/cvae_sampler.h"
-
 #include "pipeline/scene_image.h"
 #include "pipeline/small_cvae.h"
 

@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <thread>
-
 #include <pthread.h>
 #include <time.h>
 

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/query.h"
-
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
 
@@ -160,15 +159,13 @@ TEST_SUITE("unit") {
           "setting 'lambda' is 1.5: expected 0 to 1");
     settings = {};
     settings.plan.timeout_s = std::numeric_limits<double>::quiet_NaN();
-    CHECK(request(robot, nullptr, settings).error().message.find("'timeout'") !=
-          std::string::npos);
+    CHECK(request(robot, nullptr, settings).error().message.find("'timeout'") != std::string::npos);
     settings = {};
     settings.learn.starts_per_link = 0;
     CHECK(request(robot, nullptr, settings).error().code == ErrorCode::invalid);
     settings = {};
     settings.memory.max_gap = -1;
-    CHECK(request(robot, nullptr, settings).error().message.find("'max-gap'") !=
-          std::string::npos);
+    CHECK(request(robot, nullptr, settings).error().message.find("'max-gap'") != std::string::npos);
   }
 
   TEST_CASE("continuous verification goes with verification only") {

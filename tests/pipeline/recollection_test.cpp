@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/recollection.h"
-
 #include "support/kinds.h"
 #include "support/planar_memory.h"
 
@@ -99,8 +98,9 @@ TEST_SUITE("unit") {
   TEST_CASE("memory with nothing to say leaves uniform samples") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(
-        query, [](const auto&, const auto&, auto&) { return GaussianMixture{8, {}, {}, {}, {}}; });
+    internal::Recollection recollection(query, [](const auto&, const auto&, auto&) {
+      return GaussianMixture{8, {}, {}, {}, {}};
+    });
     const auto sampler = recollection.draw_by_kind();
     CHECK(!recollection.failure());
     CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
@@ -112,8 +112,8 @@ TEST_SUITE("flow") {
   TEST_CASE("a database of several kinds is asked for each, when its time has come") {
     MemoryFixture fixture;
     const Path path = {fixture.problem.start, Configuration(8, 0.0), fixture.problem.goals[0]};
-    REQUIRE(fixture.database.insert(
-        learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
+    REQUIRE(
+        fixture.database.insert(learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
     const internal::Query query = fixture.query();
     REQUIRE(query.kinds.size() == 2);
     std::vector<std::string_view> asked;
@@ -136,8 +136,8 @@ TEST_SUITE("flow") {
   TEST_CASE("a plan draws from all kinds that its database holds") {
     MemoryFixture fixture;
     const Path path = {fixture.problem.start, Configuration(8, 0.0), fixture.problem.goals[0]};
-    REQUIRE(fixture.database.insert(
-        learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
+    REQUIRE(
+        fixture.database.insert(learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
     fixture.settings.retrieve_after = 0;
     const auto result = solve(fixture.problem, &fixture.database, fixture.settings);
     REQUIRE(result.has_value());

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/scene_image.h"
+#include "support/support.h"
 
 #include <cmath>
 #include <numeric>
-
-#include "support/support.h"
 
 namespace mneme::test {
 

@@ -200,12 +200,13 @@ TEST_SUITE("law") {
     learn_paths_into(database, problem);
     SolveSettings settings;
     settings.plan.timeout_s = 60;
-    for (const int after : {0, 1, -1}) {
+    for (const std::optional<int> after :
+         {std::optional(0), std::optional(1), std::optional<int>()}) {
       settings.retrieve_after = after;
       for (const PlannerEntry& planner : planners()) {
         settings.planner = planner.name;
         settings.plan.seed = 1;
-        INFO(planner.name, " after ", after);
+        INFO(planner.name, " after ", after.value_or(-1));
         const SolveResult first = solve_soundly(problem, &database, settings);
         REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
         CHECK(first.plan.path.front() == problem.robot.normalized(problem.start));

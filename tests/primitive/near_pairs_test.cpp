@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitive/near_pairs.h"
-
-#include "geometry/random_shapes.h"
 #include "mneme/primitive.h"
+
+#include "primitive/near_pairs.h"
+#include "geometry/random_shapes.h"
 #include "primitive/passage.h"
 #include "support/support.h"
 

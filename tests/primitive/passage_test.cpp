@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/passage.h"
-
 #include "geometry/random_shapes.h"
 #include "support/lifting_arm.h"
 

@@ -6,12 +6,13 @@
 
 #include "mneme/memory.h"
 #include "mneme/upkeep.h"
+
 #include "support/support.h"
 
 #include <sqlite3.h>
+
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <chrono>
 #include <cmath>
 #include <csignal>

@@ -6,7 +6,6 @@
 
 #include <sys/mount.h>
 #include <sys/resource.h>
-
 #include <csignal>
 #include <fstream>
 

@@ -5,15 +5,14 @@
 #pragma once
 
 #include "store/fixtures.h"
-
 #include "store/postgres_connection.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
+
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <pwd.h>
 #include <sys/socket.h>
-
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
