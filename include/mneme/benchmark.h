@@ -312,8 +312,7 @@ struct ReadySuite {
 /// out. `known` are the memories of an earlier run; their times stand for what is not learned
 /// again. Errors: a planner with experience of its own and a memory that is not learned from
 /// problems.
-[[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite,
-                                               const std::string& directory,
+[[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory,
                                                const std::vector<MemoryRow>& known,
                                                const SuiteHooks& hooks);
 

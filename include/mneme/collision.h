@@ -41,6 +41,24 @@ struct MotionDetail {
   double margin = 0;      ///< metres added to the margin of links that move; >= 0
 };
 
+/// A small step that pulls a limb back along itself while the whole robot is pushed off obstacles.
+/// A limb leads from a tip of the robot to the first joint that turns on the way to it: its points
+/// are the tip and joints' origins.
+struct WalkStep {
+  int limb = 0;           ///< less than CollisionChecker::limbs().size()
+  int pulled_points = 1;  ///< so many points, from the tip on, go towards the next one of the limb
+  float length = 0;       ///< metres that they go; >= 0
+  float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
+  std::span<const float> drift;  ///< joint_count values: where joints go that nothing pulls,
+                                 ///< radians per metre of the step
+  std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of directions
+};
+
+struct LimbInfo {
+  int points = 0;     ///< that can be pulled; at least 1
+  double length = 0;  ///< metres through its points; positive
+};
+
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
 /// configurations within limits stays within them. Copies share their tables; all of it is const
@@ -80,6 +98,12 @@ class CollisionChecker {
                                      const MotionDetail& detail = {}) const;
   [[nodiscard]] bool is_motion_valid(std::span<const double> from, std::span<const double> to,
                                      const MotionDetail& detail = {}) const;
+
+  /// Takes a step from the configuration `from`: writes a candidate per jitter, a row each, within
+  /// the limits. Candidates may be in contact all the same.
+  void walk(std::span<const float> from, const WalkStep& step, std::span<float> candidates) const;
+  /// Empty for a robot of more joints than steps are computed for (32).
+  [[nodiscard]] std::vector<LimbInfo> limbs() const;
 
   /// Everything that touches at `q`, in double precision by code that shares nothing with the
   /// kernels.

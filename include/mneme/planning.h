@@ -55,6 +55,10 @@ struct PlanSettings {
   bool continuous = false;
   int neighbours = 10;
   double goal_bias = 0.05;
+  double anchor = 0.8;
+  std::optional<double> anchor_sigma;
+  std::optional<double> walk;
+  std::optional<std::uint64_t> walk_after;
   bool ompl_defaults = false;
   /// What PlannerEntry::train wrote, for planners that plan from experience of their own; without
   /// it they know nothing.
@@ -103,6 +107,18 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "prm: connections tried per new milestone; more cost more motion checks");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,
         "rrt: probability of extending towards a goal instead of a sample");
+  visit("anchor", s.anchor, 0.0, 1.0,
+        "rrt_connect, prm: probability that a uniform sample is replaced by one around the newest "
+        "node of what grows; 0 is the textbook's planner; at 1 a planner may never get anywhere");
+  visit("anchor-sigma", s.anchor_sigma, 0.0, 100.0,
+        "standard deviation of samples around a node, radians (half as many metres for prismatic "
+        "joints); left out, 4 over the square root of the number of joints");
+  visit("walk", s.walk, 0.0, 1.0,
+        "rrt_connect: probability that the newest node goes on an escape walk instead of growing "
+        "towards a sample; left out, the robot's default (0.15 for a planar arm, 0.1 otherwise)");
+  visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
+        "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
+        "for them; left out, the robot's default (0 for a planar arm, 3000 otherwise)");
   visit("ompl-defaults", s.ompl_defaults, false, true,
         "OMPL's planners as OMPL sets them up: range of a fifth of the extent, motions checked at "
         "a hundredth of it, paths returned without verification and not remembered; they may "

@@ -336,6 +336,10 @@ def plan(
     continuous: bool = False,
     neighbours: int = 10,
     goal_bias: float = 0.05,
+    anchor: float = 0.8,
+    anchor_sigma: Optional[float] = None,
+    walk: Optional[float] = None,
+    walk_after: Optional[int] = None,
     ompl_defaults: bool = False,
     # /settings
     kind: Optional[str] = None,

@@ -85,6 +85,16 @@ double Rng::normal() {
   }
 }
 
+float Rng::bell() {
+  constexpr std::uint64_t kEvenBytes = 0x00ff00ff00ff00ff, kSumOfLanes = 0x0001000100010001;
+  const std::uint64_t bytes = next();
+  const std::uint64_t lanes = (bytes & kEvenBytes) + ((bytes >> 8) & kEvenBytes);
+  const auto sum = static_cast<float>((lanes * kSumOfLanes) >> 48);
+  constexpr float kMean = 8 * 127.5f;
+  constexpr float kDeviation = 209.0215f;  // sqrt(8 (256^2 - 1) / 12)
+  return (sum - kMean) / kDeviation;
+}
+
 std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t task) {
   return mix(mix(seed + kGoldenRatio) + kGoldenRatio * (task + 1));
 }

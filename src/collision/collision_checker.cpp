@@ -5,6 +5,7 @@
 #include "base/as_index.h"
 #include "collision/collision_kernels.h"
 #include "collision/make_tables.h"
+#include "collision/walk_kernel.h"
 #include "robot/joint_space.h"
 
 #include <fmt/format.h>
@@ -117,6 +118,7 @@ struct CollisionChecker::Tables {
   std::shared_ptr<const internal::CheckedRobot> checked_robot;
   internal::SceneTables scene_tables;
   const internal::CollisionKernels* kernels = nullptr;
+  internal::WalkKernel walk_kernel = nullptr;
   /// Of the links that no joint of the group moves: below the margin, no state is valid.
   float fixed_clearance = 0;
 };
@@ -145,9 +147,9 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   const double clearance = internal::fixed_clearance(**checked_robot, scene);
   auto tables = std::make_shared<Tables>(
-      Tables{robot, scene, resolution, !settings.resolution,
-             static_cast<float>(settings.margin), isa, internal::JointSpace(robot),
-             std::move(*checked_robot), std::move(*scene_tables), &internal::collision_kernels(isa),
+      Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
+             isa, internal::JointSpace(robot), std::move(*checked_robot), std::move(*scene_tables),
+             &internal::collision_kernels(isa), internal::walk_kernel(isa),
              static_cast<float>(clearance)});
   return CollisionChecker(std::move(tables));
 }
@@ -209,6 +211,41 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
   CheckCounters counters;
   return is_motion_valid(std::span<const float>(a.data(), from.size()),
                          std::span<const float>(b.data(), to.size()), counters, detail);
+}
+
+void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
+                            std::span<float> candidates) const {
+  const Tables& t = *tables_;
+  const internal::RobotTables& robot = t.checked_robot->tables;
+  FloatConfiguration lower, upper;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    const bool wraps = t.space.periods()[j] > 0;
+    lower[j] = wraps ? -kFarthest : t.space.lower(static_cast<int>(j));
+    upper[j] = wraps ? kFarthest : t.space.upper(static_cast<int>(j));
+  }
+  internal::WalkRequest request;
+  request.limb = &robot.limbs[internal::as_index(step.limb)];
+  request.pulled_points = step.pulled_points;
+  request.length = step.length;
+  request.clearance = step.clearance + t.margin;
+  request.from = from.data();
+  request.drift = step.drift.data();
+  request.lower = lower.data();
+  request.upper = upper.data();
+  request.jitter = step.jitter.data();
+  request.count = static_cast<int>(step.jitter.size() / 3);
+  t.walk_kernel(robot, t.scene_tables, request, candidates.data());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    candidates[i] = t.space.into_limits(static_cast<int>(i % from.size()), candidates[i]);
+  }
+}
+
+std::vector<LimbInfo> CollisionChecker::limbs() const {
+  std::vector<LimbInfo> result;
+  for (const internal::Limb& limb : tables_->checked_robot->tables.limbs) {
+    result.push_back({static_cast<int>(limb.points.size()) - 1, limb.length});
+  }
+  return result;
 }
 
 std::vector<Contact> CollisionChecker::contacts(std::span<const double> q) const {

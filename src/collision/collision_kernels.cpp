@@ -16,6 +16,7 @@
 
 #include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
+#include "collision/scene_boxes-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 
@@ -23,8 +24,6 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
-
-constexpr int kLanes = HWY_LANES(float);
 
 /// What is hit so far. With `kIsMotion`, one hit in any lane settles the question; otherwise all
 /// lanes must be hit before the rest can be skipped.
@@ -40,11 +39,6 @@ struct Verdict {
     return kIsMotion ? !hn::AllFalse(Tag(), hit) : hn::AllTrue(Tag(), hit);
   }
 };
-
-/// 1 if it holds in any lane, otherwise 0: to be counted, because a branch would not be predicted.
-HWY_INLINE int is_any_below(V distance2, float reach2) {
-  return !hn::AllFalse(Tag(), hn::Lt(distance2, splat(reach2)));
-}
 
 HWY_INLINE float squared(float x) { return x * x; }
 
@@ -78,7 +72,7 @@ class StateChecker {
       for (int i = begin; i < end; ++i) {
         const BodyRow& body = robot_.bodies[i];
         centers_[i] = transform_point(poses_[body.frame], body.ball.center);
-        store_extent(centers_[i], lower_[i], upper_[i]);
+        extents_[i].set(centers_[i]);
       }
       if (hits_scene(begin, end, verdict)) return true;
     }
@@ -86,25 +80,6 @@ class StateChecker {
   }
 
  private:
-  /// One bit for each of the obstacles from `begin` whose box meets that of the body's lanes.
-  HWY_INLINE unsigned find_overlaps(int body, size_t begin) const {
-    const Tag d;
-    const float reach = robot_.bodies[body].ball.radius + margin_;
-    M overlap = hn::MaskFromVec(hn::Zero(d));
-    for (int axis = 0; axis < 3; ++axis) {
-      const M is_below =
-          hn::Le(hn::LoadU(d, &scene_.lower[axis][begin]), splat(upper_[body][axis] + reach));
-      const M is_above =
-          hn::Ge(hn::LoadU(d, &scene_.upper[axis][begin]), splat(lower_[body][axis] - reach));
-      const M both = hn::And(is_below, is_above);
-      overlap = axis == 0 ? both : hn::And(overlap, both);
-    }
-    uint8_t bytes[8];
-    hn::StoreMaskBits(d, overlap, bytes);
-    if constexpr (kLanes == 16) return bytes[0] | unsigned{bytes[1]} << 8;
-    return bytes[0] & ((1u << kLanes) - 1);
-  }
-
   HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
     for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
       int near[kBatch];
@@ -112,7 +87,8 @@ class StateChecker {
       int count = 0;
       for (int i = first; i < last; ++i) {
         near[count] = i;
-        overlaps[count] = find_overlaps(i, begin);
+        overlaps[count] =
+            find_overlaps(scene_, extents_[i], robot_.bodies[i].ball.radius + margin_, begin);
         count += overlaps[count] != 0;
       }
       for (int i = 0; i < count; ++i) {
@@ -131,22 +107,12 @@ class StateChecker {
     for (; bits != 0; bits &= bits - 1) {
       const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
       near[count] = &scene_.obstacles[i];
-      count += is_any_below(distance2_to_bounds(centers_[index], i), reach2);
+      count += is_any_below(distance2_to_bounds(scene_, centers_[index], i), reach2);
     }
     for (int g = body.group_begin; count > 0 && g < body.group_end; ++g) {
       if (hits_obstacles(robot_.groups[g], poses_[body.frame], near, count, verdict)) return true;
     }
     return false;
-  }
-
-  /// From the box around an obstacle.
-  HWY_INLINE V distance2_to_bounds(const V3& p, size_t obstacle) const {
-    const auto beyond = [&](V x, int axis) {
-      const V below = hn::Sub(splat(scene_.lower[axis][obstacle]), x);
-      const V above = hn::Sub(x, splat(scene_.upper[axis][obstacle]));
-      return hn::Max(hn::Max(below, above), hn::Zero(Tag()));
-    };
-    return squared_norm(V3{beyond(p.x, 0), beyond(p.y, 1), beyond(p.z, 2)});
   }
 
   HWY_INLINE bool hits_obstacles(const GroupRow& group, const Pose& pose,
@@ -318,8 +284,7 @@ class StateChecker {
   float margin_;
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
-  HWY_ALIGN float lower_[kMaxBodies][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
-  HWY_ALIGN float upper_[kMaxBodies][HWY_LANES(float) < 4 ? 4 : HWY_LANES(float)];
+  Extent extents_[kMaxBodies];
 };
 
 bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const float* from,

@@ -88,6 +88,7 @@ class RobotTablesBuilder {
     }
     add_bodies();
     add_pairs();
+    add_limbs();
     return std::move(tables_);
   }
 
@@ -275,6 +276,51 @@ class RobotTablesBuilder {
       row.is_single = rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
       tables_.body_pairs.push_back(row);
     }
+  }
+
+  void add_limbs() {
+    if (tables_.joint_count > kMostWalkingJoints) return;
+    for (int frame = static_cast<int>(tables_.frames.size()); frame > 0; --frame) {
+      const bool is_tip = std::ranges::none_of(
+          tables_.frames, [&](const FrameRow& f) { return f.parent == frame; });
+      if (is_tip) add_limb(frame);
+    }
+  }
+
+  void add_limb(int frame) {
+    Limb limb;
+    limb.points.push_back(tip_of(frame));
+    for (; frame > 0; frame = tables_.frames[as_index(frame - 1)].parent) {
+      const FrameRow& row = tables_.frames[as_index(frame - 1)];
+      if (!row.is_prismatic) limb.points.push_back({frame, {}});
+    }
+    for (std::size_t i = 0; i + 1 < limb.points.size(); ++i) {
+      const LimbPoint& point = limb.points[i];
+      const float* offset =
+          i == 0 ? point.point : tables_.frames[as_index(point.frame - 1)].translation;
+      limb.length += std::hypot(offset[0], offset[1], offset[2]);
+    }
+    if (limb.length > 0) tables_.limbs.push_back(std::move(limb));
+  }
+
+  /// The farthest point of what a frame carries, from its origin.
+  [[nodiscard]] LimbPoint tip_of(int frame) const {
+    LimbPoint tip{frame, {}};
+    float farthest = 0;
+    const auto look_at = [&](const Vec3& point) {
+      const auto distance = static_cast<float>(point.norm());
+      if (distance <= farthest) return;
+      farthest = distance;
+      store(point, tip.point);
+    };
+    for (std::size_t link = 0; link < placements_.size(); ++link) {
+      if (placements_[link].frame != frame) continue;
+      for (const Capsule& shape : shapes_of(static_cast<int>(link))) {
+        look_at(shape.a);
+        look_at(shape.b);
+      }
+    }
+    return tip;
   }
 
   [[nodiscard]] bool can_groups_meet(int link_a, int a, int link_b, int b) const {

@@ -13,6 +13,9 @@ namespace mneme::internal {
 inline constexpr int kMaxFrames = 64;
 /// Bodies of the robot; links that move together share one if there are more.
 inline constexpr int kMaxBodies = 128;
+/// Joints of a robot whose steps are computed: a matrix of them has to fit the stack.
+inline constexpr int kMostWalkingJoints = 32;
+inline constexpr int kMostLimbPoints = kMaxFrames + 1;
 /// Spheres of a group: so few that posing them in vain costs little, and always the same number,
 /// which lets loops unroll.
 inline constexpr int kGroupSize = 4;
@@ -78,6 +81,18 @@ struct BodyPairRow {
   bool is_single = false;  ///< of one group each
 };
 
+/// A point that moves with a frame.
+struct LimbPoint {
+  int frame = 0;
+  float point[3] = {};
+};
+
+/// From a tip to the first joint that turns on the way to it: the tip, then joints' origins.
+struct Limb {
+  std::vector<LimbPoint> points;
+  float length = 0;  ///< metres, of the way through the points
+};
+
 struct RobotTables {
   int joint_count = 0;
   std::vector<FrameRow> frames;  ///< parents before children
@@ -88,6 +103,7 @@ struct RobotTables {
   std::vector<CapsuleRow> capsules;
   std::vector<BodyPairRow> body_pairs;
   std::vector<GroupPairRow> group_pairs;
+  std::vector<Limb> limbs;
 };
 
 enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule };

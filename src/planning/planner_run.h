@@ -20,6 +20,10 @@ namespace mneme::internal {
 
 using FloatPath = std::vector<std::vector<float>>;
 
+/// Sources of random numbers of one run besides the sampler, which takes the seed itself and, of
+/// what derives from it, the first tasks.
+enum class Chance : std::uint64_t { goals = 16, relief, anchors, walks };
+
 /// One call of a planner. Not thread-safe.
 class PlannerRun {
  public:
@@ -39,10 +43,14 @@ class PlannerRun {
     return result_.iterations > kLongSearch && std::isfinite(first_domain_);
   }
   [[nodiscard]] const PlanSettings& settings() const { return settings_; }
+  [[nodiscard]] Rng make_rng(Chance chance) const {
+    return Rng(derive_seed(settings_.seed, static_cast<std::uint64_t>(chance)));
+  }
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
   [[nodiscard]] const FloatPath& goals() const { return goals_; }
 
+  [[nodiscard]] std::uint64_t iterations() const { return result_.iterations; }
   /// Counts iterations, `most` or what the limit leaves of them, and returns how many: 0 once a
   /// limit is reached or the run is cancelled.
   int begin_iterations(int most = 1);
@@ -51,10 +59,15 @@ class PlannerRun {
   [[nodiscard]] bool must_stop();
   /// Counts nodes that trees or the roadmap gain, or lose: how many there may be is limited.
   void count_nodes(int gained) { node_count_ += gained; }
+  /// A draw from the sampler, which the observer does not see: it may be replaced.
+  Origin draw(std::span<float> q) { return stream_->next(q); }
   Origin sample(std::span<float> q) {
-    const Origin origin = stream_->next(q);
-    if (settings_.observer != nullptr) settings_.observer->on_sample(q, origin);
+    const Origin origin = draw(q);
+    show_sample(q, origin);
     return origin;
+  }
+  void show_sample(std::span<const float> q, Origin origin) const {
+    if (settings_.observer != nullptr) settings_.observer->on_sample(q, origin);
   }
   /// Tells the observer, if there is one, about an edge of tree or roadmap number `graph`.
   void show_edge(std::span<const float> from, std::span<const float> to, int graph) const {
@@ -64,6 +77,7 @@ class PlannerRun {
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
     return checker_.is_motion_valid(from, to, counters_);
   }
+  [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) {
     counters_.states += is_valid.size();
     checker_.check_states(configurations, is_valid);

@@ -51,16 +51,16 @@ Result<const PlannerEntry*> find_planner(std::string_view name) {
   }
   const bool is_foreign = name.starts_with("ompl:") && known.find("ompl:") == std::string::npos;
   if (is_foreign) {
-    return fail(ErrorCode::unsupported,
-                std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
+    return fail(
+        ErrorCode::unsupported,
+        std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
   }
   return fail(ErrorCode::invalid,
               "unknown planner '" + std::string(name) + "': expected one of " + known);
 }
 
 PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChecker& checker,
-                     const PlanQuery& query, const Sampler& sampler,
-                     const PlanSettings& settings) {
+                     const PlanQuery& query, const Sampler& sampler, const PlanSettings& settings) {
   if (auto refused = refuse_query(checker, query)) return *std::move(refused);
   PathFinisher shorten_and_verify(checker, settings.finish());
   return planner({checker, query, sampler, settings, shorten_and_verify});

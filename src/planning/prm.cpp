@@ -8,6 +8,7 @@
 #include "mneme/planning.h"
 
 #include "planning/configuration_set.h"
+#include "planning/draws.h"
 #include "planning/planner_run.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ constexpr int kBatch = 16;
 
 class Prm {
  public:
-  explicit Prm(PlannerRun& run) : run_(run), milestones_(run.space(), run.isa()) {
+  explicit Prm(PlannerRun& run) : run_(run), draws_(run), milestones_(run.space(), run.isa()) {
     add_milestone(run.start());
     for (const std::vector<float>& goal : run.goals()) add_milestone(goal);
   }
@@ -35,7 +36,8 @@ class Prm {
     std::vector<Origin> origins(kBatch);
     while (const auto count = static_cast<std::size_t>(run_.begin_iterations(kBatch))) {
       for (std::size_t i = 0; i < count; ++i)
-        origins[i] = run_.sample({batch.data() + i * joints, joints});
+        origins[i] =
+            draws_.next(milestones_[milestones_.size() - 1], {batch.data() + i * joints, joints});
       run_.check_states({batch.data(), count * joints}, {is_valid.data(), count});
       for (std::size_t i = 0; i < count && !run_.must_stop(); ++i) {
         if (is_valid[i] == 0) {
@@ -165,6 +167,7 @@ class Prm {
   }
 
   PlannerRun& run_;
+  Draws draws_;
   ConfigurationSet milestones_;
   std::vector<int> component_;             ///< label of each milestone
   std::vector<std::vector<int>> members_;  ///< of each label

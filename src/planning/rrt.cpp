@@ -18,7 +18,7 @@ class Rrt {
   explicit Rrt(PlannerRun& run)
       : run_(run),
         tree_(run),
-        rng_(derive_seed(run.settings().seed, 2)),
+        rng_(run.make_rng(Chance::goals)),
         tried_from_(run.goals().size(), -1) {
     tree_.add(run.start(), -1);
   }

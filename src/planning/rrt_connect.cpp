@@ -9,7 +9,7 @@
 #include "mneme/planning.h"
 
 #include "planning/planner_run.h"
-#include "planning/step_batch.h"
+#include "planning/growth.h"
 #include "planning/tree.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 class RrtConnect {
  public:
   explicit RrtConnect(PlannerRun& run)
-      : run_(run), start_tree_(run_, 0), goal_tree_(run_, 1), batch_(run_) {
+      : run_(run), start_tree_(run_, 0), goal_tree_(run_, 1), growth_(run_) {
     start_tree_.add(run.start(), -1);
     for (const std::vector<float>& goal : run.goals()) goal_tree_.add(goal, -1);
   }
@@ -32,42 +32,26 @@ class RrtConnect {
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;
-      if (!batch_.draw(growing)) return run_.give_up(node_count());
-      for (int i = 0; i < batch_.size(); ++i) {
-        const int node = grow(growing, i);
+      if (!growth_.draw(growing)) return run_.give_up(node_count());
+      for (int i = 0; i < growth_.size(); ++i) {
+        const int node = growth_.take(i, growing);
         if (node < 0) {
-          batch_.settle(i, SampleOutcome::rejected);
+          growth_.settle(i, SampleOutcome::rejected);
           continue;
         }
         const int facing = other.connect(other.nearest(growing[node]), growing[node]);
-        batch_.settle(i, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
+        growth_.settle(i, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
         if (facing < 0) continue;
         if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
           return run_.finish(node_count());
         }
         // The nodes that the rest of the batch starts at may be gone.
-        while (++i < batch_.size()) batch_.settle(i, SampleOutcome::rejected);
+        while (++i < growth_.size()) growth_.settle(i, SampleOutcome::rejected);
       }
     }
   }
 
  private:
-  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node,
-  /// or -1 if the step itself is blocked.
-  int grow(Tree& tree, int i) {
-    const int from = batch_.node(i);
-    const bool is_free = batch_.is_end_valid(i) && run_.is_motion_valid(tree[from], batch_.end(i));
-    tree.adapt_domain(from, is_free);
-    if (!is_free || run_.must_stop()) return -1;
-    int last = tree.add(batch_.end(i), from);
-    bool is_reached = batch_.is_sample_reached(i);
-    for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {
-      node = tree.extend(last, batch_.sample(i), is_reached);
-      if (node >= 0) last = node;
-    }
-    return last;
-  }
-
   /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification,
   /// removes the branch behind it; the motion that joins the trees belongs to neither and is
   /// dropped.
@@ -93,7 +77,7 @@ class RrtConnect {
 
   PlannerRun& run_;
   Tree start_tree_, goal_tree_;
-  StepBatch batch_;
+  Growth growth_;
   FloatPath path_;
 };
 

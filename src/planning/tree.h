@@ -24,6 +24,8 @@ class Tree {
   [[nodiscard]] int size() const { return nodes_.size(); }
   [[nodiscard]] std::span<const float> operator[](int node) const { return nodes_[node]; }
 
+  [[nodiscard]] std::span<const float> newest() const { return nodes_[size() - 1]; }
+
   /// Adds a node; `parent` is -1 for a root.
   int add(std::span<const float> q, int parent);
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }

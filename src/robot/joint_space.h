@@ -72,4 +72,15 @@ class JointSpace {
   std::vector<float> lower_, upper_, periods_;
 };
 
+/// Standard deviations per joint for `sigma` in radians: half as many metres for prismatic joints.
+[[nodiscard]] inline std::vector<float> joint_deviations(const Robot& robot, double sigma) {
+  constexpr double kMetresPerRadian = 0.5;
+  std::vector<float> sigmas;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const bool is_prismatic = robot.group_joint(i).type == JointType::prismatic;
+    sigmas.push_back(static_cast<float>(is_prismatic ? kMetresPerRadian * sigma : sigma));
+  }
+  return sigmas;
+}
+
 }  // namespace mneme::internal

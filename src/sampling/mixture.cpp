@@ -73,12 +73,10 @@ class MixtureSampler final : public Sampler {
  public:
   MixtureSampler(const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
                  const Widening& widening)
-      : space_(robot), mixture_(std::move(mixture)), widening_(widening) {
-    constexpr double kMetresPerRadian = 0.5;
-    for (int i = 0; i < robot.joint_count(); ++i) {
-      const bool is_prismatic = robot.group_joint(i).type == JointType::prismatic;
-      sigmas_.push_back(static_cast<float>(is_prismatic ? kMetresPerRadian * sigma : sigma));
-    }
+      : space_(robot),
+        mixture_(std::move(mixture)),
+        sigmas_(internal::joint_deviations(robot, sigma)),
+        widening_(widening) {
     assert(mixture_->component_count() > 0 && mixture_->joint_count == space_.joint_count());
   }
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {

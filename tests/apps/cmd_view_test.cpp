@@ -52,8 +52,9 @@ TEST_SUITE("flow") {
 
   TEST_CASE("A plan that fails has a page too, with what was tried") {
     const PlanarFiles files;
-    const ProgramRun run = run_program({"plan", files.problem(), "--max-iterations", "40", "--view",
-                                        files / "p.html", "--trace", files / "t.json"});
+    const ProgramRun run =
+        run_program({"plan", files.problem(), "--max-iterations", "40", "--walk", "0", "--view",
+                     files / "p.html", "--trace", files / "t.json"});
     CHECK(run.exit_code == 3);
     const auto trace = nlohmann::json::parse(test::read_file(files / "t.json"));
     CHECK(trace.at("waypoints").empty());

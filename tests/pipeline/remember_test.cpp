@@ -40,6 +40,7 @@ TEST_SUITE("flow") {
           first.plan.path.size());
 
     growing.settings.remember_after = 1000000000;
+    growing.settings.retrieve_after = 0;
     growing.settings.plan.seed = 2;
     const SolveResult second = growing.solve_with(database);
     CHECK(second.remembered.rows == 0);

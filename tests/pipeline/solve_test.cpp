@@ -110,6 +110,8 @@ TEST_SUITE("flow") {
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 400000;
     settings.plan.simplify = false;
+    settings.plan.anchor = 0;
+    settings.plan.walk = 0;
     const double uniform = mean_iterations(problem, nullptr, settings, 6);
     const double memory = mean_iterations(problem, &database, settings, 6);
     INFO("uniform ", uniform, ", memory ", memory);

@@ -432,6 +432,8 @@ inline void check_samples_lead_the_way(OwnPlanner plan, std::uint64_t limit) {
   const PlanResult told = plan_with(plan, checker, world.query, sampler, settings);
   check_solution(world, checker, told);
   CHECK(sampler.log().drawn > 0);
+  settings.anchor = 0;
+  settings.walk = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     settings.seed = seed;
     CHECK(run(plan, world, settings).status == PlanStatus::iteration_limit);

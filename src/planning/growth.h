@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Steps of a tree towards samples, drawn and looked at together.
+/// Where a tree grows next.
 #pragma once
 
+#include "planning/draws.h"
+#include "planning/escape_walk.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
 
@@ -13,12 +15,13 @@
 
 namespace mneme::internal {
 
-/// A batch of steps whose ends are validated a vector at a time: in narrow passages nearly all
-/// steps are blocked, and nearly all of those already at their ends, so that a blocked step costs
-/// one lane instead of a vector. Not thread-safe.
-class StepBatch {
+/// Decides where a tree grows next: towards a draw of the sampler or around the newest node, or on
+/// an escape walk. Steps towards draws come in batches whose ends are validated a vector at a time:
+/// in narrow passages nearly all steps are blocked, and nearly all of those already at their ends,
+/// so that a blocked step costs one lane instead of a vector. Not thread-safe.
+class Growth {
  public:
-  explicit StepBatch(PlannerRun& run);
+  explicit Growth(PlannerRun& run);
 
   /// Draws steps of `tree`: one after a success, more the longer there has been none. Samples
   /// outside the domain of their nearest node are rejected. After kPatience rejections in a row a
@@ -27,6 +30,9 @@ class StepBatch {
   bool draw(const Tree& tree);
 
   [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
+  /// Takes step `i` of the batch and goes on towards its draw until blocked; the last new node, or
+  /// -1 if the step itself is blocked.
+  int take(int i, Tree& tree);
   /// The node that step `i` starts at.
   [[nodiscard]] int node(int i) const { return step(i).node; }
   [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
@@ -44,6 +50,7 @@ class StepBatch {
     int node = -1;
     bool is_sample_reached = false;
     Origin origin = kUniformOrigin;
+    bool is_walk = false;
   };
 
   [[nodiscard]] const Step& step(int i) const { return steps_[static_cast<std::size_t>(i)]; }
@@ -51,10 +58,13 @@ class StepBatch {
     const std::size_t joints = run_.start().size();
     return {rows.data() + static_cast<std::size_t>(i) * joints, joints};
   }
+  int step_towards(int i, Tree& tree);
   [[nodiscard]] int choose_node(const Tree& tree, std::span<const float> q);
   void report(Origin origin, SampleOutcome outcome);
 
   PlannerRun& run_;
+  Draws draws_;
+  EscapeWalk walk_;
   Rng rng_;
   int rejections_ = 0;  ///< in a row
   std::vector<Step> steps_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planning/step_batch.h"
+#include "planning/growth.h"
 
 #include <algorithm>
 
@@ -12,22 +12,28 @@ constexpr int kPatience = 300;
 
 }  // namespace
 
-StepBatch::StepBatch(PlannerRun& run)
+Growth::Growth(PlannerRun& run)
     : run_(run),
-      rng_(derive_seed(run.settings().seed, 2)),
+      draws_(run),
+      walk_(run),
+      rng_(run.make_rng(Chance::relief)),
       samples_(kMostSteps * run.start().size()),
       ends_(kMostSteps * run.start().size()),
       is_valid_(kMostSteps) {
   steps_.reserve(kMostSteps);
 }
 
-bool StepBatch::draw(const Tree& tree) {
+bool Growth::draw(const Tree& tree) {
   const std::size_t joints = run_.start().size();
   const auto wanted = static_cast<std::size_t>(std::min(kMostSteps, 1 + rejections_));
   steps_.clear();
+  if (walk_.is_due() && run_.begin_iterations() > 0) {
+    steps_.push_back({.is_walk = true});
+    return true;
+  }
   while (steps_.size() < wanted && run_.begin_iterations() > 0) {
     const std::span<float> q(samples_.data() + steps_.size() * joints, joints);
-    const Origin origin = run_.sample(q);
+    const Origin origin = draws_.next(tree.newest(), q);
     const int node = choose_node(tree, q);
     if (node < 0) {
       report(origin, SampleOutcome::rejected);
@@ -41,15 +47,35 @@ bool StepBatch::draw(const Tree& tree) {
   return true;
 }
 
-int StepBatch::choose_node(const Tree& tree, std::span<const float> q) {
+int Growth::choose_node(const Tree& tree, std::span<const float> q) {
   if (rejections_ < kPatience) return tree.nearest_in_domain(q);
   rejections_ = 0;
   return static_cast<int>(rng_.index(static_cast<std::uint32_t>(tree.size())));
 }
 
-void StepBatch::settle(int i, SampleOutcome outcome) { report(step(i).origin, outcome); }
+int Growth::take(int i, Tree& tree) {
+  return step(i).is_walk ? walk_.extend(tree) : step_towards(i, tree);
+}
 
-void StepBatch::report(Origin origin, SampleOutcome outcome) {
+int Growth::step_towards(int i, Tree& tree) {
+  const int from = node(i);
+  const bool is_free = is_end_valid(i) && run_.is_motion_valid(tree[from], end(i));
+  tree.adapt_domain(from, is_free);
+  if (!is_free || run_.must_stop()) return -1;
+  int last = tree.add(end(i), from);
+  bool is_reached = is_sample_reached(i);
+  for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {
+    node = tree.extend(last, sample(i), is_reached);
+    if (node >= 0) last = node;
+  }
+  return last;
+}
+
+void Growth::settle(int i, SampleOutcome outcome) {
+  if (!step(i).is_walk) report(step(i).origin, outcome);
+}
+
+void Growth::report(Origin origin, SampleOutcome outcome) {
   rejections_ = outcome == SampleOutcome::rejected ? rejections_ + 1 : 0;
   run_.report(origin, outcome);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/scripted_sampler.h"
 #include "planning/small_worlds.h"
-#include "planning/step_batch.h"
+#include "planning/growth.h"
 
 #include <algorithm>
 
@@ -39,7 +39,7 @@ struct BatchFixture {
   PathFinisher finisher{checker, settings.finish()};
   internal::PlannerRun run{PlanTask{checker, world.query, sampler, settings, finisher}};
   internal::Tree tree{run};
-  internal::StepBatch batch{run};
+  internal::Growth batch{run};
 };
 
 }  // namespace

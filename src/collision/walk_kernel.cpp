@@ -1,0 +1,311 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Compiled once per instruction set. A vector holds one candidate per lane.
+//
+// Damped least squares (Wampler, DOI 10.1109/TSMC.1986.289285; Nakamura and Hanafusa, DOI
+// 10.1115/1.3143764) over two kinds of rows: points of a limb that are pulled to where they should
+// be, and balls of the robot that are too close to an obstacle, along its normal.
+#include "collision/walk_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/walk_kernel.cpp"  // NOLINT
+#include "hwy/foreach_target.h"
+
+#include "collision/clearance-inl.h"
+#include "collision/forward_kinematics-inl.h"
+#include "collision/scene_boxes-inl.h"
+#include "simd/dispatch.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+namespace {
+
+/// Rounds of damped least squares per step: one leaves what was pushed in contact.
+constexpr int kRounds = 3;
+/// Per square radian, in squares of the limb's length.
+constexpr float kDamping = 3e-5f;
+
+/// The normal equations of least squares in the joints, one system per lane.
+class NormalEquations {
+ public:
+  /// Damped towards `wish`.
+  HWY_INLINE void reset(int size, float damping, const V* wish) {
+    size_ = size;
+    for (int i = 0; i < size; ++i) {
+      for (int k = 0; k <= i; ++k) at(i, k) = hn::Zero(Tag());
+      at(i, i) = splat(damping);
+      right_[i] = hn::Mul(splat(damping), wish[i]);
+    }
+  }
+
+  /// Adds the squares of `slopes` x = `error`: of `count` joints, a row or three of them per point.
+  template <class Slope, class Error>
+  HWY_INLINE void add(const int* joint, const Slope* slopes, int count, const Error& error) {
+    for (int a = 0; a < count; ++a) {
+      const int i = joint[a];
+      right_[i] = accumulate(slopes[a], error, right_[i]);
+      for (int b = 0; b <= a; ++b) {
+        V& sum = joint[b] <= i ? at(i, joint[b]) : at(joint[b], i);
+        sum = accumulate(slopes[a], slopes[b], sum);
+      }
+    }
+  }
+
+  /// By Cholesky's method, in place.
+  HWY_INLINE void solve(V* x) {
+    for (int i = 0; i < size_; ++i) {
+      for (int k = 0; k <= i; ++k) {
+        V sum = at(i, k);
+        for (int j = 0; j < k; ++j) sum = hn::NegMulAdd(at(i, j), at(k, j), sum);
+        // The inverse of the diagonal stands in its place.
+        at(i, k) = i == k ? hn::Div(splat(1.0f), hn::Sqrt(hn::Max(sum, splat(1e-9f))))
+                          : hn::Mul(sum, at(k, k));
+      }
+      V sum = right_[i];
+      for (int j = 0; j < i; ++j) sum = hn::NegMulAdd(at(i, j), x[j], sum);
+      x[i] = hn::Mul(sum, at(i, i));
+    }
+    for (int i = size_ - 1; i >= 0; --i) {
+      V sum = x[i];
+      for (int j = i + 1; j < size_; ++j) sum = hn::NegMulAdd(at(j, i), x[j], sum);
+      x[i] = hn::Mul(sum, at(i, i));
+    }
+  }
+
+ private:
+  static HWY_INLINE V accumulate(V a, V b, V sum) { return hn::MulAdd(a, b, sum); }
+  static HWY_INLINE V accumulate(const V3& a, const V3& b, V sum) {
+    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::MulAdd(a.z, b.z, sum)));
+  }
+  HWY_INLINE V& at(int row, int column) { return matrix_[row * (row + 1) / 2 + column]; }
+
+  int size_ = 0;
+  V matrix_[kMostWalkingJoints * (kMostWalkingJoints + 1) / 2];
+  V right_[kMostWalkingJoints];
+};
+
+HWY_INLINE float squared(float x) { return x * x; }
+
+class Walker {
+ public:
+  HWY_INLINE Walker(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request)
+      : robot_(robot), scene_(scene), request_(request) {
+    poses_[0] = splat_rotation(scene.rotation);
+  }
+
+  HWY_INLINE void walk(const V3& jitter, V* q) {
+    const int joints = robot_.joint_count;
+    V wish[kMostWalkingJoints], change[kMostWalkingJoints];
+    for (int j = 0; j < joints; ++j) q[j] = splat(request_.from[j]);
+    for (int round = 0; round < kRounds; ++round) {
+      pose_frames(robot_, q, poses_);
+      if (round == 0) set_targets(jitter);
+      for (int j = 0; j < joints; ++j) {
+        const float drifted = request_.from[j] + request_.drift[j] * request_.length;
+        wish[j] = hn::Sub(splat(drifted), q[j]);
+      }
+      equations_.reset(joints, kDamping * squared(request_.limb->length), wish);
+      pull();
+      push();
+      equations_.solve(change);
+      for (int j = 0; j < joints; ++j) {
+        const V moved = hn::Add(q[j], change[j]);
+        q[j] = hn::Max(splat(request_.lower[j]), hn::Min(splat(request_.upper[j]), moved));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] HWY_INLINE V3 limb_point(int i) const {
+    const LimbPoint& point = request_.limb->points[i];
+    return transform_point(poses_[point.frame], point.point);
+  }
+
+  /// Pulled points go towards where the next one of their limb is now.
+  HWY_INLINE void set_targets(const V3& jitter) {
+    V3 point = limb_point(0);
+    for (int i = 0; i < request_.pulled_points; ++i) {
+      const V3 next = limb_point(i + 1);
+      const V3 direction = normalized(normalized(next - point) + jitter);
+      targets_[i] = mul_add(splat(request_.length), direction, point);
+      point = next;
+    }
+  }
+
+  HWY_INLINE void pull() {
+    for (int i = 0; i < request_.pulled_points; ++i) {
+      const V3 point = limb_point(i);
+      add_point(request_.limb->points[i].frame, point, targets_[i] - point);
+    }
+  }
+
+  static HWY_INLINE V3 normalized(const V3& a) {
+    const V length = hn::Sqrt(hn::Max(squared_norm(a), splat(1e-12f)));
+    return hn::Div(splat(1.0f), length) * a;
+  }
+
+  /// How a point of `frame` moves with the joints that carry it; their number.
+  HWY_INLINE int find_slopes(int frame, const V3& point, int* joint, V3* slopes) const {
+    int count = 0;
+    for (; frame > 0; frame = robot_.frames[frame - 1].parent) {
+      const FrameRow& row = robot_.frames[frame - 1];
+      const Pose& pose = poses_[frame];
+      const V3& axis = pose.axes[2];
+      const V3 slope =
+          splat(row.multiplier) * (row.is_prismatic ? axis : cross(axis, point - pose.origin));
+      int place = 0;
+      while (place < count && joint[place] != row.joint) ++place;
+      // A joint that others mimic moves several frames.
+      slopes[place] = place < count ? slopes[place] + slope : slope;
+      joint[place] = row.joint;
+      count = std::max(count, place + 1);
+    }
+    return count;
+  }
+
+  HWY_INLINE void add_point(int frame, const V3& point, const V3& error) {
+    int joint[kMaxFrames];
+    V3 slopes[kMaxFrames];
+    const int count = find_slopes(frame, point, joint, slopes);
+    equations_.add(joint, slopes, count, error);
+  }
+
+  /// The point moves along `direction`, which is 0 in lanes that do not count, by `error`.
+  HWY_INLINE void add_row(int frame, const V3& point, const V3& direction, V error) {
+    int joint[kMaxFrames];
+    V3 slopes[kMaxFrames];
+    V along[kMaxFrames];
+    const int count = find_slopes(frame, point, joint, slopes);
+    for (int i = 0; i < count; ++i) along[i] = dot(direction, slopes[i]);
+    equations_.add(joint, along, count, error);
+  }
+
+  HWY_INLINE void push() {
+    for (int i = 0; i < robot_.moving_count; ++i) {
+      const BodyRow& body = robot_.bodies[i];
+      const V3 center = transform_point(poses_[body.frame], body.ball.center);
+      const float reach = body.ball.radius + request_.clearance;
+      Extent extent;
+      extent.set(center);
+      for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
+        unsigned bits = find_overlaps(scene_, extent, reach, begin);
+        for (; bits != 0; bits &= bits - 1) {
+          const size_t obstacle = begin + static_cast<size_t>(__builtin_ctz(bits));
+          if (is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) {
+            push(body, obstacle);
+          }
+        }
+      }
+    }
+  }
+
+  /// The ball of a body that is deepest in an obstacle, lane by lane.
+  struct Deepest {
+    V3 center, normal;
+    V clearance;
+
+    HWY_INLINE void update(const ObstacleRow& row, const V3& p, float radius) {
+      V3 direction;
+      const V candidate = hn::Sub(clearance_of(row, p, direction), splat(radius));
+      const M is_deeper = hn::Lt(candidate, clearance);
+      clearance = hn::IfThenElse(is_deeper, candidate, clearance);
+      center = choose(is_deeper, p, center);
+      normal = choose(is_deeper, direction, normal);
+    }
+    static HWY_INLINE V3 choose(M mask, const V3& a, const V3& b) {
+      return {hn::IfThenElse(mask, a.x, b.x), hn::IfThenElse(mask, a.y, b.y),
+              hn::IfThenElse(mask, a.z, b.z)};
+    }
+  };
+
+  HWY_NOINLINE void push(const BodyRow& body, size_t obstacle) {
+    const Pose& pose = poses_[body.frame];
+    const ObstacleRow& row = scene_.obstacles[obstacle];
+    const V zero = hn::Zero(Tag());
+    Deepest deepest{{zero, zero, zero}, {zero, zero, zero}, splat(request_.clearance)};
+    for (int g = body.group_begin; g < body.group_end; ++g) {
+      const GroupRow& group = robot_.groups[g];
+      const V3 center = transform_point(pose, group.ball.center);
+      const float reach = group.ball.radius + request_.clearance;
+      if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) continue;
+      if (group.is_capsule) {
+        look_at_capsule(pose, robot_.capsules[group.begin], row, deepest);
+        continue;
+      }
+      for (int i = 0; i < kGroupSize; ++i) {
+        const Ball& ball = robot_.spheres[group.begin + i];
+        deepest.update(row, transform_point(pose, ball.center), ball.radius);
+      }
+    }
+    const V depth = hn::Sub(splat(request_.clearance), deepest.clearance);
+    if (hn::AllTrue(Tag(), hn::Eq(depth, zero))) return;
+    add_row(body.frame, deepest.center, deepest.normal, depth);
+  }
+
+  /// Its ends, its middle, and what is closest to the middle of the obstacle.
+  HWY_INLINE void look_at_capsule(const Pose& pose, const CapsuleRow& capsule,
+                                  const ObstacleRow& row, Deepest& deepest) const {
+    const V3 a = transform_point(pose, capsule.a);
+    const V zero = hn::Zero(Tag());
+    const V3 along = add_sparse(pose, capsule.along, {zero, zero, zero});
+    const V closest =
+        clamp01(hn::Mul(dot(splat(row.center) - a, along), splat(capsule.inverse_length2)));
+    for (const V t : {zero, splat(0.5f), splat(1.0f), closest}) {
+      deepest.update(row, mul_add(t, along, a), capsule.radius);
+    }
+  }
+
+  const RobotTables& robot_;
+  const SceneTables& scene_;
+  const WalkRequest& request_;
+  Pose poses_[kMaxFrames + 1];
+  V3 targets_[kMostLimbPoints];
+  NormalEquations equations_;
+};
+
+void walk(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request,
+          float* candidates) {
+  const Tag d;
+  const hn::RebindToSigned<Tag> di;
+  Walker walker(robot, scene, request);
+  V q[kMostWalkingJoints];
+  HWY_ALIGN float column[kLanes];
+  for (int begin = 0; begin < request.count; begin += kLanes) {
+    // Lanes beyond the last candidate repeat it.
+    const auto row = hn::Min(hn::Iota(di, begin), hn::Set(di, request.count - 1));
+    const auto first = hn::Mul(row, hn::Set(di, 3));
+    walker.walk(
+        {hn::GatherIndex(d, request.jitter, first), hn::GatherIndex(d, request.jitter + 1, first),
+         hn::GatherIndex(d, request.jitter + 2, first)},
+        q);
+    for (int j = 0; j < robot.joint_count; ++j) {
+      hn::Store(q[j], d, column);
+      for (int lane = 0; lane < kLanes && begin + lane < request.count; ++lane) {
+        candidates[(begin + lane) * robot.joint_count + j] = column[lane];
+      }
+    }
+  }
+}
+
+WalkKernel kernel() { return &walk; }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace mneme::internal {
+
+HWY_EXPORT(kernel);
+
+WalkKernel walk_kernel(Isa isa) { return MNEME_DISPATCH(kernel, isa); }
+
+}  // namespace mneme::internal
+#endif  // HWY_ONCE

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Configurations to grow towards.
+#pragma once
+
+#include "planning/planner_run.h"
+
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+/// The sampler's draws; in place of uniform ones, as often as the settings say, draws around the
+/// newest node of what grows, where the search has got to. Kin of expansive trees: Hsu, Latombe and
+/// Motwani, DOI 10.1142/S0218195999000285. Not thread-safe.
+class Draws {
+ public:
+  explicit Draws(PlannerRun& run);
+
+  Origin next(std::span<const float> newest, std::span<float> q);
+
+ private:
+  PlannerRun& run_;
+  Rng rng_;
+  double probability_;
+  std::vector<float> sigmas_;  ///< per joint
+};
+
+}  // namespace mneme::internal
