@@ -43,7 +43,11 @@ bool Growth::draw(const Tree& tree) {
     steps_.push_back({node, tree.step(node, q, end), origin});
   }
   if (steps_.empty()) return false;
-  run_.check_states({ends_.data(), steps_.size() * joints}, {is_valid_.data(), steps_.size()});
+  // The motion to a single one has it checked at no cost.
+  is_valid_[0] = 1;
+  if (steps_.size() > 1) {
+    run_.check_states({ends_.data(), steps_.size() * joints}, {is_valid_.data(), steps_.size()});
+  }
   return true;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453.
+// RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453. Departure: nodes that
+// grew towards a sample of memory try to reach each goal, because memory leads through passages
+// that the node nearest to a goal does not see.
 #include "mneme/planning.h"
 
 #include "planning/planner_run.h"
@@ -26,15 +28,9 @@ class Rrt {
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
     while (run_.begin_iterations()) {
-      int goal = draw_goal();
-      int node = goal >= 0 ? untried_node_near(goal) : -1;
-      if (node < 0) {
-        goal = -1;
-        node = grow(q);
-        if (node < 0) continue;
-      }
-      const int reached_goal = goal >= 0 ? goal : nearest_goal_in_range(node);
-      if (reached_goal >= 0 && is_goal_reached(node, reached_goal)) {
+      const int goal = draw_goal();
+      const int node = goal >= 0 ? untried_node_near(goal) : -1;
+      if (node >= 0 ? is_goal_reached(node, goal) : is_goal_reached_by_growing(q)) {
         return run_.finish(tree_.size());
       }
     }
@@ -57,23 +53,35 @@ class Rrt {
     return node;
   }
 
-  /// One step towards a sample; the new node or -1.
-  int grow(std::vector<float>& q) {
+  /// One step towards a sample, and on to the goals that the new node may reach.
+  bool is_goal_reached_by_growing(std::vector<float>& q) {
     const Origin origin = run_.sample(q);
-    bool is_reached = false;
-    const int node = tree_.extend(tree_.nearest(q), q, is_reached);
-    run_.report(origin, node < 0 ? SampleOutcome::rejected : SampleOutcome::extended);
-    return node;
+    bool is_sample_reached = false;
+    const int node = tree_.extend(tree_.nearest(q), q, is_sample_reached);
+    const bool is_reached = node >= 0 && is_any_goal_reached(node, origin != kUniformOrigin);
+    run_.report(origin, node < 0     ? SampleOutcome::rejected
+                        : is_reached ? SampleOutcome::connected
+                                     : SampleOutcome::extended);
+    return is_reached;
   }
 
-  int nearest_goal_in_range(int node) {
-    std::vector<float> delta(run_.start().size());
-    for (std::size_t i = 0; i < run_.goals().size(); ++i) {
-      const float length =
-          run_.space().difference(tree_[node].data(), run_.goals()[i].data(), delta.data());
-      if (length <= run_.range()) return static_cast<int>(i);
+  /// Tries the goals within one step, or all of them.
+  bool is_any_goal_reached(int node, bool tries_all) {
+    const int removals = removals_;
+    for (int goal = 0; goal < static_cast<int>(run_.goals().size()); ++goal) {
+      if (!tries_all && !is_in_range(node, goal)) continue;
+      if (is_goal_reached(node, goal)) return true;
+      // The node may be gone, or have another index.
+      if (removals_ != removals) return false;
     }
-    return -1;
+    return false;
+  }
+
+  [[nodiscard]] bool is_in_range(int node, int goal) {
+    delta_.resize(run_.start().size());
+    const std::vector<float>& target = run_.goals()[static_cast<std::size_t>(goal)];
+    return run_.space().difference(tree_[node].data(), target.data(), delta_.data()) <=
+           run_.range();
   }
 
   /// Goes towards the goal as far as it gets; true if the path to it survives verification.
@@ -87,6 +95,7 @@ class Rrt {
     if (invalid < 0) return true;
     if (invalid + 2 < static_cast<int>(path_.size())) {
       tree_.remove(tree_.ancestor_at(last, invalid + 1));
+      ++removals_;
       std::fill(tried_from_.begin(), tried_from_.end(), -1);
     }
     return false;
@@ -96,6 +105,8 @@ class Rrt {
   Tree tree_;
   Rng rng_;
   std::vector<int> tried_from_;  ///< per goal the node that was last extended towards it
+  int removals_ = 0;  ///< of branches that failed verification
+  std::vector<float> delta_;
   FloatPath path_;
 };
 
