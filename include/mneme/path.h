@@ -80,19 +80,21 @@ class MotionVerifier {
                                       Verification verification = Verification::states);
 
 /// How much shortening may cost.
-struct ShortcutEffort {
-  int attempts = 100;
-  int patience = 100;    ///< so many attempts in vain, one after the other, end it
-  float least_gain = 0;  ///< of the path's length; motions that gain less are not looked at
+struct ShortenEffort {
+  /// Ends once so many vectors of 16 states were looked at in vain, one after the other; 0 only
+  /// drops waypoints.
+  double patience = 60;
+  double least_gain = 0.01;  ///< of the path's length; less is in vain
 };
 
-/// Shortens `path` by replacing stretches between random points of it with straight free motions
-/// (Geraerts and Overmars, DOI 10.1177/0278364907079280). Keeps both ends. The new motions pass
-/// `verifier`, unless that is null. Leaves the rest undone once `must_stop`, which may be empty,
-/// says so; it is asked before each motion.
-void shortcut(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-              const ShortcutEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
-              const std::function<bool()>& must_stop = {});
+/// Shortens `path`: drops waypoints, cuts corners, then relaxes waypoints and lets random joints,
+/// or all, go straight over random stretches (after Geraerts and Overmars,
+/// DOI 10.1177/0278364907079280). Keeps both ends, and new motions 1 mm away from contact, less
+/// where an end of the path is closer. They also pass `verifier`, unless that is null. Leaves the
+/// rest undone once `must_stop`, which may be empty, says so; it is asked before each step.
+void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+             const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
+             const std::function<bool()>& must_stop = {});
 
 /// What a path must become and pass before it is returned.
 struct FinishSettings {
@@ -101,10 +103,13 @@ struct FinishSettings {
   std::uint64_t seed = 1;
   double timeout_s = 10;  ///< from construction; half of what is left of it is for shortening
   const std::atomic<bool>* cancel = nullptr;  ///< may be null
+  int patience = 60;                          ///< ShortenEffort::patience
 };
 
 /// Shortens and verifies what a planner has found: the planner offers paths, and goes on planning
-/// if one is refused. Not thread-safe.
+/// if one is refused. A motion that fails is led round what it touches, if a little way is enough.
+/// The same work leads to the same answers, whatever the time it takes, but for the timeout. Not
+/// thread-safe.
 class PathFinisher {
  public:
   /// Refers to the checker.
@@ -113,10 +118,13 @@ class PathFinisher {
   PathFinisher& operator=(const PathFinisher&) = delete;
 
   /// Shortens and verifies `path`: -1, or the number of the first motion of the path as it was
-  /// given that fails; then the path is unchanged. Work is added to `counters`; the more motions
-  /// planning has checked until now, the longer shortening goes on.
+  /// given that fails; then the path is unchanged. Work is added to `counters`, which has all of
+  /// planning's: a planner whose paths cost more to refuse than to find has them verified first.
   [[nodiscard]] int operator()(Path& path, CheckCounters& counters);
 
+  /// True once so many paths were refused that the planner should check motions as verification
+  /// does.
+  [[nodiscard]] bool has_refused_often() const { return refused_count_ >= kOften; }
   /// Every motion of a path passes it.
   [[nodiscard]] const MotionVerifier& verifier();
   /// How the message of a plan without path ends: how many paths were refused, if any.
@@ -125,8 +133,13 @@ class PathFinisher {
   [[nodiscard]] double verification_time_s() const { return verification_time_s_; }
 
  private:
-  [[nodiscard]] Path shorten(Path path, const MotionVerifier* verifier, CheckCounters& counters);
-  [[nodiscard]] int verify(const Path& path, CheckCounters& counters);
+  static constexpr int kOften = 3;
+
+  [[nodiscard]] int finish(Path& path, bool is_verified_first, CheckCounters& counters);
+  [[nodiscard]] Path shorten(Path path, int patience, const MotionVerifier* verifier,
+                             CheckCounters& counters);
+  [[nodiscard]] int verify_or_mend(Path& path, CheckCounters& counters);
+  [[nodiscard]] int mend(Path& path, int invalid, CheckCounters& counters);
   [[nodiscard]] bool is_over(double end_s) const;
 
   const CollisionChecker& checker_;
@@ -134,6 +147,7 @@ class PathFinisher {
   Stopwatch stopwatch_;
   std::optional<MotionVerifier> verifier_;  ///< made when it is first wanted
   int refused_count_ = 0;
+  std::uint64_t states_ = 0;  ///< looked at until now
   double simplification_time_s_ = 0;
   double verification_time_s_ = 0;
 };

@@ -104,6 +104,7 @@ constexpr double kLeastResolution = 1e-4;
 /// Relative. A planner's step of exactly n states must not cost another vector of them because its
 /// length is a rounding error larger.
 constexpr double kLengthTolerance = 1e-5;
+constexpr double kMostStates = 1e9;
 
 }  // namespace
 
@@ -121,6 +122,13 @@ struct CollisionChecker::Tables {
   internal::WalkKernel walk_kernel = nullptr;
   /// Of the links that no joint of the group moves: below the margin, no state is valid.
   float fixed_clearance = 0;
+
+  /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
+  /// finite limits.
+  [[nodiscard]] int count_states(float length, double refinement) const {
+    const double wanted = length * refinement / resolution;
+    return static_cast<int>(std::min(std::ceil(wanted * (1 - kLengthTolerance)), kMostStates));
+  }
 };
 
 Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene& scene,
@@ -197,12 +205,39 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   if (!is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
-  // A motion so long that its states cannot be counted is longer than any joint space with finite
-  // limits.
-  const double wanted = length * detail.refinement / t.resolution;
-  const double states = std::min(std::ceil(wanted * (1 - kLengthTolerance)), 1e9);
+  const int states = t.count_states(length, detail.refinement);
   return t.kernels->is_motion_free(t.checked_robot->tables, t.scene_tables, from.data(),
-                                   delta.data(), static_cast<int>(states), margin, counters.states);
+                                   delta.data(), states, margin, counters.states);
+}
+
+bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
+                                      CheckCounters& counters, const MotionDetail& detail) const {
+  const Tables& t = *tables_;
+  const std::size_t joints = internal::as_index(t.space.joint_count());
+  if (configurations.size() < 2 * joints) return true;
+  if (t.fixed_clearance < t.margin || !is_within_reach(configurations)) return false;
+  const float margin = t.margin + static_cast<float>(detail.margin);
+  const std::size_t count = configurations.size() / joints - 1;
+  counters.motions += count;
+  // So many motions at once as fit the stack.
+  constexpr std::size_t kMost = 16;
+  std::array<float, kMost * internal::kMaxFrames> deltas;
+  std::array<int, kMost> states;
+  for (std::size_t begin = 0; begin < count; begin += kMost) {
+    const std::size_t some = std::min(kMost, count - begin);
+    const float* points = configurations.data() + begin * joints;
+    for (std::size_t i = 0; i < some; ++i) {
+      const float* from = points + i * joints;
+      const float length = t.space.difference(from, from + joints, deltas.data() + i * joints);
+      states[i] = std::max(1, t.count_states(length, detail.refinement));
+    }
+    const internal::MotionChain chain{points, deltas.data(), states.data(), static_cast<int>(some)};
+    if (!t.kernels->is_chain_free(t.checked_robot->tables, t.scene_tables, chain, margin,
+                                  counters.states)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

@@ -294,14 +294,71 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   const float step = 1.0f / static_cast<float>(blocks * kLanes);
   StateChecker<true> checker(robot, scene, margin);
   V q[kMaxFrames];
-  // Lane i looks at the i-th stretch of the motion. Each block looks at one state of every stretch;
-  // the first one at their ends, because a motion is blocked at its far end most often.
-  const V stretch = hn::Mul(hn::Iota(d, 0.0f), splat(static_cast<float>(blocks)));
-  for (int block = blocks; block > 0; --block) {
-    const V fraction = hn::Mul(hn::Add(stretch, splat(static_cast<float>(block))), splat(step));
+  // The first vector is spread, its last lane at the far end, where a motion is blocked most often.
+  // What is left is looked at from one end to the other: lanes that lie close together have small
+  // boxes.
+  const V lanes = hn::Iota(d, 0.0f);
+  const V spacing = splat(static_cast<float>(blocks));
+  for (int block = 0; block < blocks; ++block) {
+    V state = hn::Mul(hn::Add(lanes, splat(1.0f)), spacing);
+    if (block > 0) {
+      const V rank = hn::Add(lanes, splat(static_cast<float>((block - 1) * kLanes)));
+      const V passed = hn::Floor(hn::Div(hn::Add(rank, splat(0.5f)), splat(blocks - 1.0f)));
+      state = hn::Add(hn::Add(rank, passed), splat(1.0f));
+    }
+    const V fraction = hn::Mul(state, splat(step));
     for (int j = 0; j < robot.joint_count; ++j) {
       q[j] = hn::MulAdd(fraction, splat(delta[j]), splat(from[j]));
     }
+    states_checked += static_cast<std::uint64_t>(kLanes);
+    Verdict<true> verdict;
+    if (checker.check(q, verdict)) return false;
+  }
+  return true;
+}
+
+/// Goes along a chain of motions, from state to state.
+class ChainWalk {
+ public:
+  HWY_INLINE ChainWalk(const MotionChain& chain, int joint_count)
+      : chain_(chain), joint_count_(joint_count) {}
+
+  /// Writes state number `state` into column `lane` of `columns`. States only go up, from 1 on.
+  HWY_INLINE void write(std::int64_t state, int lane, float (*columns)[kLanes]) {
+    while (state > passed_ + chain_.states[motion_]) passed_ += chain_.states[motion_++];
+    const float fraction =
+        static_cast<float>(state - passed_) / static_cast<float>(chain_.states[motion_]);
+    const float* from = chain_.points + motion_ * joint_count_;
+    const float* delta = chain_.deltas + motion_ * joint_count_;
+    for (int j = 0; j < joint_count_; ++j) columns[j][lane] = from[j] + fraction * delta[j];
+  }
+
+ private:
+  const MotionChain& chain_;
+  int joint_count_;
+  int motion_ = 0;
+  std::int64_t passed_ = 0;  // of the states, by the motions before
+};
+
+bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const MotionChain& chain,
+                   float margin, std::uint64_t& states_checked) {
+  const Tag d;
+  std::int64_t states = 0;
+  for (int i = 0; i < chain.count; ++i) states += chain.states[i];
+  const std::int64_t blocks = (states + kLanes - 1) / kLanes;
+  StateChecker<true> checker(robot, scene, margin);
+  V q[kMaxFrames];
+  HWY_ALIGN float columns[kMaxFrames][kLanes];
+  ChainWalk rest(chain, robot.joint_count);
+  // In the order of is_motion_free; lanes beyond the last state repeat it.
+  for (std::int64_t block = 0; block < blocks; ++block) {
+    ChainWalk spread(chain, robot.joint_count);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::int64_t rank = (block - 1) * kLanes + lane;
+      const std::int64_t state = block == 0 ? (lane + 1) * blocks : rank + rank / (blocks - 1) + 1;
+      (block == 0 ? spread : rest).write(std::min(state, states), lane, columns);
+    }
+    for (int j = 0; j < robot.joint_count; ++j) q[j] = hn::Load(d, columns[j]);
     states_checked += static_cast<std::uint64_t>(kLanes);
     Verdict<true> verdict;
     if (checker.check(q, verdict)) return false;
@@ -331,7 +388,7 @@ void check_states(const RobotTables& robot, const SceneTables& scene, const floa
 }
 
 const CollisionKernels* kernels() {
-  static const CollisionKernels table = {kLanes, &is_motion_free, &check_states};
+  static const CollisionKernels table = {kLanes, &is_motion_free, &is_chain_free, &check_states};
   return &table;
 }
 

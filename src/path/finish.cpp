@@ -2,43 +2,133 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/path.h"
 
+#include "path/path_conversion.h"
+#include "robot/joint_space.h"
+
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <utility>
 
 namespace mneme {
 namespace {
 
-constexpr int kShortcutAttempts = 100;
-/// Shortening gives up after one attempt in vain per so many motions that planning checked, within
-/// the bounds below: it should take no longer than the planning.
-constexpr std::uint64_t kMotionsPerAttempt = 16;
-constexpr std::uint64_t kLeastPatience = 12, kMostPatience = 60;
-constexpr float kLeastShortcutGain = 0.01f;
+/// So many more states than planning may be looked at before paths are verified first: about a
+/// millisecond's.
+constexpr std::uint64_t kStatesOfGrace = 40000;
+/// A path that needs more repairs than this is better planned anew.
+constexpr int kMostRepairs = 4;
+
+/// Leads motions that fail round what they touch.
+class Repair {
+ public:
+  Repair(const CollisionChecker& checker, const MotionVerifier& verifier, std::uint64_t seed,
+         CheckCounters& counters, const std::function<bool()>& must_stop)
+      : checker_(checker),
+        verifier_(verifier),
+        space_(checker.robot()),
+        rng_(seed),
+        counters_(counters),
+        must_stop_(must_stop) {}
+
+  /// A waypoint between both ends whose motions pass, or nothing.
+  std::vector<float> find_waypoint(std::span<const float> from, std::span<const float> to,
+                                   bool is_at_end) {
+    const std::vector<float> middle = find_blocked_middle(from, to, is_at_end);
+    const std::size_t joints = middle.size();
+    std::vector<float> candidates(kCandidates * joints);
+    std::array<std::uint8_t, kCandidates> is_free;
+    for (double sigma = 0.01; sigma < 0.2 && !must_stop_(); sigma *= 2) {
+      const std::vector<float> sigmas = internal::joint_deviations(checker_.robot(), sigma);
+      for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const std::size_t j = i % joints;
+        const float value = middle[j] + sigmas[j] * rng_.bell();
+        candidates[i] = space_.into_limits(static_cast<int>(j), value);
+      }
+      counters_.states += kCandidates;
+      checker_.check_states(candidates, is_free);
+      for (std::size_t i = 0; i < kCandidates && !must_stop_(); ++i) {
+        const std::span<const float> q(candidates.data() + i * joints, joints);
+        if (is_free[i] != 0 && is_way(from, q, to, is_at_end)) return {q.begin(), q.end()};
+      }
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::size_t kCandidates = 16;
+
+  /// The planner's resolution and the margin come first: they are cheap.
+  bool is_way(std::span<const float> from, std::span<const float> q, std::span<const float> to,
+              bool is_at_end) {
+    const MotionDetail coarse{1, is_at_end ? 0 : kVerificationMargin};
+    return checker_.is_motion_valid(from, q, counters_, coarse) &&
+           checker_.is_motion_valid(q, to, counters_, coarse) &&
+           verifier_.is_free(from, q, is_at_end, counters_) &&
+           verifier_.is_free(q, to, is_at_end, counters_);
+  }
+
+  std::vector<float> find_blocked_middle(std::span<const float> from, std::span<const float> to,
+                                         bool is_at_end) {
+    constexpr int kParts = 16;
+    std::vector<float> delta(from.size()), begin(from.size()), end(from.begin(), from.end());
+    space_.difference(from.data(), to.data(), delta.data());
+    const auto write = [&](float fraction, std::vector<float>& q) {
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] = from[j] + fraction * delta[j];
+    };
+    int first = kParts, last = 0;
+    for (int i = 0; i < kParts && !must_stop_(); ++i) {
+      begin = end;
+      write(static_cast<float>(i + 1) / kParts, end);
+      if (verifier_.is_free(begin, end, is_at_end, counters_)) continue;
+      first = std::min(first, i);
+      last = i + 1;
+    }
+    if (first == kParts) first = 0, last = kParts;
+    write(0.5f * static_cast<float>(first + last) / kParts, begin);
+    return begin;
+  }
+
+  const CollisionChecker& checker_;
+  const MotionVerifier& verifier_;
+  internal::JointSpace space_;
+  Rng rng_;
+  CheckCounters& counters_;
+  const std::function<bool()>& must_stop_;
+};
 
 }  // namespace
 
 PathFinisher::PathFinisher(const CollisionChecker& checker, const FinishSettings& settings)
     : checker_(checker), settings_(settings) {}
 
-/// What shortcuts at the planner's resolution leave of a path nearly always passes and has less to
-/// verify: so it is looked at first, and the path as it was planned only if that fails.
 int PathFinisher::operator()(Path& path, CheckCounters& counters) {
-  if (settings_.simplify) {
-    Path shorter = shorten(path, nullptr, counters);
-    if (verify(shorter, counters) < 0) {
+  const std::uint64_t states = counters.states;
+  const std::uint64_t planning = states - std::min(states, states_);
+  const bool is_verified_first = has_refused_often() || states_ > planning + kStatesOfGrace;
+  const int invalid = finish(path, is_verified_first, counters);
+  states_ += counters.states - states;
+  if (invalid >= 0) ++refused_count_;
+  return invalid;
+}
+
+/// A shorter path nearly always passes and has less to verify: so it is looked at first, and the
+/// path as it was planned only if that fails.
+int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& counters) {
+  const bool is_shortened_first = settings_.simplify && !is_verified_first;
+  if (is_shortened_first) {
+    Path shorter = shorten(path, settings_.patience, nullptr, counters);
+    if (verify_or_mend(shorter, counters) < 0) {
       path = std::move(shorter);
       return -1;
     }
   }
-  if (const int invalid = verify(path, counters); invalid >= 0) {
-    ++refused_count_;
-    return invalid;
-  }
-  if (settings_.simplify) {
-    // Cutting a motion moves the states that are looked at, so even verified ones are verified.
-    Path verified = shorten(path, &verifier(), counters);
-    if (verify(verified, counters) < 0) path = std::move(verified);
-  }
+  if (const int invalid = verify_or_mend(path, counters); invalid >= 0) return invalid;
+  if (!settings_.simplify) return -1;
+  // What failed once is not tried again at the same length: waypoints are dropped, no more.
+  Path shorter = is_shortened_first ? shorten(path, 0, &verifier(), counters)
+                                    : shorten(path, settings_.patience, nullptr, counters);
+  if (verify_or_mend(shorter, counters) < 0) path = std::move(shorter);
   return -1;
 }
 
@@ -56,25 +146,53 @@ std::string PathFinisher::describe_refused() const {
          (refused_count_ == 1 ? " path" : " paths");
 }
 
-Path PathFinisher::shorten(Path path, const MotionVerifier* verifier, CheckCounters& counters) {
-  const auto patience = static_cast<int>(
-      std::clamp(counters.motions / kMotionsPerAttempt, kLeastPatience, kMostPatience));
+Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifier,
+                           CheckCounters& counters) {
   // The other half of what is left of the time is for verification.
   const double begin_s = stopwatch_.elapsed_s();
   const double end_s = 0.5 * (begin_s + settings_.timeout_s);
-  shortcut(checker_, path, derive_seed(settings_.seed, 1),
-           {kShortcutAttempts, patience, kLeastShortcutGain}, verifier, counters,
-           [&] { return is_over(end_s); });
+  ShortenEffort effort;
+  effort.patience = patience;
+#if 1
+  static const double p = getenv("PAT") ? atof(getenv("PAT")) : 60, g = getenv("GAIN") ? atof(getenv("GAIN")) : 0.01;
+  if (patience > 0) effort = {p, g};
+#endif
+  mneme::shorten(checker_, path, derive_seed(settings_.seed, 1), effort, verifier, counters,
+                 [&] { return is_over(end_s); });
   simplification_time_s_ += stopwatch_.elapsed_s() - begin_s;
   return path;
 }
 
-int PathFinisher::verify(const Path& path, CheckCounters& counters) {
+int PathFinisher::verify_or_mend(Path& path, CheckCounters& counters) {
   if (settings_.verification == Verification::none) return -1;
   const double begin_s = stopwatch_.elapsed_s();
-  const int invalid = verifier().find_invalid_motion(path, counters);
+  int invalid = verifier().find_invalid_motion(path, counters);
+  if (invalid >= 0) invalid = mend(path, invalid, counters);
   verification_time_s_ += stopwatch_.elapsed_s() - begin_s;
   return invalid;
+}
+
+/// -1, or the number of the first motion that fails; then the path is unchanged.
+int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
+  const std::function<bool()> must_stop = [this] { return is_over(settings_.timeout_s); };
+  Repair repair(checker_, verifier(), derive_seed(settings_.seed, 2), counters, must_stop);
+  Path mended = path;
+  std::vector<int> origins(path.size());
+  std::iota(origins.begin(), origins.end(), 0);
+  for (int i = 0; i < kMostRepairs && invalid >= 0; ++i) {
+    const bool is_at_end = invalid == 0 || invalid + 2 == static_cast<int>(mended.size());
+    const auto from = mended.begin() + invalid;
+    const std::vector<float> q = repair.find_waypoint(internal::to_floats(from[0]),
+                                                      internal::to_floats(from[1]), is_at_end);
+    if (q.empty()) break;
+    mended.insert(from + 1, checker_.robot().normalized(Configuration(q.begin(), q.end())));
+    const int origin = origins[static_cast<std::size_t>(invalid)];
+    origins.insert(origins.begin() + invalid, origin);
+    invalid = verifier().find_invalid_motion(mended, counters);
+  }
+  if (invalid >= 0) return origins[static_cast<std::size_t>(invalid)];
+  path = std::move(mended);
+  return -1;
 }
 
 bool PathFinisher::is_over(double end_s) const {

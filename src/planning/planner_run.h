@@ -75,7 +75,8 @@ class PlannerRun {
   }
   void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
-    return checker_.is_motion_valid(from, to, counters_);
+    return checker_.is_motion_valid(from, to, counters_) &&
+           (!shorten_and_verify_.has_refused_often() || would_pass(from, to));
   }
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) {
@@ -98,6 +99,7 @@ class PlannerRun {
   /// Iterations. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
 
+  [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_time_up() const;
   [[nodiscard]] bool is_full() const;

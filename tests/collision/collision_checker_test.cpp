@@ -377,6 +377,60 @@ TEST_SUITE("law") {
     CHECK(invalid_count > 200);
   }
 
+  TEST_CASE("a chain of motions is valid if states of it at the resolution are, one by one") {
+    Rng rng(304);
+    int valid_count = 0, invalid_count = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Robot robot = i % 3 == 0 ? planar8() : random_robot(rng);
+      const Scene scene =
+          i % 3 == 0 ? random_circles(3, rng) : random_scene(robot, 4, rng, small_shape);
+      const auto joints = static_cast<std::size_t>(robot.joint_count());
+      const std::size_t count = 2 + rng.index(24);
+      std::vector<float> rows = random_states(robot, 1, rng, 0.5);
+      while (rows.size() < count * joints) {
+        const float last = rows[rows.size() - joints];
+        rows.push_back(last + 0.05f * static_cast<float>(rng.normal()));
+      }
+      for (const Isa isa : available_isas()) {
+        const CollisionChecker checker = require_checker(robot, scene, {.isa = isa});
+        const auto are_states_free = [&](double margin) {
+          CheckCounters counters;
+          for (std::size_t k = 0; k + 1 < count; ++k) {
+            const std::span<const float> from(&rows[k * joints], joints);
+            const std::span<const float> to(&rows[(k + 1) * joints], joints);
+            const Configuration a(from.begin(), from.end()), b(to.begin(), to.end());
+            const Configuration delta = robot.difference(a, b);
+            const int states =
+                std::max(1, static_cast<int>(std::ceil(robot.distance(a, b) / checker.resolution() *
+                                                       (1 - 1e-5))));
+            for (int state = 1; state <= states; ++state) {
+              std::vector<float> q(joints);
+              for (std::size_t j = 0; j < joints; ++j) {
+                q[j] = static_cast<float>(a[j] + delta[j] * state / states);
+              }
+              if (!checker.is_motion_valid(q, q, counters, {1, margin})) return false;
+            }
+          }
+          return true;
+        };
+        CheckCounters counters;
+        INFO("seed 304, world " << i << ", " << to_string(isa));
+        const bool is_valid = checker.is_chain_valid(rows, counters);
+        ++(is_valid ? valid_count : invalid_count);
+        CHECK(counters.motions <= count - 1);
+        if (is_valid) {
+          // Self-contact has no margin: a state that only rounding decides is rare enough.
+          CHECK(are_states_free(0));
+          CHECK(checker.is_chain_valid({rows.data(), joints}, counters));
+        } else {
+          CHECK(!are_states_free(1e-5));
+        }
+      }
+    }
+    CHECK(valid_count > 20);
+    CHECK(invalid_count > 20);
+  }
+
   TEST_CASE("a larger margin never makes a state valid") {
     const Robot robot = planar8();
     Rng rng(303);

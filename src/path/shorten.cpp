@@ -1,0 +1,374 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/path.h"
+
+#include "base/as_index.h"
+#include "path/path_conversion.h"
+#include "path/waypoints.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+using internal::as_index;
+using internal::PathPoint;
+
+static double knob(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }
+/// States that are looked at together, whatever the machine's vectors.
+constexpr int kBatch = 16;
+/// A shorter path hugs obstacles: it keeps this far away, so that verification passes it, or the
+/// next one if its own end does not.
+constexpr std::array<double, 3> kMargins = {1e-3, 2.5e-4, 0};  ///< metres
+constexpr float kStep = 1, kStepRatio = 0.5f;
+constexpr int kSteps = 4, kSubsets = kBatch / kSteps;
+
+/// Part of a path whose joints of a subset are to go straight from one end to the other.
+struct Stretch {
+  PathPoint begin, end;
+  float begin_way = 0, end_way = 0;
+  std::uint64_t joints = 0;  ///< a bit each
+};
+
+class Shortener {
+ public:
+  Shortener(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+            const MotionVerifier* verifier, CheckCounters& counters,
+            const std::function<bool()>& must_stop)
+      : checker_(checker),
+        path_(path),
+        way_(checker.robot()),
+        joints_(way_.joint_count()),
+        all_joints_(joints_ < 64 ? (std::uint64_t{1} << joints_) - 1 : ~std::uint64_t{0}),
+        rng_(seed),
+        verifier_(verifier),
+        counters_(counters),
+        must_stop_(must_stop),
+        states_(as_index(kBatch * joints_)) {
+    std::vector<float> rows;
+    for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
+    way_.assign(std::move(rows));
+    start_margin_ = margin_at(0);
+    goal_margin_ = margin_at(way_.count() - 1);
+  }
+
+  /// From each waypoint on, straight to the farthest one that can be reached.
+  void prune() {
+    for (int i = 0; i + 2 < way_.count() && !is_over(); ++i) way_.replace(i, find_farthest(i), {});
+    way_.assign({way_[0], way_[0] + way_.count() * joints_});
+  }
+
+  /// Halves all motions, then cuts the corners between the halves.
+  void smooth();
+
+  /// Relaxes waypoints and shortens stretches until that much was looked at in vain.
+  void shorten(const ShortenEffort& effort) {
+    least_gain_ = static_cast<float>(effort.least_gain);
+    double idle = 0;
+    while (idle < effort.patience && way_.count() > 2 && !is_over()) {
+      for (int step = 0; step < 3 && way_.count() > 2; ++step) {
+        const std::uint64_t states = counters_.states;
+        tries_ = 1;
+        const float before = way_.length();
+        static const int RN = knob("RN", 1);
+        if (step == 0) { for (int n = 0; n < RN && way_.count() > 2; ++n) relax(); } else shorten_stretch(step == 2);
+        const auto cost = static_cast<double>(counters_.states - states) / kBatch;
+        const bool is_gain = before - way_.length() >= least_gain_ * before;
+        idle = is_gain ? 0 : idle + cost + static_cast<double>(tries_) / kBatch;
+      }
+    }
+  }
+
+  void store();
+
+ private:
+  [[nodiscard]] bool is_over() const { return must_stop_ && must_stop_(); }
+  [[nodiscard]] float* state(int i) { return states_.data() + i * joints_; }
+
+  /// The largest margin that an end of the path has.
+  double margin_at(int i) {
+    const std::span<const float> q = way_.rows(i, i + 1);
+    const auto found = std::ranges::find_if(kMargins, [&](double margin) {
+      return checker_.is_motion_valid(q, q, counters_, {1, margin});
+    });
+    return found == kMargins.end() ? 0.0 : *found;
+  }
+  /// Between two waypoints.
+  [[nodiscard]] double margin(int first, int last) const {
+    return std::min(first == 0 ? start_margin_ : kMargins[0],
+                    last == way_.count() - 1 ? goal_margin_ : kMargins[0]);
+  }
+
+  /// Which of the first `count` states are free.
+  void look_at(int count) {
+    const auto size = as_index(count);
+    counters_.states += kBatch;
+    checker_.check_states({states_.data(), as_index(count * joints_)}, {is_free_.data(), size});
+  }
+
+  /// Whether motions along `rows`, which stand for what lies between two waypoints, are free.
+  bool is_free(std::span<const float> rows, int first, int last) {
+    const auto count = static_cast<int>(rows.size()) / joints_;
+    for (int i = 0; i + 1 < count; ++i) {
+      if (!way_.has_one_way(&rows[as_index(i * joints_)], &rows[as_index((i + 1) * joints_)]))
+        return false;
+    }
+    return is_chain_free(rows, first, last);
+  }
+
+  bool is_chain_free(std::span<const float> rows, int first, int last) {
+    if (!checker_.is_chain_valid(rows, counters_, {1, margin(first, last)})) return false;
+    const bool is_at_end = first == 0 || last == way_.count() - 1;
+    const auto joints = as_index(joints_);
+    for (std::size_t i = 0; verifier_ != nullptr && i + joints < rows.size(); i += joints) {
+      if (!verifier_->is_free(rows.subspan(i, joints), rows.subspan(i + joints, joints), is_at_end,
+                              counters_))
+        return false;
+    }
+    return true;
+  }
+
+  int find_farthest(int first);
+  void relax();
+  std::uint64_t random_joints();
+  void shorten_stretch(bool has_all_joints);
+  bool draw_stretch(Stretch& stretch, bool has_all_joints);
+  [[nodiscard]] float length_of(const Stretch& stretch);
+  void write_state(const Stretch& stretch, float way, float* q) const;
+  void write_rows(const Stretch& stretch);
+  bool take(const Stretch& stretch);
+
+  const CollisionChecker& checker_;
+  Path& path_;
+  internal::Waypoints way_;
+  int joints_;
+  std::uint64_t all_joints_;
+  Rng rng_;
+  const MotionVerifier* verifier_;
+  CheckCounters& counters_;
+  const std::function<bool()>& must_stop_;
+  std::vector<float> states_;
+  std::array<std::uint8_t, kBatch> is_free_ = {};
+  std::vector<float> rows_, ends_;
+  double start_margin_ = 0, goal_margin_ = 0;
+  float least_gain_ = 0;
+  int tries_ = 0;
+  int relaxed_ = 0;  ///< the waypoint that was relaxed last
+};
+
+int Shortener::find_farthest(int first) {
+  const internal::JointSpace& space = way_.space();
+  std::vector<float> delta(as_index(joints_));
+  const float* from = way_[first];
+  for (int last = way_.count() - 1; last > first + 1;) {
+    const int count = std::min(kBatch, last - first - 1);
+    for (int i = 0; i < count; ++i) {
+      space.difference(from, way_[last - i], delta.data());
+      for (int j = 0; j < joints_; ++j) state(i)[j] = from[j] + 0.5f * delta[as_index(j)];
+    }
+    look_at(count);
+    for (int i = 0; i < count; ++i, --last) {
+      if (is_free_[as_index(i)] == 0) continue;
+      rows_.assign(from, from + joints_);
+      space.difference(from, way_[last], delta.data());
+      for (int j = 0; j < joints_; ++j) rows_.push_back(from[j] + delta[as_index(j)]);
+      if (is_free(rows_, first, last)) return last;
+    }
+  }
+  return first + 1;
+}
+
+void Shortener::smooth() {
+  std::vector<float> rows;
+  for (int i = 0; i + 1 < way_.count(); ++i) {
+    rows.insert(rows.end(), way_[i], way_[i + 1]);
+    const float *a = way_[i], *b = way_[i + 1];
+    for (int j = 0; j < joints_; ++j) rows.push_back(0.5f * (a[j] + b[j]));
+  }
+  rows.insert(rows.end(), way_[way_.count() - 1], way_[way_.count() - 1] + joints_);
+  way_.assign(std::move(rows));
+  for (int begin = 2; begin + 1 < way_.count() && !is_over(); begin += 2 * kBatch) {
+    const int count = std::min(kBatch, (way_.count() - begin) / 2);
+    for (int i = 0; i < count; ++i) {
+      const int k = begin + 2 * i;
+      for (int j = 0; j < joints_; ++j) {
+        state(i)[j] = 0.25f * (way_[k - 1][j] + way_[k + 1][j]) + 0.5f * way_[k][j];
+      }
+    }
+    look_at(count);
+    for (int i = 0; i < count; ++i) {
+      if (is_free_[as_index(i)] == 0) continue;
+      const int k = begin + 2 * i;
+      rows_.assign(way_[k - 1], way_[k]);
+      rows_.insert(rows_.end(), state(i), state(i) + joints_);
+      rows_.insert(rows_.end(), way_[k + 1], way_[k + 1] + joints_);
+      if (is_free(rows_, k - 1, k + 1)) way_.move(k, {state(i), as_index(joints_)});
+    }
+  }
+}
+
+std::uint64_t Shortener::random_joints() {
+  while (true) {
+    const std::uint64_t joints = rng_.next() & all_joints_;
+    if (joints != 0) return joints;
+  }
+}
+
+/// Pulls a waypoint towards the straight way between its neighbours.
+void Shortener::relax() {
+  relaxed_ = 1 + relaxed_ % (way_.count() - 2);
+  const int k = relaxed_;
+  const float *a = way_[k - 1], *q = way_[k], *b = way_[k + 1];
+  const float before = way_.way_to(k + 1) - way_.way_to(k - 1);
+  const float direct = way_.distance(a, b);
+  static const float RL = knob("RL", 0.1);
+  const float least = RL * least_gain_ * way_.length();
+  if (before - direct < least) return;
+  const float fraction = (way_.way_to(k) - way_.way_to(k - 1)) / before;
+  std::array<float, kBatch> gains;
+  for (int subset = 0, i = 0; subset < kSubsets; ++subset) {
+    const std::uint64_t joints = subset == 0 ? all_joints_ : random_joints();
+    float step = kStep;
+    for (int s = 0; s < kSteps; ++s, ++i, step *= kStepRatio) {
+      for (int j = 0; j < joints_; ++j) {
+        const float target = a[j] + fraction * (b[j] - a[j]);
+        state(i)[j] = (joints >> j & 1) != 0 ? q[j] + step * (target - q[j]) : q[j];
+      }
+      gains[as_index(i)] = before - way_.distance(a, state(i)) - way_.distance(state(i), b);
+    }
+  }
+  look_at(kBatch);
+  static const int RT = knob("RT", 2);
+  for (int tries = 0; tries < RT; ++tries) {
+    int best = -1;
+    for (int i = 0; i < kBatch; ++i) {
+      if (is_free_[as_index(i)] != 0 && gains[as_index(i)] > least &&
+          (best < 0 || gains[as_index(i)] > gains[as_index(best)]))
+        best = i;
+    }
+    if (best < 0) return;
+    is_free_[as_index(best)] = 0;
+    rows_.assign(a, a + joints_);
+    if (best != 0) rows_.insert(rows_.end(), state(best), state(best) + joints_);
+    rows_.insert(rows_.end(), b, b + joints_);
+    if (!is_free(rows_, k - 1, k + 1)) continue;
+    way_.replace(k - 1, k + 1, {rows_.data() + joints_, as_index(best != 0 ? joints_ : 0)});
+    return;
+  }
+}
+
+void Shortener::write_state(const Stretch& stretch, float way, float* q) const {
+  way_.write(way_.locate(way), q);
+  const float fraction = (way - stretch.begin_way) / (stretch.end_way - stretch.begin_way);
+  const float *from = ends_.data(), *to = ends_.data() + joints_;
+  for (int j = 0; j < joints_; ++j) {
+    if ((stretch.joints >> j & 1) != 0) q[j] = from[j] + fraction * (to[j] - from[j]);
+  }
+}
+
+/// The new way of a stretch, ends included, into rows_.
+void Shortener::write_rows(const Stretch& stretch) {
+  ends_.resize(as_index(2 * joints_));
+  way_.write(stretch.begin, ends_.data());
+  way_.write(stretch.end, ends_.data() + joints_);
+  rows_.assign(ends_.begin(), ends_.begin() + joints_);
+  if (stretch.joints != all_joints_) {
+    const float way = stretch.end_way - stretch.begin_way;
+    for (int i = stretch.begin.motion + 1; i <= stretch.end.motion; ++i) {
+      const float fraction = (way_.way_to(i) - stretch.begin_way) / way;
+      const float* q = way_[i];
+      for (int j = 0; j < joints_; ++j) {
+        const float from = ends_[as_index(j)], to = ends_[as_index(joints_ + j)];
+        rows_.push_back((stretch.joints >> j & 1) != 0 ? from + fraction * (to - from) : q[j]);
+      }
+    }
+  }
+  rows_.insert(rows_.end(), ends_.begin() + joints_, ends_.end());
+}
+
+float Shortener::length_of(const Stretch& stretch) {
+  write_rows(stretch);
+  float length = 0;
+  for (std::size_t i = as_index(joints_); i < rows_.size(); i += as_index(joints_)) {
+    length += way_.distance(&rows_[i - as_index(joints_)], &rows_[i]);
+  }
+  return length;
+}
+
+bool Shortener::draw_stretch(Stretch& stretch, bool has_all_joints) {
+  const float length = way_.length();
+  float first = static_cast<float>(rng_.uniform()) * length;
+  float second = static_cast<float>(rng_.uniform()) * length;
+  if (first > second) std::swap(first, second);
+  stretch = {way_.locate(first), way_.locate(second), first, second,
+             has_all_joints ? all_joints_ : random_joints()};
+  if (stretch.begin.motion == stretch.end.motion) return false;
+  return second - first - length_of(stretch) >= least_gain_ * length;
+}
+
+/// Tries up to a batch of stretches; those whose middle touches something cost no more than that.
+void Shortener::shorten_stretch(bool has_all_joints) {
+  static const int NQ = knob("NQ", 16), NS = knob("NS", 16);
+  std::array<Stretch, kBatch> stretches;
+  int count = 0;
+  for (tries_ = 0; tries_ < (has_all_joints ? NS : NQ) && count < kBatch; ++tries_) {
+    Stretch& stretch = stretches[as_index(count)];
+    if (!draw_stretch(stretch, has_all_joints)) continue;
+    write_state(stretch, 0.5f * (stretch.begin_way + stretch.end_way), state(count));
+    ++count;
+  }
+  if (count == 0) return;
+  look_at(count);
+  for (int i = 0; i < count; ++i) {
+    if (is_free_[as_index(i)] != 0 && take(stretches[as_index(i)])) return;
+  }
+}
+
+bool Shortener::take(const Stretch& stretch) {
+  write_rows(stretch);
+  const int first = stretch.begin.motion, last = stretch.end.motion + 1;
+  if (!is_free(rows_, first, last)) return false;
+  // A motion that was checked may touch something between the states that were looked at.
+  const std::span<const float> begin(rows_.data(), as_index(joints_));
+  if (!checker_.is_motion_valid(begin, begin, counters_)) return false;
+  way_.replace(first, last, rows_);
+  return true;
+}
+
+void Shortener::store() {
+  std::vector<std::vector<float>> nodes;
+  for (int i = 0; i < way_.count(); ++i) nodes.emplace_back(way_[i], way_[i] + joints_);
+  Path result = internal::to_path(checker_.robot(), nodes);
+  result.front() = path_.front();
+  result.back() = path_.back();
+  path_ = std::move(result);
+}
+
+}  // namespace
+
+double path_length(const Robot& robot, const Path& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += robot.distance(path[i - 1], path[i]);
+  return length;
+}
+
+void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
+             const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
+             const std::function<bool()>& must_stop) {
+  if (path.size() < 3) return;
+  Shortener shortener(checker, path, seed, verifier, counters, must_stop);
+  shortener.prune();
+  if (effort.patience > 0) {
+    static const int SM = knob("SM", 1);
+    for (int i = 0; i < SM; ++i) shortener.smooth();
+    shortener.shorten(effort);
+  }
+  shortener.store();
+}
+
+}  // namespace mneme

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "path/waypoints.h"
+
+#include "base/as_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// Radians, by which a continuous joint must keep away from half a turn.
+constexpr float kTurnMargin = 1e-3f;
+
+}  // namespace
+
+Waypoints::Waypoints(const Robot& robot) : space_(robot) {}
+
+void Waypoints::assign(std::vector<float> rows) {
+  const auto joints = as_index(joint_count());
+  std::vector<float> delta(joints);
+  for (std::size_t i = joints; i + joints <= rows.size(); i += joints) {
+    space_.difference(&rows[i - joints], &rows[i], delta.data());
+    for (std::size_t j = 0; j < joints; ++j) {
+      if (space_.periods()[j] > 0) rows[i + j] = rows[i - joints + j] + delta[j];
+    }
+  }
+  rows_ = std::move(rows);
+  measure();
+}
+
+void Waypoints::replace(int first, int last, std::span<const float> rows) {
+  const auto begin = rows_.begin() + (first + 1) * joint_count();
+  const auto end = rows_.begin() + last * joint_count();
+  const auto kept = std::min(end - begin, static_cast<std::ptrdiff_t>(rows.size()));
+  std::copy_n(rows.begin(), kept, begin);
+  rows_.insert(rows_.erase(begin + kept, end), rows.begin() + kept, rows.end());
+  measure();
+}
+
+void Waypoints::move(int i, std::span<const float> q) {
+  std::copy(q.begin(), q.end(), rows_.begin() + i * joint_count());
+  measure();
+}
+
+PathPoint Waypoints::locate(float way) const {
+  const auto found = std::upper_bound(ways_.begin() + 1, ways_.end() - 1, way);
+  const auto motion = static_cast<int>(found - ways_.begin()) - 1;
+  const float length = way_to(motion + 1) - way_to(motion);
+  const float fraction = length > 0 ? (way - way_to(motion)) / length : 0;
+  return {motion, std::clamp(fraction, 0.0f, 1.0f)};
+}
+
+float Waypoints::way_to(const PathPoint& point) const {
+  const float begin = way_to(point.motion);
+  return begin + point.fraction * (way_to(point.motion + 1) - begin);
+}
+
+void Waypoints::write(const PathPoint& point, float* q) const {
+  const float* from = (*this)[point.motion];
+  const float* to = (*this)[point.motion + 1];
+  for (int j = 0; j < joint_count(); ++j) q[j] = from[j] + point.fraction * (to[j] - from[j]);
+}
+
+float Waypoints::distance(const float* a, const float* b) const {
+  float sum = 0;
+  for (int j = 0; j < joint_count(); ++j) sum += (b[j] - a[j]) * (b[j] - a[j]);
+  return std::sqrt(sum);
+}
+
+bool Waypoints::has_one_way(const float* from, const float* to) const {
+  constexpr float kMost = std::numbers::pi_v<float> - kTurnMargin;
+  for (int j = 0; j < joint_count(); ++j) {
+    if (space_.periods()[as_index(j)] > 0 && std::abs(to[j] - from[j]) > kMost) return false;
+  }
+  return true;
+}
+
+void Waypoints::measure() {
+  ways_.assign(1, 0.0f);
+  for (int i = 0; i + 1 < count(); ++i) {
+    ways_.push_back(ways_.back() + distance((*this)[i], (*this)[i + 1]));
+  }
+}
+
+}  // namespace mneme::internal
