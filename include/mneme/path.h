@@ -83,11 +83,11 @@ class MotionVerifier {
 struct ShortenEffort {
   /// Ends once so many vectors of 16 states were looked at in vain, one after the other; 0 only
   /// drops waypoints.
-  double patience = 60;
-  double least_gain = 0.01;  ///< of the path's length; less is in vain
+  double patience = 40;
+  double least_gain = 0.007;  ///< of the path's length; less is in vain
 };
 
-/// Shortens `path`: drops waypoints, cuts corners, then relaxes waypoints and lets random joints,
+/// Shortens `path`: drops waypoints, then relaxes them and lets random joints,
 /// or all, go straight over random stretches (after Geraerts and Overmars,
 /// DOI 10.1177/0278364907079280). Keeps both ends, and new motions 1 mm away from contact, less
 /// where an end of the path is closer. They also pass `verifier`, unless that is null. Leaves the
@@ -103,7 +103,7 @@ struct FinishSettings {
   std::uint64_t seed = 1;
   double timeout_s = 10;  ///< from construction; half of what is left of it is for shortening
   const std::atomic<bool>* cancel = nullptr;  ///< may be null
-  int patience = 60;                          ///< ShortenEffort::patience
+  int patience = 40;                          ///< ShortenEffort::patience
 };
 
 /// Shortens and verifies what a planner has found: the planner offers paths, and goes on planning

@@ -51,7 +51,7 @@ struct PlanSettings {
   std::uint64_t max_nodes = 10000000;
   std::uint64_t seed = 1;
   bool simplify = true;
-  int patience = 60;
+  int patience = 40;
   bool verify = true;
   bool continuous = false;
   int neighbours = 10;
@@ -97,12 +97,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "7 joints, 300 with prm");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0},
         "seed of all random numbers: same seed, inputs and instruction set, same path");
-  visit("simplify", s.simplify, false, true,
-        "shorten the path: drop waypoints, cut corners, relax waypoints, straighten random joints "
-        "over random stretches");
+  visit(
+      "simplify", s.simplify, false, true,
+      "shorten the path: drop and relax waypoints, straighten random joints over random stretches");
   visit("patience", s.patience, 0, 1000000,
-        "shortening ends once so many vectors of 16 states were checked in vain: more make paths "
-        "shorter and take longer; 0 only drops waypoints");
+        "shortening ends once so many vectors of 16 states were checked in vain: more takes longer "
+        "for a shorter path; 0 only drops waypoints");
   visit("verify", s.verify, false, true,
         "check the final path at ten times the resolution; motions that fail are removed and "
         "planning goes on");

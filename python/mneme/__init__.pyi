@@ -332,6 +332,7 @@ def plan(
     max_nodes: int = 10000000,
     seed: int = 1,
     simplify: bool = True,
+    patience: int = 40,
     verify: bool = True,
     continuous: bool = False,
     neighbours: int = 10,

@@ -153,10 +153,6 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
   const double end_s = 0.5 * (begin_s + settings_.timeout_s);
   ShortenEffort effort;
   effort.patience = patience;
-#if 1
-  static const double p = getenv("PAT") ? atof(getenv("PAT")) : 60, g = getenv("GAIN") ? atof(getenv("GAIN")) : 0.01;
-  if (patience > 0) effort = {p, g};
-#endif
   mneme::shorten(checker_, path, derive_seed(settings_.seed, 1), effort, verifier, counters,
                  [&] { return is_over(end_s); });
   simplification_time_s_ += stopwatch_.elapsed_s() - begin_s;
@@ -182,8 +178,8 @@ int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
   for (int i = 0; i < kMostRepairs && invalid >= 0; ++i) {
     const bool is_at_end = invalid == 0 || invalid + 2 == static_cast<int>(mended.size());
     const auto from = mended.begin() + invalid;
-    const std::vector<float> q = repair.find_waypoint(internal::to_floats(from[0]),
-                                                      internal::to_floats(from[1]), is_at_end);
+    const std::vector<float> q =
+        repair.find_waypoint(internal::to_floats(from[0]), internal::to_floats(from[1]), is_at_end);
     if (q.empty()) break;
     mended.insert(from + 1, checker_.robot().normalized(Configuration(q.begin(), q.end())));
     const int origin = origins[static_cast<std::size_t>(invalid)];

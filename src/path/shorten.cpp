@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <numeric>
 #include <utility>
 
 namespace mneme {
@@ -19,14 +17,18 @@ namespace {
 using internal::as_index;
 using internal::PathPoint;
 
-static double knob(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }
 /// States that are looked at together, whatever the machine's vectors.
 constexpr int kBatch = 16;
 /// A shorter path hugs obstacles: it keeps this far away, so that verification passes it, or the
 /// next one if its own end does not.
 constexpr std::array<double, 3> kMargins = {1e-3, 2.5e-4, 0};  ///< metres
-constexpr float kStep = 1, kStepRatio = 0.5f;
+/// A waypoint is relaxed by four steps, each half as long as the one before, of four subsets of
+/// joints.
 constexpr int kSteps = 4, kSubsets = kBatch / kSteps;
+/// So many waypoints are relaxed for each two batches of stretches.
+constexpr int kRelaxed = 3;
+/// Several waypoints may gain together what one need not.
+constexpr float kLeastRelaxed = 0.1f;
 
 /// Part of a path whose joints of a subset are to go straight from one end to the other.
 struct Stretch {
@@ -63,24 +65,24 @@ class Shortener {
     way_.assign({way_[0], way_[0] + way_.count() * joints_});
   }
 
-  /// Halves all motions, then cuts the corners between the halves.
-  void smooth();
-
   /// Relaxes waypoints and shortens stretches until that much was looked at in vain.
   void shorten(const ShortenEffort& effort) {
     least_gain_ = static_cast<float>(effort.least_gain);
     double idle = 0;
-    while (idle < effort.patience && way_.count() > 2 && !is_over()) {
-      for (int step = 0; step < 3 && way_.count() > 2; ++step) {
-        const std::uint64_t states = counters_.states;
-        tries_ = 1;
-        const float before = way_.length();
-        static const int RN = knob("RN", 1);
-        if (step == 0) { for (int n = 0; n < RN && way_.count() > 2; ++n) relax(); } else shorten_stretch(step == 2);
-        const auto cost = static_cast<double>(counters_.states - states) / kBatch;
-        const bool is_gain = before - way_.length() >= least_gain_ * before;
-        idle = is_gain ? 0 : idle + cost + static_cast<double>(tries_) / kBatch;
+    for (int step = 0; idle < effort.patience && way_.count() > 2; step = (step + 1) % 3) {
+      if (is_over()) return;
+      const std::uint64_t states = counters_.states;
+      const float before = way_.length();
+      int tries = kRelaxed;
+      if (step == 0) {
+        for (int i = 0; i < kRelaxed && way_.count() > 2; ++i) relax();
+      } else {
+        tries = shorten_stretch(step == 2);
       }
+      // A try that looks at nothing is not free either.
+      const auto cost = static_cast<double>(counters_.states - states + as_index(tries));
+      const bool is_gain = before - way_.length() >= least_gain_ * before;
+      idle = is_gain ? 0 : idle + cost / kBatch;
     }
   }
 
@@ -135,8 +137,10 @@ class Shortener {
 
   int find_farthest(int first);
   void relax();
+  void write_relaxed(int k);
+  bool take_relaxed(int k, int candidate);
   std::uint64_t random_joints();
-  void shorten_stretch(bool has_all_joints);
+  int shorten_stretch(bool has_all_joints);
   bool draw_stretch(Stretch& stretch, bool has_all_joints);
   [[nodiscard]] float length_of(const Stretch& stretch);
   void write_state(const Stretch& stretch, float way, float* q) const;
@@ -157,7 +161,6 @@ class Shortener {
   std::vector<float> rows_, ends_;
   double start_margin_ = 0, goal_margin_ = 0;
   float least_gain_ = 0;
-  int tries_ = 0;
   int relaxed_ = 0;  ///< the waypoint that was relaxed last
 };
 
@@ -183,35 +186,6 @@ int Shortener::find_farthest(int first) {
   return first + 1;
 }
 
-void Shortener::smooth() {
-  std::vector<float> rows;
-  for (int i = 0; i + 1 < way_.count(); ++i) {
-    rows.insert(rows.end(), way_[i], way_[i + 1]);
-    const float *a = way_[i], *b = way_[i + 1];
-    for (int j = 0; j < joints_; ++j) rows.push_back(0.5f * (a[j] + b[j]));
-  }
-  rows.insert(rows.end(), way_[way_.count() - 1], way_[way_.count() - 1] + joints_);
-  way_.assign(std::move(rows));
-  for (int begin = 2; begin + 1 < way_.count() && !is_over(); begin += 2 * kBatch) {
-    const int count = std::min(kBatch, (way_.count() - begin) / 2);
-    for (int i = 0; i < count; ++i) {
-      const int k = begin + 2 * i;
-      for (int j = 0; j < joints_; ++j) {
-        state(i)[j] = 0.25f * (way_[k - 1][j] + way_[k + 1][j]) + 0.5f * way_[k][j];
-      }
-    }
-    look_at(count);
-    for (int i = 0; i < count; ++i) {
-      if (is_free_[as_index(i)] == 0) continue;
-      const int k = begin + 2 * i;
-      rows_.assign(way_[k - 1], way_[k]);
-      rows_.insert(rows_.end(), state(i), state(i) + joints_);
-      rows_.insert(rows_.end(), way_[k + 1], way_[k + 1] + joints_);
-      if (is_free(rows_, k - 1, k + 1)) way_.move(k, {state(i), as_index(joints_)});
-    }
-  }
-}
-
 std::uint64_t Shortener::random_joints() {
   while (true) {
     const std::uint64_t joints = rng_.next() & all_joints_;
@@ -223,43 +197,46 @@ std::uint64_t Shortener::random_joints() {
 void Shortener::relax() {
   relaxed_ = 1 + relaxed_ % (way_.count() - 2);
   const int k = relaxed_;
-  const float *a = way_[k - 1], *q = way_[k], *b = way_[k + 1];
   const float before = way_.way_to(k + 1) - way_.way_to(k - 1);
-  const float direct = way_.distance(a, b);
-  static const float RL = knob("RL", 0.1);
-  const float least = RL * least_gain_ * way_.length();
-  if (before - direct < least) return;
-  const float fraction = (way_.way_to(k) - way_.way_to(k - 1)) / before;
-  std::array<float, kBatch> gains;
-  for (int subset = 0, i = 0; subset < kSubsets; ++subset) {
-    const std::uint64_t joints = subset == 0 ? all_joints_ : random_joints();
-    float step = kStep;
-    for (int s = 0; s < kSteps; ++s, ++i, step *= kStepRatio) {
-      for (int j = 0; j < joints_; ++j) {
-        const float target = a[j] + fraction * (b[j] - a[j]);
-        state(i)[j] = (joints >> j & 1) != 0 ? q[j] + step * (target - q[j]) : q[j];
-      }
-      gains[as_index(i)] = before - way_.distance(a, state(i)) - way_.distance(state(i), b);
-    }
-  }
+  const float least = kLeastRelaxed * least_gain_ * way_.length();
+  if (before - way_.distance(way_[k - 1], way_[k + 1]) < least) return;
+  write_relaxed(k);
   look_at(kBatch);
-  static const int RT = knob("RT", 2);
-  for (int tries = 0; tries < RT; ++tries) {
-    int best = -1;
-    for (int i = 0; i < kBatch; ++i) {
-      if (is_free_[as_index(i)] != 0 && gains[as_index(i)] > least &&
-          (best < 0 || gains[as_index(i)] > gains[as_index(best)]))
-        best = i;
-    }
-    if (best < 0) return;
-    is_free_[as_index(best)] = 0;
-    rows_.assign(a, a + joints_);
-    if (best != 0) rows_.insert(rows_.end(), state(best), state(best) + joints_);
-    rows_.insert(rows_.end(), b, b + joints_);
-    if (!is_free(rows_, k - 1, k + 1)) continue;
-    way_.replace(k - 1, k + 1, {rows_.data() + joints_, as_index(best != 0 ? joints_ : 0)});
-    return;
+  std::array<float, kBatch> gains = {};
+  for (int i = 0; i < kBatch; ++i) {
+    if (is_free_[as_index(i)] == 0) continue;
+    gains[as_index(i)] =
+        before - way_.distance(way_[k - 1], state(i)) - way_.distance(state(i), way_[k + 1]);
   }
+  for (int tries = 0; tries < 2; ++tries) {
+    const auto best = std::ranges::max_element(gains);
+    if (*best <= least || take_relaxed(k, static_cast<int>(best - gains.begin()))) return;
+    *best = 0;
+  }
+}
+
+/// The first candidate is on the straight way.
+void Shortener::write_relaxed(int k) {
+  const float *a = way_[k - 1], *q = way_[k], *b = way_[k + 1];
+  const float fraction =
+      (way_.way_to(k) - way_.way_to(k - 1)) / (way_.way_to(k + 1) - way_.way_to(k - 1));
+  for (int i = 0; i < kBatch; i += kSteps) {
+    const std::uint64_t joints = i == 0 ? all_joints_ : random_joints();
+    for (int j = 0; j < joints_; ++j) {
+      float step = (joints >> j & 1) != 0 ? a[j] + fraction * (b[j] - a[j]) - q[j] : 0;
+      for (int s = 0; s < kSteps; ++s, step *= 0.5f) state(i + s)[j] = q[j] + step;
+    }
+  }
+}
+
+bool Shortener::take_relaxed(int k, int candidate) {
+  const bool is_dropped = candidate == 0;
+  rows_.assign(way_[k - 1], way_[k]);
+  if (!is_dropped) rows_.insert(rows_.end(), state(candidate), state(candidate) + joints_);
+  rows_.insert(rows_.end(), way_[k + 1], way_[k + 1] + joints_);
+  if (!is_free(rows_, k - 1, k + 1)) return false;
+  way_.replace(k - 1, k + 1, {rows_.data() + joints_, as_index(is_dropped ? 0 : joints_)});
+  return true;
 }
 
 void Shortener::write_state(const Stretch& stretch, float way, float* q) const {
@@ -311,22 +288,24 @@ bool Shortener::draw_stretch(Stretch& stretch, bool has_all_joints) {
   return second - first - length_of(stretch) >= least_gain_ * length;
 }
 
-/// Tries up to a batch of stretches; those whose middle touches something cost no more than that.
-void Shortener::shorten_stretch(bool has_all_joints) {
-  static const int NQ = knob("NQ", 16), NS = knob("NS", 16);
+/// Tries up to a batch of stretches, and returns how many; those whose middle touches something
+/// cost no more than that.
+int Shortener::shorten_stretch(bool has_all_joints) {
   std::array<Stretch, kBatch> stretches;
   int count = 0;
-  for (tries_ = 0; tries_ < (has_all_joints ? NS : NQ) && count < kBatch; ++tries_) {
+  for (int tries = 0; tries < kBatch; ++tries) {
     Stretch& stretch = stretches[as_index(count)];
     if (!draw_stretch(stretch, has_all_joints)) continue;
     write_state(stretch, 0.5f * (stretch.begin_way + stretch.end_way), state(count));
     ++count;
   }
-  if (count == 0) return;
+  if (count == 0) return kBatch;
   look_at(count);
   for (int i = 0; i < count; ++i) {
-    if (is_free_[as_index(i)] != 0 && take(stretches[as_index(i)])) return;
+    if (is_free_[as_index(i)] == 0) continue;
+    if (is_over() || take(stretches[as_index(i)])) break;
   }
+  return kBatch;
 }
 
 bool Shortener::take(const Stretch& stretch) {
@@ -363,11 +342,7 @@ void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
   if (path.size() < 3) return;
   Shortener shortener(checker, path, seed, verifier, counters, must_stop);
   shortener.prune();
-  if (effort.patience > 0) {
-    static const int SM = knob("SM", 1);
-    for (int i = 0; i < SM; ++i) shortener.smooth();
-    shortener.shorten(effort);
-  }
+  shortener.shorten(effort);
   shortener.store();
 }
 

@@ -41,22 +41,12 @@ void Waypoints::replace(int first, int last, std::span<const float> rows) {
   measure();
 }
 
-void Waypoints::move(int i, std::span<const float> q) {
-  std::copy(q.begin(), q.end(), rows_.begin() + i * joint_count());
-  measure();
-}
-
 PathPoint Waypoints::locate(float way) const {
   const auto found = std::upper_bound(ways_.begin() + 1, ways_.end() - 1, way);
   const auto motion = static_cast<int>(found - ways_.begin()) - 1;
   const float length = way_to(motion + 1) - way_to(motion);
   const float fraction = length > 0 ? (way - way_to(motion)) / length : 0;
   return {motion, std::clamp(fraction, 0.0f, 1.0f)};
-}
-
-float Waypoints::way_to(const PathPoint& point) const {
-  const float begin = way_to(point.motion);
-  return begin + point.fraction * (way_to(point.motion + 1) - begin);
 }
 
 void Waypoints::write(const PathPoint& point, float* q) const {

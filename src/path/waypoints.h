@@ -27,7 +27,6 @@ class Waypoints {
   void assign(std::vector<float> rows);
   /// Puts `rows` in the place of the waypoints after `first` and before `last`.
   void replace(int first, int last, std::span<const float> rows);
-  void move(int i, std::span<const float> q);
 
   [[nodiscard]] const JointSpace& space() const { return space_; }
   [[nodiscard]] int joint_count() const { return space_.joint_count(); }
@@ -42,7 +41,6 @@ class Waypoints {
   [[nodiscard]] float way_to(int i) const { return ways_[static_cast<std::size_t>(i)]; }
   /// The point that is `way` from the start.
   [[nodiscard]] PathPoint locate(float way) const;
-  [[nodiscard]] float way_to(const PathPoint& point) const;
   void write(const PathPoint& point, float* q) const;
 
   [[nodiscard]] float distance(const float* a, const float* b) const;
