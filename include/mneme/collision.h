@@ -49,14 +49,15 @@ struct WalkStep {
   int pulled_points = 1;  ///< so many points, from the tip on, go towards the next one of the limb
   float length = 0;       ///< metres that they go; >= 0
   float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
-  std::span<const float> drift;  ///< joint_count values: where joints go that nothing pulls,
-                                 ///< radians per metre of the step
-  std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of directions
+  std::span<const float> drift;   ///< joint_count values: where joints go that nothing pulls,
+                                  ///< radians per metre of the step
+  std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of
+                                  ///< directions, in the axes of most of the scene's boxes
 };
 
 struct LimbInfo {
   int points = 0;     ///< that can be pulled; at least 1
-  double length = 0;  ///< metres through its points; positive
+  double length = 0;  ///< metres through its points, slides at their longest; positive
 };
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.
