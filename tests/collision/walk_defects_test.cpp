@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -41,6 +42,32 @@ TEST_SUITE("unit") {
     const Vec3 middle(0.25, 0.015, 0), along(0.3, 0, 0.3);
     CHECK(clearance_after_step(robot, Capsule{middle - along, middle + along, 0.01}) > 0.01);
     CHECK(clearance_after_step(robot, Capsule{middle + along, middle - along, 0.01}) > 0.01);
+  }
+
+  TEST_CASE("what a step pushes off an obstacle does not go back to where it was") {
+    const Robot robot = hand_and_pointer(false);
+    Rng rng(17);
+    int back = 0;
+    for (int i = 0; i < 400; ++i) {
+      // The centre of the ball of link 4 is 1 cm inside a sphere of 0.12 m.
+      const Configuration q = {rng.uniform(-1, 1),
+                               rng.uniform(-1, 1),
+                               rng.uniform(-1, 1),
+                               rng.uniform(-1.5, 1.5),
+                               1.2,
+                               0};
+      const Vec3 ball = robot.link_poses(q)[4] * Vec3(0.25, 0, 0);
+      const Vec3 normal = random_pose(rng, 1).rotation.col(0);
+      const Scene scene{"", {{"it", {Sphere{ball - 0.11 * normal, 0.12}}}}};
+      OwnedStep step(robot, 1);
+      step.clearance = 0.02f;
+      step.length = 0.01f;
+      const std::vector<float> end = step.take(require_checker(robot, scene), to_row(q));
+      double moved = 0;
+      for (std::size_t j = 0; j < 5; ++j) moved = std::max(moved, std::abs(end[j] - q[j]));
+      back += moved < 1e-4 ? 1 : 0;
+    }
+    CHECK(back == 0);
   }
 
   TEST_CASE("a limb with a slide between its points is as long as the way through them") {
