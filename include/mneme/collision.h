@@ -57,7 +57,7 @@ struct WalkStep {
 
 struct LimbInfo {
   int points = 0;     ///< that can be pulled; at least 1
-  double length = 0;  ///< metres through its points, slides at their longest; positive
+  double length = 0;  ///< metres through its points, with slides at 0; positive
 };
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.

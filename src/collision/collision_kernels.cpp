@@ -66,7 +66,6 @@ class StateChecker {
 
   /// True as soon as the verdict is settled.
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
-    q_ = q;
     pose_frames(robot_, q, poses_);
     for (int begin = 0; begin < robot_.moving_count; begin += kBatch) {
       const int end = std::min(begin + kBatch, robot_.moving_count);
@@ -192,28 +191,10 @@ class StateChecker {
             is_any_below(squared_norm(centers_[pair.first] - centers_[pair.second]), pair.reach2);
       }
       for (int i = 0; i < count; ++i) {
-        const BodyPairRow& pair = robot_.body_pairs[near[i]];
-        if (pair.grid >= 0 && !may_meet(robot_.meeting_grids[pair.grid])) continue;
-        if (hits_body(pair, verdict)) return true;
+        if (hits_body(robot_.body_pairs[near[i]], verdict)) return true;
       }
     }
     return false;
-  }
-
-  /// The cell of a joint's angle, in a grid that covers a turn.
-  [[nodiscard]] HWY_INLINE hn::Vec<hn::RebindToSigned<Tag>> cell_of(int joint) const {
-    const hn::RebindToSigned<Tag> di;
-    constexpr float kCellsPerRadian = MeetingGrid::kSize / 6.28318530718f;
-    const V cells = hn::Floor(hn::Mul(q_[joint], splat(kCellsPerRadian)));
-    return hn::And(hn::ConvertTo(di, cells), hn::Set(di, MeetingGrid::kSize - 1));
-  }
-
-  [[nodiscard]] HWY_INLINE bool may_meet(const MeetingGrid& grid) const {
-    const hn::RebindToSigned<Tag> di;
-    const auto row = hn::GatherIndex(di, reinterpret_cast<const int32_t*>(grid.rows.data()),
-                                     cell_of(grid.first));
-    const auto bit = hn::Shl(hn::Set(di, 1), cell_of(grid.second));
-    return !hn::AllFalse(di, hn::TestBit(row, bit));
   }
 
   HWY_NOINLINE bool hits_body(const BodyPairRow& pair, Verdict<kIsMotion>& verdict) const {
@@ -301,7 +282,6 @@ class StateChecker {
   const RobotTables& robot_;
   const SceneTables& scene_;
   float margin_;
-  const V* q_ = nullptr;  ///< of the states that are being checked
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
   Extent extents_[kMaxBodies];

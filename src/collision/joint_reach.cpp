@@ -10,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <vector>
 
 namespace mneme::internal {
@@ -122,137 +121,7 @@ class Linkage {
   std::vector<double> speed_;  ///< metres per unit of each joint, at most
 };
 
-using FrameRotation = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-
-/// Where the frames of two bodies are for given angles of the joints between them, and how far
-/// their points move when these change.
-class TurningPair {
- public:
-  TurningPair(const RobotTables& tables, int frame_a, int frame_b) : tables_(tables) {
-    while (frame_a != frame_b) {
-      int& lower = frame_a > frame_b ? frame_a : frame_b;
-      (frame_a > frame_b ? rows_a_ : rows_b_).push_back(lower - 1);
-      lower = tables.frames[as_index(lower - 1)].parent;
-    }
-    for (const int index : rows_a_) add(index);
-    for (const int index : rows_b_) add(index);
-  }
-
-  /// True if the joints are one or two of the group, and turn by their own values.
-  [[nodiscard]] bool is_simple() const { return is_simple_ && !joints_.empty(); }
-  [[nodiscard]] int first_joint() const { return joints_.front(); }
-  [[nodiscard]] int second_joint() const { return joints_.back(); }
-
-  void turn(double first, double second) {
-    a_ = posed(rows_a_, first, second);
-    b_ = posed(rows_b_, first, second);
-  }
-  [[nodiscard]] Sphere placed_a(const Ball& ball) const { return placed(a_, ball); }
-  [[nodiscard]] Sphere placed_b(const Ball& ball) const { return placed(b_, ball); }
-
-  /// True if the balls may meet while no joint turns by more than `angle` from where they are.
-  [[nodiscard]] bool may_meet(const Ball& a, const Ball& b, double angle) const {
-    const double gap = (placed_a(a).center - placed_b(b).center).norm() - a.radius - b.radius;
-    return gap <= kSafety + angle * (speed(rows_a_, a) + speed(rows_b_, b));
-  }
-
- private:
-  void add(int index) {
-    const FrameRow& frame = tables_.frames[as_index(index)];
-    is_simple_ = is_simple_ && !frame.is_prismatic && std::abs(frame.multiplier) == 1 &&
-                 std::find(joints_.begin(), joints_.end(), frame.joint) == joints_.end() &&
-                 joints_.size() < kMostJoints;
-    joints_.push_back(frame.joint);
-  }
-
-  [[nodiscard]] Transform posed(const std::vector<int>& rows, double first, double second) const {
-    Transform pose;
-    for (const int index : rows) {
-      const FrameRow& frame = tables_.frames[as_index(index)];
-      const double value = frame.joint == joints_.front() ? first : second;
-      const Transform turned{rotation_about(Vec3::UnitZ(), frame.multiplier * value + frame.offset),
-                             Vec3::Zero()};
-      const Transform placed{Eigen::Map<const FrameRotation>(frame.rotation).cast<double>(),
-                             Eigen::Map<const Eigen::Vector3f>(frame.translation).cast<double>()};
-      pose = placed * turned * pose;
-    }
-    return pose;
-  }
-
-  static Sphere placed(const Transform& pose, const Ball& ball) {
-    return {pose * Vec3(ball.center[0], ball.center[1], ball.center[2]), ball.radius};
-  }
-
-  /// Metres per radian of all joints together, at most.
-  [[nodiscard]] double speed(const std::vector<int>& rows, const Ball& ball) const {
-    double radius = std::hypot(ball.center[0], ball.center[1]);
-    double reach = std::hypot(radius, ball.center[2]);
-    double sum = 0;
-    for (const int index : rows) {
-      sum += radius;
-      reach +=
-          Eigen::Map<const Eigen::Vector3f>(tables_.frames[as_index(index)].translation).norm();
-      radius = reach;
-    }
-    return sum;
-  }
-
-  const RobotTables& tables_;
-  std::vector<int> rows_a_, rows_b_;  ///< from the body inwards
-  std::vector<int> joints_;
-  bool is_simple_ = true;
-  Transform a_, b_;  ///< in the frame that carries both
-};
-
-std::span<const Ball> spheres_of(const RobotTables& tables, const GroupRow& group) {
-  if (group.is_capsule) return {&group.ball, 1};
-  return std::span(tables.spheres).subspan(as_index(group.begin), as_index(kGroupSize));
-}
-
-/// The groups that a pair of bodies is checked by.
-bool may_groups_meet(const RobotTables& tables, const BodyPairRow& pair, const TurningPair& turning,
-                     double angle) {
-  for (int i = pair.begin; i < pair.end; ++i) {
-    const GroupPairRow& row = tables.group_pairs[as_index(i)];
-    const GroupRow& a = tables.groups[as_index(row.first)];
-    for (int k = row.second_begin; k < row.second_end; ++k) {
-      const GroupRow& b = tables.groups[as_index(k)];
-      if (!turning.may_meet(a.ball, b.ball, angle)) continue;
-      for (const Ball& p : spheres_of(tables, a)) {
-        for (const Ball& q : spheres_of(tables, b)) {
-          if (turning.may_meet(p, q, angle)) return true;
-        }
-      }
-    }
-  }
-  return false;
-}
-
 }  // namespace
-
-std::optional<MeetingGrid> find_meeting_grid(const RobotTables& tables, const BodyPairRow& pair) {
-  const BodyRow& first = tables.bodies[as_index(pair.first)];
-  const BodyRow& second = tables.bodies[as_index(pair.second)];
-  TurningPair turning(tables, first.frame, second.frame);
-  if (!turning.is_simple()) return std::nullopt;
-  MeetingGrid grid;
-  grid.first = turning.first_joint();
-  grid.second = turning.second_joint();
-  constexpr double kCell = 2 * std::numbers::pi / MeetingGrid::kSize;
-  // More than half a cell: angles are rounded to single precision.
-  constexpr double kHalf = kCell / 2 + 2e-3;
-  for (int i = 0; i < MeetingGrid::kSize; ++i) {
-    for (int k = 0; k < MeetingGrid::kSize; ++k) {
-      if (grid.first == grid.second && i != k) continue;
-      turning.turn((i + 0.5) * kCell, (k + 0.5) * kCell);
-      if (turning.may_meet(first.ball, second.ball, kHalf) &&
-          may_groups_meet(tables, pair, turning, kHalf)) {
-        grid.rows[as_index(i)] |= std::uint32_t{1} << k;
-      }
-    }
-  }
-  return grid;
-}
 
 bool can_meet(const Robot& robot, const RobotTables& tables, const CarriedSphere& a,
               const CarriedSphere& b) {

@@ -9,8 +9,6 @@
 
 #include "collision/tables.h"
 
-#include <optional>
-
 namespace mneme::internal {
 
 /// A sphere in the coordinates of a frame: 0 is the robot's root, i + 1 is frame row i.
@@ -24,10 +22,5 @@ struct CarriedSphere {
 /// frames are looked at. `tables` needs its frames only.
 [[nodiscard]] bool can_meet(const Robot& robot, const RobotTables& tables, const CarriedSphere& a,
                             const CarriedSphere& b);
-
-/// The grid of a pair of bodies that turning joints of the group alone, one or two, move against
-/// each other, or nothing. `tables` needs all but its grids.
-[[nodiscard]] std::optional<MeetingGrid> find_meeting_grid(const RobotTables& tables,
-                                                           const BodyPairRow& pair);
 
 }  // namespace mneme::internal

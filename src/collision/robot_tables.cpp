@@ -274,10 +274,6 @@ class RobotTablesBuilder {
       tables_.group_pairs.insert(tables_.group_pairs.end(), rows.begin(), rows.end());
       row.end = static_cast<int>(tables_.group_pairs.size());
       row.is_single = rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
-      if (const auto grid = find_meeting_grid(tables_, row)) {
-        row.grid = static_cast<int>(tables_.meeting_grids.size());
-        tables_.meeting_grids.push_back(*grid);
-      }
       tables_.body_pairs.push_back(row);
     }
   }
@@ -294,26 +290,21 @@ class RobotTablesBuilder {
   void add_limb(int frame) {
     Limb limb;
     limb.points.push_back(tip_of(frame));
-    const float* tip = limb.points[0].point;
-    float length = std::hypot(tip[0], tip[1], tip[2]);
+    using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+    // Of the last point, in the coordinates of `frame`.
+    Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(limb.points[0].point);
     for (; frame > 0; frame = tables_.frames[as_index(frame - 1)].parent) {
       const FrameRow& row = tables_.frames[as_index(frame - 1)];
       if (!row.is_prismatic) {
         limb.points.push_back({frame, {}});
-        limb.length = length;
+        limb.length += place.norm();
+        place.setZero();
       }
-      length += std::hypot(row.translation[0], row.translation[1], row.translation[2]);
-      if (row.is_prismatic) length += travel_of(row);
+      if (row.is_prismatic) place.z() += row.offset;
+      place = Eigen::Map<const RowMajor>(row.rotation) * place +
+              Eigen::Map<const Eigen::Vector3f>(row.translation);
     }
     if (limb.length > 0) tables_.limbs.push_back(std::move(limb));
-  }
-
-  /// How far a slide leads from where its joint is 0.
-  [[nodiscard]] float travel_of(const FrameRow& row) const {
-    const Joint& joint = robot_.group_joint(row.joint);
-    const double lower = row.multiplier * joint.lower + row.offset;
-    const double upper = row.multiplier * joint.upper + row.offset;
-    return static_cast<float>(std::max(std::abs(lower), std::abs(upper)));
   }
 
   /// The farthest point of what a frame carries, from its origin.

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
 namespace mneme::internal {
@@ -75,20 +74,11 @@ struct GroupPairRow {
   int second_begin = 0, second_end = 0;
 };
 
-/// Where in the plane of two joints' angles two bodies cannot meet: a bit per cell, 1 if they may.
-/// Cells cover a full turn of each joint.
-struct MeetingGrid {
-  static constexpr int kSize = 32;             ///< cells a turn: so many bits make a word
-  int first = 0, second = 0;                   ///< joints; the same one twice if there is but one
-  std::array<std::uint32_t, kSize> rows = {};  ///< by the cell of the first joint
-};
-
 struct BodyPairRow {
   int first = 0, second = 0;
   float reach2 = 0;        ///< squared sum of the balls' radii
   int begin = 0, end = 0;  ///< into group_pairs
   bool is_single = false;  ///< of one group each
-  int grid = -1;           ///< index into meeting_grids, or none
 };
 
 /// A point that moves with a frame.
@@ -113,7 +103,6 @@ struct RobotTables {
   std::vector<CapsuleRow> capsules;
   std::vector<BodyPairRow> body_pairs;
   std::vector<GroupPairRow> group_pairs;
-  std::vector<MeetingGrid> meeting_grids;
   std::vector<Limb> limbs;
 };
 
