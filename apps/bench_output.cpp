@@ -143,10 +143,12 @@ Json to_json(const SetSummary& summary) {
           {"total", summary.total},
           {"invalid_paths", summary.invalid_paths},
           {"planning_p50_s", summary.times.p50},
+          {"planning_mean_s", summary.times.mean},
           {"planning_p95_s", summary.times.p95},
           {"planning_p99_s", summary.times.p99},
           {"planning_max_s", summary.times.max},
           {"iterations_p50", summary.iterations_p50},
+          {"states_p50", summary.states_p50},
           {"simplification_p50_s", summary.simplification_p50_s}};
 }
 

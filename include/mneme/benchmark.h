@@ -84,7 +84,7 @@ struct TimeSummary {
   int runs = 0;
   int solved = 0;
   double p50 = 0, p95 = 0, p99 = 0, max = 0;  ///< seconds; a failure stands at its censored time
-  double p25 = 0, p75 = 0;
+  double p25 = 0, p75 = 0, mean = 0;
 };
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
 
@@ -117,6 +117,7 @@ struct SetSummary {
   int invalid_paths = 0;  ///< paths that did not survive the independent check; not solved
   TimeSummary times;      ///< of planning, seconds; `runs` is `valid`
   std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
+  std::uint64_t states_p50 = 0;      ///< checked for the path, shortening and verification included
   double simplification_p50_s = 0;   ///< of solved runs
 };
 /// One per set, planner, sampler and setting in order of appearance; if there are several sets,
@@ -134,6 +135,8 @@ struct SuiteProblems {
   std::string where;
   std::string set;   ///< the figure that they share; empty for the name of the file
   std::string part;  ///< "I/N" for every N-th beginning with the I-th; empty for all
+  std::string robot = {};  ///< URDF instead of the problems' own robot; empty for that
+  std::string srdf = {};   ///< of that robot; empty for the one beside it
 };
 
 /// A problem of a benchmark, by what load_problem takes.

@@ -51,12 +51,13 @@ struct WalkStep {
   float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
   std::span<const float> drift;   ///< joint_count values: where joints go that nothing pulls,
                                   ///< radians per metre of the step
-  std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of directions
+  std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of
+                                  ///< directions, in the axes of most of the scene's boxes
 };
 
 struct LimbInfo {
   int points = 0;     ///< that can be pulled; at least 1
-  double length = 0;  ///< metres through its points; positive
+  double length = 0;  ///< metres through its points, with slides at 0; positive
 };
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.

@@ -121,7 +121,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "joints); left out, 4 over the square root of the number of joints");
   visit("walk", s.walk, 0.0, 1.0,
         "rrt_connect: probability that the newest node goes on an escape walk instead of growing "
-        "towards a sample; left out, the robot's default (0.15 for a planar arm, 0.1 otherwise)");
+        "towards a sample; at 1 a planner may never get anywhere; left out, the robot's default "
+        "(0.15 for a planar arm, 0.1 otherwise)");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
         "for them; left out, the robot's default (0 for a planar arm, 3000 otherwise)");
@@ -142,7 +143,7 @@ struct PlanResult {
   PlanStatus status = PlanStatus::timeout;
   std::string message;  ///< why there is no path, in words; empty if solved
   Path path;            ///< empty unless solved; starts at the start and ends at the goal reached
-  std::uint64_t iterations = 0;  ///< samples drawn, and goals that rrt drew instead
+  std::uint64_t iterations = 0;  ///< samples drawn, escape walks, and goals that rrt drew instead
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;
   std::uint64_t nodes = 0;     ///< of all trees, or of the roadmap

@@ -140,8 +140,11 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
       return take_part(std::move(list), entry.part);
     });
     if (!all) return tl::unexpected(all.error());
+    ProblemOptions options = overrides;
+    if (!entry.robot.empty()) options.robot_path = entry.robot;
+    if (!entry.srdf.empty()) options.robot.srdf_path = entry.srdf;
     for (const BenchProblem& bench : *all) {
-      Result<Problem> problem = load_problem(bench.where, overrides);
+      Result<Problem> problem = load_problem(bench.where, options);
       if (!problem) return tl::unexpected(problem.error());
       for (const std::string& warning : problem->warnings) {
         if (warnings.insert(warning).second) on_note("warning: " + warning);

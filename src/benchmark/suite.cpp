@@ -158,10 +158,12 @@ class SuiteReader {
 
   SuiteProblems read_entry(const Input& input) const {
     if (!input.is_map()) return {resolve(input), "", ""};
-    input.allow_keys({"file", "set", "part"});
+    input.allow_keys({"file", "set", "part", "robot", "srdf"});
     SuiteProblems problems{resolve(input.at("file")), "", ""};
     if (const auto set = input.find("set")) problems.set = set->text();
     if (const auto part = input.find("part")) problems.part = part->text();
+    if (const auto robot = input.find("robot")) problems.robot = resolve(*robot);
+    if (const auto srdf = input.find("srdf")) problems.srdf = resolve(*srdf);
     return problems;
   }
 

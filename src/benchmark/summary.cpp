@@ -46,12 +46,13 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   summary.setting = rows.front().setting;
   summary.total = static_cast<int>(rows.size());
   Rows valid;
-  std::vector<std::uint64_t> iterations;
+  std::vector<std::uint64_t> iterations, states;
   std::vector<double> simplification;
   for (BenchmarkRow row : rows) {
     if (is_invalid_problem(row)) continue;
     summary.invalid_paths += row.is_solved && !row.is_path_valid ? 1 : 0;
     iterations.push_back(row.iterations);
+    states.push_back(row.states_checked);
     if (is_success(row)) simplification.push_back(row.simplification_time_s);
     if (!is_success(row)) row.planning_time_s = row.timeout_s;
     row.is_solved = is_success(row);
@@ -60,6 +61,7 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   summary.valid = static_cast<int>(valid.size());
   summary.times = summarize(valid);
   summary.iterations_p50 = median(std::move(iterations));
+  summary.states_p50 = median(std::move(states));
   summary.simplification_p50_s = median(std::move(simplification));
   return summary;
 }
@@ -151,6 +153,11 @@ std::vector<std::string> table_cells(const internal::RunGroup& group) {
           internal::format_percentile(times, 100)};
 }
 
+/// With failures at their limit it is a bound.
+std::string format_mean(const TimeSummary& times) {
+  return (times.solved < times.runs ? ">" : "") + internal::format_ms(times.mean);
+}
+
 std::vector<std::string> cells(const SetSummary& s) {
   return {internal::single_line(s.set),
           internal::single_line(s.planner),
@@ -158,10 +165,12 @@ std::vector<std::string> cells(const SetSummary& s) {
           fmt::format("{}/{}/{}", s.times.solved, s.valid, s.total),
           std::to_string(s.invalid_paths),
           internal::format_percentile(s.times, 50),
+          format_mean(s.times),
           internal::format_percentile(s.times, 95),
           internal::format_percentile(s.times, 99),
           internal::format_percentile(s.times, 100),
           std::to_string(s.iterations_p50),
+          std::to_string(s.states_p50),
           internal::format_ms(s.simplification_p50_s)};
 }
 
@@ -179,6 +188,7 @@ TimeSummary summarize(std::span<const BenchmarkRow> rows) {
     return times[static_cast<std::size_t>(internal::nearest_rank(percent, summary.runs) - 1)]
         .second;
   };
+  for (const BenchmarkRow& row : rows) summary.mean += row.planning_time_s / summary.runs;
   summary.p25 = percentile(25);
   summary.p50 = percentile(50);
   summary.p75 = percentile(75);
@@ -215,9 +225,9 @@ std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows) {
 
 std::string to_table(std::span<const SetSummary> summaries) {
   constexpr std::size_t kNameColumns = 3;
-  std::vector<std::vector<std::string>> lines = {{"set", "planner", "sampler", "solved/valid/total",
-                                                  "bad paths", "p50 ms", "p95 ms", "p99 ms",
-                                                  "max ms", "iterations p50", "simplify p50 ms"}};
+  std::vector<std::vector<std::string>> lines = {
+      {"set", "planner", "sampler", "solved/valid/total", "bad paths", "p50 ms", "mean ms",
+       "p95 ms", "p99 ms", "max ms", "iterations p50", "states p50", "simplify p50 ms"}};
   for (const SetSummary& summary : summaries) lines.push_back(cells(summary));
   const bool has_settings =
       std::ranges::any_of(summaries, [](const SetSummary& s) { return !s.setting.empty(); });

@@ -32,14 +32,16 @@ HWY_INLINE V clearance_of_box(const V3& p, const V3& h, V3& normal) {
           z = hn::Sub(hn::Abs(p.z), h.z);
   const V inside = hn::Max(hn::Max(x, y), z);
   const M is_inside = hn::Le(inside, hn::Zero(Tag()));
-  const auto face = [&](V depth, V coordinate) {
-    return hn::IfThenElseZero(hn::Ge(depth, inside), hn::CopySign(splat(1.0f), coordinate));
+  const auto towards = [](M is_face, V coordinate) {
+    return hn::IfThenElseZero(is_face, hn::CopySign(splat(1.0f), coordinate));
   };
+  const M is_x = hn::Ge(x, inside), is_y = hn::AndNot(is_x, hn::Ge(y, inside));
+  const M is_z = hn::Not(hn::Or(is_x, is_y));
   V3 outwards;
   const V outside = clearance_of_core(beyond, outwards);
-  normal = {hn::IfThenElse(is_inside, face(x, p.x), outwards.x),
-            hn::IfThenElse(is_inside, face(y, p.y), outwards.y),
-            hn::IfThenElse(is_inside, face(z, p.z), outwards.z)};
+  normal = {hn::IfThenElse(is_inside, towards(is_x, p.x), outwards.x),
+            hn::IfThenElse(is_inside, towards(is_y, p.y), outwards.y),
+            hn::IfThenElse(is_inside, towards(is_z, p.z), outwards.z)};
   return hn::IfThenElse(is_inside, inside, outside);
 }
 
@@ -68,7 +70,8 @@ HWY_INLINE V3 rotate_back(const float* r, const V3& v) {
           hn::MulAdd(splat(r[2]), v.x, hn::MulAdd(splat(r[5]), v.y, hn::Mul(splat(r[8]), v.z)))};
 }
 
-/// Distance of `p` from the obstacle's surface; `normal` is a unit vector.
+/// Distance of `p` from the obstacle's surface; `normal` is a unit vector, but 0 at the centre of a
+/// sphere and on the axis of a capsule or cylinder.
 HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
   const V3 half_extents = splat(row.half_extents);
   switch (row.kind) {

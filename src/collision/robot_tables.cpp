@@ -290,15 +290,19 @@ class RobotTablesBuilder {
   void add_limb(int frame) {
     Limb limb;
     limb.points.push_back(tip_of(frame));
+    using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+    // Of the last point, in the coordinates of `frame`.
+    Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(limb.points[0].point);
     for (; frame > 0; frame = tables_.frames[as_index(frame - 1)].parent) {
       const FrameRow& row = tables_.frames[as_index(frame - 1)];
-      if (!row.is_prismatic) limb.points.push_back({frame, {}});
-    }
-    for (std::size_t i = 0; i + 1 < limb.points.size(); ++i) {
-      const LimbPoint& point = limb.points[i];
-      const float* offset =
-          i == 0 ? point.point : tables_.frames[as_index(point.frame - 1)].translation;
-      limb.length += std::hypot(offset[0], offset[1], offset[2]);
+      if (!row.is_prismatic) {
+        limb.points.push_back({frame, {}});
+        limb.length += place.norm();
+        place.setZero();
+      }
+      if (row.is_prismatic) place.z() += row.offset;
+      place = Eigen::Map<const RowMajor>(row.rotation) * place +
+              Eigen::Map<const Eigen::Vector3f>(row.translation);
     }
     if (limb.length > 0) tables_.limbs.push_back(std::move(limb));
   }

@@ -105,10 +105,10 @@ class Walker {
     for (int j = 0; j < joints; ++j) q[j] = splat(request_.from[j]);
     for (int round = 0; round < kRounds; ++round) {
       pose_frames(robot_, q, poses_);
+      // Only once: later rounds keep what the first one pushed away.
       if (round == 0) set_targets(jitter);
       for (int j = 0; j < joints; ++j) {
-        const float drifted = request_.from[j] + request_.drift[j] * request_.length;
-        wish[j] = hn::Sub(splat(drifted), q[j]);
+        wish[j] = splat(round == 0 ? request_.drift[j] * request_.length : 0.0f);
       }
       equations_.reset(joints, kDamping * squared(request_.limb->length), wish);
       pull();
@@ -248,14 +248,15 @@ class Walker {
     add_row(body.frame, deepest.center, deepest.normal, depth);
   }
 
-  /// Its ends, its middle, and what is closest to the middle of the obstacle.
+  /// Its ends, its middle, and what is closest to the middle of the obstacle: a link as thin as a
+  /// line may still touch what is long, elsewhere.
   HWY_INLINE void look_at_capsule(const Pose& pose, const CapsuleRow& capsule,
                                   const ObstacleRow& row, Deepest& deepest) const {
     const V3 a = transform_point(pose, capsule.a);
     const V zero = hn::Zero(Tag());
     const V3 along = add_sparse(pose, capsule.along, {zero, zero, zero});
-    const V closest =
-        clamp01(hn::Mul(dot(splat(row.center) - a, along), splat(capsule.inverse_length2)));
+    const V3 middle = mul_add(splat(0.5f), splat(row.along), splat(row.center));
+    const V closest = clamp01(hn::Mul(dot(middle - a, along), splat(capsule.inverse_length2)));
     for (const V t : {zero, splat(0.5f), splat(1.0f), closest}) {
       deepest.update(row, mul_add(t, along, a), capsule.radius);
     }

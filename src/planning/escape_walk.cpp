@@ -24,7 +24,10 @@ constexpr double kJitter = 1;
 }  // namespace
 
 EscapeWalk::EscapeWalk(PlannerRun& run)
-    : run_(run), rng_(run.make_rng(Chance::walks)), limbs_(run.checker().limbs()) {
+    : run_(run),
+      rng_(run.make_rng(Chance::walks)),
+      limbs_(run.checker().limbs()),
+      drift_sizes_(joint_deviations(run.checker().robot(), 1)) {
   const bool is_planar = run.checker().robot().is_planar();
   const PlanSettings& settings = run.settings();
   probability_ = settings.walk.value_or(is_planar ? kPlanarProbability : kSpatialProbability);
@@ -62,7 +65,9 @@ void EscapeWalk::begin() {
   step_.length = static_cast<float>(limb.length * log_uniform(kLeastStep, kMostStep));
   step_.clearance = static_cast<float>(limb.length * kClearance);
   const auto drift = static_cast<float>(log_uniform(kLeastDrift, kMostDrift) / limb.length);
-  for (float& value : drift_) value = drift * rng_.bell();
+  for (std::size_t j = 0; j < drift_.size(); ++j) {
+    drift_[j] = drift * drift_sizes_[j] * rng_.bell();
+  }
   step_.drift = drift_;
   step_.jitter = jitter_;
 }

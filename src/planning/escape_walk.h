@@ -43,6 +43,7 @@ class EscapeWalk {
   double probability_;
   std::uint64_t first_iteration_;
   WalkStep step_;
+  std::vector<float> drift_sizes_;  ///< per joint: slides drift half as many metres
   std::vector<float> drift_, jitter_, candidates_;
   std::vector<std::uint8_t> is_valid_;
 };

@@ -33,12 +33,14 @@ class Growth {
   /// Takes step `i` of the batch and goes on towards its draw until blocked; the last new node, or
   /// -1 if the step itself is blocked.
   int take(int i, Tree& tree);
+  // Of a step towards a draw; a walk has none of it.
   /// The node that step `i` starts at.
   [[nodiscard]] int node(int i) const { return step(i).node; }
   [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
   [[nodiscard]] std::span<const float> end(int i) const { return row(ends_, i); }
   /// True if step `i` ends at its sample.
   [[nodiscard]] bool is_sample_reached(int i) const { return step(i).is_sample_reached; }
+  /// Also true of the only step of a batch, which is not looked at before it is taken.
   [[nodiscard]] bool is_end_valid(int i) const {
     return is_valid_[static_cast<std::size_t>(i)] != 0;
   }

@@ -32,6 +32,20 @@ TEST_SUITE("unit") {
     CHECK(different > 990);
   }
 
+  TEST_CASE("a bell is a sum of eight bytes: few values, the same for the same seed") {
+    Rng a(7), b(7), bits(7), c(8);
+    int different = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const float x = a.bell();
+      CHECK(x == b.bell());
+      different += x != c.bell() ? 1 : 0;
+      int sum = 0;
+      for (std::uint64_t word = bits.next(); word != 0; word >>= 8) sum += word & 255;
+      CHECK(x == doctest::Approx((sum - 1020) / 209.0215).epsilon(1e-6));
+    }
+    CHECK(different > 900);
+  }
+
   TEST_CASE("an index stays below its count and reaches every value") {
     Rng rng(1);
     std::array<int, 7> counts{};
@@ -93,6 +107,29 @@ TEST_SUITE("law") {
     CHECK(std::abs(moments[2] - 1) < 7e-3);
     CHECK(std::abs(moments[3]) < 2e-2);
     CHECK(std::abs(moments[4] - 3) < 5e-2);
+  }
+
+  TEST_CASE("bells have mean 0 and deviation 1, and the shape of a normal distribution") {
+    Rng rng(5);
+    const int count = 1000000;
+    std::array<double, 5> moments{};
+    double most = 0;
+    int within = 0;
+    for (int i = 0; i < count; ++i) {
+      const double x = rng.bell();
+      most = std::max(most, std::abs(x));
+      within += std::abs(x) < 1 ? 1 : 0;
+      double power = 1;
+      for (std::size_t k = 1; k < moments.size(); ++k) moments[k] += (power *= x) / count;
+    }
+    CHECK(std::abs(moments[1]) < 5e-3);
+    CHECK(std::abs(moments[2] - 1) < 7e-3);
+    CHECK(std::abs(moments[3]) < 2e-2);
+    // The excess of a sum of eight uniform numbers: -6 / 5 / 8.
+    CHECK(std::abs(moments[4] - 2.85) < 5e-2);
+    CHECK(most < 4.9);
+    CHECK(most > 3.5);
+    CHECK(std::abs(within / static_cast<double>(count) - 0.6827) < 0.01);
   }
 
   TEST_CASE("normal numbers fill bins as the normal distribution does, tails included") {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "planning/planning_fixture.h"
 #include "planning/scripted_sampler.h"
-#include "planning/small_worlds.h"
 #include "planning/growth.h"
 
 #include <algorithm>
@@ -40,6 +40,30 @@ struct BatchFixture {
   internal::PlannerRun run{PlanTask{checker, world.query, sampler, settings, finisher}};
   internal::Tree tree{run};
   internal::Growth batch{run};
+};
+
+/// An arm of space in the open that walks as often as `share` says; its sampler plays one draw.
+struct WalkingFixture {
+  static PlanSettings make_settings(double share) {
+    PlanSettings settings;
+    settings.walk = share;
+    settings.walk_after = 0;
+    settings.max_iterations = 1000;
+    return settings;
+  }
+  explicit WalkingFixture(double share)
+      : of_run({"", spatial_arm(), {}, {{0, 0.5, 0.5, 0}, {{1, 1, 1, 1}}}}, make_settings(share),
+               Isa::automatic,
+               std::make_unique<ScriptedSampler>(std::vector<Configuration>{{1, -1, 1, 0}})) {
+    tree.add(of_run.run.start(), -1);
+  }
+  [[nodiscard]] const ScriptedSampler::Log& log() const {
+    return dynamic_cast<const ScriptedSampler&>(*of_run.sampler).log();
+  }
+
+  RunFixture of_run;
+  internal::Tree tree{of_run.run};
+  internal::Growth growth{of_run.run};
 };
 
 }  // namespace
@@ -117,6 +141,82 @@ TEST_SUITE("unit") {
     REQUIRE(f.batch.draw(f.tree));
     CHECK(f.batch.size() == 5);
     CHECK(!f.batch.draw(f.tree));
+  }
+
+  TEST_CASE("a step that is taken goes on towards its draw until it is there") {
+    BatchFixture f({{0, 0, 1.75}});
+    REQUIRE(f.batch.draw(f.tree));
+    const int last = f.batch.take(0, f.tree);
+    CHECK(last == 4);
+    CHECK(f.tree.size() == 5);
+    CHECK(f.tree[last][2] == 1.75f);
+    CHECK(f.tree.path_to(last).size() == 5);
+  }
+
+  TEST_CASE("a step that is taken ends before what blocks it") {
+    BatchFixture f({{2, 0, 0}});
+    REQUIRE(f.batch.draw(f.tree));
+    CHECK(f.batch.take(0, f.tree) == 1);
+    CHECK(f.tree.size() == 2);
+    CHECK(f.tree[1][0] == 0.5f);
+    f.batch.settle(0, SampleOutcome::extended);
+    REQUIRE(f.batch.draw(f.tree));
+    CHECK(f.batch.take(0, f.tree) == -1);
+    CHECK(f.tree.size() == 2);
+  }
+
+  TEST_CASE("a step that is taken ends at the limit of nodes") {
+    BatchFixture f({{0, 0, 1.75}});
+    f.settings.max_nodes = 3;
+    REQUIRE(f.batch.draw(f.tree));
+    CHECK(f.batch.take(0, f.tree) == 2);
+    CHECK(f.tree.size() == 3);
+    CHECK(f.batch.take(0, f.tree) == -1);
+    CHECK(f.tree.size() == 3);
+  }
+
+  TEST_CASE("a walk is an iteration and a batch by itself that the sampler knows nothing of") {
+    WalkingFixture f(1);
+    for (std::uint64_t i = 1; i <= 20; ++i) {
+      const int before = f.tree.size();
+      REQUIRE(f.growth.draw(f.tree));
+      CHECK(f.growth.size() == 1);
+      CHECK(f.of_run.run.iterations() == i);
+      const int last = f.growth.take(0, f.tree);
+      CHECK(last == (f.tree.size() == before ? -1 : f.tree.size() - 1));
+      f.growth.settle(0, last < 0 ? SampleOutcome::rejected : SampleOutcome::extended);
+    }
+    CHECK(f.tree.size() > 20);
+    CHECK(f.log().drawn == 0);
+    CHECK(f.log().reports.empty());
+  }
+
+  TEST_CASE(
+      "walks and draws together are the iterations, and rejected walks do not widen batches") {
+    WalkingFixture f(0.5);
+    std::uint64_t walks = 0;
+    for (int i = 0; i < 200; ++i) {
+      const std::uint64_t drawn = f.log().drawn;
+      REQUIRE(f.growth.draw(f.tree));
+      CHECK(f.growth.size() == 1);
+      const bool is_walk = f.log().drawn == drawn;
+      walks += is_walk ? 1 : 0;
+      f.growth.settle(0, is_walk ? SampleOutcome::rejected : SampleOutcome::extended);
+    }
+    CHECK(walks > 60);
+    CHECK(walks < 140);
+    CHECK(f.log().drawn + walks == f.of_run.run.iterations());
+    CHECK(f.log().reports.size() == f.log().drawn);
+  }
+
+  TEST_CASE("walks end at the limit of iterations") {
+    WalkingFixture f(1);
+    f.of_run.settings.max_iterations = 3;
+    for (int i = 0; i < 3; ++i) REQUIRE(f.growth.draw(f.tree));
+    CHECK(!f.growth.draw(f.tree));
+    CHECK(f.growth.size() == 0);
+    CHECK(f.of_run.run.iterations() == 3);
+    CHECK(f.log().drawn == 0);
   }
 }
 
