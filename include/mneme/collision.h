@@ -100,8 +100,9 @@ class CollisionChecker {
   [[nodiscard]] bool is_motion_valid(std::span<const double> from, std::span<const double> to,
                                      const MotionDetail& detail = {}) const;
 
-  /// True if all motions between neighbouring rows of `configurations` are valid in the sense of
-  /// is_motion_valid, which it saves time over where motions are short: they share vectors.
+  /// True if every motion from row to row of `configurations` is valid at the resolution, as for
+  /// is_motion_valid; the first row is taken to be valid. Saves time where motions are short: they
+  /// share vectors.
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
                                     const MotionDetail& detail = {}) const;
 

@@ -66,9 +66,16 @@ bool MotionVerifier::are_states_free(std::span<const double> from, std::span<con
 }
 
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
+  // What lies close to contact at the path's own ends excuses the motions there, no other waypoint.
+  const auto lacks_margin = [&](const Configuration& q) {
+    const std::vector<float> values = internal::to_floats(q);
+    return verification_ != Verification::none &&
+           !checker_.is_motion_valid(values, values, counters, {1, kVerificationMargin});
+  };
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const bool is_at_end = i == 1 || i + 1 == path.size();
-    if (!is_free(path[i - 1], path[i], is_at_end, counters)) return static_cast<int>(i) - 1;
+    const bool is_excused = (i == 1 && lacks_margin(path.front())) ||
+                            (i + 1 == path.size() && lacks_margin(path.back()));
+    if (!is_free(path[i - 1], path[i], is_excused, counters)) return static_cast<int>(i) - 1;
   }
   return -1;
 }

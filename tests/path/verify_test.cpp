@@ -86,7 +86,7 @@ TEST_SUITE("unit") {
       return Path{{-0.5, 0, 1}, {-0.5, 0, height}, {0.5, 0, height}, {0.5, 0, 1}};
     };
     CHECK(invalid_motion(checker, path_at(0.1 + 2 * kVerificationMargin)) == -1);
-    CHECK(invalid_motion(checker, path_at(0.1 + 0.5 * kVerificationMargin)) == 1);
+    CHECK(invalid_motion(checker, path_at(0.1 + 0.5 * kVerificationMargin)) == 0);
     CHECK(invalid_motion(checker, path_at(0.1 - kVerificationMargin)) == 0);
   }
 
@@ -97,6 +97,7 @@ TEST_SUITE("unit") {
     CHECK(invalid_motion(checker, {low, above}) == -1);
     CHECK(invalid_motion(checker, {above, low}) == -1);
     CHECK(invalid_motion(checker, {low, above, low}) == -1);
+    CHECK(invalid_motion(checker, {above, low, higher}) == 0);
     CHECK(invalid_motion(checker, {higher, above, higher, above}) == -1);
     CHECK(invalid_motion(checker, {higher, above, low, above, higher}) == 1);
     // An end that has the margin does not lend it to what lies between.
