@@ -299,8 +299,9 @@ class RobotTablesBuilder {
         limb.points.push_back({frame, {}});
         limb.length += place.norm();
         place.setZero();
+      } else {
+        place.z() += row.offset;
       }
-      if (row.is_prismatic) place.z() += row.offset;
       place = Eigen::Map<const RowMajor>(row.rotation) * place +
               Eigen::Map<const Eigen::Vector3f>(row.translation);
     }

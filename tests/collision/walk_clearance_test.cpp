@@ -36,7 +36,6 @@ constexpr std::array kTouchedKinds = {kSphere,          kAlignedBox, kBox,
 
 bool is_aligned(TouchedKind kind) { return kind == kAlignedBox || kind == kUprightCylinder; }
 
-Vec3 random_direction(Rng& rng) { return random_pose(rng, 1).rotation.col(0); }
 Vec3 random_horizontal(Rng& rng) {
   const double angle = rng.uniform(-kPi, kPi);
   return {std::cos(angle), std::sin(angle), 0};

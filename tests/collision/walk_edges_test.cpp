@@ -90,23 +90,5 @@ TEST_SUITE("unit") {
   }
 }
 
-TEST_SUITE("oracle") {
-  TEST_CASE("the limbs of robots with slides are those that their own kinematics have") {
-    Rng rng(16);
-    for (int round = 0; round < rounds(50); ++round) {
-      INFO("round ", round);
-      const Robot robot = random_robot(rng);
-      const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
-      const auto points = LimbFinder(robot).points(zero);
-      const std::vector<LimbInfo> limbs = require_checker(robot, {}).limbs();
-      REQUIRE(limbs.size() == points.size());
-      for (std::size_t i = 0; i < limbs.size(); ++i) {
-        CHECK(limbs[i].points == std::ssize(points[i]) - 1);
-        CHECK(limbs[i].length == doctest::Approx(LimbFinder::length_of(points[i])));
-      }
-    }
-  }
-}
-
 }  // namespace
 }  // namespace mneme::test

@@ -94,11 +94,6 @@ std::vector<float> random_start(const CollisionChecker& checker, Rng& rng) {
   return q;
 }
 
-bool has_slide(const Robot& robot) {
-  return std::ranges::any_of(robot.joints(),
-                             [](const Joint& joint) { return joint.type == JointType::prismatic; });
-}
-
 OwnedStep random_step(const CollisionChecker& checker, int candidates, Rng& rng) {
   const std::vector<LimbInfo> limbs = checker.limbs();
   OwnedStep step(checker.robot(), candidates);
@@ -405,8 +400,6 @@ TEST_SUITE("oracle") {
     for (int round = 0; round < rounds(200); ++round) {
       INFO("round ", round);
       const Robot robot = random_robot(rng);
-      // A limb's length does not count the way between slides: the next case.
-      if (has_slide(robot)) continue;
       const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
       const auto points = LimbFinder(robot).points(zero);
       const std::vector<LimbInfo> limbs = require_checker(robot, {}).limbs();

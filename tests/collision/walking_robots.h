@@ -54,7 +54,7 @@ inline Robot::Parts sliding_hand_parts(bool is_capsule) {
   for (const int axis : {0, 1, 2}) {
     hang_next(parts, JointType::prismatic, Vec3::Zero(), Vec3::Unit(axis), 2, {});
   }
-  for (const Vec3& axis : {Vec3::UnitZ(), Vec3::UnitY()}) {
+  for (const Vec3 axis : {Vec3::UnitZ(), Vec3::UnitY()}) {
     const Vec3 offset = axis.z() == 1 ? Vec3::Zero() : Vec3(0.5, 0, 0);
     if (is_capsule) {
       const Capsule capsule{Vec3(0.1, 0, 0), Vec3(0.4, 0, 0), 0.05};
