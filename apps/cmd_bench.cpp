@@ -209,7 +209,6 @@ void check_suite_flags(const CLI::App& command) {
 }
 
 void check_problem_flags(BenchOptions& options) {
-  check_verification(options.settings.plan);
   if (options.samplers.empty()) {
     options.samplers = options.db.empty() ? std::vector<std::string>{"uniform"}
                                           : std::vector<std::string>{"gl", "uniform"};

@@ -253,7 +253,6 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
 /// Flags that only make sense together.
 void check_choices(const PlanOptions& options) {
   const SolveSettings& settings = options.settings;
-  check_verification(settings.plan);
   const auto sampler = find_sampler(settings.sampler);
   const auto planner = find_planner(settings.planner);
   if (sampler && planner && (*sampler)->draws_valid_states && !(*planner)->draws_valid_states) {

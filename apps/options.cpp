@@ -162,11 +162,6 @@ void add_database_memory(CLI::App& app, DatabaseSettings& settings) {
       ->needs("--db");
 }
 
-void check_verification(const PlanSettings& settings) {
-  if (settings.verify || !settings.continuous) return;
-  throw CLI::ValidationError("--continuous", "is a way to verify; expected no --no-verify with it");
-}
-
 void add_json(CLI::App& app, bool& is_json) {
   app.add_flag("--json", is_json, "print the result as JSON");
 }

@@ -130,8 +130,6 @@ void add_isa(CLI::App& app);
 void add_robot_flags(CLI::App& app, RobotOptions& options);
 /// The flag --db-memory, which needs the flag --db.
 void add_database_memory(CLI::App& app, DatabaseSettings& settings);
-/// A usage error if flags ask for continuous verification and for none.
-void check_verification(const PlanSettings& settings);
 /// The flag --json.
 void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.

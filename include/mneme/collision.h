@@ -22,7 +22,7 @@ struct CheckerSettings {
   /// Largest L2 joint distance between two checked states of a motion, radians; left out, the
   /// robot's default: 0.02 for a planar arm, 1/32 otherwise. Halving it doubles the cost of a
   /// motion. At least 1e-4, because a motion that has begun is checked to its end.
-  std::optional<double> resolution;
+  std::optional<double> resolution = std::nullopt;
   /// Metres by which the robot's shapes are inflated against obstacles (not against each other). >=
   /// 0.
   double margin = 0;
@@ -39,6 +39,14 @@ struct CheckCounters {
 struct MotionDetail {
   double refinement = 1;  ///< divides the resolution; 10 for the verification of a final path
   double margin = 0;      ///< metres added to the margin of links that move; >= 0
+};
+
+/// What is asked of all that a motion sweeps.
+struct SweepDetail {
+  double margin = 0;  ///< metres to obstacles, beyond the checker's margin, and between links; >= 0
+  /// There, the margin is 0; it grows by 1/500 of the way that a link goes, so that what lies
+  /// close to contact may still leave or reach it.
+  bool is_from_start = false, is_to_goal = false;
 };
 
 /// A small step that pulls a limb back along itself while the whole robot is pushed off obstacles.
@@ -105,6 +113,13 @@ class CollisionChecker {
   /// share vectors.
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
                                     const MotionDetail& detail = {}) const;
+
+  /// True if nothing touches on the whole motion, also between any two states: bounds on how far
+  /// links move around a state decide, closer and closer, down to half the margin, or to 5e-6 m
+  /// where there is none. What the motion does not move is taken to be free. After conservative
+  /// advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012.
+  [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
+                                    CheckCounters& counters, const SweepDetail& detail = {}) const;
 
   /// Takes a step from the configuration `from`: writes a candidate per jitter, a row each, within
   /// the limits. Candidates may be in contact all the same.

@@ -10,17 +10,12 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace mneme {
-namespace internal {
-class Sweep;
-}
-
 /// A sequence of configurations joined by straight motions; continuous joints lie in [-pi, pi) and
 /// take the shorter way round between neighbours.
 using Path = std::vector<Configuration>;
@@ -31,53 +26,47 @@ using Path = std::vector<Configuration>;
 /// What the motions of a path must pass before it is returned.
 enum class Verification {
   none,
-  states,   ///< states at kVerificationRefinement times the resolution; of planar arms, `motions`
-  motions,  ///< the same and all that lies between the states, by conservative bounds on how fast
-            ///< links approach obstacles and each other (docs/numerics.md)
+  states,   ///< states at kVerificationRefinement times the resolution
+  motions,  ///< all of the motion: CollisionChecker::is_sweep_valid
 };
 
-/// A margin of kVerificationMargin lets a path survive a check at other states of the same density,
-/// too; only the first and the last motion do without it if their ends lie closer to contact.
+/// A margin of kVerificationMargin lets a path survive a check at other states, too, whoever makes
+/// it. The path's own ends may lie closer to contact.
 inline constexpr double kVerificationMargin = 1e-4;  ///< metres
 inline constexpr double kVerificationRefinement = 10;
 
-/// The check of motions of a final path. Const and parallel-safe, if `must_stop` is.
+/// Which ends of its path a motion touches.
+struct MotionEnds {
+  bool is_first = false, is_last = false;
+};
+
+/// The check of motions of a final path. Const and parallel-safe.
 class MotionVerifier {
  public:
-  /// Refers to the checker. With Verification::none every motion passes. `must_stop`, which may be
-  /// empty, ends the check of what lies between states, which can take long where a link grazes an
-  /// obstacle.
+  /// Refers to the checker. With Verification::none every motion passes.
   explicit MotionVerifier(const CollisionChecker& checker,
-                          Verification verification = Verification::states,
-                          std::function<bool()> must_stop = {});
+                          Verification verification = Verification::motions)
+      : checker_(checker), verification_(verification) {}
 
-  /// True if the motion passes the verification. `is_at_end`: it touches the start or the goal of
-  /// its path, which may lie closer to contact than kVerificationMargin: then it needs no margin.
-  /// A motion that turns a continuous joint by half a turn does not pass: rounding would decide
-  /// which way round whoever follows the path goes.
-  [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to, bool is_at_end,
-                             CheckCounters& counters) const;
+  /// True if the motion passes the verification. One that turns a continuous joint by half a turn
+  /// does not: rounding would decide which way round whoever follows the path goes.
+  [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
+                             MotionEnds ends, CheckCounters& counters) const;
 
   /// The first motion of `path` that does not pass, or -1.
   [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;
 
  private:
-  [[nodiscard]] bool is_free(std::span<const double> from, std::span<const double> to,
-                             bool is_at_end, CheckCounters& counters) const;
-  [[nodiscard]] bool has_one_way(std::span<const double> from, std::span<const double> to) const;
-  [[nodiscard]] bool are_states_free(std::span<const double> from, std::span<const double> to,
-                                     bool is_at_end, CheckCounters& counters) const;
+  [[nodiscard]] bool has_one_way(std::span<const float> from, std::span<const float> to) const;
 
   const CollisionChecker& checker_;
   Verification verification_;
-  std::shared_ptr<const internal::Sweep> sweep_;  ///< null if states are enough
-  std::function<bool()> must_stop_;
 };
 
 /// MotionVerifier::find_invalid_motion for one path.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
                                       CheckCounters& counters,
-                                      Verification verification = Verification::states);
+                                      Verification verification = Verification::motions);
 
 /// How much shortening may cost.
 struct ShortenEffort {
@@ -99,7 +88,7 @@ void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
 /// What a path must become and pass before it is returned.
 struct FinishSettings {
   bool simplify = true;
-  Verification verification = Verification::states;
+  Verification verification = Verification::motions;
   std::uint64_t seed = 1;
   double timeout_s = 10;  ///< from construction; half of what is left of it is for shortening
   const std::atomic<bool>* cancel = nullptr;  ///< may be null

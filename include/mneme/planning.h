@@ -53,7 +53,7 @@ struct PlanSettings {
   bool simplify = true;
   int patience = 40;
   bool verify = true;
-  bool continuous = false;
+  bool continuous = true;
   int neighbours = 10;
   double goal_bias = 0.05;
   double anchor = 0.8;
@@ -104,11 +104,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "shortening ends once so many vectors of 16 states were checked in vain: more takes longer "
         "for a shorter path; 0 only drops waypoints");
   visit("verify", s.verify, false, true,
-        "check the final path at ten times the resolution; motions that fail are removed and "
-        "planning goes on");
+        "check the final path; motions that fail are mended, or removed and planning goes on");
   visit("continuous", s.continuous, false, true,
-        "verification also rules out contact between the states that it checks, by bounds on how "
-        "far each link can move; always so for planar arms, where links are thin; needs verify");
+        "verification also rules out contact between states, by bounds on how far each link moves; "
+        "off, it looks at states at ten times the resolution");
   visit("neighbours", s.neighbours, 1, 1000,
         "prm: connections tried per new milestone; more cost more motion checks");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,

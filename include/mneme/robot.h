@@ -62,22 +62,22 @@ struct Link {
 /// What a URDF alone does not say.
 struct RobotOptions {
   /// Names of the joints to plan for, in the order of a configuration. Empty: those of `group`.
-  std::vector<std::string> joints;
+  std::vector<std::string> joints = {};
   /// A group of the SRDF, or the chain of joints "base_link:tip_link"; both in tree order. Empty:
   /// the SRDF's only group that can move and is no end effector's; without groups all joints that
   /// move and follow no other, in tree order.
-  std::string group;
+  std::string group = {};
   /// SRDF file with groups and allowed collisions. Empty: the file beside the URDF that differs
   /// from it by its suffix .srdf only, if there is one.
-  std::string srdf_path;
+  std::string srdf_path = {};
   /// Directories in which the packages of `package://NAME/...` are looked for, in this order: each
   /// is the package's folder or holds it. Then those of ROS_PACKAGE_PATH, then the folders NAME
   /// that the URDF is in.
-  std::vector<std::string> package_paths;
+  std::vector<std::string> package_paths = {};
   /// Further pairs of links that may touch, besides those of the SRDF.
-  std::vector<std::pair<std::string, std::string>> allowed_pairs;
+  std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   /// Values of movable joints outside the group, by name; default 0. Clamped to the joint's limits.
-  std::map<std::string, double> fixed_values;
+  std::map<std::string, double> fixed_values = {};
 };
 
 /// A set of joints to plan for, as an SRDF names it.

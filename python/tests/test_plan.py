@@ -52,11 +52,6 @@ def test_an_unknown_planner_is_an_error_that_lists_all_that_can_be_chosen(proble
     assert all(name in message for name in mneme.planner_names())
 
 
-def test_verification_cannot_be_continuous_and_off(problem):
-    code, message = raised(mneme.plan, problem, continuous=True, verify=False)
-    assert code == "invalid" and "'continuous'" in message
-
-
 def test_json_is_that_of_the_command_line(problem):
     plan = mneme.plan(problem)
     keys = json.loads(plan.to_json())

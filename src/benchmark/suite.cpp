@@ -31,15 +31,14 @@ using SettingTexts = std::vector<std::pair<std::string, std::string>>;
 /// Names and values of settings as text, in order of declaration.
 SettingTexts all_texts(const SolveSettings& settings) {
   SettingTexts texts;
-  visit_all_settings(settings,
-                     [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
-                       if constexpr (SettingTraits<
-                                         std::remove_cvref_t<decltype(value)>>::is_optional) {
-                         texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
-                       } else {
-                         texts.emplace_back(name, fmt::format("{}", value));
-                       }
-                     });
+  visit_all_settings(
+      settings, [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
+        if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+          texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
+        } else {
+          texts.emplace_back(name, fmt::format("{}", value));
+        }
+      });
   return texts;
 }
 
@@ -67,8 +66,8 @@ class SettingsReader {
       constexpr bool kIsWhole = std::is_integral_v<Value>;
       const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
       if (!is_inside || !is_whole) {
-        input->fail_expecting(fmt::format("{} from {} to {}",
-                                          kIsWhole ? "a whole number" : "a number", least, most));
+        input->fail_expecting(
+            fmt::format("{} from {} to {}", kIsWhole ? "a whole number" : "a number", least, most));
       }
       value = to<Value>(number);
     }
@@ -180,8 +179,8 @@ class SuiteReader {
     visit_settings(memory.learn, [&](std::string_view key, auto&, auto, auto, std::string_view) {
       keys.push_back(key);
     });
-    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "kind",
-                             "paths", "path-timeout", "seed"});
+    keys.insert(keys.end(), {"file", "robot", "primitives", "count", "problems", "kind", "paths",
+                             "path-timeout", "seed"});
     input.allow_keys(keys);
     if (!is_file_name(name)) {
       input.fail(ErrorCode::parse,
@@ -252,10 +251,6 @@ class SuiteReader {
     input.allow_keys(keys);
     read_common(input, setting);
     visit_all_settings(setting.solve, SettingsReader(input));
-    if (setting.solve.plan.continuous && !setting.solve.plan.verify) {
-      input.fail(ErrorCode::parse,
-                 "setting 'continuous' is a way to verify: expected it with 'verify' only");
-    }
     if (const auto memory = input.find("memory")) setting.memory = memory->text();
     if (const auto sets = input.find("sets")) setting.sets = read_texts(*sets);
     return setting;

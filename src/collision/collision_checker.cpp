@@ -3,6 +3,7 @@
 #include "mneme/collision.h"
 
 #include "base/as_index.h"
+#include "collision/body_reaches.h"
 #include "collision/collision_kernels.h"
 #include "collision/make_tables.h"
 #include "collision/walk_kernel.h"
@@ -105,6 +106,26 @@ constexpr double kLeastResolution = 1e-4;
 /// length is a rounding error larger.
 constexpr double kLengthTolerance = 1e-5;
 constexpr double kMostStates = 1e9;
+
+/// Around a state that is looked at first, a link moves by at most this share of the farthest that
+/// one radian could move it.
+constexpr float kFirstSweep = 0.01f;
+/// Metres that a link moves around the last states that are looked at, where there is no margin.
+constexpr float kFinestSweep = 5e-6f;
+constexpr float kMostParts = 1e6f;
+/// Far more halvings than a motion of finite limits needs.
+constexpr float kLeastShare = 1e-6f;
+
+/// How far a motion moves bodies, or brings pairs of them together: the largest last.
+std::vector<float> ways_of(std::span<const float> reaches, std::span<const float> delta) {
+  std::vector<float> ways(reaches.size() / delta.size() + 1, 0.0f);
+  for (std::size_t i = 0; i + 1 < ways.size(); ++i) {
+    const float* row = reaches.data() + i * delta.size();
+    for (std::size_t j = 0; j < delta.size(); ++j) ways[i] += row[j] * std::abs(delta[j]);
+    ways.back() = std::max(ways.back(), ways[i]);
+  }
+  return ways;
+}
 
 }  // namespace
 
@@ -238,6 +259,42 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     }
   }
   return true;
+}
+
+bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<const float> to,
+                                      CheckCounters& counters, const SweepDetail& detail) const {
+  const Tables& t = *tables_;
+  ++counters.motions;
+  if (t.fixed_clearance < t.margin || !is_within_reach(from) || !is_within_reach(to)) return false;
+  FloatConfiguration delta;
+  t.space.difference(from.data(), to.data(), delta.data());
+  const internal::RobotTables& robot = t.checked_robot->tables;
+  FloatConfiguration end;
+  for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
+  const std::span<const float> turns(delta.data(), from.size());
+  const internal::Reaches reaches =
+      robot.has_far_slides ? internal::find_reaches(robot, from, {end.data(), from.size()})
+                           : internal::Reaches();
+  const internal::Reaches& known = robot.has_far_slides ? reaches : robot.reaches;
+  const std::vector<float> bodies = ways_of(known.bodies, turns);
+  const std::vector<float> pairs = ways_of(known.pairs, turns);
+  const float longest = std::max(bodies.back(), pairs.back());
+  if (!(longest > 0)) return true;
+  const float first = kFirstSweep * *std::ranges::max_element(known.bodies);
+  const auto margin = static_cast<float>(detail.margin);
+  internal::SweptMotion motion;
+  motion.from = from.data();
+  motion.delta = delta.data();
+  motion.body_ways = bodies.data();
+  motion.pair_ways = pairs.data();
+  motion.obstacle_margin = t.margin;
+  motion.margin = margin;
+  motion.is_from_start = detail.is_from_start;
+  motion.is_to_goal = detail.is_to_goal;
+  motion.parts = static_cast<int>(std::clamp(0.5f * longest / first, 1.0f, kMostParts));
+  motion.least_half = std::max(std::max(0.5f * margin, kFinestSweep) / longest,
+                               kLeastShare / static_cast<float>(motion.parts));
+  return t.kernels->is_sweep_free(robot, t.scene_tables, motion, counters.states);
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

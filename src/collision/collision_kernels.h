@@ -21,6 +21,23 @@ struct MotionChain {
   int count = 0;
 };
 
+/// A motion whose states are looked at with all that lies between them.
+struct SweptMotion {
+  const float* from = nullptr;
+  const float* delta = nullptr;
+  /// Metres that points of each moving body go at most along the motion, and by which each pair of
+  /// bodies comes closer at most. What does not move is not looked at.
+  const float* body_ways = nullptr;
+  const float* pair_ways = nullptr;
+  float obstacle_margin = 0;  ///< metres to obstacles
+  float margin = 0;           ///< metres to obstacles, too, and between bodies
+  /// There, `margin` is 0; a body's grows by this share of the way that it goes.
+  bool is_from_start = false, is_to_goal = false;
+  static constexpr float kMarginGrowth = 0.002f;
+  int parts = 1;         ///< equal ones, looked at first; at least 1
+  float least_half = 0;  ///< of an interval; 1 is the motion. At least 2^-31 of half a part
+};
+
 struct CollisionKernels {
   int lanes = 1;
   /// True if the states from + k delta / n, k = 1..n, are free, with n the least multiple of
@@ -34,6 +51,11 @@ struct CollisionKernels {
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
                         const MotionChain& chain, float margin,
                         std::uint64_t& states_checked) = nullptr;
+  /// True if bodies inflated by their margin and by what they move around them touch nothing in
+  /// states whose intervals cover the motion. Intervals are halved until they pass; the least pass,
+  /// too, if the state in their middle is free with the margin alone.
+  bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene,
+                        const SweptMotion& motion, std::uint64_t& states_checked) = nullptr;
   /// `is_free[i]` tells of row i of `states`, which has `count` rows of joint_count values.
   void (*check_states)(const RobotTables& robot, const SceneTables& scene, const float* states,
                        int count, float margin, std::uint8_t* is_free) = nullptr;

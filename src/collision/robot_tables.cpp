@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
+#include "collision/body_reaches.h"
 #include "collision/joint_reach.h"
 #include "collision/make_tables.h"
 #include "collision/shape_groups.h"
@@ -89,6 +90,7 @@ class RobotTablesBuilder {
     add_bodies();
     add_pairs();
     add_limbs();
+    add_reaches(tables_);
     return std::move(tables_);
   }
 

@@ -31,8 +31,11 @@ struct Extent {
 };
 
 /// 1 if it holds in any lane, otherwise 0: to be counted, because a branch would not be predicted.
+HWY_INLINE int is_any_below(V distance2, V reach2) {
+  return !hn::AllFalse(Tag(), hn::Lt(distance2, reach2));
+}
 HWY_INLINE int is_any_below(V distance2, float reach2) {
-  return !hn::AllFalse(Tag(), hn::Lt(distance2, splat(reach2)));
+  return is_any_below(distance2, splat(reach2));
 }
 
 /// One bit for each of the kLanes obstacles from `begin` whose box comes within `reach` of

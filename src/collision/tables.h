@@ -93,6 +93,14 @@ struct Limb {
   float length = 0;  ///< metres, of the way through the points
 };
 
+/// How far joints move bodies. A row of joint_count values each.
+struct Reaches {
+  /// Metres that a point of each moving body goes at most while a joint moves by 1.
+  std::vector<float> bodies;
+  /// Metres by which each pair of bodies comes closer at most.
+  std::vector<float> pairs;
+};
+
 struct RobotTables {
   int joint_count = 0;
   std::vector<FrameRow> frames;  ///< parents before children
@@ -104,6 +112,9 @@ struct RobotTables {
   std::vector<BodyPairRow> body_pairs;
   std::vector<GroupPairRow> group_pairs;
   std::vector<Limb> limbs;
+  Reaches reaches;
+  /// If a slide beyond a turning joint makes them grow: then `reaches` hold for slides at 0.
+  bool has_far_slides = false;
 };
 
 enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule };

@@ -57,7 +57,7 @@ class MotionValidity final : public ob::MotionValidator {
     CheckCounters work;
     const bool is_valid = si_->satisfiesBounds(to) &&
                           checker_.is_motion_valid(a, b, work, detail_) &&
-                          (verifier_ == nullptr || verifier_->is_free(a, b, true, work));
+                          (verifier_ == nullptr || verifier_->is_free(a, b, {true, true}, work));
     count_motion(counters_, work.states);
     return is_valid;
   }
@@ -80,7 +80,7 @@ class MotionValidity final : public ob::MotionValidator {
         last[j] = from[j] + static_cast<float>(fraction) * delta[j];
       }
       CheckCounters work;
-      const bool is_free = verifier_->is_free(from, last, true, work);
+      const bool is_free = verifier_->is_free(from, last, {true, true}, work);
       count_motion(counters_, work.states);
       if (is_free) return fraction;
     }

@@ -33,8 +33,8 @@ class Repair {
 
   /// A waypoint between both ends whose motions pass, or nothing.
   std::vector<float> find_waypoint(std::span<const float> from, std::span<const float> to,
-                                   bool is_at_end) {
-    const std::vector<float> middle = find_blocked_middle(from, to, is_at_end);
+                                   MotionEnds ends) {
+    const std::vector<float> middle = find_blocked_middle(from, to, ends);
     const std::size_t joints = middle.size();
     std::vector<float> candidates(kCandidates * joints);
     std::array<std::uint8_t, kCandidates> is_free;
@@ -49,7 +49,7 @@ class Repair {
       checker_.check_states(candidates, is_free);
       for (std::size_t i = 0; i < kCandidates && !must_stop_(); ++i) {
         const std::span<const float> q(candidates.data() + i * joints, joints);
-        if (is_free[i] != 0 && is_way(from, q, to, is_at_end)) return {q.begin(), q.end()};
+        if (is_free[i] != 0 && is_way(from, q, to, ends)) return {q.begin(), q.end()};
       }
     }
     return {};
@@ -60,16 +60,16 @@ class Repair {
 
   /// The planner's resolution and the margin come first: they are cheap.
   bool is_way(std::span<const float> from, std::span<const float> q, std::span<const float> to,
-              bool is_at_end) {
-    const MotionDetail coarse{1, is_at_end ? 0 : kVerificationMargin};
+              MotionEnds ends) {
+    const MotionDetail coarse{1, ends.is_first || ends.is_last ? 0 : kVerificationMargin};
     return checker_.is_motion_valid(from, q, counters_, coarse) &&
            checker_.is_motion_valid(q, to, counters_, coarse) &&
-           verifier_.is_free(from, q, is_at_end, counters_) &&
-           verifier_.is_free(q, to, is_at_end, counters_);
+           verifier_.is_free(from, q, {ends.is_first, false}, counters_) &&
+           verifier_.is_free(q, to, {false, ends.is_last}, counters_);
   }
 
   std::vector<float> find_blocked_middle(std::span<const float> from, std::span<const float> to,
-                                         bool is_at_end) {
+                                         MotionEnds ends) {
     constexpr int kParts = 16;
     std::vector<float> delta(from.size()), begin(from.size()), end(from.begin(), from.end());
     space_.difference(from.data(), to.data(), delta.data());
@@ -80,7 +80,8 @@ class Repair {
     for (int i = 0; i < kParts && !must_stop_(); ++i) {
       begin = end;
       write(static_cast<float>(i + 1) / kParts, end);
-      if (verifier_.is_free(begin, end, is_at_end, counters_)) continue;
+      const MotionEnds part{ends.is_first && i == 0, ends.is_last && i + 1 == kParts};
+      if (verifier_.is_free(begin, end, part, counters_)) continue;
       first = std::min(first, i);
       last = i + 1;
     }
@@ -134,8 +135,7 @@ int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& coun
 
 const MotionVerifier& PathFinisher::verifier() {
   if (!verifier_) {
-    verifier_.emplace(checker_, settings_.verification,
-                      [this] { return is_over(settings_.timeout_s); });
+    verifier_.emplace(checker_, settings_.verification);
   }
   return *verifier_;
 }
@@ -176,10 +176,10 @@ int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
   std::vector<int> origins(path.size());
   std::iota(origins.begin(), origins.end(), 0);
   for (int i = 0; i < kMostRepairs && invalid >= 0; ++i) {
-    const bool is_at_end = invalid == 0 || invalid + 2 == static_cast<int>(mended.size());
+    const MotionEnds ends{invalid == 0, invalid + 2 == static_cast<int>(mended.size())};
     const auto from = mended.begin() + invalid;
     const std::vector<float> q =
-        repair.find_waypoint(internal::to_floats(from[0]), internal::to_floats(from[1]), is_at_end);
+        repair.find_waypoint(internal::to_floats(from[0]), internal::to_floats(from[1]), ends);
     if (q.empty()) break;
     mended.insert(from + 1, checker_.robot().normalized(Configuration(q.begin(), q.end())));
     const int origin = origins[static_cast<std::size_t>(invalid)];

@@ -125,12 +125,14 @@ class Shortener {
 
   bool is_chain_free(std::span<const float> rows, int first, int last) {
     if (!checker_.is_chain_valid(rows, counters_, {1, margin(first, last)})) return false;
-    const bool is_at_end = first == 0 || last == way_.count() - 1;
     const auto joints = as_index(joints_);
     for (std::size_t i = 0; verifier_ != nullptr && i + joints < rows.size(); i += joints) {
-      if (!verifier_->is_free(rows.subspan(i, joints), rows.subspan(i + joints, joints), is_at_end,
-                              counters_))
+      const MotionEnds ends{first == 0 && i == 0,
+                            last == way_.count() - 1 && i + 2 * joints == rows.size()};
+      if (!verifier_->is_free(rows.subspan(i, joints), rows.subspan(i + joints, joints), ends,
+                              counters_)) {
         return false;
+      }
     }
     return true;
   }

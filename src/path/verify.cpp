@@ -3,12 +3,9 @@
 #include "mneme/path.h"
 
 #include "path/path_conversion.h"
-#include "path/sweep.h"
-#include "path/path_conversion.h"
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -18,64 +15,39 @@ constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision
 
 }  // namespace
 
-MotionVerifier::MotionVerifier(const CollisionChecker& checker, Verification verification,
-                               std::function<bool()> must_stop)
-    : checker_(checker), verification_(verification), must_stop_(std::move(must_stop)) {
-  // Links of planar arms are so thin that they pass through each other between two states, however
-  // close.
-  const bool is_thin = verification == Verification::states && checker.robot().is_planar();
-  if (verification == Verification::motions || is_thin) {
-    sweep_ =
-        std::make_shared<const internal::Sweep>(checker.robot(), checker.scene(), checker.margin());
-  }
-}
-
-bool MotionVerifier::is_free(std::span<const float> from, std::span<const float> to, bool is_at_end,
-                             CheckCounters& counters) const {
-  return is_free(Configuration(from.begin(), from.end()), Configuration(to.begin(), to.end()),
-                 is_at_end, counters);
-}
-
-bool MotionVerifier::is_free(std::span<const double> from, std::span<const double> to,
-                             bool is_at_end, CheckCounters& counters) const {
+bool MotionVerifier::is_free(std::span<const float> from, std::span<const float> to,
+                             MotionEnds ends, CheckCounters& counters) const {
   if (verification_ == Verification::none) return true;
-  return has_one_way(from, to) && are_states_free(from, to, is_at_end, counters) &&
-         (!sweep_ || sweep_->is_free(from, to, must_stop_));
+  if (!has_one_way(from, to)) return false;
+  if (verification_ == Verification::motions) {
+    return checker_.is_sweep_valid(from, to, counters,
+                                   {kVerificationMargin, ends.is_first, ends.is_last});
+  }
+  const auto lacks_margin = [&](std::span<const float> q) {
+    return !checker_.is_motion_valid(q, q, counters, {1, kVerificationMargin});
+  };
+  const bool is_excused =
+      (ends.is_first && lacks_margin(from)) || (ends.is_last && lacks_margin(to));
+  return checker_.is_motion_valid(from, to, counters,
+                                  {kVerificationRefinement, is_excused ? 0 : kVerificationMargin});
 }
 
-bool MotionVerifier::has_one_way(std::span<const double> from, std::span<const double> to) const {
+bool MotionVerifier::has_one_way(std::span<const float> from, std::span<const float> to) const {
   const Robot& robot = checker_.robot();
-  const Configuration delta = robot.difference(from, to);
   for (int i = 0; i < robot.joint_count(); ++i) {
-    const bool is_continuous = robot.group_joint(i).type == JointType::continuous;
-    const double turn = std::abs(delta[static_cast<std::size_t>(i)]);
-    if (is_continuous && turn > std::numbers::pi - kTurnRounding) return false;
+    if (robot.group_joint(i).type != JointType::continuous) continue;
+    const auto j = static_cast<std::size_t>(i);
+    const double turn = std::remainder(double{to[j]} - double{from[j]}, 2 * std::numbers::pi);
+    if (std::abs(turn) > std::numbers::pi - kTurnRounding) return false;
   }
   return true;
 }
 
-bool MotionVerifier::are_states_free(std::span<const double> from, std::span<const double> to,
-                                     bool is_at_end, CheckCounters& counters) const {
-  const std::vector<float> begin = internal::to_floats(from), end = internal::to_floats(to);
-  const auto has_margin = [&](const std::vector<float>& q) {
-    return checker_.is_motion_valid(q, q, counters, {1, kVerificationMargin});
-  };
-  const double margin =
-      is_at_end && !(has_margin(begin) && has_margin(end)) ? 0.0 : kVerificationMargin;
-  return checker_.is_motion_valid(begin, end, counters, {kVerificationRefinement, margin});
-}
-
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
-  // What lies close to contact at the path's own ends excuses the motions there, no other waypoint.
-  const auto lacks_margin = [&](const Configuration& q) {
-    const std::vector<float> values = internal::to_floats(q);
-    return verification_ != Verification::none &&
-           !checker_.is_motion_valid(values, values, counters, {1, kVerificationMargin});
-  };
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const bool is_excused = (i == 1 && lacks_margin(path.front())) ||
-                            (i + 1 == path.size() && lacks_margin(path.back()));
-    if (!is_free(path[i - 1], path[i], is_excused, counters)) return static_cast<int>(i) - 1;
+    const MotionEnds ends{i == 1, i + 1 == path.size()};
+    if (!is_free(internal::to_floats(path[i - 1]), internal::to_floats(path[i]), ends, counters))
+      return static_cast<int>(i) - 1;
   }
   return -1;
 }

@@ -39,9 +39,7 @@ Result<void> check_settings(const SolveSettings& settings) {
                               check_ranges(settings.memory), check_ranges(settings.learn)}) {
     if (!checked) return checked;
   }
-  if (settings.plan.verify || !settings.plan.continuous) return {};
-  return fail(ErrorCode::invalid,
-              "setting 'continuous' is a way to verify: expected it with 'verify' only");
+  return {};
 }
 
 Result<void> check_robot(const Robot& robot, const Database& database) {

@@ -89,16 +89,14 @@ bool PlannerRun::must_stop() {
   return is_stopped_;
 }
 
-/// Whether verification will pass the states of a motion; what lies between them would take long.
-/// Its branch is found again and again otherwise.
+/// Whether verification will pass a motion. Its branch is found again and again otherwise.
 bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> to) {
-  if (settings_.verification() == Verification::none) return true;
   const auto is_end = [&](std::span<const float> q) {
     const auto is_same = [&](const std::vector<float>& end) { return std::ranges::equal(q, end); };
     return is_same(start_) || std::ranges::any_of(goals_, is_same);
   };
-  const double margin = is_end(from) || is_end(to) ? 0.0 : kVerificationMargin;
-  return checker_.is_motion_valid(from, to, counters_, {kVerificationRefinement, margin});
+  return MotionVerifier(checker_, settings_.verification())
+      .is_free(from, to, {is_end(from), is_end(to)}, counters_);
 }
 
 bool PlannerRun::is_cancelled() const {

@@ -168,16 +168,6 @@ TEST_SUITE("unit") {
     CHECK(request(robot, nullptr, settings).error().message.find("'max-gap'") != std::string::npos);
   }
 
-  TEST_CASE("continuous verification goes with verification only") {
-    SolveSettings settings;
-    settings.plan.continuous = true;
-    CHECK(request(planar8(), nullptr, settings).has_value());
-    settings.plan.verify = false;
-    CHECK(request(planar8(), nullptr, settings).error().code == ErrorCode::invalid);
-    settings.plan.continuous = false;
-    CHECK(request(planar8(), nullptr, settings).has_value());
-  }
-
   TEST_CASE("a budget for learning goes with kinds that learn on a miss, or is refused with why") {
     const TemporaryDirectory directory;
     const Robot robot = planar8();

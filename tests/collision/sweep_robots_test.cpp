@@ -1,29 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/random_worlds.h"
-#include "path/sweep.h"
+#include "collision/sweeps.h"
 
 #include <fmt/format.h>
 
 namespace mneme::test {
 namespace {
-
-using internal::Sweep;
-
-/// Metres by which anything overlaps at the worst of `states` states of a motion, exactly.
-double deepest_contact(const CollisionChecker& checker, const Configuration& from,
-                       const Configuration& to, int states) {
-  const Configuration delta = checker.robot().difference(from, to);
-  double deepest = 0;
-  for (int i = 0; i <= states; ++i) {
-    Configuration q = from;
-    for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * i / states;
-    for (const Contact& contact : checker.contacts(q)) {
-      deepest = std::max(deepest, -contact.distance);
-    }
-  }
-  return deepest;
-}
 
 Configuration random_configuration_of(const Robot& robot, Rng& rng) {
   const std::vector<float> row = random_states(robot, 1, rng);
@@ -53,8 +35,8 @@ TEST_SUITE("unit") {
       const double angle = 1.9, away = multiplier * angle + offset;
       const Vec3 where(away * std::cos(angle), away * std::sin(angle), 0);
       const Scene scene{"", {{"pea", {Sphere{where, 0.005}}}}};
-      CHECK_FALSE(Sweep(robot, scene).is_free(Configuration{0}, Configuration{2}));
-      CHECK(Sweep(robot, scene).is_free(Configuration{0}, Configuration{1.8}));
+      CHECK_FALSE(is_swept_free(robot, scene, Configuration{0}, Configuration{2}));
+      CHECK(is_swept_free(robot, scene, Configuration{0}, Configuration{1.8}));
     }
   }
 
@@ -70,10 +52,10 @@ TEST_SUITE("unit") {
     const auto robot = make_robot(std::move(parts));
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     const Scene scene{"", {{"ball", {Sphere{Vec3(0.5, 0, 0.2), 0.1}}}}};
-    int asked = 0;
-    const auto count = [&] { return ++asked < 0; };
-    CHECK(Sweep(*robot, scene).is_free(Configuration{-1, 0}, Configuration{1, 0}, count));
-    CHECK(asked < 300);
+    CheckCounters counters;
+    const std::vector<float> from = {-1, 0}, to = {1, 0};
+    CHECK(require_checker(*robot, scene).is_sweep_valid(from, to, counters));
+    CHECK(counters.states < 1000);
   }
 }
 
@@ -92,9 +74,9 @@ TEST_SUITE("oracle") {
       const Configuration to = random_configuration_of(robot, rng);
       if (!checker.contacts(from).empty() || !checker.contacts(to).empty()) continue;
       const double deepest = deepest_contact(checker, from, to, kStates);
-      const bool is_free = Sweep(robot, scene).is_free(from, to);
+      const bool is_free = is_swept_free(checker, from, to);
       ++(is_free ? free : blocked);
-      if (is_free) CHECK_MESSAGE(deepest <= Sweep::kTolerance, "seed " << kSeed);
+      if (is_free) CHECK_MESSAGE(deepest <= kSweepTolerance, "seed " << kSeed);
       refused += deepest == 0 && !is_free ? 1 : 0;
     }
     CHECK(refused <= 3);

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collision/body_reaches.h"
+
+#include "base/as_index.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme::internal {
+namespace {
+
+/// More than single precision loses.
+constexpr float kRounding = 1 + 1e-5f;
+
+/// The bounds of one motion.
+class Reach {
+ public:
+  Reach(const RobotTables& tables, std::span<const float> from, std::span<const float> to)
+      : tables_(tables), from_(from), to_(to) {}
+
+  /// Adds those of the joints that carry a body in the frame `ancestor` to `row`.
+  void add(const BodyRow& body, int ancestor, float* row) const {
+    const float* center = body.ball.center;
+    // Of the body's points: how far from the frame's axis, and from its origin.
+    float from_axis = std::hypot(center[0], center[1]) + body.ball.radius;
+    float from_origin = std::hypot(center[0], center[1], center[2]) + body.ball.radius;
+    for (int frame = body.frame; frame != ancestor;) {
+      const FrameRow& joint = tables_.frames[as_index(frame - 1)];
+      const float reach = joint.is_prismatic ? 1 : from_axis;
+      row[joint.joint] += kRounding * std::abs(joint.multiplier) * reach;
+      from_origin += travel_of(joint);
+      const float* t = joint.translation;
+      from_axis = std::hypot(t[0], t[1]) + from_origin;
+      from_origin += std::hypot(t[0], t[1], t[2]);
+      frame = joint.parent;
+    }
+  }
+
+ private:
+  /// The farthest that a slide takes its frame.
+  [[nodiscard]] float travel_of(const FrameRow& row) const {
+    if (!row.is_prismatic) return 0;
+    const auto value = [&](std::span<const float> q) {
+      return std::abs(row.multiplier * q[as_index(row.joint)] + row.offset);
+    };
+    return std::max(value(from_), value(to_));
+  }
+
+  const RobotTables& tables_;
+  std::span<const float> from_, to_;
+};
+
+int common_ancestor(const RobotTables& tables, int a, int b) {
+  while (a != b) {
+    int& lower = a > b ? a : b;
+    lower = tables.frames[as_index(lower - 1)].parent;
+  }
+  return a;
+}
+
+}  // namespace
+
+Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
+                     std::span<const float> to) {
+  const Reach reach(tables, from, to);
+  const auto joints = as_index(tables.joint_count);
+  Reaches result;
+  result.bodies.assign(as_index(tables.moving_count) * joints, 0.0f);
+  for (std::size_t i = 0; i < as_index(tables.moving_count); ++i) {
+    reach.add(tables.bodies[i], 0, result.bodies.data() + i * joints);
+  }
+  result.pairs.assign(tables.body_pairs.size() * joints, 0.0f);
+  for (std::size_t i = 0; i < tables.body_pairs.size(); ++i) {
+    const BodyRow& first = tables.bodies[as_index(tables.body_pairs[i].first)];
+    const BodyRow& second = tables.bodies[as_index(tables.body_pairs[i].second)];
+    const int ancestor = common_ancestor(tables, first.frame, second.frame);
+    reach.add(first, ancestor, result.pairs.data() + i * joints);
+    reach.add(second, ancestor, result.pairs.data() + i * joints);
+  }
+  return result;
+}
+
+void add_reaches(RobotTables& tables) {
+  const std::vector<float> zero(as_index(tables.joint_count), 0.0f);
+  tables.reaches = find_reaches(tables, zero, zero);
+  const auto turns_below = [&](const FrameRow& row) {
+    for (int frame = row.parent; frame > 0; frame = tables.frames[as_index(frame - 1)].parent) {
+      if (!tables.frames[as_index(frame - 1)].is_prismatic) return true;
+    }
+    return false;
+  };
+  tables.has_far_slides = std::ranges::any_of(
+      tables.frames, [&](const FrameRow& row) { return row.is_prismatic && turns_below(row); });
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,307 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What a robot touches, one configuration per lane.
+//
+// What is far apart costs little: bodies are held against obstacles 16 at a time by the box that a
+// body sweeps in all lanes, then by their bounding balls lane by lane, then group by group; only a
+// group whose ball hits has its shapes posed.
+#if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
+#undef MNEME_COLLISION_STATE_CHECKER_INL_H_
+#else
+#define MNEME_COLLISION_STATE_CHECKER_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "collision/distance-inl.h"
+#include "collision/forward_kinematics-inl.h"
+#include "collision/margins-inl.h"
+#include "collision/scene_boxes-inl.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+
+/// What is hit so far. With `kIsMotion`, one hit in any lane settles the question; otherwise all
+/// lanes must be hit before the rest can be skipped.
+template <bool kIsMotion>
+struct Verdict {
+  // A default member initialiser would be compiled for the baseline instruction set.
+  HWY_INLINE Verdict() : hit(hn::MaskFromVec(hn::Zero(Tag()))) {}
+
+  M hit;
+
+  HWY_INLINE bool add(M mask) {
+    hit = hn::Or(hit, mask);
+    return kIsMotion ? !hn::AllFalse(Tag(), hit) : hn::AllTrue(Tag(), hit);
+  }
+};
+
+/// So many bodies go through the coarse tests before the finer ones: more would put off contacts of
+/// the tips, fewer would wait for each other.
+constexpr int kBatch = 4;
+/// What passed a coarse test is listed before the finer one.
+constexpr int kListSize = 64;
+
+/// The spheres of a group, one pose per lane.
+struct PosedSpheres {
+  V3 centers[kGroupSize];
+};
+
+template <bool kIsMotion, class Margins = EvenMargins>
+class StateChecker {
+ public:
+  HWY_INLINE StateChecker(const RobotTables& robot, const SceneTables& scene,
+                          const Margins& margins)
+      : robot_(robot), scene_(scene), margins_(margins) {
+    poses_[0] = splat_rotation(scene.rotation);
+    for (size_t i = robot.moving_count; i < robot.bodies.size(); ++i) {
+      centers_[i] = transform_point(poses_[0], robot.bodies[i].ball.center);
+    }
+  }
+
+  /// True as soon as the verdict is settled.
+  HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
+    pose_frames(robot_, q, poses_);
+    for (int begin = 0; begin < robot_.moving_count; begin += kBatch) {
+      const int end = std::min(begin + kBatch, robot_.moving_count);
+      for (int i = begin; i < end; ++i) {
+        const BodyRow& body = robot_.bodies[i];
+        centers_[i] = transform_point(poses_[body.frame], body.ball.center);
+        extents_[i].set(centers_[i]);
+      }
+      if (hits_scene(begin, end, verdict)) return true;
+    }
+    return hits_self(verdict);
+  }
+
+ private:
+  HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
+    for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
+      int near[kBatch];
+      unsigned overlaps[kBatch];
+      int count = 0;
+      for (int i = first; i < last; ++i) {
+        near[count] = i;
+        if (!margins_.moves_body(i)) continue;
+        const float reach = robot_.bodies[i].ball.radius + margins_.widest_of_body(i);
+        overlaps[count] = find_overlaps(scene_, extents_[i], reach, begin);
+        count += overlaps[count] != 0;
+      }
+      for (int i = 0; i < count; ++i) {
+        if (hits_obstacles(near[i], begin, overlaps[i], verdict)) return true;
+      }
+    }
+    return false;
+  }
+
+  HWY_NOINLINE bool hits_obstacles(int index, size_t begin, unsigned bits,
+                                   Verdict<kIsMotion>& verdict) const {
+    const BodyRow& body = robot_.bodies[index];
+    const auto margin = margins_.of_body(index);
+    const auto reach2 = squared(sum(body.ball.radius, margin));
+    const ObstacleRow* near[kLanes];
+    int count = 0;
+    for (; bits != 0; bits &= bits - 1) {
+      const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
+      near[count] = &scene_.obstacles[i];
+      count += is_any_below(distance2_to_bounds(scene_, centers_[index], i), reach2);
+    }
+    for (int g = body.group_begin; count > 0 && g < body.group_end; ++g) {
+      if (hits_obstacles(robot_.groups[g], poses_[body.frame], margin, near, count, verdict)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  template <class Margin>
+  HWY_INLINE bool hits_obstacles(const GroupRow& group, const Pose& pose, Margin margin,
+                                 const ObstacleRow* const* near, int count,
+                                 Verdict<kIsMotion>& verdict) const {
+    if (group.is_capsule) {
+      const CapsuleRow& capsule = robot_.capsules[group.begin];
+      return hits_obstacles(capsule, posed(capsule, pose), margin, near, count, verdict);
+    }
+    const V3 center = transform_point(pose, group.ball.center);
+    PosedSpheres spheres;
+    bool is_posed = false;
+    for (int i = 0; i < count; ++i) {
+      const auto extra = sum(near[i]->rounding, margin);
+      const auto reach2 = squared(sum(group.ball.radius, extra));
+      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+        if (!is_any_below(distance2(center), reach2)) return hn::MaskFromVec(hn::Zero(Tag()));
+        if (!is_posed) spheres = posed(group, pose);
+        is_posed = true;
+        return find_hits(group, spheres, extra, distance2);
+      });
+      if (verdict.add(hit)) return true;
+    }
+    return false;
+  }
+
+  template <class Margin>
+  HWY_NOINLINE bool hits_obstacles(const CapsuleRow& capsule, const Segment& axis, Margin margin,
+                                   const ObstacleRow* const* near, int count,
+                                   Verdict<kIsMotion>& verdict) const {
+    for (int i = 0; i < count; ++i) {
+      const auto reach = sum(capsule.radius + near[i]->rounding, margin);
+      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+        return hn::Lt(distance2(axis), lanes_of(squared(reach)));
+      });
+      if (verdict.add(hit)) return true;
+    }
+    return false;
+  }
+
+  HWY_INLINE PosedSpheres posed(const GroupRow& group, const Pose& pose) const {
+    PosedSpheres result;
+    for (int i = 0; i < kGroupSize; ++i) {
+      result.centers[i] = transform_point(pose, robot_.spheres[group.begin + i].center);
+    }
+    return result;
+  }
+
+  HWY_INLINE Segment posed(const CapsuleRow& capsule, const Pose& pose) const {
+    const V zero = hn::Zero(Tag());
+    return {add_sparse(pose, capsule.a, pose.origin),
+            add_sparse(pose, capsule.along, {zero, zero, zero}), splat(capsule.inverse_length2)};
+  }
+
+  /// Where a sphere of the group comes closer than `extra` to something, given squared distances.
+  template <class Margin, class Distance2>
+  HWY_INLINE M find_hits(const GroupRow& group, const PosedSpheres& spheres, Margin extra,
+                         const Distance2& distance2) const {
+    M hit = hn::MaskFromVec(hn::Zero(Tag()));
+    for (int i = 0; i < kGroupSize; ++i) {
+      const V reach = lanes_of(sum(robot_.spheres[group.begin + i].radius, extra));
+      hit = hn::Or(hit, hn::Lt(distance2(spheres.centers[i]), hn::Mul(reach, reach)));
+    }
+    return hit;
+  }
+
+  HWY_INLINE bool hits_self(Verdict<kIsMotion>& verdict) const {
+    const int pair_count = static_cast<int>(robot_.body_pairs.size());
+    for (int begin = 0; begin < pair_count; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair_count);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const BodyPairRow& pair = robot_.body_pairs[i];
+        if (!margins_.moves_pair(i)) continue;
+        near[count] = i;
+        count += is_any_below(squared_norm(centers_[pair.first] - centers_[pair.second]),
+                              margins_.reach2(pair, i));
+      }
+      for (int i = 0; i < count; ++i) {
+        if (hits_body(near[i], verdict)) return true;
+      }
+    }
+    return false;
+  }
+
+  HWY_NOINLINE bool hits_body(int index, Verdict<kIsMotion>& verdict) const {
+    const BodyPairRow& pair = robot_.body_pairs[index];
+    const auto margin = margins_.of_pair(index);
+    const Pose& pose = poses_[robot_.bodies[pair.first].frame];
+    const Pose& other_pose = poses_[robot_.bodies[pair.second].frame];
+    if (pair.is_single) {
+      const GroupPairRow& groups = robot_.group_pairs[pair.begin];
+      return verdict.add(find_hits(robot_.groups[groups.first], pose,
+                                   robot_.groups[groups.second_begin], other_pose, margin));
+    }
+    const float other_radius = robot_.bodies[pair.second].ball.radius;
+    const V3& other_center = centers_[pair.second];
+    for (int begin = pair.begin; begin < pair.end; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair.end);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const Ball& ball = robot_.groups[robot_.group_pairs[i].first].ball;
+        near[count] = i;
+        count += is_any_below(squared_norm(transform_point(pose, ball.center) - other_center),
+                              squared(sum(ball.radius + other_radius, margin)));
+      }
+      for (int i = 0; i < count; ++i) {
+        if (hits_groups(robot_.group_pairs[near[i]], pose, other_pose, margin, verdict))
+          return true;
+      }
+    }
+    return false;
+  }
+
+  template <class Margin>
+  HWY_INLINE bool hits_groups(const GroupPairRow& pair, const Pose& pose, const Pose& other_pose,
+                              Margin margin, Verdict<kIsMotion>& verdict) const {
+    const GroupRow& first = robot_.groups[pair.first];
+    const V3 center = transform_point(pose, first.ball.center);
+    for (int begin = pair.second_begin; begin < pair.second_end; begin += kListSize) {
+      const int end = std::min(begin + kListSize, pair.second_end);
+      int near[kListSize];
+      int count = 0;
+      for (int i = begin; i < end; ++i) {
+        const Ball& ball = robot_.groups[i].ball;
+        near[count] = i;
+        count += is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
+                              squared(sum(ball.radius + first.ball.radius, margin)));
+      }
+      for (int i = 0; i < count; ++i) {
+        const GroupRow& second = robot_.groups[near[i]];
+        if (verdict.add(find_hits(first, pose, second, other_pose, margin))) return true;
+      }
+    }
+    return false;
+  }
+
+  template <class Margin>
+  HWY_INLINE M find_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                         const Pose& other_pose, Margin margin) const {
+    if (first.is_capsule) return find_capsule_hits(first, pose, second, other_pose, margin);
+    if (second.is_capsule) return find_capsule_hits(second, other_pose, first, pose, margin);
+    return find_sphere_hits(first, pose, second, other_pose, margin);
+  }
+
+  template <class Margin>
+  HWY_INLINE M find_sphere_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                const Pose& other_pose, Margin margin) const {
+    const PosedSpheres spheres = posed(first, pose), others = posed(second, other_pose);
+    M hit = hn::MaskFromVec(hn::Zero(Tag()));
+    for (int i = 0; i < kGroupSize; ++i) {
+      const auto distance2 = [&](const V3& p) { return squared_norm(p - spheres.centers[i]); };
+      const auto extra = sum(robot_.spheres[first.begin + i].radius, margin);
+      hit = hn::Or(hit, find_hits(second, others, extra, distance2));
+    }
+    return hit;
+  }
+
+  /// The first group is a capsule.
+  template <class Margin>
+  HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                   const Pose& other_pose, Margin margin) const {
+    const CapsuleRow& capsule = robot_.capsules[first.begin];
+    const Segment axis = posed(capsule, pose);
+    if (!second.is_capsule) {
+      return find_hits(second, posed(second, other_pose), sum(capsule.radius, margin),
+                       [&](const V3& p) { return point_segment(p, axis); });
+    }
+    const CapsuleRow& other = robot_.capsules[second.begin];
+    const V distance2 = segment_segment(axis, posed(other, other_pose));
+    return hn::Lt(distance2, lanes_of(squared(sum(capsule.radius + other.radius, margin))));
+  }
+
+  const RobotTables& robot_;
+  const SceneTables& scene_;
+  const Margins& margins_;
+  Pose poses_[kMaxFrames + 1];
+  V3 centers_[kMaxBodies];
+  Extent extents_[kMaxBodies];
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#endif  // MNEME_COLLISION_STATE_CHECKER_INL_H_

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What a motion sweeps, and what it touches there.
+#pragma once
+
+#include "mneme/collision.h"
+
+#include "collision/random_worlds.h"
+
+namespace mneme::test {
+
+/// Metres by which what passes may overlap between two states.
+inline constexpr double kSweepTolerance = 2e-5;
+
+inline bool is_swept_free(const CollisionChecker& checker, const Configuration& from,
+                          const Configuration& to, const SweepDetail& detail = {}) {
+  const std::vector<float> a(from.begin(), from.end()), b(to.begin(), to.end());
+  CheckCounters counters;
+  return checker.is_sweep_valid(a, b, counters, detail);
+}
+
+inline bool is_swept_free(const Robot& robot, const Scene& scene, const Configuration& from,
+                          const Configuration& to, const SweepDetail& detail = {}) {
+  return is_swept_free(require_checker(robot, scene), from, to, detail);
+}
+
+/// Metres by which anything overlaps at the worst of `states` states of a motion, exactly.
+inline double deepest_contact(const CollisionChecker& checker, const Configuration& from,
+                              const Configuration& to, int states) {
+  const Configuration delta = checker.robot().difference(from, to);
+  double deepest = 0;
+  for (int i = 0; i <= states; ++i) {
+    Configuration q = from;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * i / states;
+    for (const Contact& contact : checker.contacts(q)) {
+      deepest = std::max(deepest, -contact.distance);
+    }
+  }
+  return deepest;
+}
+
+}  // namespace mneme::test
