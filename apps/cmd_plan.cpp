@@ -184,6 +184,10 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
              1e3 * result.gl.learning_time_s);
   fmt::print("afterwards  simplification {:.3f} ms, verification {:.3f} ms\n",
              1e3 * plan.simplification_time_s, 1e3 * plan.verification_time_s);
+  if (result.improvement_time_s > 0) {
+    fmt::print("improved    {} times in {:.3f} ms\n", result.improvements.size(),
+               1e3 * result.improvement_time_s);
+  }
   fmt::print("in all      {:.3f} ms, after {:.3f} ms of loading\n", 1e3 * result.total_time_s,
              1e3 * loaded.load_time_s);
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",

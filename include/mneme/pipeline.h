@@ -126,12 +126,20 @@ struct Remembered {
   std::string failure;  ///< why nothing could be inserted; the path is found all the same
 };
 
+/// A shorter path, found while improving.
+struct Improved {
+  double time_s = 0;  ///< since improving began
+  double path_length = 0;
+};
+
 struct SolveResult {
   PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
   GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
   Remembered remembered;
+  std::vector<Improved> improvements;  ///< one after the other; the last is the plan's path
   double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< without simplification, verification and remembering
+  double planning_time_s = 0;  ///< without what follows planning
+  double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;

@@ -52,6 +52,8 @@ struct PlanSettings {
   std::uint64_t seed = 1;
   bool simplify = true;
   int patience = 40;
+  double improve = 0;
+  std::optional<std::uint64_t> improve_rounds;
   bool verify = true;
   bool continuous = true;
   int neighbours = 10;
@@ -103,6 +105,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("patience", s.patience, 0, 1000000,
         "shortening ends once so many vectors of 16 states were checked in vain: more takes longer "
         "for a shorter path; 0 only drops waypoints");
+  visit("improve", s.improve, 0.0, 1e6,
+        "seconds to look for shorter paths once there is one: plans from other seeds, several at a "
+        "time, and shortens the best for longer");
+  visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
+        "most rounds of improving, of four plans each but for the first; left out, as many as the "
+        "time allows; with a seed it makes them repeatable");
   visit("verify", s.verify, false, true,
         "check the final path; motions that fail are mended, or removed and planning goes on");
   visit("continuous", s.continuous, false, true,

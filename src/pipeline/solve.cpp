@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The page to read first: decompose the scene -> retrieve or learn local samplers -> synthesize one
-// sampler -> plan -> shorten and verify -> remember.
+// sampler -> plan -> shorten and verify -> improve -> remember.
 #include "mneme/pipeline.h"
 
+#include "pipeline/improve.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/query.h"
 #include "pipeline/recollection.h"
@@ -62,6 +63,7 @@ Result<void> plan(const Query& query, SolveResult& result) {
   if (recollection.failure()) return tl::unexpected(*recollection.failure());
   result.plan = *std::move(planned);
   result.plan.planning_time_s += recall_time_s;
+  improve(query, *sampler, result);
   result.gl = recollection.take();
   return {};
 }
@@ -86,7 +88,8 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   result.isa = query->checker.isa();
   result.total_time_s = stopwatch.elapsed_s();
   result.planning_time_s = result.total_time_s - result.plan.simplification_time_s -
-                           result.plan.verification_time_s - result.remembered.time_s;
+                           result.plan.verification_time_s - result.improvement_time_s -
+                           result.remembered.time_s;
   return result;
 }
 

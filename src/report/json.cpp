@@ -189,8 +189,17 @@ void add_times(Json& json, const SolveResult& result, double load_time_s) {
   json["learning_time_s"] = result.gl.learning_time_s;
   json["simplification_time_s"] = result.plan.simplification_time_s;
   json["verification_time_s"] = result.plan.verification_time_s;
+  json["improvement_time_s"] = result.improvement_time_s;
   json["remembering_time_s"] = result.remembered.time_s;
   json["load_time_s"] = load_time_s;
+}
+
+Json to_json(const std::vector<Improved>& improvements) {
+  Json json;
+  for (const Improved& path : improvements) {
+    json.push_back({{"time_s", path.time_s}, {"path_length", path.path_length}});
+  }
+  return json;
 }
 
 }  // namespace
@@ -205,6 +214,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["path"] = result.plan.path;
   json["path_length"] = path_length(problem.robot, result.plan.path);
   add_times(json, result, load_time_s);
+  if (!result.improvements.empty()) json["improvements"] = to_json(result.improvements);
   json["iterations"] = result.plan.iterations;
   json["states_checked"] = result.plan.states_checked;
   json["motions_checked"] = result.plan.motions_checked;

@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
                      }
                      CHECK(std::string(sentence).size() > 10);
                    });
-    CHECK(names.size() == 16);
+    CHECK(names.size() == 18);
   }
 }
 

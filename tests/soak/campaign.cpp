@@ -70,7 +70,8 @@ class Campaign {
 
   Result<void> run(int plan) {
     Rng rng(derive_seed(settings_.seed ^ 0x50a1, static_cast<std::uint64_t>(plan)));
-    const Problem problem = random_problem(robot_, settings_.margin, rng);
+    Problem problem = random_problem(robot_, settings_.margin, rng);
+    if (settings_.near > 0) bring_ends_close(problem, settings_.near, rng);
     const SolveSettings settings = settings_of(plan, settings_, robot_);
     auto solved = solve(problem, &memory_.database(plan), settings);
     if (!solved) return tl::unexpected(solved.error());

@@ -20,7 +20,8 @@ struct CampaignSettings {
   double margin = 0;       ///< metres
   double refinement = 20;  ///< FCL looks at states this many times closer than the planner
   bool verify = true;
-  bool continuous = false;
+  bool continuous = true;
+  double near = 0;  ///< metres; above 0, starts and goals are at most so far from contact
 };
 
 /// What came of the plans of one robot, planner and sampler.

@@ -76,7 +76,35 @@ std::vector<Shape> propose(const Robot& robot, Rng& rng) {
   return {first, beside(first, rng)};
 }
 
+/// From `q` straight to `other`, up to what it meets there.
+Configuration bring_close(FclOracle& oracle, Configuration q, Configuration other, double most) {
+  constexpr int kSteps = 40, kHalvings = 60;
+  const Configuration begin = q, end = other;
+  bool has_met = false;
+  for (int step = 1; step <= kSteps && !has_met; ++step) {
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      other[j] = begin[j] + (end[j] - begin[j]) * step / kSteps;
+    }
+    has_met = oracle.overlap(other).has_value();
+    if (!has_met) q = other;
+  }
+  for (int i = 0; has_met && i < kHalvings && oracle.clearance(q) > most; ++i) {
+    Configuration middle = q;
+    for (std::size_t j = 0; j < q.size(); ++j) middle[j] = 0.5 * (q[j] + other[j]);
+    (oracle.overlap(middle) ? other : q) = middle;
+  }
+  return q;
+}
+
 }  // namespace
+
+void bring_ends_close(Problem& problem, double most, Rng& rng) {
+  FclOracle oracle(problem.robot, problem.scene);
+  for (Configuration* end : {&problem.start, &problem.goals[0]}) {
+    *end =
+        bring_close(oracle, *end, random_configuration(problem.robot, rng), rng.uniform(0, most));
+  }
+}
 
 Problem random_problem(const Robot& robot, double margin, Rng& rng) {
   Problem problem{"random", robot, {}, {"random", {}}, free_of_itself(robot, rng), {}, {}};

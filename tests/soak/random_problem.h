@@ -13,4 +13,8 @@ namespace mneme::soak {
 /// cylinders and capsules within the reach of the arm. `margin` inflates the robot.
 [[nodiscard]] Problem random_problem(const Robot& robot, double margin, Rng& rng);
 
+/// Moves start and goal in random directions until they are at most `most` metres from contact with
+/// an obstacle or another link, and free by FCL. An end that meets nothing on its way stays.
+void bring_ends_close(Problem& problem, double most, Rng& rng);
+
 }  // namespace mneme::soak

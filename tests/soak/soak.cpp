@@ -172,7 +172,10 @@ int main(int argc, char** argv) {
   app.add_option("--refinement", settings.refinement, "FCL's states per state of the planner")
       ->check(CLI::PositiveNumber);
   app.add_flag("!--no-verify", settings.verify, "return paths without verification");
-  app.add_flag("--continuous", settings.continuous, "verify what lies between states too");
+  app.add_flag("--continuous,!--no-continuous", settings.continuous,
+               "verify what lies between states too");
+  app.add_option("--near", settings.near, "metres from contact at most, of starts and goals")
+      ->check(CLI::PositiveNumber);
   app.add_flag("--limits", options.has_limits,
                "print instead how deep contact between two checked states can be");
   app.add_option("--endure", options.endurance_s,

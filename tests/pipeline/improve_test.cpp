@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/planar_memory.h"
+
+namespace mneme::test {
+namespace {
+
+SolveResult improved(const Problem& problem, std::uint64_t rounds,
+                     const char* planner = "rrt_connect") {
+  SolveSettings settings;
+  settings.planner = planner;
+  settings.plan.timeout_s = 60;
+  if (rounds > 0) {
+    settings.plan.improve = 1000;
+    settings.plan.improve_rounds = rounds;
+  }
+  auto result = solve(problem, nullptr, settings);
+  REQUIRE(result.has_value());
+  REQUIRE(result->plan.is_solved());
+  return *std::move(result);
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("more rounds never lead to a longer path, and what improves is verified") {
+    const Problem problem = planar_problem("threaded_b2");
+    const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+    REQUIRE(checker.has_value());
+    double last = path_length(problem.robot, improved(problem, 0).plan.path);
+    const double first = last;
+    for (const std::uint64_t rounds : {1, 2, 4, 8}) {
+      const SolveResult result = improved(problem, rounds);
+      const double length = path_length(problem.robot, result.plan.path);
+      CHECK(length <= last);
+      last = length;
+      CheckCounters counters;
+      CHECK(find_invalid_motion(*checker, result.plan.path, counters) == -1);
+      CHECK(result.plan.path.front() == problem.start);
+      CHECK(result.planning_time_s + result.improvement_time_s <= result.total_time_s);
+    }
+    CHECK(last < first);
+  }
+
+  TEST_CASE("the curve of improvements falls and ends at the path that comes back") {
+    const Problem problem = planar_problem("threaded_b0");
+    const SolveResult result = improved(problem, 6, "rrt_connect");
+    REQUIRE_FALSE(result.improvements.empty());
+    for (std::size_t i = 1; i < result.improvements.size(); ++i) {
+      CHECK(result.improvements[i].path_length < result.improvements[i - 1].path_length);
+      CHECK(result.improvements[i].time_s >= result.improvements[i - 1].time_s);
+    }
+    CHECK(result.improvements.back().path_length == path_length(problem.robot, result.plan.path));
+  }
+
+  TEST_CASE("the same number of rounds leads to the same path") {
+    const Problem problem = planar_problem("threaded_b4");
+    CHECK(improved(problem, 3).plan.path == improved(problem, 3).plan.path);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("without time to improve nothing is improved") {
+    const SolveResult result = improved(planar_problem("threaded_b0"), 0);
+    CHECK(result.improvements.empty());
+    CHECK(result.improvement_time_s == 0);
+  }
+
+  TEST_CASE("improving ends when its time is up") {
+    SolveSettings settings;
+    settings.plan.improve = 1e-9;
+    const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
+    REQUIRE(result.has_value());
+    CHECK(result->plan.is_solved());
+    CHECK(result->improvements.size() <= 1);
+    settings.plan.improve = -1;
+    CHECK(solve(planar_problem("threaded_b0"), nullptr, settings).error().code ==
+          ErrorCode::invalid);
+  }
+}
+
+}  // namespace mneme::test
