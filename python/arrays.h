@@ -30,6 +30,13 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// x, y, z in metres.
 [[nodiscard]] Vec3 to_point(const py::handle& value, const std::string& what);
 
+/// Makes an array that stands for what it was copied from: writing into it would be lost.
+template <class T>
+[[nodiscard]] py::array_t<T> read_only(py::array_t<T> array) {
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
 [[nodiscard]] py::array_t<double> to_array(std::span<const double> values);
 /// An array of shape (rows, columns), also if there are no rows.
 [[nodiscard]] py::array_t<double> to_array(const Path& rows, int columns);

@@ -7,6 +7,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "problem.h"
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -22,12 +23,12 @@ struct Runs {
   std::uint64_t first_seed = 1;
 };
 
-BenchPlan make_bench_plan(const std::vector<Problem>& problems, const Memory* memory,
+BenchPlan make_bench_plan(const std::vector<SharedProblem>& problems, const Memory* memory,
                           const Runs& runs, const SolveSettings& settings) {
   BenchPlan plan;
-  for (const Problem& problem : problems) {
-    plan.problems.push_back({"", problem});
-    if (memory != nullptr) plan.memories[{"", problem.robot.hash()}] = memory->get();
+  for (const SharedProblem& problem : problems) {
+    plan.problems.push_back({"", problem.get()});
+    if (memory != nullptr) plan.memories[{"", problem.rest().robot.hash()}] = memory->get();
   }
   BenchCase base;
   base.settings = settings;
@@ -40,7 +41,7 @@ BenchPlan make_bench_plan(const std::vector<Problem>& problems, const Memory* me
 }
 
 /// Only solving lets other threads run, so that `on_row` is called by the caller's.
-void bench(const std::vector<Problem>& problems, const Memory* memory, const Runs& runs,
+void bench(const std::vector<SharedProblem>& problems, const Memory* memory, const Runs& runs,
            const SolveSettings& settings, const py::function& on_row) {
   if (settings.learn_budget_s > 0 && memory == nullptr) {
     raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
@@ -91,7 +92,7 @@ void bind_benchmark(py::module_& module) {
   bind_rows(module);
   module.def(
       "_bench",
-      [](const std::vector<Problem>& problems, const Memory* memory,
+      [](const std::vector<SharedProblem>& problems, const Memory* memory,
          const std::vector<std::string>& planners, const std::vector<std::string>& samplers,
          int seeds, std::uint64_t seed, const py::function& on_row, const std::string& isa,
          const py::kwargs& arguments) {

@@ -9,6 +9,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "problem.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -67,19 +68,23 @@ void add_primitives(const py::object& primitives, const std::optional<int>& coun
   }
 }
 
+void check_robot(const char* argument, const SharedProblem& problem, const Robot& robot) {
+  if (problem.rest().robot.hash() == robot.hash()) return;
+  raise_invalid(fmt::format("{}: the robot of problem '{}' differs from robot '{}'", argument,
+                            problem.rest().name, robot.name()));
+}
+
 void add_scenes(const py::iterable& scenes, const Robot& robot, const MemorySettings& settings,
                 Lesson& lesson) {
   for (const py::handle item : scenes) {
-    const bool is_problem = py::isinstance<Problem>(item);
+    const bool is_problem = py::isinstance<SharedProblem>(item);
     if (!is_problem && !py::isinstance<Scene>(item)) {
       throw py::type_error("scenes: expected mneme.Scene or mneme.Problem objects, got " +
                            py::repr(item).cast<std::string>());
     }
-    if (is_problem && item.cast<Problem&>().robot.hash() != robot.hash()) {
-      raise_invalid(fmt::format("scenes: the robot of problem '{}' differs from robot '{}'",
-                                item.cast<Problem&>().name, robot.name()));
-    }
-    const Scene& scene = is_problem ? item.cast<Problem&>().scene : item.cast<Scene&>();
+    if (is_problem) check_robot("scenes", item.cast<const SharedProblem&>(), robot);
+    const Scene& scene =
+        is_problem ? *item.cast<const SharedProblem&>().scene() : item.cast<const Scene&>();
     for (LocalPrimitive& primitive : unwrap(decompose({robot, scene}, settings))) {
       const bool is_new =
           std::find(lesson.keys.begin(), lesson.keys.end(), primitive.key) == lesson.keys.end();
@@ -106,13 +111,51 @@ LearnSummary learn(const Robot& robot, const Memory& memory, Lesson lesson, Lear
   return unwrap(std::move(summary));
 }
 
+/// What learning from problems is given besides.
+struct PathLesson {
+  int paths_per_problem = ProblemLesson{}.paths;
+  double timeout_s = ProblemLesson{}.timeout_s;
+};
+
+LearnSummary learn_problems(const Robot& robot, const Memory& memory, const py::iterable& given,
+                            const PathLesson& asked, const LearnRun& run,
+                            const MemorySettings& settings, const py::object& on_progress) {
+  std::vector<Problem> problems;
+  for (const py::handle item : given) {
+    if (!py::isinstance<SharedProblem>(item)) {
+      throw py::type_error("problems: expected mneme.Problem objects, got " +
+                           py::repr(item).cast<std::string>());
+    }
+    check_robot("problems", item.cast<const SharedProblem&>(), robot);
+    problems.push_back(item.cast<const SharedProblem&>().get());
+  }
+  const std::shared_ptr<Database> database = memory.get();
+  std::atomic<bool> cancel = false;
+  ProgressCallback callback(on_progress, cancel);
+  ProblemLesson lesson;
+  static_cast<LearnRun&>(lesson) = run;
+  lesson.paths = asked.paths_per_problem;
+  lesson.timeout_s = asked.timeout_s;
+  lesson.cancel = &cancel;
+  if (!on_progress.is_none()) lesson.on_progress = std::ref(callback);
+  auto summary = run_interruptible(
+      cancel, [&] { return learn_from_problems(problems, settings, *database, lesson); });
+  callback.rethrow();
+  return unwrap(std::move(summary));
+}
+
 LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
                                  const py::object& primitives, const py::object& scenes,
+                                 const py::object& problems, int paths, double timeout,
                                  const std::optional<int>& count, std::uint64_t seed, int jobs,
                                  const py::object& on_progress, const py::kwargs& arguments) {
-  if (primitives.is_none() && scenes.is_none()) {
-    throw py::type_error("learn() needs primitives or scenes");
+  const bool has_keys = !primitives.is_none() || !scenes.is_none();
+  if (has_keys != problems.is_none()) {
+    throw py::type_error("learn() needs problems, or else primitives or scenes");
   }
+  if (paths < 1 || paths > 1000) raise_invalid("paths: expected 1 to 1000");
+  // Written so that a NaN is out of range.
+  if (!(timeout >= 0 && timeout <= 1e6)) raise_invalid("timeout: expected 0 to 1e6 seconds");
   if (count && *count < 0) raise_invalid("count: expected 0 or more");
   if (jobs < 0 || jobs > 4096) raise_invalid("jobs: expected 1 to 4096, or 0 for all processors");
   LearnJob job;
@@ -123,6 +166,10 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
   keywords.finish();
   job.seed = seed;
   job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (!problems.is_none()) {
+    return learn_problems(robot, memory, problems, {paths, timeout}, job, memory.to_learn(asked),
+                          on_progress);
+  }
   Lesson lesson;
   if (!scenes.is_none()) add_scenes(scenes, robot, memory.to_learn(asked), lesson);
   if (!primitives.is_none()) add_primitives(primitives, count, lesson);
@@ -159,6 +206,8 @@ void bind_results(py::module_& module) {
       .def_readonly("learned", &LearnSummary::learned, "Primitives learned now.")
       .def_readonly("skipped", &LearnSummary::skipped,
                     "Already in the database with the same seed and settings.")
+      .def_readonly("unsolved", &LearnSummary::unsolved, "Problems without a path, and why.")
+      .def_readonly("rows", &LearnSummary::rows, "Added to the database.")
       .def_readonly("empty", &LearnSummary::empty, "Of those learned: nothing passes them.")
       .def_readonly("components", &LearnSummary::components)
       .def_readonly("time_s", &LearnSummary::time_s)
@@ -175,12 +224,15 @@ void bind_learning(py::module_& module) {
   module.def(
       "learn", &learn_with_keywords, py::arg("robot"), py::arg("database"), py::kw_only(),
       py::arg("primitives") = py::none(), py::arg("scenes") = py::none(),
-      py::arg("count") = py::none(), py::arg("seed") = 1, py::arg("jobs") = 0,
+      py::arg("problems") = py::none(), py::arg("paths") = ProblemLesson{}.paths,
+      py::arg("timeout") = ProblemLesson{}.timeout_s, py::arg("count") = py::none(), py::arg("seed") = 1, py::arg("jobs") = 0,
       py::arg("on_progress") = py::none(),
       ("Learns local samplers of primitives into a database; resumable, also after Control-C.\n"
-       "Planar arms only: for others see learn_from_paths.\n\n"
+       "Primitives and scenes are for planar arms, problems for any robot.\n\n"
        "primitives: a YAML file with a range to cover, or pairs of circles of shape (n, 6).\n"
        "scenes: scenes or problems whose primitives to learn.\n"
+       "problems: problems to solve, paths times each, and to learn from; those that are hard.\n"
+       "timeout: seconds per path.\n"
        "count: at least this many primitives, instead of the range's number.\n"
        "jobs: threads; 0 for all processors. The result does not depend on it.\n"
        "on_progress: called with a LearnProgress about once a second; what it raises ends it.\n\n" +

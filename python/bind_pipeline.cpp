@@ -10,6 +10,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "problem.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -22,18 +23,20 @@ namespace {
 /// What a call of solve() was given and what came out. Holds on to the database, because what was
 /// retrieved refers to it.
 struct Plan {
-  Problem problem;
+  SharedProblem asked;
+  Problem problem;  ///< as it was when it was asked
   std::shared_ptr<Database> database;
   SolveSettings settings;
   std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
   SolveResult result;
 };
 
-Plan plan(const Problem& problem, const Memory* memory, const std::string& planner,
+Plan plan(const SharedProblem& problem, const Memory* memory, const std::string& planner,
           const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
           const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
   Plan made{problem,
+            problem.get(),
             memory == nullptr ? nullptr : memory->get(),
             read_solve_settings(planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
@@ -54,7 +57,7 @@ Plan plan(const Problem& problem, const Memory* memory, const std::string& plann
 }
 
 py::array_t<double> path_of(const Plan& plan) {
-  return to_array(plan.result.plan.path, plan.problem.robot.joint_count());
+  return read_only(to_array(plan.result.plan.path, plan.problem.robot.joint_count()));
 }
 
 /// The retrieved components in the scene's frame.
@@ -63,7 +66,7 @@ py::array_t<float> components_of(const Plan& plan) {
   const py::ssize_t rows = mixture == nullptr ? 0 : mixture->component_count();
   py::array_t<float> means({rows, py::ssize_t{plan.problem.robot.joint_count()}});
   if (rows > 0) std::copy(mixture->means.begin(), mixture->means.end(), means.mutable_data());
-  return means;
+  return read_only(std::move(means));
 }
 
 py::list primitives_of(const Plan& plan) {
@@ -110,7 +113,7 @@ BenchmarkRow row_of(const Plan& plan, const std::string& set) {
 
 void bind_answer(py::class_<Plan>& type) {
   const auto plan_of = [](const Plan& self) -> const PlanResult& { return self.result.plan; };
-  type.def_readonly("problem", &Plan::problem)
+  type.def_property_readonly("problem", [](const Plan& self) { return self.asked; })
       .def_property_readonly(
           "status",
           [](const Plan& self) { return std::string(to_string(self.result.plan.status)); },
@@ -122,7 +125,7 @@ void bind_answer(py::class_<Plan>& type) {
           "message", [=](const Plan& self) { return plan_of(self).message; },
           "Why there is no path, in words; empty if solved.")
       .def_property_readonly("path", &path_of,
-                             "Shape (n, joint_count), float64, radians; n is 0 unless solved.")
+                             "Shape (n, joint_count), float64, radians, read-only; n is 0 unless solved.")
       .def_property_readonly(
           "path_length",
           [=](const Plan& self) { return path_length(self.problem.robot, plan_of(self).path); },

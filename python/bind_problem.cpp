@@ -6,6 +6,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "prepare.h"
+#include "problem.h"
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
@@ -26,15 +28,16 @@ std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
   return rows;
 }
 
-Problem make_problem(const Robot& robot, const Scene& scene, const py::object& start,
-                     const py::object& goals, std::string name) {
-  return {std::move(name),
-          robot,
-          "",
-          scene,
-          to_vector(start, robot.joint_count(), "start"),
-          to_goals(goals, robot.joint_count()),
-          {}};
+SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,
+                           const py::object& start, const py::object& goals, std::string name) {
+  return {Problem{std::move(name),
+                  robot,
+                  "",
+                  {},
+                  to_vector(start, robot.joint_count(), "start"),
+                  to_goals(goals, robot.joint_count()),
+                  {}},
+          scene};
 }
 
 struct ProblemArguments {
@@ -45,21 +48,24 @@ struct ProblemArguments {
   RobotOptions options;
 };
 
-Problem load(const ProblemArguments& arguments) {
+SharedProblem load(const ProblemArguments& arguments) {
   ProblemOptions options;
   options.robot = arguments.options;
   if (!arguments.robot.empty()) options.robot_path = unwrap(robot_file(arguments.robot));
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   const py::gil_scoped_release released;
-  return unwrap(load_problem(arguments.where, options));
+  Problem problem = unwrap(load_problem(arguments.where, options));
+  prepare(problem.robot);
+  return SharedProblem(std::move(problem));
 }
 
-void bind_factories(py::class_<Problem>& problem) {
+void bind_factories(py::class_<SharedProblem>& problem) {
   problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene"), py::arg("start"),
               py::arg("goals"), py::arg("name") = "problem",
               "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
-              "shape (k, joint_count), any of which will do. The scene is copied.");
+              "shape (k, joint_count), any of which will do. The scene is shared: what is added to\n"
+              "it later counts; scene.copy() is one of its own.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
@@ -79,6 +85,32 @@ void bind_factories(py::class_<Problem>& problem) {
       "request of MoveIt. What is given besides replaces what the file says.");
 }
 
+void bind_variations(py::class_<SharedProblem>& problem) {
+  const auto joints = [](const SharedProblem& self) { return self.rest().robot.joint_count(); };
+  problem.def(
+      "with_start",
+      [=](SharedProblem self, const py::object& start) {
+        self.rest().start = to_vector(start, joints(self), "start");
+        return self;
+      },
+      py::arg("start"), "The same problem, robot and scene shared, from another start.");
+  problem.def(
+      "with_goal",
+      [=](SharedProblem self, const py::object& goal) {
+        self.rest().goals = to_goals(goal, joints(self));
+        return self;
+      },
+      py::arg("goal"),
+      "The same problem, robot and scene shared, with another goal, or several of shape\n"
+      "(k, joint_count).");
+  problem.def(
+      "with_scene",
+      [](const SharedProblem& self, const std::shared_ptr<Scene>& scene) {
+        return SharedProblem(self.rest(), scene);
+      },
+      py::arg("scene"), "The same problem in another scene, which is shared.");
+}
+
 }  // namespace
 
 void bind_problem(py::module_& module) {
@@ -86,30 +118,41 @@ void bind_problem(py::module_& module) {
       "list_problems",
       [](const std::filesystem::path& path) { return unwrap(list_problems(path.string())); },
       py::arg("path"), "Names of the problems in a compact file, for Problem.load('PATH#NAME').");
-  py::class_<Problem> problem(module, "Problem",
-                              "A robot, a scene, a start and goals: the motion planning question.");
+  py::class_<SharedProblem> problem(
+      module, "Problem", "A robot, a scene, a start and goals: the motion planning question.");
   bind_factories(problem);
-  problem.def_readwrite("name", &Problem::name)
-      .def_readonly("robot", &Problem::robot)
+  bind_variations(problem);
+  problem
+      .def_property(
+          "name", [](const SharedProblem& self) { return self.rest().name; },
+          [](SharedProblem& self, std::string name) { self.rest().name = std::move(name); })
+      .def_property_readonly("robot", [](const SharedProblem& self) { return self.rest().robot; })
       .def_property_readonly(
-          "scene", [](const Problem& self) { return self.scene; }, "A copy of the scene.")
+          "scene", [](const SharedProblem& self) { return self.scene(); },
+          "The scene itself: what is added to it counts for the next plan.")
       .def_property_readonly(
-          "start", [](const Problem& self) { return to_array(self.start); },
-          "Shape (joint_count,), radians.")
+          "start", [](const SharedProblem& self) { return read_only(to_array(self.rest().start)); },
+          "Shape (joint_count,), radians; read-only: see with_start.")
       .def_property_readonly(
           "goals",
-          [](const Problem& self) { return to_array(self.goals, self.robot.joint_count()); },
-          "Shape (k, joint_count), radians.")
-      .def_readonly("warnings", &Problem::warnings, "What was left aside while reading.")
+          [](const SharedProblem& self) {
+            return read_only(to_array(self.rest().goals, self.rest().robot.joint_count()));
+          },
+          "Shape (k, joint_count), radians; read-only: see with_goal.")
+      .def_property_readonly(
+          "warnings", [](const SharedProblem& self) { return self.rest().warnings; },
+          "What was left aside while reading.")
       .def(
           "to_yaml",
-          [](const Problem& self, const std::string& robot) { return to_yaml(self, robot); },
+          [](const SharedProblem& self, const std::string& robot) {
+            return to_yaml(self.get(), robot);
+          },
           py::arg("robot"),
           "Text of a problem file with the scene inside; robot is written as "
           "given: a name or the path of a URDF.")
-      .def("__repr__", [](const Problem& self) {
-        return fmt::format("<mneme.Problem '{}', robot '{}', {} obstacles>", self.name,
-                           self.robot.name(), self.scene.obstacles.size());
+      .def("__repr__", [](const SharedProblem& self) {
+        return fmt::format("<mneme.Problem '{}', robot '{}', {} obstacles>", self.rest().name,
+                           self.rest().robot.name(), self.scene()->obstacles.size());
       });
 }
 

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "keywords.h"
+#include "prepare.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -26,10 +27,11 @@ Robot load(const std::string& robot, const RobotOptions& options, const py::kwar
   keywords.apply(cover);
   keywords.finish();
   const py::gil_scoped_release released;
-  return unwrap(robot_file(robot).and_then([&](const std::string& path) {
-           return load_covered_robot(path, options, cover);
-         }))
-      .robot;
+  const Robot loaded = unwrap(robot_file(robot).and_then([&](const std::string& path) {
+                         return load_covered_robot(path, options, cover);
+                       })).robot;
+  prepare(loaded);
+  return loaded;
 }
 
 Robot make_planar(const py::object& lengths, double thickness, const std::string& name) {
@@ -56,7 +58,7 @@ py::array_t<double> limits(const Robot& robot) {
   for (int i = 0; i < robot.joint_count(); ++i) {
     rows.push_back({robot.group_joint(i).lower, robot.group_joint(i).upper});
   }
-  return to_array(rows, 2);
+  return read_only(to_array(rows, 2));
 }
 
 py::array_t<double> link_poses(const Robot& robot, const py::object& q) {

@@ -14,9 +14,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <variant>
 
 namespace mneme::python {
 namespace {
+
+using SceneClass = py::class_<Scene, std::shared_ptr<Scene>>;
 
 void check_size(const char* what, double value) {
   if (value > 0 && value < 1e4) return;
@@ -51,7 +55,56 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
   }
 }
 
-void bind_shapes(py::class_<Scene>& scene) {
+Obstacle& find(Scene& scene, const std::string& name) {
+  const auto found = std::ranges::find(scene.obstacles, name, &Obstacle::name);
+  if (found != scene.obstacles.end()) return *found;
+  raise_invalid(fmt::format("scene '{}': there is no obstacle '{}'", scene.name, name));
+}
+
+/// Where a shape was put: its pose, or its middle if it has none.
+Transform place_of(const Shape& shape) {
+  return std::visit(
+      [&](const auto& own) {
+        if constexpr (requires { own.pose; }) {
+          return own.pose;
+        } else {
+          return Transform{Eigen::Matrix3d::Identity(), bounding_sphere(own).center};
+        }
+      },
+      shape);
+}
+
+void move(Scene& scene, const std::string& name, const py::object& position,
+          const py::object& quat_xyzw) {
+  Obstacle& obstacle = find(scene, name);
+  const Transform before = place_of(obstacle.shapes.at(0));
+  Transform after = pose_of(position, quat_xyzw);
+  if (!after.translation.allFinite()) raise_invalid("position: expected finite coordinates");
+  if (quat_xyzw.is_none()) after.rotation = before.rotation;
+  const Transform motion = after * before.inverse();
+  for (Shape& shape : obstacle.shapes) shape = transformed(motion, shape);
+}
+
+void bind_edits(SceneClass& scene) {
+  scene.def(
+      "remove",
+      [](Scene& self, const std::string& name) {
+        find(self, name);
+        std::erase_if(self.obstacles, [&](const Obstacle& body) { return body.name == name; });
+      },
+      py::arg("name"), "Removes an obstacle; mneme.Error if there is none of this name.");
+  scene.def("move", &move, py::arg("name"), py::arg("position"),
+            py::arg("quat_xyzw") = py::none(),
+            "Moves an obstacle as a whole, so that its first shape is where add_box or its like\n"
+            "would put it; without quat_xyzw it is not turned.");
+  const auto copy = [](const Scene& self) { return self; };
+  scene.def("copy", copy, "A scene of its own, which later edits of this one leave as it is.");
+  scene.def("__copy__", copy);
+  scene.def(
+      "__deepcopy__", [](const Scene& self, const py::dict&) { return self; }, py::arg("memo"));
+}
+
+void bind_shapes(SceneClass& scene) {
   scene.def(
       "add_sphere",
       [](Scene& self, const std::string& name, const py::object& position, double radius) {
@@ -97,8 +150,8 @@ void bind_shapes(py::class_<Scene>& scene) {
 }  // namespace
 
 void bind_scene(py::module_& module) {
-  py::class_<Scene> scene(module, "Scene",
-                          "Named obstacles in the frame of the robot's root link. Metres.");
+  SceneClass scene(module, "Scene",
+                   "Named obstacles in the frame of the robot's root link. Metres.");
   scene.def(py::init([](std::string name) {
               return Scene{std::move(name), {}};
             }),
@@ -134,6 +187,7 @@ void bind_scene(py::module_& module) {
       },
       "Names of the obstacles, in order.");
   bind_shapes(scene);
+  bind_edits(scene);
   scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
       "Text that Scene.parse reads back to the same scene.");

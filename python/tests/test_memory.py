@@ -200,3 +200,17 @@ def test_wrong_lessons_are_errors(robot, memory, problem):
     assert "(n, 6)" in raised(mneme.learn, robot, memory, primitives=CIRCLES)[1]
     assert raised(mneme.learn, robot, memory, scenes=[problem], jobs=-1)[0] == "invalid"
     assert raised(mneme.learn, robot, memory, scenes=[problem], starts_per_link=0)[0] == "invalid"
+
+
+def test_memory_is_learned_from_problems(problem, memory):
+    robot, asked = problem.robot, {"problems": [problem], "paths": 1, "kind": "paths", "jobs": 1}
+    summary = mneme.learn(robot, memory, timeout=60, **asked)
+    assert summary.learned == 1 and summary.rows == len(memory) > 0, summary.unsolved
+    assert mneme.learn(robot, memory, **asked).skipped == 1
+    assert mneme.plan(problem, memory).is_solved
+    for wrong in ({}, {"problems": [problem], "scenes": [problem]}, {"problems": [problem.scene]}):
+        with pytest.raises(TypeError):
+            mneme.learn(robot, memory, **wrong)
+    assert raised(mneme.learn, robot, memory, problems=[problem], paths=0)[0] == "invalid"
+    other = mneme.Robot.planar([1, 1, 1])
+    assert raised(mneme.learn, other, memory, problems=[problem])[0] == "invalid"

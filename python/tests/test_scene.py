@@ -59,12 +59,59 @@ def test_a_problem_takes_one_goal_or_several(robot):
     assert "start" in raised(mneme.Problem, robot, scene, START[:3], GOAL)[1]
 
 
-def test_a_problem_holds_a_copy_of_its_scene(robot):
+def test_no_edit_of_a_scene_is_lost(robot):
     scene = mneme.Scene.from_circles(CIRCLES)
     problem = mneme.Problem(robot, scene, START, GOAL)
-    scene.add_sphere("late", [1, 1, 0], 0.5)
-    problem.scene.add_sphere("later", [1, 1, 0], 0.5)
+    assert mneme.plan(problem).is_solved
+    plan = mneme.plan(problem)
+    problem.scene.add_sphere("on the first link", [-0.7, 0.35, 0], 0.3)
+    assert len(scene) == len(problem.scene) == len(plan.problem.scene) == 3
+    assert mneme.plan(problem).status == "invalid_start"
+    assert mneme.plan(plan.problem).status == "invalid_start"
+    scene.remove("on the first link")
+    assert mneme.plan(problem).is_solved
+    del scene
     assert len(problem.scene) == 2
+
+
+def test_obstacles_are_moved_removed_and_copied(robot):
+    scene = mneme.Scene.from_circles(CIRCLES)
+    copy = scene.copy()
+    scene.add_box("table", [1, 0, 0.5], [1, 1, 0.1])
+    scene.add_cylinder("table", [1, 0, 0.2], 0.05, 0.5)
+    scene.move("table", [2, 0, 0.5], quat_xyzw=[0, 0, 1, 1])
+    moved = mneme.Scene()
+    moved.add_box("table", [2, 0, 0.5], [1, 1, 0.1], quat_xyzw=[0, 0, 1, 1])
+    moved.add_cylinder("table", [2, 0, 0.2], 0.05, 0.5, quat_xyzw=[0, 0, 1, 1])
+    scene.remove(copy.obstacle_names[0])
+    scene.remove(copy.obstacle_names[1])
+    scene.name = moved.name
+    assert scene.to_yaml() == moved.to_yaml()
+    scene.move("table", [1, 0, 0.5])
+    assert len(copy) == 2 and len(scene) == 1
+    for edit in (lambda: scene.remove("chair"), lambda: scene.move("chair", [0, 0, 0])):
+        code, message = raised(edit)
+        assert code == "invalid" and "'chair'" in message
+    assert raised(scene.move, "table", [0, np.nan, 0])[0] == "invalid"
+
+
+def test_problems_vary_and_share_robot_and_scene(problem):
+    other = problem.with_start(GOAL).with_goal([START, GOAL])
+    np.testing.assert_array_equal(other.start, GOAL)
+    assert other.goals.shape == (2, 8) and problem.goals.shape == (1, 8)
+    np.testing.assert_array_equal(problem.start, START)
+    assert other.scene is problem.scene
+    empty = problem.with_scene(mneme.Scene())
+    assert len(empty.scene) == 0 and len(problem.scene) == 2
+    assert raised(problem.with_start, [0, 0])[0] == "invalid"
+    assert raised(problem.with_goal, np.zeros((0, 8)))[0] == "invalid"
+
+
+def test_arrays_that_stand_for_something_are_read_only(problem):
+    for array in (problem.start, problem.goals, problem.robot.limits, mneme.plan(problem).path):
+        with pytest.raises(ValueError):
+            array[0] = 1
+        assert array.copy().flags.writeable
 
 
 def test_a_problem_is_written_and_read_back(problem, tmp_path):

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "interruptible.h"
+
+#include <unistd.h>
+#include <chrono>
+#include <memory>
+
+namespace mneme::python {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll(50);
+
+/// The worker of a thread, which a forked process does not have.
+struct OwnWorker {
+  OwnWorker() = default;
+  OwnWorker(const OwnWorker&) = delete;
+  OwnWorker& operator=(const OwnWorker&) = delete;
+  ~OwnWorker() { forget_that_of_parent(); }
+
+  void forget_that_of_parent() {
+    if (process != ::getpid()) static_cast<void>(worker.release());
+  }
+
+  std::unique_ptr<Worker> worker;
+  pid_t process = 0;
+  bool is_busy = false;
+};
+
+}  // namespace
+
+Worker::Worker() : thread_([this] { serve(); }) {}
+
+Worker::~Worker() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Worker::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return is_ending_ || work_ != nullptr; });
+    if (is_ending_) return;
+    lock.unlock();
+    (*work_)();
+    lock.lock();
+    work_ = nullptr;
+    changed_.notify_all();
+  }
+}
+
+void Worker::run(const std::function<void()>& work, const std::function<void()>& on_wait) {
+  std::unique_lock lock(mutex_);
+  work_ = &work;
+  changed_.notify_all();
+  while (!changed_.wait_for(lock, kPoll, [&] { return work_ == nullptr; })) {
+    lock.unlock();
+    on_wait();
+    lock.lock();
+  }
+}
+
+void run_elsewhere(const std::function<void()>& work, const std::function<void()>& on_wait) {
+  thread_local OwnWorker own;
+  // The handler of a signal may call back while this thread waits.
+  if (own.is_busy) return Worker().run(work, on_wait);
+  own.forget_that_of_parent();
+  own.process = ::getpid();
+  if (own.worker == nullptr) own.worker = std::make_unique<Worker>();
+  own.is_busy = true;
+  own.worker->run(work, on_wait);
+  own.is_busy = false;
+}
+
+}  // namespace mneme::python
