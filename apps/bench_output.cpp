@@ -147,9 +147,14 @@ Json to_json(const SetSummary& summary) {
           {"planning_p95_s", summary.times.p95},
           {"planning_p99_s", summary.times.p99},
           {"planning_max_s", summary.times.max},
+          {"total_p50_s", summary.total_times.p50},
+          {"total_p95_s", summary.total_times.p95},
+          {"total_p99_s", summary.total_times.p99},
+          {"total_max_s", summary.total_times.max},
           {"iterations_p50", summary.iterations_p50},
           {"states_p50", summary.states_p50},
-          {"simplification_p50_s", summary.simplification_p50_s}};
+          {"simplification_p50_s", summary.simplification_p50_s},
+          {"path_length_mean", summary.path_length_mean}};
 }
 
 /// "cage#7" once for each problem whose ends are invalid.

@@ -79,14 +79,16 @@ struct BenchmarkRow {
 /// True if there is a path and the independent check confirms it.
 [[nodiscard]] bool is_success(const BenchmarkRow& row);
 
-/// Nearest-rank order statistics of planning times, failures counted as longer than any success.
+/// Nearest-rank order statistics of planning or total times, failures counted as longer than any
+/// success.
 struct TimeSummary {
   int runs = 0;
   int solved = 0;
   double p50 = 0, p95 = 0, p99 = 0, max = 0;  ///< seconds; a failure stands at its censored time
   double p25 = 0, p75 = 0, mean = 0;
 };
-[[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows);
+[[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows,
+                                    double BenchmarkRow::*time_s = &BenchmarkRow::planning_time_s);
 
 /// One line per run below a header (RFC 4180, but lines end in a line feed); is_valid is 0 or 1 and
 /// says whether the path passed the independent check.
@@ -112,13 +114,15 @@ struct SetSummary {
   std::string planner;
   std::string sampler;
   std::string setting;
-  int total = 0;          ///< runs
-  int valid = 0;          ///< runs on problems whose start and goals are valid
-  int invalid_paths = 0;  ///< paths that did not survive the independent check; not solved
-  TimeSummary times;      ///< of planning, seconds; `runs` is `valid`
+  int total = 0;            ///< runs
+  int valid = 0;            ///< runs on problems whose start and goals are valid
+  int invalid_paths = 0;    ///< paths that did not survive the independent check; not solved
+  TimeSummary times;        ///< of planning, seconds; `runs` is `valid`
+  TimeSummary total_times;  ///< the same of solve() from call to return
   std::uint64_t iterations_p50 = 0;  ///< of runs on valid problems
   std::uint64_t states_p50 = 0;      ///< checked for the path, shortening and verification included
   double simplification_p50_s = 0;   ///< of solved runs
+  double path_length_mean = 0;       ///< of solved runs, L2 joint distance
 };
 /// One per set, planner, sampler and setting in order of appearance; if there are several sets,
 /// those of all sets together follow.
@@ -133,8 +137,8 @@ struct SetSummary {
 /// Problems of a suite: whatever `mneme bench run` takes, relative to the suite's file.
 struct SuiteProblems {
   std::string where;
-  std::string set;   ///< the figure that they share; empty for the name of the file
-  std::string part;  ///< "I/N" for every N-th beginning with the I-th; empty for all
+  std::string set;         ///< the figure that they share; empty for the name of the file
+  std::string part;        ///< "I/N" for every N-th beginning with the I-th; empty for all
   std::string robot = {};  ///< URDF instead of the problems' own robot; empty for that
   std::string srdf = {};   ///< of that robot; empty for the one beside it
 };

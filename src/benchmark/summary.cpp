@@ -48,18 +48,25 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   Rows valid;
   std::vector<std::uint64_t> iterations, states;
   std::vector<double> simplification;
+  double lengths = 0;
   for (BenchmarkRow row : rows) {
     if (is_invalid_problem(row)) continue;
     summary.invalid_paths += row.is_solved && !row.is_path_valid ? 1 : 0;
     iterations.push_back(row.iterations);
     states.push_back(row.states_checked);
-    if (is_success(row)) simplification.push_back(row.simplification_time_s);
-    if (!is_success(row)) row.planning_time_s = row.timeout_s;
     row.is_solved = is_success(row);
+    if (row.is_solved) {
+      simplification.push_back(row.simplification_time_s);
+      lengths += row.path_length;
+    } else {
+      row.planning_time_s = row.total_time_s = row.timeout_s;
+    }
     valid.push_back(std::move(row));
   }
   summary.valid = static_cast<int>(valid.size());
   summary.times = summarize(valid);
+  summary.total_times = summarize(valid, &BenchmarkRow::total_time_s);
+  summary.path_length_mean = lengths / std::max(1, summary.times.solved);
   summary.iterations_p50 = median(std::move(iterations));
   summary.states_p50 = median(std::move(states));
   summary.simplification_p50_s = median(std::move(simplification));
@@ -169,18 +176,21 @@ std::vector<std::string> cells(const SetSummary& s) {
           internal::format_percentile(s.times, 95),
           internal::format_percentile(s.times, 99),
           internal::format_percentile(s.times, 100),
+          internal::format_percentile(s.total_times, 50),
+          internal::format_percentile(s.total_times, 99),
+          internal::format_percentile(s.total_times, 100),
           std::to_string(s.iterations_p50),
           std::to_string(s.states_p50),
-          internal::format_ms(s.simplification_p50_s)};
+          fmt::format("{:.2f}", s.path_length_mean)};
 }
 
 }  // namespace
 
-TimeSummary summarize(std::span<const BenchmarkRow> rows) {
+TimeSummary summarize(std::span<const BenchmarkRow> rows, double BenchmarkRow::*time_s) {
   TimeSummary summary;
   if (rows.empty()) return summary;
   std::vector<std::pair<bool, double>> times;  // failures sort after all successes
-  for (const BenchmarkRow& row : rows) times.emplace_back(!row.is_solved, row.planning_time_s);
+  for (const BenchmarkRow& row : rows) times.emplace_back(!row.is_solved, row.*time_s);
   std::ranges::sort(times);
   summary.runs = static_cast<int>(rows.size());
   summary.solved = static_cast<int>(std::ranges::count(rows, true, &BenchmarkRow::is_solved));
@@ -188,7 +198,7 @@ TimeSummary summarize(std::span<const BenchmarkRow> rows) {
     return times[static_cast<std::size_t>(internal::nearest_rank(percent, summary.runs) - 1)]
         .second;
   };
-  for (const BenchmarkRow& row : rows) summary.mean += row.planning_time_s / summary.runs;
+  for (const BenchmarkRow& row : rows) summary.mean += row.*time_s / summary.runs;
   summary.p25 = percentile(25);
   summary.p50 = percentile(50);
   summary.p75 = percentile(75);
@@ -227,7 +237,8 @@ std::string to_table(std::span<const SetSummary> summaries) {
   constexpr std::size_t kNameColumns = 3;
   std::vector<std::vector<std::string>> lines = {
       {"set", "planner", "sampler", "solved/valid/total", "bad paths", "p50 ms", "mean ms",
-       "p95 ms", "p99 ms", "max ms", "iterations p50", "states p50", "simplify p50 ms"}};
+       "p95 ms", "p99 ms", "max ms", "total p50 ms", "total p99 ms", "total max ms",
+       "iterations p50", "states p50", "mean length"}};
   for (const SetSummary& summary : summaries) lines.push_back(cells(summary));
   const bool has_settings =
       std::ranges::any_of(summaries, [](const SetSummary& s) { return !s.setting.empty(); });

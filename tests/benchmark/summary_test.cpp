@@ -172,11 +172,18 @@ TEST_SUITE("unit") {
     rows[1].is_path_valid = false;
     rows[0].simplification_time_s = 0.25;
     rows[1].simplification_time_s = 0.125;
+    rows[0].path_length = 3;
+    rows[1].path_length = 7;
+    rows[0].total_time_s = 1.5;
+    rows[1].total_time_s = 0.75;
     const SetSummary summary = summarize_sets(rows).at(0);
     CHECK(summary.invalid_paths == 1);
     CHECK(summary.times.solved == 1);
     CHECK(summary.times.max == 4);
     CHECK(summary.simplification_p50_s == 0.25);
+    CHECK(summary.path_length_mean == 3);
+    CHECK(summary.total_times.p50 == 1.5);
+    CHECK(summary.total_times.max == 4);
   }
 
   TEST_CASE("The table says solved, valid and total, and marks failures") {
