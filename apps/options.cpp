@@ -18,8 +18,36 @@ namespace {
 constexpr std::size_t kFlagColumn = 30;
 constexpr std::size_t kHelpWidth = 100;
 
+/// Ends the names of the groups of flags that --help leaves out.
+constexpr std::string_view kMore = ", more";
+
 class WrappingFormatter : public CLI::Formatter {
  public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    is_whole_ = mode != CLI::AppFormatMode::Normal;
+    std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+    // CLI11 puts empty lines between groups, also where one was left out.
+    while (text.find("\n\n\n") != std::string::npos) {
+      text = CLI::detail::find_and_replace(text, "\n\n\n", "\n\n");
+    }
+    return text;
+  }
+
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (!is_whole_ && group.ends_with(kMore)) return "";
+    return CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+  }
+
+  std::string make_footer(const CLI::App* app) const override {
+    const std::vector<std::string> groups = app->get_groups();
+    const bool is_whole = is_whole_ || std::ranges::none_of(groups, [](const std::string& group) {
+                            return group.ends_with(kMore);
+                          });
+    return (is_whole ? "" : "More flags: --help-all\n\n") + CLI::Formatter::make_footer(app);
+  }
+
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     // CLI11 shows the value that a negated flag stands for.
     return CLI::detail::find_and_replace(CLI::Formatter::make_option_name(option, is_positional),
@@ -38,6 +66,9 @@ class WrappingFormatter : public CLI::Formatter {
     }
     return wrapped;
   }
+
+ private:
+  mutable bool is_whole_ = true;  ///< the help that is being made leaves nothing out
 };
 
 }  // namespace
@@ -88,7 +119,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::strin
   const auto read = [=, &value](const std::string& text) {
     if (std::find(names.begin(), names.end(), text) == names.end()) {
       throw CLI::ValidationError(
-          flag, fmt::format("unknown {} '{}': expected one of {}", what, text, list));
+          flag, fmt::format("unknown {} '{}': expected one of {}{}", what, text, list,
+                            did_you_mean(text, names)));
     }
     value = text;
   };
@@ -169,6 +201,19 @@ void add_json(CLI::App& app, bool& is_json) {
 void add_jobs(CLI::App& app, int& jobs) {
   jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   add_number(app, "--jobs", jobs, 1, 4096, "threads");
+}
+
+void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups) {
+  const std::string rest = fmt::format("Others{}", kMore);
+  for (CLI::Option* option : command.get_options()) {
+    if (option->nonpositional() && option->get_group() == "Options") option->group(rest);
+  }
+  for (const FlagGroup& group : groups) {
+    for (const std::string& name : group.usual) command.get_option("--" + name)->group(group.heading);
+    for (const std::string& name : group.more) {
+      command.get_option("--" + name)->group(fmt::format("{}{}", group.heading, kMore));
+    }
+  }
 }
 
 std::shared_ptr<CLI::Formatter> make_help_formatter() {

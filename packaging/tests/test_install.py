@@ -28,6 +28,7 @@ def test_manual_and_completions_are_there(installed):
     assert (installed / "share/man/man1/mneme.1").read_text().startswith(".TH MNEME 1")
     assert "_mneme" in (installed / "share/bash-completion/completions/mneme").read_text()
     assert (installed / "share/zsh/vendor-completions/_mneme").read_text().startswith("#compdef")
+    assert "complete -c mneme" in (installed / "share/fish/vendor_completions.d/mneme.fish").read_text()
 
 
 def test_another_project_finds_and_links_the_library(installed, tmp_path):
@@ -40,6 +41,26 @@ def test_another_project_finds_and_links_the_library(installed, tmp_path):
     run(["cmake", "--build", tmp_path / "build"])
     printed = run([tmp_path / "build/consumer", tmp_path / "memory.db"], cwd="/")
     assert re.match(r"\d+\.\d+\.\d+ .*planar/threaded_b2.yaml", printed)
+
+
+def compile_readme(folder, packages):
+    """Runs the README's line for whoever builds without CMake."""
+    readme = (SOURCE / "README.md").read_text()
+    program = re.search(r"^```cpp\n(.*?)^```", readme, re.MULTILINE | re.DOTALL).group(1)
+    (folder / "first_plan.cpp").write_text(program)
+    line = re.search(r"^g\+\+ .*pkg-config.*$", readme, re.MULTILINE).group(0)
+    run(["sh", "-c", line], cwd=folder, env=environment(PKG_CONFIG_PATH=str(packages)))
+    assert subprocess.run([folder / "first_plan"], cwd=folder, timeout=60).returncode == 1  # there is no memory
+
+
+def test_pkg_config_finds_the_built_library(tmp_path):
+    compile_readme(tmp_path, BUILD)
+
+
+def test_pkg_config_finds_the_installed_library(installed, tmp_path):
+    compile_readme(tmp_path, installed / "lib/pkgconfig")
+    for path in (installed / "lib/pkgconfig").glob("*.pc"):
+        assert str(SOURCE) not in path.read_text()
 
 
 def test_no_file_of_the_library_names_this_tree(installed):
