@@ -61,8 +61,8 @@ Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& rob
   if (!tables) return tl::unexpected(tables.error());
   const LinkDistances links(robot);
   const Configuration zero(as_index(robot.joint_count()), 0.0);
-  auto made = std::make_shared<const CheckedRobot>(
-      CheckedRobot{std::move(*tables), links, reach_of(robot), links.posed(robot.link_poses(zero))});
+  auto made = std::make_shared<const CheckedRobot>(CheckedRobot{
+      std::move(*tables), links, reach_of(robot), links.posed(robot.link_poses(zero))});
   registry.add(robot, made);
   return made;
 }
