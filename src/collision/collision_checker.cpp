@@ -5,6 +5,7 @@
 #include "base/as_index.h"
 #include "collision/body_reaches.h"
 #include "collision/collision_kernels.h"
+#include "collision/crowd_tables.h"
 #include "collision/make_tables.h"
 #include "collision/walk_kernel.h"
 #include "robot/joint_space.h"
@@ -60,8 +61,8 @@ Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& rob
   if (!tables) return tl::unexpected(tables.error());
   const LinkDistances links(robot);
   const Configuration zero(as_index(robot.joint_count()), 0.0);
-  auto made = std::make_shared<const CheckedRobot>(
-      CheckedRobot{std::move(*tables), links, links.posed(robot.link_poses(zero))});
+  auto made = std::make_shared<const CheckedRobot>(CheckedRobot{
+      std::move(*tables), links, reach_of(robot), links.posed(robot.link_poses(zero))});
   registry.add(robot, made);
   return made;
 }
@@ -170,7 +171,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   }
   auto checked_robot = internal::share_checked_robot(robot);
   if (!checked_robot) return tl::unexpected(checked_robot.error());
-  auto scene_tables = internal::make_scene_tables(scene);
+  auto scene_tables = internal::make_scene_tables(scene, (*checked_robot)->reach + settings.margin);
   if (!scene_tables) return tl::unexpected(scene_tables.error());
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;

@@ -10,6 +10,7 @@
 #include "check/link_distances.h"
 #include "collision/tables.h"
 
+#include <limits>
 #include <memory>
 
 namespace mneme::internal {
@@ -27,12 +28,15 @@ void store(const Matrix& m, float* out) {
 /// Error: more joints than the kernels can hold.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
-/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size.
-[[nodiscard]] Result<SceneTables> make_scene_tables(const Scene& scene);
+/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size. Of
+/// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
+[[nodiscard]] Result<SceneTables> make_scene_tables(
+    const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
 struct CheckedRobot {
   RobotTables tables;
   LinkDistances links;
+  double reach = 0;    ///< reach_of() the robot
   PosedLinks at_zero;  ///< where links that no joint of the group moves always stand
 };
 

@@ -226,6 +226,8 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                         const ProblemOptions& options) {
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
+  const std::vector<std::string>& notes = input.scene.warnings;
+  robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
   return {input.name,
           robot.robot,
           robot.path,
