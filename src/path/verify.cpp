@@ -65,6 +65,20 @@ bool MotionVerifier::are_states_free(std::span<const double> from, std::span<con
   return checker_.is_motion_valid(begin, end, counters, {kVerificationRefinement, margin});
 }
 
+bool MotionVerifier::is_curve_free(std::span<const float> states, CheckCounters& counters) const {
+  if (verification_ == Verification::none) return true;
+  if (!checker_.are_states_valid(states, counters, kVerificationMargin)) return false;
+  const auto joints = static_cast<std::size_t>(checker_.robot().joint_count());
+  for (std::size_t i = joints; sweep_ && i < states.size(); i += joints) {
+    const auto from = states.subspan(i - joints, joints), to = states.subspan(i, joints);
+    if (!sweep_->is_free(Configuration(from.begin(), from.end()),
+                         Configuration(to.begin(), to.end()), must_stop_)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
   for (std::size_t i = 1; i < path.size(); ++i) {
     const bool is_at_end = i == 1 || i + 1 == path.size();

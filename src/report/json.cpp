@@ -195,7 +195,8 @@ void add_times(Json& json, const SolveResult& result, double load_time_s) {
 
 }  // namespace
 
-std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s) {
+std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
+                    std::optional<double> duration_s) {
   Json json;
   json["problem"] = problem.name;
   json["robot"] = problem.robot.name();
@@ -204,6 +205,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   if (!result.plan.is_solved()) json["message"] = result.plan.message;
   json["path"] = result.plan.path;
   json["path_length"] = path_length(problem.robot, result.plan.path);
+  if (duration_s) json["duration_s"] = *duration_s;
   add_times(json, result, load_time_s);
   json["iterations"] = result.plan.iterations;
   json["states_checked"] = result.plan.states_checked;
