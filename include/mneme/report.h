@@ -36,9 +36,11 @@ struct PathMeasures {
 [[nodiscard]] PathMeasures measure_path(const Problem& problem, const Path& path);
 
 /// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database
-/// took. Without `measures` the keys of its clearance are missing, which cost more than all others.
+/// took. Without `measures` the keys of its clearance are missing, which cost more than all others;
+/// `duration_s` is that of the motion, if there is a trajectory.
 [[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result,
-                                  double load_time_s, const PathMeasures* measures = nullptr);
+                                  double load_time_s, const PathMeasures* measures = nullptr,
+                                  std::optional<double> duration_s = {});
 
 /// A planar picture in the manner of the paper's figures; metres, y upwards.
 struct PlanarPicture {

@@ -217,6 +217,19 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   }
 }
 
+bool CollisionChecker::are_states_valid(std::span<const float> configurations,
+                                        CheckCounters& counters, double margin) const {
+  const Tables& t = *tables_;
+  const std::size_t count = configurations.size() / internal::as_index(t.space.joint_count());
+  counters.states += count;
+  if (t.fixed_clearance < t.margin || !is_within_reach(configurations)) return false;
+  std::vector<std::uint8_t> is_valid(count);
+  t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
+                          static_cast<int>(count), t.margin + static_cast<float>(margin),
+                          is_valid.data());
+  return std::ranges::find(is_valid, std::uint8_t{0}) == is_valid.end();
+}
+
 bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<const float> to,
                                        CheckCounters& counters, const MotionDetail& detail) const {
   const Tables& t = *tables_;

@@ -43,6 +43,21 @@ bool MotionVerifier::has_one_way(std::span<const float> from, std::span<const fl
   return true;
 }
 
+bool MotionVerifier::is_curve_free(std::span<const float> states, CheckCounters& counters) const {
+  if (verification_ == Verification::none) return true;
+  if (!checker_.are_states_valid(states, counters, kVerificationMargin)) return false;
+  // Links of planar arms are so thin that they pass through each other between two states.
+  if (verification_ == Verification::states || !checker_.robot().is_planar()) return true;
+  const auto joints = static_cast<std::size_t>(checker_.robot().joint_count());
+  for (std::size_t i = joints; i < states.size(); i += joints) {
+    const MotionEnds ends{i == joints, i + joints == states.size()};
+    if (!is_free(states.subspan(i - joints, joints), states.subspan(i, joints), ends, counters)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
   for (std::size_t i = 1; i < path.size(); ++i) {
     const MotionEnds ends{i == 1, i + 1 == path.size()};

@@ -235,7 +235,7 @@ Json to_json(const std::vector<Improved>& improvements) {
 }  // namespace
 
 std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
-                    const PathMeasures* measures) {
+                    const PathMeasures* measures, std::optional<double> duration_s) {
   Json json;
   json["problem"] = problem.name;
   json["robot"] = problem.robot.name();
@@ -247,6 +247,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["path_length"] = path_length(problem.robot, path);
   json["straight_length"] = path.empty() ? 0 : problem.robot.distance(path.front(), path.back());
   if (measures != nullptr && measures->clearance) add_clearance(json, *measures->clearance);
+  if (duration_s) json["duration_s"] = *duration_s;
   add_times(json, result, load_time_s);
   if (!result.improvements.empty()) json["improvements"] = to_json(result.improvements);
   json["iterations"] = result.plan.iterations;
