@@ -185,6 +185,7 @@ std::size_t retrieved_count(const GlSampler& gl) {
 void add_times(Json& json, const SolveResult& result, double load_time_s) {
   json["total_time_s"] = result.total_time_s;
   json["planning_time_s"] = result.planning_time_s;
+  json["goal_time_s"] = result.goal_time_s;
   json["retrieval_time_s"] = result.gl.retrieval_time_s;
   json["learning_time_s"] = result.gl.learning_time_s;
   json["simplification_time_s"] = result.plan.simplification_time_s;
