@@ -80,8 +80,8 @@ class InverseKinematics {
   std::shared_ptr<const Chain> chain_;
 };
 
-/// The links at the ends of the planning group: carried by its last joints, or fixed to what these
-/// carry, with nothing fixed to them.
+/// The links at the ends of the planning group: what its last joints carry, or the last link of the
+/// chain that is fixed to it, where that branches or ends.
 [[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
 
 /// Free configurations in regions of poses. Refers to the checker.

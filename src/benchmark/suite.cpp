@@ -24,6 +24,7 @@ void visit_all_settings(Settings& settings, const Visitor& visitor) {
   visit_settings(settings.plan, visitor);
   visit_settings(settings.memory, visitor);
   visit_settings(settings.learn, visitor);
+  visit_settings(settings.ik, visitor);
 }
 
 using SettingTexts = std::vector<std::pair<std::string, std::string>>;

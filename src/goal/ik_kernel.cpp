@@ -10,6 +10,7 @@
 #include "goal/ik_kernel.h"
 
 #include <algorithm>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "goal/ik_kernel.cpp"  // NOLINT
@@ -49,19 +50,18 @@ class IkSolver {
     poses_[0].origin = splat(target_.translation.data());
   }
 
-  /// The squares of what is left of the errors; `q` are the seeds, and then what came of them.
-  HWY_INLINE void solve(V* q, V& position2, V& rotation2) {
-    M is_done = hn::MaskFromVec(hn::Zero(Tag()));
+  /// The squares of what is left of the errors, and in how many lanes that is nothing; `q` are the
+  /// seeds, and then what came of them. Ends once there are `enough` such lanes.
+  HWY_INLINE int solve(int enough, V* q, V& position2, V& rotation2) {
     for (int round = 0;; ++round) {
       pose_frames(chain_, q, poses_);
       const TipError error = find_error();
       position2 = squared_norm(error.position);
       rotation2 = squared_norm(error.rotation);
-      is_done = hn::And(
-          hn::Le(position2, splat(target_.near_m * target_.near_m)),
-          hn::Le(rotation2, splat(target_.near_rad * target_.near_rad)));
-      if (round == request_.rounds) return;
-      if (static_cast<int>(hn::CountTrue(Tag(), is_done)) >= request_.enough) return;
+      const M is_done = hn::And(hn::Le(position2, splat(target_.near_m * target_.near_m)),
+                                hn::Le(rotation2, splat(target_.near_rad * target_.near_rad)));
+      const int done = static_cast<int>(hn::CountTrue(Tag(), is_done));
+      if (round == request_.rounds || done >= std::min(enough, kSeedLanes)) return done;
       step(error, position2, rotation2, is_done, q);
     }
   }
@@ -211,16 +211,22 @@ void solve_ik(const RobotTables& chain, const IkRequest& request, float* rows, I
   const int joints = chain.joint_count;
   V q[kMostWalkingJoints];
   HWY_ALIGN float column[kSeedLanes], errors2[2][kSeedLanes];
+  int done = 0;
   for (int begin = 0; begin < request.count; begin += kSeedLanes) {
+    const int lanes = std::min(kSeedLanes, request.count - begin);
+    if (done >= request.enough) {
+      constexpr float kUntried = std::numeric_limits<float>::infinity();
+      std::fill_n(errors + begin, lanes, IkError{kUntried, kUntried});
+      continue;
+    }
     // Lanes beyond the last seed repeat it.
     const auto row = hn::Min(hn::Iota(di, begin), hn::Set(di, request.count - 1));
     const auto first = hn::Mul(row, hn::Set(di, joints));
     for (int j = 0; j < joints; ++j) q[j] = hn::GatherIndex(d, request.seeds + j, first);
     V position2, rotation2;
-    solver.solve(q, position2, rotation2);
+    done += solver.solve(request.enough - done, q, position2, rotation2);
     hn::Store(hn::Sqrt(position2), d, errors2[0]);
     hn::Store(hn::Sqrt(rotation2), d, errors2[1]);
-    const int lanes = std::min(kSeedLanes, request.count - begin);
     for (int lane = 0; lane < lanes; ++lane) {
       errors[begin + lane] = {errors2[0][lane], errors2[1][lane]};
     }

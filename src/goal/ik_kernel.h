@@ -38,12 +38,12 @@ struct IkRequest {
   int enough = 0;  ///< of seeds whose configurations reach the target, after which no more is tried
 };
 
-/// What became of a seed: metres and radians from the region.
+/// What became of a seed: metres and radians from the region; infinite if it was not tried.
 struct IkError {
   float position = 0, rotation = 0;
 };
 
-/// Writes a row and an error per seed.
+/// Writes a row and an error per seed that was tried.
 using IkKernel = void (*)(const RobotTables& chain, const IkRequest& request, float* rows,
                           IkError* errors);
 

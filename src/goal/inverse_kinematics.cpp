@@ -162,6 +162,8 @@ class IkSearch {
     std::ranges::stable_sort(result_.solutions, {}, [&](const Configuration& q) {
       return chain_.robot.distance(near_, q);
     });
+    // A batch may bring more than was wanted.
+    if (count() > settings_.solutions) result_.solutions.resize(as_index(settings_.solutions));
     return std::move(result_);
   }
 

@@ -140,26 +140,23 @@ std::string PoseGoalSource::describe_failure() const {
 std::vector<std::string> find_tips(const Robot& robot) {
   const std::span<const Joint> joints = robot.joints();
   const std::size_t count = robot.links().size();
-  // Per link the one that a joint of the group carries, to which it is fixed, or -1.
-  std::vector<int> bodies(count, -1);
-  std::vector<bool> has_fixed(count, false), leads_on(count, false);
-  std::vector<bool> is_of_group(joints.size(), false);
+  std::vector<std::vector<std::size_t>> children(count);
+  std::vector<bool> leads_on(count, false), is_of_group(joints.size(), false);
   for (const int joint : robot.group()) is_of_group[as_index(joint)] = true;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const auto parent = as_index(joints[i].parent_link), child = as_index(joints[i].child_link);
-    if (is_of_group[i]) bodies[child] = joints[i].child_link;
-    if (joints[i].type != JointType::fixed) continue;
-    bodies[child] = bodies[parent];
-    has_fixed[parent] = true;
-  }
+  // From the tips inwards: joints are in tree order.
   for (std::size_t i = joints.size(); i-- > 0;) {
     const auto parent = as_index(joints[i].parent_link), child = as_index(joints[i].child_link);
+    children[parent].push_back(i);
     if (is_of_group[i] || leads_on[child]) leads_on[parent] = true;
   }
   std::vector<std::string> tips;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool is_last = bodies[i] >= 0 && !leads_on[as_index(bodies[i])];
-    if (is_last && !has_fixed[i]) tips.push_back(robot.links()[i].name);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    auto link = as_index(joints[i].child_link);
+    if (!is_of_group[i] || leads_on[link]) continue;
+    while (children[link].size() == 1 && joints[children[link][0]].type == JointType::fixed) {
+      link = as_index(joints[children[link][0]].child_link);
+    }
+    tips.push_back(robot.links()[link].name);
   }
   return tips;
 }
