@@ -98,6 +98,7 @@ struct PlanOptions {
   RobotOptions robot_options;
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
+  std::vector<PoseGoal> goal_poses;
   std::string db;
   DatabaseSettings kept;
   PlanFiles files;
@@ -138,6 +139,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   if (!overrides) return tl::unexpected(overrides.error());
   overrides->start = options.start;
   overrides->goal = options.goal;
+  overrides->pose_goals = options.goal_poses;
   Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
   if (auto checked = check_files(options, *problem); !checked) {
@@ -202,6 +204,12 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
   fmt::print("planning    {:.3f} ms, of it retrieval {:.3f} ms and learning {:.3f} ms\n",
              1e3 * result.planning_time_s, 1e3 * result.gl.retrieval_time_s,
              1e3 * result.gl.learning_time_s);
+  if (!loaded.problem.pose_goals.empty()) {
+    fmt::print("goal        {} for {}, {:.3f} ms of planning\n",
+               counted(result.goals.size(), "configuration", "configurations"),
+               counted(loaded.problem.pose_goals.size(), "pose", "poses"),
+               1e3 * result.goal_time_s);
+  }
   fmt::print("afterwards  simplification {:.3f} ms, verification {:.3f} ms\n",
              1e3 * plan.simplification_time_s, 1e3 * plan.verification_time_s);
   if (result.improvement_time_s > 0) {
@@ -284,6 +292,9 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   add_robot_flags(command, options.robot_options);
   add_number_list(command, "--start", options.start, "start instead of the problem's");
   add_number_list(command, "--goal", options.goal, "goal instead of the problem's");
+  add_poses(command, "--goal-pose", options.goal_poses,
+            "pose of a link instead of the problem's goals, in the frame of its scene; without the "
+            "quaternion, any rotation; may be given several times, and beside --goal: any will do");
   command.add_option("--db", options.db,
                      "memory: an SQLite file; made if missing when there is a --learn-budget");
   add_database_memory(command, options.kept);
@@ -299,6 +310,7 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
   add_settings(command, settings.plan);
   add_memory_settings(command, settings.memory);
   add_settings(command, settings.learn);
+  add_settings(command, settings.ik);
 }
 
 std::vector<FlagGroup> help_groups() {

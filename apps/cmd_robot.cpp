@@ -3,6 +3,7 @@
 
 /// mneme robot: looks at robots, checks configurations and makes planar arms.
 #include "mneme/collision.h"
+#include "mneme/goal.h"
 #include "mneme/robot.h"
 
 #include "commands.h"
@@ -11,10 +12,12 @@
 #include "inputs.h"
 #include "options.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -126,58 +129,78 @@ Result<ExitCode> run_info(const RobotCommandOptions& options) {
 
 // check
 
-ExitCode report_contacts(const std::vector<Contact>& contacts, bool is_json) {
+void report_contacts(const std::vector<Contact>& contacts) {
+  for (const Contact& contact : contacts) {
+    fmt::print("{} touches {} {} ({:.6f} m)\n", printable(contact.link),
+               contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance);
+  }
+  if (contacts.empty()) fmt::print("valid\n");
+}
+
+Json to_json(const std::vector<Contact>& contacts) {
   Json rows = Json::array();
   for (const Contact& contact : contacts) {
-    if (!is_json) {
-      fmt::print("{} touches {} {} ({:.6f} m)\n", printable(contact.link),
-                 contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance);
-    }
     rows.push_back({{"link", contact.link},
                     {"other", contact.other},
                     {"is_self", contact.is_self},
                     {"distance", contact.distance}});
   }
-  if (is_json) {
-    print_json({{"is_valid", contacts.empty()}, {"violation", nullptr}, {"contacts", rows}});
-  } else if (contacts.empty()) {
-    fmt::print("valid\n");
-  }
-  return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
+  return rows;
 }
 
-/// The robot as the problem has it if the scene comes with one: its group and fixed joints count.
-Result<Robot> load_robot_and_scene(const RobotCommandOptions& options, Scene& scene) {
-  if (options.scene.empty()) return load_named_robot(options.robot, options.robot_options);
-  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
-  if (!workspace) return tl::unexpected(workspace.error());
-  const Result<Robot> robot = workspace->problem
-                                  ? workspace->problem->robot
-                                  : load_named_robot(options.robot, options.robot_options);
-  if (!robot) return robot;
-  Result<Scene> placed = in_root_frame(workspace->framed, *robot);
-  if (!placed) return tl::unexpected(placed.error());
-  scene = std::move(*placed);
-  return robot;
+/// Where the group's tips are, in the root link's frame.
+Json find_tip_poses(const Robot& robot, const Configuration& q) {
+  Json tips = Json::array();
+  const std::vector<Transform> poses = robot.link_poses(q);
+  const std::vector<std::string> names = find_tips(robot);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::string& link = robot.links()[i].name;
+    if (std::ranges::count(names, link) == 0) continue;
+    const Eigen::Quaterniond turn(poses[i].rotation);
+    const Vec3& at = poses[i].translation;
+    tips.push_back({{"link", link},
+                    {"position", {at.x(), at.y(), at.z()}},
+                    {"quat_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}}});
+  }
+  return tips;
+}
+
+void print_tips(const Json& tips) {
+  for (const Json& tip : tips) {
+    fmt::print("tip {} at {:.6f}, quaternion xyzw {:.6f}\n", printable(tip["link"].get<std::string>()),
+               fmt::join(tip["position"].get<std::vector<double>>(), ", "),
+               fmt::join(tip["quat_xyzw"].get<std::vector<double>>(), ", "));
+  }
 }
 
 Result<ExitCode> run_check(const RobotCommandOptions& options) {
-  Scene scene;
-  const Result<Robot> robot = load_robot_and_scene(options, scene);
-  if (!robot) return tl::unexpected(robot.error());
-  if (const auto violation = robot->describe_violation(options.q, "configuration")) {
+  const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
+  if (!placed) return tl::unexpected(placed.error());
+  if (const auto violation = placed->robot.describe_violation(options.q, "configuration")) {
     if (options.is_json) {
-      print_json({{"is_valid", false}, {"violation", *violation}, {"contacts", Json::array()}});
+      print_json({{"is_valid", false},
+                  {"violation", *violation},
+                  {"contacts", Json::array()},
+                  {"tips", Json::array()}});
     } else {
       fmt::print("{}\n", printable(*violation));
     }
     return ExitCode::invalid_ends;
   }
-  return CollisionChecker::make(*robot, scene).map([&](const CollisionChecker& checker) {
-    return report_contacts(checker.contacts(options.q), options.is_json);
-  });
+  const auto checker = CollisionChecker::make(placed->robot, placed->scene);
+  if (!checker) return tl::unexpected(checker.error());
+  const std::vector<Contact> contacts = checker->contacts(options.q);
+  const Json tips = find_tip_poses(placed->robot, options.q);
+  if (options.is_json) {
+    print_json({{"is_valid", contacts.empty()},
+                {"violation", nullptr},
+                {"contacts", to_json(contacts)},
+                {"tips", tips}});
+  } else {
+    report_contacts(contacts);
+    print_tips(tips);
+  }
+  return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
 }
 
 // planar
@@ -213,7 +236,7 @@ void add_info(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& optio
 
 void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
                Action& action) {
-  CLI::App* command = group.add_subcommand("check", "Say what touches at a configuration");
+  CLI::App* command = group.add_subcommand("check", "Say what touches at a configuration, and where the tips are");
   command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
   add_robot_flags(*command, options->robot_options);
@@ -255,13 +278,14 @@ void add_planar(CLI::App& group, Action& action) {
 
 void add_robot(CLI::App& program, Action& action) {
   CLI::App* group = program.add_subcommand(
-      "robot", "Look at robots, cover them with spheres, or make a planar arm");
+      "robot", "Look at robots, move a link to a pose, cover links, or make a planar arm");
   group->require_subcommand(1);
   group->footer("Example:\n  mneme robot info planar8");
   const auto options = std::make_shared<RobotCommandOptions>();
   add_info(*group, options, action);
   add_check(*group, options, action);
   add_planar(*group, action);
+  add_robot_ik(*group, action);
   add_robot_spheres(*group, action);
 }
 

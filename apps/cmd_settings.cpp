@@ -62,7 +62,8 @@ void add_settings_list(CLI::App& program, Action& action) {
                   {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
                   {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
                   {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
-                  {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}}});
+                  {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
+                  {{"group", "ik"}, {"settings", settings_of<IkSettings>()}}});
       return ExitCode::done;
     };
   });

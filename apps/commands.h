@@ -68,6 +68,7 @@ void add_settings_list(CLI::App& program, Action& action);
 // The same for parts of a group that have a file of their own.
 void add_bench_report(CLI::App& group, Action& action);
 void add_db_upkeep(CLI::App& group, Action& action);
+void add_robot_ik(CLI::App& group, Action& action);
 void add_robot_spheres(CLI::App& group, Action& action);
 void add_scene_threaded(CLI::App& group, Action& action);
 

@@ -62,6 +62,25 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
                           scene.error().message, problem.error().message));
 }
 
+Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptions& options,
+                                      const std::string& scene) {
+  const auto alone = [](const Robot& loaded) { return PlacedRobot{loaded, {}, std::nullopt}; };
+  if (scene.empty()) return load_named_robot(robot, options).map(alone);
+  const Result<ProblemOptions> overrides = problem_options(robot, options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  const Result<Workspace> workspace = load_workspace(scene, *overrides);
+  if (!workspace) return tl::unexpected(workspace.error());
+  const std::optional<Problem>& problem = workspace->problem;
+  Result<PlacedRobot> placed =
+      problem ? Result<PlacedRobot>(PlacedRobot{problem->robot, {}, problem->start})
+              : load_named_robot(robot, options).map(alone);
+  if (!placed) return placed;
+  Result<Scene> in_frame = in_root_frame(workspace->framed, placed->robot);
+  if (!in_frame) return tl::unexpected(in_frame.error());
+  placed->scene = *std::move(in_frame);
+  return placed;
+}
+
 Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings, const DatabaseSettings& kept) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after.has_value();

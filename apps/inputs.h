@@ -35,6 +35,18 @@ struct Workspace {
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
+/// A robot where it is to be looked at.
+struct PlacedRobot {
+  Robot robot;
+  Scene scene;                         ///< in the frame of the root link; empty without a file
+  std::optional<Configuration> start;  ///< of the problem, if the scene came with one
+};
+/// The robot as the problem has it if the scene comes with one: its group and fixed joints count.
+/// An empty `scene` leaves it out.
+[[nodiscard]] Result<PlacedRobot> load_placed_robot(const std::string& robot,
+                                                    const RobotOptions& options,
+                                                    const std::string& scene);
+
 /// Opens the database at `url` for planning: for writing only if planning may add to it.
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings,

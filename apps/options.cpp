@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <thread>
 
 namespace mneme::app {
@@ -110,6 +112,53 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
     return true;
   };
   return app.add_option(flag, callback, help)->type_name("TEXT");
+}
+
+namespace {
+
+/// How far the length of a quaternion may be from 1: less is a matter of printed digits.
+constexpr double kUnitTolerance = 1e-3;
+
+PoseGoal parse_pose(const std::string& flag, const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) {
+    throw CLI::ValidationError(
+        flag, fmt::format("'{}' names no link: expected LINK:X,Y,Z,QX,QY,QZ,QW", text));
+  }
+  const std::vector<double> v = parse_numbers(flag, std::string_view(text).substr(colon + 1));
+  const bool is_finite = std::ranges::all_of(v, [](double x) { return std::isfinite(x); });
+  if ((v.size() != 3 && v.size() != 7) || !is_finite) {
+    throw CLI::ValidationError(
+        flag, fmt::format("'{}' is not 3 finite numbers of a position, or 7 of position and "
+                          "quaternion x, y, z, w",
+                          text.substr(colon + 1)));
+  }
+  PoseGoal goal;
+  goal.link = text.substr(0, colon);
+  goal.pose.translation = Vec3(v[0], v[1], v[2]);
+  if (v.size() == 3) {
+    goal.cone = goal.turn = std::numbers::pi;
+    return goal;
+  }
+  const double length = std::hypot(std::hypot(v[3], v[4]), std::hypot(v[5], v[6]));
+  if (!(std::abs(length - 1) <= kUnitTolerance)) {
+    throw CLI::ValidationError(
+        flag, fmt::format("the quaternion of '{}' has length {:.6g}, expected 1", text, length));
+  }
+  goal.pose.rotation = rotation_from_quaternion(v[6], v[3], v[4], v[5]);
+  return goal;
+}
+
+}  // namespace
+
+CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseGoal>& poses,
+                       const std::string& help) {
+  const auto read = [flag, &poses](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) poses.push_back(parse_pose(flag, text));
+  };
+  return app.add_option_function<std::vector<std::string>>(flag, read, help)
+      ->allow_extra_args(false)
+      ->type_name("LINK:X,Y,Z,QX,QY,QZ,QW");
 }
 
 CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::string& what,

@@ -44,6 +44,11 @@ CLI::Option* add_number_list(CLI::App& app, const std::string& flag, List& list,
   return add_text(app, flag, read, help)->type_name("X,X,..");
 }
 
+/// A flag, which may be given several times, for poses of links: LINK:X,Y,Z,QX,QY,QZ,QW, or
+/// LINK:X,Y,Z for any rotation.
+CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseGoal>& poses,
+                       const std::string& help);
+
 template <class T>
 [[nodiscard]] std::string describe_range(T least, T most) {
   return most == std::numeric_limits<T>::max() ? fmt::format("{} or more", least)

@@ -29,14 +29,19 @@ std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
 }
 
 SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,
-                           const py::object& start, const py::object& goals, std::string name) {
-  return {Problem{std::move(name),
-                  robot,
-                  "",
-                  {},
-                  to_vector(start, robot.joint_count(), "start"),
-                  to_goals(goals, robot.joint_count()),
-                  {}},
+                           const py::object& start, const py::object& goals, std::string name,
+                           std::vector<PoseGoal> pose_goals) {
+  if (goals.is_none() && pose_goals.empty()) {
+    raise_invalid("goals: expected at least one configuration, or pose_goals");
+  }
+  for (const PoseGoal& goal : pose_goals) {
+    if (const auto fault = describe_fault(robot, goal)) raise_invalid("pose_goals: " + *fault);
+  }
+  const int joints = robot.joint_count();
+  std::vector<Configuration> rows;
+  if (!goals.is_none()) rows = to_goals(goals, joints);
+  return {Problem{std::move(name), robot, "", {}, to_vector(start, joints, "start"), std::move(rows),
+                  {}, std::move(pose_goals)},
           scene};
 }
 
@@ -45,6 +50,7 @@ struct ProblemArguments {
   std::string robot;
   py::object start;
   py::object goal;
+  std::vector<PoseGoal> pose_goals;
   RobotOptions options;
 };
 
@@ -54,6 +60,7 @@ SharedProblem load(const ProblemArguments& arguments) {
   if (!arguments.robot.empty()) options.robot_path = unwrap(robot_file(arguments.robot));
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
+  options.pose_goals = arguments.pose_goals;
   const py::gil_scoped_release released;
   Problem problem = unwrap(load_problem(arguments.where, options));
   prepare(problem.robot);
@@ -62,24 +69,26 @@ SharedProblem load(const ProblemArguments& arguments) {
 
 void bind_factories(py::class_<SharedProblem>& problem) {
   problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene"), py::arg("start"),
-              py::arg("goals"), py::arg("name") = "problem",
+              py::arg("goals") = py::none(), py::arg("name") = "problem", py::kw_only(),
+              py::arg("pose_goals") = std::vector<PoseGoal>(),
               "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
-              "shape (k, joint_count), any of which will do. The scene is shared: what is added to\n"
-              "it later counts; scene.copy() is one of its own.");
+              "shape (k, joint_count); any of these and of the pose_goals will do. The scene is\n"
+              "shared: what is added to it later counts; scene.copy() is one of its own.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
-         py::object goal, const std::filesystem::path& srdf, std::string group,
-         std::vector<std::string> package_paths) {
+         py::object goal, std::vector<PoseGoal> pose_goals, const std::filesystem::path& srdf,
+         std::string group, std::vector<std::string> package_paths) {
         RobotOptions options;
         options.srdf_path = srdf.string();
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
         return load({where.string(), robot.string(), std::move(start), std::move(goal),
-                     std::move(options)});
+                     std::move(pose_goals), std::move(options)});
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
-      py::arg("goal") = py::none(), py::arg("srdf") = "", py::arg("group") = "",
+      py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
+      py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. What is given besides replaces what the file says.");
@@ -139,6 +148,9 @@ void bind_problem(py::module_& module) {
             return read_only(to_array(self.rest().goals, self.rest().robot.joint_count()));
           },
           "Shape (k, joint_count), radians; read-only: see with_goal.")
+      .def_property_readonly(
+          "pose_goals", [](const SharedProblem& self) { return self.rest().pose_goals; },
+          "Poses, and regions of them, that are goals too.")
       .def_property_readonly(
           "warnings", [](const SharedProblem& self) { return self.rest().warnings; },
           "What was left aside while reading.")

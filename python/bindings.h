@@ -11,6 +11,7 @@ namespace mneme::python {
 void bind_base(pybind11::module_& module);
 void bind_robot(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
+void bind_goal(pybind11::module_& module);
 void bind_problem(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
 void bind_primitive(pybind11::module_& module);

@@ -98,6 +98,7 @@ SolveSettings read_solve_settings(const std::string& planner, const std::string&
   keywords.apply(settings.plan);
   keywords.apply_memory(settings.memory);
   keywords.apply(settings.learn);
+  keywords.apply(settings.ik);
   keywords.finish();
   return settings;
 }

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_base(module);
   mneme::python::bind_robot(module);
   mneme::python::bind_scene(module);
+  mneme::python::bind_goal(module);
   mneme::python::bind_problem(module);
   mneme::python::bind_collision(module);
   mneme::python::bind_primitive(module);

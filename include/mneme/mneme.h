@@ -15,6 +15,7 @@
 #include "mneme/sampling.h"
 #include "mneme/path.h"
 #include "mneme/trajectory.h"
+#include "mneme/goal.h"
 #include "mneme/planning.h"
 #include "mneme/primitive.h"
 #include "mneme/store.h"

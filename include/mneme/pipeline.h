@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/base.h"
+#include "mneme/goal.h"
 #include "mneme/memory.h"
 #include "mneme/planning.h"
 #include "mneme/problem.h"
@@ -43,10 +44,11 @@ struct SolveSettings {
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
   LearnSettings learn;
+  IkSettings ik;  ///< of goals that are poses; their seed is that of `plan`
 };
 
-/// Declares the settings of this struct alone; those of `plan`, `memory` and `learn` have their
-/// own. What is left out is chosen by the kind of memory that is asked.
+/// Declares the settings of this struct alone; those of `plan`, `memory`, `learn` and `ik` have
+/// their own. What is left out is chosen by the kind of memory that is asked.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
@@ -138,6 +140,8 @@ struct SolveResult {
   GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
   Remembered remembered;
   std::vector<Improved> improvements;  ///< one after the other; the last is the plan's path
+  std::vector<Configuration> goals;  ///< the problem's, and those that its poses were resolved to
+  double goal_time_s = 0;            ///< of planning: resolving poses
   double total_time_s = 0;     ///< solve() from call to return
   double planning_time_s = 0;  ///< without what follows planning
   double improvement_time_s = 0;
@@ -147,7 +151,7 @@ struct SolveResult {
   Isa isa = Isa::scalar;
 };
 
-/// Decomposes the scene, retrieves or learns local samplers, synthesizes one sampler, plans,
+/// Resolves goals that are poses, decomposes the scene, retrieves or learns local samplers, synthesizes one sampler, plans,
 /// shortens and verifies. `database` may be null: then samplers that draw from memory draw
 /// uniformly. Errors: an unknown planner or sampler, or two that do not go together; a setting out
 /// of range; a scene that cannot be checked or decomposed; a database of another robot.

@@ -175,6 +175,8 @@ struct PlanTask {
   PathFinisher& shorten_and_verify;  ///< what a path must become and pass before it is returned
   /// The sampler of valid states to draw through, of planners that can; empty for none.
   std::string_view valid_states = {};
+  /// Goals besides those of the query, which a long search takes as they come; null: none.
+  GoalSource* further_goals = nullptr;
 };
 
 /// A planner never throws; allocation of memory counts in its times. Errors: what it needs besides

@@ -13,15 +13,42 @@
 
 namespace mneme {
 
+enum class Axis { x, y, z };
+
+/// A region of poses that a link is to reach. Without tolerances it is one pose.
+struct PoseGoal {
+  std::string link;
+  Transform pose;  ///< where the link's frame is to be, in the root link's frame
+  /// Metres along the axes of `pose`, each >= 0, that the link's origin may be off.
+  Vec3 position_tolerance = Vec3::Zero();
+  /// The link's approach axis, which `cone` and `turn` are about.
+  Axis axis = Axis::z;
+  double cone = 0;  ///< radians that the axis may lean from that of `pose`; pi: any way
+  double turn = 0;  ///< radians that the link may be turned about its axis, to either side; pi: any
+};
+
+/// Metres and radians from a link to a region; 0 within.
+struct PoseError {
+  double position = 0;
+  double rotation = 0;  ///< of the axis beyond the cone and the turn beyond its limit, the larger
+};
+/// How far the link is from `goal` at `q`, in double precision. The goal passes describe_fault().
+[[nodiscard]] PoseError pose_error(const Robot& robot, const PoseGoal& goal,
+                                   std::span<const double> q);
+/// Why no link of the robot can be asked to reach `goal`, or nothing: an unknown link, one that no
+/// joint of the group moves, numbers that are not finite, tolerances below 0.
+[[nodiscard]] std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal);
+
 struct Problem {
   std::string name;
   Robot robot;
   std::string robot_path;  ///< the URDF that was read
   Scene scene;
   Configuration start;
-  std::vector<Configuration> goals;  ///< any of them will do; not empty
+  std::vector<Configuration> goals;  ///< any of them will do; empty only if there are `pose_goals`
   std::vector<std::string>
       warnings;  ///< what was left aside while reading, such as values of unknown joints
+  std::vector<PoseGoal> pose_goals = {};  ///< any of these will do, too
 };
 
 /// What may be set from outside the problem's file.
@@ -33,6 +60,8 @@ struct ProblemOptions {
   RobotOptions robot;
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
+  /// Instead of the problem's goals, or besides `goal`: in the frame of the problem's scene.
+  std::vector<PoseGoal> pose_goals = {};
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a

@@ -89,6 +89,13 @@ struct JointGroup {
   bool is_end_effector = false;
 };
 
+/// Values of joints under a name, as an SRDF's group_state has them.
+struct NamedState {
+  std::string name;
+  std::string group;
+  std::map<std::string, double> values;  ///< by joint
+};
+
 /// An immutable robot model with a planning group. Copies are cheap. All of it is const and
 /// parallel-safe.
 class Robot {
@@ -109,6 +116,8 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
+  /// Of all groups of the SRDF, in its order.
+  [[nodiscard]] std::span<const NamedState> named_states() const { return model_->states; }
   /// What was left aside or clamped, such as names in the SRDF that the model lacks.
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
@@ -145,6 +154,7 @@ class Robot {
     /// by one joint may touch.
     std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
     std::vector<std::string> warnings = {};
+    std::vector<NamedState> states = {};
   };
 
  private:
@@ -158,6 +168,7 @@ class Robot {
     std::string hash;
     bool is_planar = false;
     std::vector<std::string> warnings;
+    std::vector<NamedState> states;
   };
   explicit Robot(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
   std::shared_ptr<const Model> model_;

@@ -41,6 +41,16 @@ class Sampler {
   [[nodiscard]] virtual std::unique_ptr<SampleStream> start(std::uint64_t seed) const = 0;
 };
 
+/// The twin of SampleStream at the other end: one query's stream of goal configurations, for goals
+/// that are more than a few of them. Not thread-safe.
+class GoalSource {
+ public:
+  virtual ~GoalSource() = default;
+  /// Looks for more for a short while. What it returns is free, and differs from all before; there
+  /// may be nothing, and yet something the next time.
+  [[nodiscard]] virtual std::vector<Configuration> more() = 0;
+};
+
 /// Uniform within the joint limits.
 [[nodiscard]] std::unique_ptr<Sampler> make_uniform_sampler(const Robot& robot);
 

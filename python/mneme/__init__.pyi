@@ -99,6 +99,41 @@ class Scene:
     def to_yaml(self) -> str: ...
     def __len__(self) -> int: ...
 
+class PoseGoal:
+    def __init__(
+        self,
+        link: str,
+        position: npt.ArrayLike,
+        quat_xyzw: Optional[npt.ArrayLike] = None,
+        *,
+        position_tolerance: Union[float, npt.ArrayLike] = 0.0,
+        axis: str = "z",
+        cone: float = 0.0,
+        turn: float = 0.0,
+    ) -> None: ...
+    @property
+    def link(self) -> str: ...
+    @property
+    def position(self) -> Floats: ...
+    @property
+    def quat_xyzw(self) -> Floats: ...
+    @property
+    def cone(self) -> float: ...
+    @property
+    def turn(self) -> float: ...
+
+def inverse_kinematics(
+    robot: Robot,
+    goals: Sequence[PoseGoal],
+    *,
+    near: Optional[npt.ArrayLike] = None,
+    scene: Scene = ...,
+    seed: int = 1,
+    isa: str = "automatic",
+    # settings:ik
+    # /settings
+) -> Floats: ...
+
 class Problem:
     name: str
     def __init__(
@@ -106,8 +141,10 @@ class Problem:
         robot: Robot,
         scene: Scene,
         start: npt.ArrayLike,
-        goals: npt.ArrayLike,
+        goals: Optional[npt.ArrayLike] = None,
         name: str = "problem",
+        *,
+        pose_goals: Sequence[PoseGoal] = ...,
     ) -> None: ...
     @staticmethod
     def load(
@@ -116,6 +153,7 @@ class Problem:
         robot: PathLike = "",
         start: Optional[npt.ArrayLike] = None,
         goal: Optional[npt.ArrayLike] = None,
+        pose_goals: Sequence[PoseGoal] = ...,
         srdf: PathLike = "",
         group: str = "",
         package_paths: Sequence[str] = ...,
@@ -128,6 +166,8 @@ class Problem:
     def start(self) -> Floats: ...
     @property
     def goals(self) -> Floats: ...
+    @property
+    def pose_goals(self) -> Sequence[PoseGoal]: ...
     @property
     def warnings(self) -> Sequence[str]: ...
     def with_start(self, start: npt.ArrayLike) -> Problem: ...
@@ -455,6 +495,8 @@ def plan(
     learn_range: float = 0.4,
     learn_resolution: Optional[float] = None,
     merge_cliques: bool = False,
+    # /settings
+    # settings:ik
     # /settings
 ) -> Plan: ...
 

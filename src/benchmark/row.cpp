@@ -32,17 +32,24 @@ std::string compiler() {
 }
 
 constexpr double kSameConfiguration = 1e-4;
+/// Metres and radians that a pose may be off, as IkSettings leave it.
+constexpr double kSamePosition = 1e-4, kSameRotation = 1e-3;
 
 bool is_path_valid(const CollisionChecker& checker, const Problem& problem, const Path& path) {
   const Robot& robot = problem.robot;
   const auto is_goal = [&](const Configuration& goal) {
     return robot.distance(path.back(), goal) < kSameConfiguration;
   };
+  const auto is_pose_reached = [&](const PoseGoal& goal) {
+    const PoseError error = pose_error(robot, goal, path.back());
+    return error.position < kSamePosition && error.rotation < kSameRotation;
+  };
   const auto is_within_limits = [&](const Configuration& q) {
     return !robot.describe_violation(q, "waypoint");
   };
   return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
-         std::any_of(problem.goals.begin(), problem.goals.end(), is_goal) &&
+         (std::ranges::any_of(problem.goals, is_goal) ||
+          std::ranges::any_of(problem.pose_goals, is_pose_reached)) &&
          std::all_of(path.begin(), path.end(), is_within_limits) &&
          is_path_free(checker.robot(), checker.scene(), path,
                       checker.resolution() / kVerificationRefinement);

@@ -87,6 +87,7 @@ class RobotTablesBuilder {
       return fail(ErrorCode::unsupported, "robot '" + robot_.name() + "' has more than " +
                                               std::to_string(kMaxFrames) + " joints that move");
     }
+    add_links();
     add_bodies();
     add_pairs();
     add_limbs();
@@ -153,6 +154,15 @@ class RobotTablesBuilder {
       return {Eigen::Matrix3d::Identity(), joint.axis * joint.fixed_value};
     }
     return {rotation_about(joint.axis, joint.fixed_value), Vec3::Zero()};
+  }
+
+  void add_links() {
+    for (const Placement& placement : placements_) {
+      LinkPlace& place = tables_.links.emplace_back();
+      place.frame = placement.frame;
+      store(placement.X_frame_link.rotation, place.rotation);
+      store(placement.X_frame_link.translation, place.translation);
+    }
   }
 
   /// The shapes of a link in the coordinates of its frame.

@@ -46,6 +46,13 @@ struct FrameRow {
   float translation[3] = {};
 };
 
+/// Where a link is.
+struct LinkPlace {
+  int frame = 0;           ///< 0 is the robot's root, i + 1 is frame row i
+  float rotation[9] = {};  ///< row-major, of the link in that frame
+  float translation[3] = {};
+};
+
 struct Ball {
   float center[3] = {};
   float radius = 0;
@@ -108,6 +115,7 @@ struct Reaches {
 struct RobotTables {
   int joint_count = 0;
   std::vector<FrameRow> frames;  ///< parents before children
+  std::vector<LinkPlace> links;  ///< as the robot's
   std::vector<BodyRow> bodies;   ///< tips first, because they hit most often; then those that stand
   int moving_count = 0;          ///< how many of the bodies move
   std::vector<GroupRow> groups;  ///< body by body, link by link

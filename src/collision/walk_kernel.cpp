@@ -17,6 +17,7 @@
 
 #include "collision/clearance-inl.h"
 #include "collision/forward_kinematics-inl.h"
+#include "collision/least_squares-inl.h"
 #include "collision/scene_boxes-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
@@ -30,65 +31,6 @@ namespace {
 constexpr int kRounds = 3;
 /// Per square radian, in squares of the limb's length.
 constexpr float kDamping = 3e-5f;
-
-/// The normal equations of least squares in the joints, one system per lane.
-class NormalEquations {
- public:
-  /// Damped towards `wish`.
-  HWY_INLINE void reset(int size, float damping, const V* wish) {
-    size_ = size;
-    for (int i = 0; i < size; ++i) {
-      for (int k = 0; k <= i; ++k) at(i, k) = hn::Zero(Tag());
-      at(i, i) = splat(damping);
-      right_[i] = hn::Mul(splat(damping), wish[i]);
-    }
-  }
-
-  /// Adds the squares of `slopes` x = `error`: of `count` joints, a row or three of them per point.
-  template <class Slope, class Error>
-  HWY_INLINE void add(const int* joint, const Slope* slopes, int count, const Error& error) {
-    for (int a = 0; a < count; ++a) {
-      const int i = joint[a];
-      right_[i] = accumulate(slopes[a], error, right_[i]);
-      for (int b = 0; b <= a; ++b) {
-        V& sum = joint[b] <= i ? at(i, joint[b]) : at(joint[b], i);
-        sum = accumulate(slopes[a], slopes[b], sum);
-      }
-    }
-  }
-
-  /// By Cholesky's method, in place.
-  HWY_INLINE void solve(V* x) {
-    for (int i = 0; i < size_; ++i) {
-      for (int k = 0; k <= i; ++k) {
-        V sum = at(i, k);
-        for (int j = 0; j < k; ++j) sum = hn::NegMulAdd(at(i, j), at(k, j), sum);
-        // The inverse of the diagonal stands in its place.
-        at(i, k) = i == k ? hn::Div(splat(1.0f), hn::Sqrt(hn::Max(sum, splat(1e-9f))))
-                          : hn::Mul(sum, at(k, k));
-      }
-      V sum = right_[i];
-      for (int j = 0; j < i; ++j) sum = hn::NegMulAdd(at(i, j), x[j], sum);
-      x[i] = hn::Mul(sum, at(i, i));
-    }
-    for (int i = size_ - 1; i >= 0; --i) {
-      V sum = x[i];
-      for (int j = i + 1; j < size_; ++j) sum = hn::NegMulAdd(at(j, i), x[j], sum);
-      x[i] = hn::Mul(sum, at(i, i));
-    }
-  }
-
- private:
-  static HWY_INLINE V accumulate(V a, V b, V sum) { return hn::MulAdd(a, b, sum); }
-  static HWY_INLINE V accumulate(const V3& a, const V3& b, V sum) {
-    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::MulAdd(a.z, b.z, sum)));
-  }
-  HWY_INLINE V& at(int row, int column) { return matrix_[row * (row + 1) / 2 + column]; }
-
-  int size_ = 0;
-  V matrix_[kMostWalkingJoints * (kMostWalkingJoints + 1) / 2];
-  V right_[kMostWalkingJoints];
-};
 
 HWY_INLINE float squared(float x) { return x * x; }
 
@@ -110,7 +52,7 @@ class Walker {
       for (int j = 0; j < joints; ++j) {
         wish[j] = splat(round == 0 ? request_.drift[j] * request_.length : 0.0f);
       }
-      equations_.reset(joints, kDamping * squared(request_.limb->length), wish);
+      equations_.reset(joints, splat(kDamping * squared(request_.limb->length)), wish);
       pull();
       push();
       equations_.solve(change);
@@ -150,29 +92,10 @@ class Walker {
     return hn::Div(splat(1.0f), length) * a;
   }
 
-  /// How a point of `frame` moves with the joints that carry it; their number.
-  HWY_INLINE int find_slopes(int frame, const V3& point, int* joint, V3* slopes) const {
-    int count = 0;
-    for (; frame > 0; frame = robot_.frames[frame - 1].parent) {
-      const FrameRow& row = robot_.frames[frame - 1];
-      const Pose& pose = poses_[frame];
-      const V3& axis = pose.axes[2];
-      const V3 slope =
-          splat(row.multiplier) * (row.is_prismatic ? axis : cross(axis, point - pose.origin));
-      int place = 0;
-      while (place < count && joint[place] != row.joint) ++place;
-      // A joint that others mimic moves several frames.
-      slopes[place] = place < count ? slopes[place] + slope : slope;
-      joint[place] = row.joint;
-      count = std::max(count, place + 1);
-    }
-    return count;
-  }
-
   HWY_INLINE void add_point(int frame, const V3& point, const V3& error) {
     int joint[kMaxFrames];
     V3 slopes[kMaxFrames];
-    const int count = find_slopes(frame, point, joint, slopes);
+    const int count = find_slopes(robot_, poses_, frame, point, joint, slopes);
     equations_.add(joint, slopes, count, error);
   }
 
@@ -181,7 +104,7 @@ class Walker {
     int joint[kMaxFrames];
     V3 slopes[kMaxFrames];
     V along[kMaxFrames];
-    const int count = find_slopes(frame, point, joint, slopes);
+    const int count = find_slopes(robot_, poses_, frame, point, joint, slopes);
     for (int i = 0; i < count; ++i) along[i] = dot(direction, slopes[i]);
     equations_.add(joint, along, count, error);
   }

@@ -50,8 +50,7 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, CheckCounters&
   if (verification_ == Verification::states || !checker_.robot().is_planar()) return true;
   const auto joints = static_cast<std::size_t>(checker_.robot().joint_count());
   for (std::size_t i = joints; i < states.size(); i += joints) {
-    const MotionEnds ends{i == joints, i + joints == states.size()};
-    if (!is_free(states.subspan(i - joints, joints), states.subspan(i, joints), ends, counters)) {
+    if (!is_free(states.subspan(i - joints, joints), states.subspan(i, joints), {}, counters)) {
       return false;
     }
   }

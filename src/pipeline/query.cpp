@@ -15,7 +15,8 @@ namespace {
 
 Result<void> check_settings(const SolveSettings& settings) {
   for (const auto& checked : {check_ranges(settings), check_ranges(settings.plan),
-                              check_ranges(settings.memory), check_ranges(settings.learn)}) {
+                              check_ranges(settings.memory), check_ranges(settings.learn),
+                              check_ranges(settings.ik)}) {
     if (!checked) return checked;
   }
   return {};

@@ -22,6 +22,7 @@ void visit_all_settings(Settings& settings, const Visitor& visitor) {
   visit_settings(settings.plan, visitor);
   visit_settings(settings.memory, visitor);
   visit_settings(settings.learn, visitor);
+  visit_settings(settings.ik, visitor);
 }
 
 /// Reads each of its settings that `map` has, for visit_settings. Throws InputFailure.

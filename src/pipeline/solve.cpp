@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The page to read first: decompose the scene -> retrieve or learn local samplers -> synthesize one
-// sampler -> plan -> shorten and verify -> improve -> remember.
+// The page to read first: resolve the goal -> decompose the scene -> retrieve or learn local
+// samplers -> synthesize one sampler -> plan -> shorten and verify -> improve -> remember.
 #include "mneme/pipeline.h"
 
 #include "pipeline/improve.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/query.h"
 #include "pipeline/recollection.h"
+#include "pipeline/resolved_goals.h"
 
 #include <algorithm>
 #include <iterator>
@@ -46,7 +47,7 @@ Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings&
 }
 
 /// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
-Result<void> plan(const Query& query, SolveResult& result) {
+Result<void> plan(const Query& query, GoalSource* further_goals, SolveResult& result) {
   const Stopwatch stopwatch;
   internal::Recollection recollection(query, recall);
   const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
@@ -58,7 +59,8 @@ Result<void> plan(const Query& query, SolveResult& result) {
   PathFinisher shorten_and_verify(query.checker, settings.finish());
   const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
   auto planned = query.planner.plan(
-      {query.checker, query.ends, *sampler, settings, shorten_and_verify, valid_states});
+      {query.checker, query.ends, *sampler, settings, shorten_and_verify, valid_states,
+       further_goals});
   if (!planned) return tl::unexpected(planned.error());
   if (recollection.failure()) return tl::unexpected(*recollection.failure());
   result.plan = *std::move(planned);
@@ -73,12 +75,17 @@ Result<void> plan(const Query& query, SolveResult& result) {
 Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   const Stopwatch stopwatch;
-  const auto query = internal::make_query(problem, database, settings);
+  auto query = internal::make_query(problem, database, settings);
   if (!query) return tl::unexpected(query.error());
   SolveResult result;
-  if (auto refused = refuse_query(query->checker, query->ends)) {
-    result.plan = *std::move(refused);
-  } else if (const auto planned = plan(*query, result); !planned) {
+  const Stopwatch goal_stopwatch;
+  auto goals = internal::resolve_goals(*query);
+  if (!goals) return tl::unexpected(goals.error());
+  result.goal_time_s = goal_stopwatch.elapsed_s();
+  result.goals = query->ends.goals;
+  if (goals->refused) {
+    result.plan = *std::move(goals->refused);
+  } else if (const auto planned = plan(*query, goals->further.get(), result); !planned) {
     return tl::unexpected(planned.error());
   }
   result.remembered = remember(*query, result.plan);

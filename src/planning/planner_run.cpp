@@ -39,13 +39,26 @@ PlannerRun::PlannerRun(const PlanTask& task)
       long_range_(settings_.range ? range_ : range_ / 2),
       first_domain_(checker_.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                  : kFirstDomainRadius * kFirstDomainRadius),
+      further_goals_(task.further_goals),
       work_per_clock_check_(work_per_clock_check(checker_.scene())),
       stream_(task.sampler.start(settings_.seed)) {
   const Robot& robot = checker_.robot();
   start_ = to_floats(robot.normalized(query_.start));
-  for (const Configuration& goal : query_.goals) {
-    goals_.push_back(to_floats(robot.normalized(goal)));
-  }
+  for (const Configuration& goal : query_.goals) add_goal(goal);
+}
+
+void PlannerRun::add_goal(const Configuration& goal) {
+  goal_configurations_.push_back(checker_.robot().normalized(goal));
+  goals_.push_back(to_floats(goal_configurations_.back()));
+}
+
+std::size_t PlannerRun::take_further_goals() {
+  const std::size_t known = goals_.size();
+  if (further_goals_ == nullptr || result_.iterations < next_goals_) return known;
+  next_goals_ = result_.iterations + kGoalPeriod;
+  if (known >= kMostGoals) return known;
+  for (const Configuration& goal : further_goals_->more()) add_goal(goal);
+  return known;
 }
 
 void PlannerRun::refuse(PlanStatus status, std::string message) {
@@ -128,7 +141,7 @@ Path PlannerRun::to_query_path(const FloatPath& path) const {
   Path result = to_path(robot, path);
   result.front() = robot.normalized(query_.start);
   const auto goal = std::ranges::find(goals_, path.back()) - goals_.begin();
-  result.back() = robot.normalized(query_.goals[static_cast<std::size_t>(goal)]);
+  result.back() = goal_configurations_[static_cast<std::size_t>(goal)];
   return result;
 }
 

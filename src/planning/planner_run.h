@@ -49,6 +49,9 @@ class PlannerRun {
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
   [[nodiscard]] const FloatPath& goals() const { return goals_; }
+  /// Every so many iterations, asks for further goals: goals() from the index that is returned on
+  /// are new.
+  [[nodiscard]] std::size_t take_further_goals();
 
   [[nodiscard]] std::uint64_t iterations() const { return result_.iterations; }
   /// Counts iterations, `most` or what the limit leaves of them, and returns how many: 0 once a
@@ -98,6 +101,10 @@ class PlannerRun {
  private:
   /// Iterations. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
+  /// Iterations between two looks for further goals, which cost as much as some ten iterations.
+  static constexpr std::uint64_t kGoalPeriod = 1000;
+  /// More goals would slow down the search for the nearest one.
+  static constexpr std::size_t kMostGoals = 64;
 
   [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
   [[nodiscard]] bool is_cancelled() const;
@@ -106,6 +113,7 @@ class PlannerRun {
   /// With the query's own start and goal at its ends, not rounded to single precision.
   [[nodiscard]] Path to_query_path(const FloatPath& path) const;
   void refuse(PlanStatus status, std::string message);
+  void add_goal(const Configuration& goal);
   [[nodiscard]] PlanResult take_result(int node_count);
 
   Stopwatch stopwatch_;
@@ -118,7 +126,10 @@ class PlannerRun {
   float long_range_;
   float first_domain_;
   std::vector<float> start_;
+  std::vector<Configuration> goal_configurations_;  ///< goals_ before rounding
   FloatPath goals_;
+  GoalSource* further_goals_;
+  std::uint64_t next_goals_ = kGoalPeriod;  ///< in iterations
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
   CheckCounters counters_;

@@ -26,7 +26,7 @@ class Prm {
  public:
   explicit Prm(PlannerRun& run) : run_(run), draws_(run), milestones_(run.space(), run.isa()) {
     add_milestone(run.start());
-    for (const std::vector<float>& goal : run.goals()) add_milestone(goal);
+    add_goals(0);
   }
 
   PlanResult solve() {
@@ -35,6 +35,7 @@ class Prm {
     std::vector<std::uint8_t> is_valid(kBatch);
     std::vector<Origin> origins(kBatch);
     while (const auto count = static_cast<std::size_t>(run_.begin_iterations(kBatch))) {
+      add_goals(run_.take_further_goals());
       for (std::size_t i = 0; i < count; ++i)
         origins[i] =
             draws_.next(milestones_[milestones_.size() - 1], {batch.data() + i * joints, joints});
@@ -57,6 +58,14 @@ class Prm {
  private:
   static constexpr int kStart = 0;
 
+  /// Milestones for the goals from the index `first` on.
+  void add_goals(std::size_t first) {
+    for (std::size_t i = first; i < run_.goals().size(); ++i) {
+      ends_.push_back(milestones_.size());
+      add_milestone(run_.goals()[i]);
+    }
+  }
+
   /// Connects a new milestone to near ones of other components, and to the nearest ones in the
   /// components of start and goals, wherever they are; returns the number of connections.
   /// Neighbours that are connected already cost no motion check, so more of them are looked at than
@@ -78,8 +87,7 @@ class Prm {
       ++tries;
       degree += try_connecting(neighbour, milestone);
     }
-    const int end_count = 1 + static_cast<int>(run_.goals().size());
-    for (int end = kStart; end < std::min(end_count, milestone); ++end) {
+    for (const int end : ends_) {
       const int component = component_of(end);
       if (component == component_of(milestone)) continue;
       const int nearest =
@@ -121,11 +129,11 @@ class Prm {
     moved->clear();
   }
 
-  /// The goal that a verified path leads to, which is then in path_, or -1.
+  /// The milestone of the goal that a verified path leads to, which is then in path_, or -1.
   int find_connected_goal() {
-    for (int goal = 0; goal < static_cast<int>(run_.goals().size()); ++goal) {
-      while (component_of(kStart) == component_of(1 + goal)) {
-        const std::vector<int> chain = find_chain(1 + goal);
+    for (const int goal : std::span(ends_).subspan(1)) {
+      while (component_of(kStart) == component_of(goal)) {
+        const std::vector<int> chain = find_chain(goal);
         path_.clear();
         for (const int i : chain) path_.emplace_back(milestones_[i].begin(), milestones_[i].end());
         const int invalid = run_.find_invalid_motion(path_);
@@ -169,6 +177,7 @@ class Prm {
   PlannerRun& run_;
   Draws draws_;
   ConfigurationSet milestones_;
+  std::vector<int> ends_ = {kStart};       ///< milestones of the start, and then of the goals
   std::vector<int> component_;             ///< label of each milestone
   std::vector<std::vector<int>> members_;  ///< of each label
   std::vector<std::vector<int>> edges_;

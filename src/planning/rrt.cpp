@@ -28,6 +28,8 @@ class Rrt {
   PlanResult solve() {
     std::vector<float> q(run_.start().size());
     while (run_.begin_iterations()) {
+      static_cast<void>(run_.take_further_goals());
+      tried_from_.resize(run_.goals().size(), -1);
       const int goal = draw_goal();
       const int node = goal >= 0 ? untried_node_near(goal) : -1;
       if (node >= 0 ? is_goal_reached(node, goal) : is_goal_reached_by_growing(q)) {

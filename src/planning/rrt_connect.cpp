@@ -29,6 +29,9 @@ class RrtConnect {
 
   PlanResult solve() {
     for (;;) {
+      for (std::size_t i = run_.take_further_goals(); i < run_.goals().size(); ++i) {
+        goal_tree_.add(run_.goals()[i], -1);
+      }
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;

@@ -3,6 +3,8 @@
 #include "problem/moveit_problem.h"
 
 #include "base/text_file.h"
+#include "problem/goals.h"
+#include "problem/moveit_goal.h"
 #include "problem/moveit_request.h"
 #include "problem/problem_input.h"
 #include "scene/moveit_scene.h"
@@ -73,8 +75,7 @@ class MoveitReader {
     problem.start = overrides_.start ? *overrides_.start
                                      : positions_of_group(robot.robot, state_.positions,
                                                           request_input_, "start");
-    problem.goals =
-        overrides_.goal ? std::vector<Configuration>{*overrides_.goal} : read_goals(robot.robot);
+    if (!take_goals(overrides_, {}, problem)) read_goals(frames, problem);
     problem.warnings = std::move(robot.warnings);
     problem.warnings.insert(problem.warnings.end(), scene_.warnings.begin(), scene_.warnings.end());
     return problem;
@@ -117,16 +118,37 @@ class MoveitReader {
     return robot;
   }
 
-  std::vector<Configuration> read_goals(const Robot& robot) const {
-    std::vector<Configuration> goals;
+  void read_goals(const MoveitFrames& frames, Problem& problem) const {
     for (std::size_t i = 0; i < request_.goals.size(); ++i) {
       const Input& place = request_.goal_places[i];
-      for (const auto& [joint, position] : request_.goals[i]) {
-        check_other_joint(robot, joint, position, place);
+      if (is_moveit_pose_goal(place)) {
+        add_pose_goal(place, read_pose_goal(place, frames, problem), problem);
+        continue;
       }
-      goals.push_back(positions_of_group(robot, request_.goals[i], place, "goal"));
+      for (const auto& [joint, position] : request_.goals[i]) {
+        check_other_joint(problem.robot, joint, position, place);
+      }
+      problem.goals.push_back(positions_of_group(problem.robot, request_.goals[i], place, "goal"));
     }
-    return goals;
+  }
+
+  /// Frames of links that move are where they are at the start.
+  static PoseGoal read_pose_goal(const Input& place, const MoveitFrames& frames,
+                                 const Problem& problem) {
+    const Robot& robot = problem.robot;
+    const auto find_link = [&](const std::string& name,
+                               const Input& where) -> std::optional<Transform> {
+      const auto link = std::ranges::find(robot.links(), name, &Link::name);
+      if (link == robot.links().end()) return std::nullopt;
+      if (const auto violation = robot.describe_violation(problem.start, "start")) {
+        where.fail(ErrorCode::invalid, *violation);
+      }
+      const std::vector<Transform> poses = robot.link_poses(problem.start);
+      return poses[static_cast<std::size_t>(link - robot.links().begin())];
+    };
+    return read_moveit_pose_goal(place, [&](const Input& constraint) {
+      return frames.pose_in_root(read_frame_id(constraint), constraint, find_link);
+    });
   }
 
   void check_other_joint(const Robot& robot, const std::string& name, double position,

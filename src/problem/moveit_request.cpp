@@ -2,23 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_request.h"
 
+#include "problem/moveit_goal.h"
 #include "scene/moveit_messages.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
+#include <initializer_list>
 #include <set>
 
 namespace mneme::internal {
 namespace {
 
-constexpr std::array<std::string_view, 3> kOtherConstraints = {
-    "position_constraints", "orientation_constraints", "visibility_constraints"};
-
-void refuse_other_constraints(const Input& constraints, std::string_view what) {
-  for (const std::string_view key : kOtherConstraints) {
+void refuse_constraints(const Input& constraints, std::initializer_list<std::string_view> keys,
+                        std::string_view what) {
+  for (const std::string_view key : keys) {
     if (!items_if_any(constraints, key).empty()) {
       constraints.at(key).fail(ErrorCode::unsupported,
                                fmt::format("{} are not supported; expected {}", key, what));
@@ -37,8 +36,13 @@ double read_tolerance(const Input& constraint, std::string_view key) {
 std::map<std::string, double> read_goal(const Input& goal) {
   goal.allow_keys({"name", "joint_constraints", "position_constraints", "orientation_constraints",
                    "visibility_constraints"});
-  refuse_other_constraints(goal, "a goal of joint_constraints alone");
+  refuse_constraints(goal, {"visibility_constraints"}, "a goal without them");
   std::map<std::string, double> positions;
+  if (is_moveit_pose_goal(goal)) {
+    refuse_constraints(goal, {"joint_constraints"},
+                       "joint_constraints alone, or constraints of position and orientation");
+    return positions;
+  }
   for (const Input& constraint : items_if_any(goal, "joint_constraints")) {
     constraint.allow_keys(
         {"joint_name", "position", "tolerance_above", "tolerance_below", "weight"});
@@ -58,7 +62,9 @@ std::map<std::string, double> read_goal(const Input& goal) {
 void refuse_path_constraints(const Input& input) {
   const auto path = input.find("path_constraints");
   if (path && !path->is_nothing()) {
-    refuse_other_constraints(*path, "a path without constraints");
+    refuse_constraints(
+        *path, {"position_constraints", "orientation_constraints", "visibility_constraints"},
+        "a path without constraints");
     if (!items_if_any(*path, "joint_constraints").empty()) {
       path->fail(ErrorCode::unsupported,
                  "joint_constraints are not supported here; expected a path without constraints");

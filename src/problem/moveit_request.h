@@ -22,7 +22,7 @@ namespace mneme::internal {
 struct MoveitRequest {
   std::string group;
   MoveitState start;                                 ///< what it says other than the scene
-  std::vector<std::map<std::string, double>> goals;  ///< positions by joint
+  std::vector<std::map<std::string, double>> goals;  ///< positions by joint; none of a pose
   std::vector<Input> goal_places;
 };
 

@@ -5,6 +5,7 @@
 #include "mneme/covering.h"
 
 #include "base/as_index.h"
+#include "problem/goals.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -181,23 +182,17 @@ Transform read_frame(const Input& input, const Robot& robot) {
 
 namespace {
 
-Configuration read_start(const Input& input, const ProblemOptions& options) {
-  return options.start ? *options.start : input.at("start").numbers();
+Configuration read_start(const Input& input, const Robot& robot, const ProblemOptions& options) {
+  return options.start ? *options.start : read_configuration(input.at("start"), robot);
 }
 
-std::vector<Configuration> read_goals(const Input& input, const ProblemOptions& options) {
-  if (options.goal) {
-    return {*options.goal};
-  }
+std::vector<Input> find_goals(const Input& input) {
   const auto goals = input.find("goals");
-  if (!goals) {
-    return {input.at("goal").numbers()};
-  }
+  if (!goals) return {input.at("goal")};
   if (input.find("goal")) goals->fail(ErrorCode::parse, "expected either goal or goals, got both");
-  std::vector<Configuration> result;
-  for (const Input& goal : goals->items()) result.push_back(goal.numbers());
-  if (result.empty()) goals->fail_expecting("at least one goal");
-  return result;
+  const std::vector<Input> items = goals->items();
+  if (items.empty()) goals->fail_expecting("at least one goal");
+  return items;
 }
 
 }  // namespace
@@ -228,13 +223,17 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
   const Transform X_RF = read_frame(input.header, robot.robot);
   const std::vector<std::string>& notes = input.scene.warnings;
   robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
-  return {input.name,
-          robot.robot,
-          robot.path,
-          moved(X_RF, input.scene),
-          read_start(input.problem, options),
-          read_goals(input.problem, options),
-          std::move(robot.warnings)};
+  Problem problem{input.name,
+                  robot.robot,
+                  robot.path,
+                  moved(X_RF, input.scene),
+                  read_start(input.problem, robot.robot, options),
+                  {},
+                  std::move(robot.warnings)};
+  if (!take_goals(options, X_RF, problem)) {
+    for (const Input& goal : find_goals(input.problem)) read_goal(goal, X_RF, problem);
+  }
+  return problem;
 }
 
 }  // namespace mneme::internal

@@ -10,7 +10,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <array>
+#include <numbers>
 #include <sstream>
 
 namespace mneme {
@@ -34,6 +38,24 @@ std::string describe_group(const Robot& robot) {
   return joints + fmt::format("fixed_joints: {{{}}}\n", fmt::join(fixed, ", "));
 }
 
+std::string describe_angle(double angle) {
+  return angle >= std::numbers::pi ? "free" : internal::yaml_number(angle);
+}
+
+/// A map on one line.
+std::string describe_pose(const PoseGoal& goal) {
+  const auto vector = [](const Vec3& v) {
+    return internal::yaml_numbers(std::array{v.x(), v.y(), v.z()});
+  };
+  const Eigen::Quaterniond q(goal.pose.rotation);
+  return fmt::format("{{link: {}, position: {}, quat_xyzw: {}, position_tolerance: {}, axis: {}, "
+                     "cone: {}, turn: {}}}",
+                     internal::yaml_string(goal.link), vector(goal.pose.translation),
+                     internal::yaml_numbers(std::array{q.x(), q.y(), q.z(), q.w()}),
+                     vector(goal.position_tolerance), "xyz"[static_cast<int>(goal.axis)],
+                     describe_angle(goal.cone), describe_angle(goal.turn));
+}
+
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
@@ -48,13 +70,12 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
                                  internal::yaml_string(problem.name), internal::yaml_string(robot),
                                  describe_group(problem.robot), indented(to_yaml(problem.scene)),
                                  internal::yaml_numbers(problem.start));
-  if (problem.goals.size() == 1) {
-    return text + fmt::format("goal: {}\n", internal::yaml_numbers(problem.goals.front()));
-  }
+  std::vector<std::string> goals;
+  for (const Configuration& goal : problem.goals) goals.push_back(internal::yaml_numbers(goal));
+  for (const PoseGoal& goal : problem.pose_goals) goals.push_back(describe_pose(goal));
+  if (goals.size() == 1) return text + fmt::format("goal: {}\n", goals.front());
   text += "goals:\n";
-  for (const Configuration& goal : problem.goals) {
-    text += fmt::format("  - {}\n", internal::yaml_numbers(goal));
-  }
+  for (const std::string& goal : goals) text += fmt::format("  - {}\n", goal);
   return text;
 }
 

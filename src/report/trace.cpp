@@ -232,7 +232,10 @@ Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
   trace.result.gl.mixture = nullptr;
   internal::Tracer tracer(problem, settings, trace);
   trace.start = tracer.poses_at(problem.start);
-  for (const Configuration& goal : problem.goals) trace.goals.push_back(tracer.poses_at(goal));
+  // Those that poses were resolved to count, too.
+  for (const Configuration& goal : result.goals.empty() ? problem.goals : result.goals) {
+    trace.goals.push_back(tracer.poses_at(goal));
+  }
   tracer.add_path(result.plan.path);
   tracer.add_memory(result.gl);
   if (recorder != nullptr) tracer.add_search(*recorder);

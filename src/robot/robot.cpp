@@ -248,6 +248,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
   model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs);
   model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);
   model.warnings = std::move(sorted->warnings);
+  model.states = std::move(sorted->states);
   return Robot(std::make_shared<const Robot::Model>(std::move(model)));
 }
 

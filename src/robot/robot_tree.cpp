@@ -292,6 +292,7 @@ Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& ord
   sorted.groups = std::move(parts.groups);
   sorted.allowed_pairs = std::move(parts.allowed_pairs);
   sorted.warnings = std::move(parts.warnings);
+  sorted.states = std::move(parts.states);
   std::vector<int> new_link(parts.links.size(), 0);
   std::vector<int> new_joint(parts.joints.size(), 0);
   sorted.links.push_back(std::move(parts.links[as_index(root)]));

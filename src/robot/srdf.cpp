@@ -26,6 +26,7 @@ class SrdfReader {
  private:
   void read_element(const XmlElement& element);
   void read_group(const XmlElement& element);
+  void read_state(const XmlElement& element);
   SrdfName name(const XmlElement& element, const char* attribute);
   SrdfPair pair(const XmlElement& element, const char* first, const char* second);
 
@@ -56,6 +57,8 @@ void SrdfReader::read_element(const XmlElement& element) {
   const std::string_view kind = element.Name();
   if (kind == "group") {
     read_group(element);
+  } else if (kind == "group_state") {
+    read_state(element);
   } else if (kind == "end_effector") {
     xml_.check_attributes(element, {"name", "parent_link", "group", "parent_group"});
     srdf_.end_effectors.push_back(name(element, "group"));
@@ -102,6 +105,23 @@ void SrdfReader::read_group(const XmlElement& element) {
   srdf_.groups.push_back(std::move(group));
 }
 
+/// A joint of several values, such as a floating one, is none that can be planned for.
+void SrdfReader::read_state(const XmlElement& element) {
+  xml_.check_attributes(element, {"name", "group"});
+  SrdfState state{name(element, "name"), xml_.text(element, "group"), {}};
+  xml_.set_context(fmt::format("group_state '{}'", state.name.name));
+  xml_.check_children(element, {}, {"joint"});
+  for (const auto* child = element.FirstChildElement("joint"); child && !xml_.fault();
+       child = child->NextSiblingElement("joint")) {
+    xml_.check_attributes(*child, {"name", "value"});
+    SrdfName joint = name(*child, "name");
+    if (xml_.text(*child, "value").find_first_of(" \t\n") != std::string::npos) continue;
+    state.joints.emplace_back(std::move(joint), xml_.number(*child, "value"));
+  }
+  xml_.set_context("");
+  srdf_.states.push_back(std::move(state));
+}
+
 SrdfName SrdfReader::name(const XmlElement& element, const char* attribute) {
   return {xml_.text(element, attribute), element.GetLineNum()};
 }
@@ -142,6 +162,7 @@ class SrdfLookup {
   }
 
   void add_groups();
+  void add_states();
   void add_allowed_pairs();
 
  private:
@@ -238,6 +259,16 @@ void SrdfLookup::add_groups() {
   }
 }
 
+void SrdfLookup::add_states() {
+  for (const SrdfState& state : srdf_.states) {
+    NamedState added{state.name.name, state.group, {}};
+    for (const auto& [joint, value] : state.joints) {
+      if (has_joint(joint)) added.values[joint.name] = value;
+    }
+    parts_.states.push_back(std::move(added));
+  }
+}
+
 void SrdfLookup::add_allowed_pairs() {
   std::set<NamedPair> allowed;
   for (const SrdfName& name : srdf_.disabled_links) {
@@ -267,6 +298,7 @@ std::optional<Error> apply_srdf(std::string_view text, const std::string& source
   }
   SrdfLookup lookup(*srdf, source, parts);
   lookup.add_groups();
+  lookup.add_states();
   lookup.add_allowed_pairs();
   return std::nullopt;
 }

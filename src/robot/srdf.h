@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -33,6 +34,12 @@ struct SrdfGroup {
   std::vector<SrdfName> subgroups;  ///< the joints of these groups
 };
 
+struct SrdfState {
+  SrdfName name;
+  std::string group;
+  std::vector<std::pair<SrdfName, double>> joints;
+};
+
 struct Srdf {
   SrdfName robot;
   std::vector<SrdfGroup> groups;
@@ -42,13 +49,13 @@ struct Srdf {
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
   std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
   std::vector<SrdfPair> enabled;
+  std::vector<SrdfState> states;  ///< of joints with one value
 };
 
-/// Strict about XML, elements and attributes; names need not exist in a robot. States of groups are
-/// left out.
+/// Strict about XML, elements and attributes; names need not exist in a robot.
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
-/// Adds the groups, allowed pairs and warnings of an SRDF to `parts`, which are in tree order.
+/// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in tree order.
 /// Names that the robot lacks are left aside with one warning each. Returns what is malformed.
 [[nodiscard]] std::optional<Error> apply_srdf(std::string_view text, const std::string& source,
                                               Robot::Parts& parts);

@@ -19,20 +19,20 @@ Vec3 read_moveit_point(const Input& input) {
           input.at("z").finite_number()};
 }
 
-namespace {
-
-Eigen::Matrix3d read_quaternion(const Input& input) {
+Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
   return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
                              input.at("z").finite_number(), input.at("w").finite_number()});
 }
 
+namespace {
+
 Transform read(const Input& input, std::string_view vector, std::string_view quaternion) {
   input.allow_keys({vector, quaternion});
   Transform X;
   X.translation = read_moveit_point(input.at(vector));
-  if (const auto rotation = input.find(quaternion)) X.rotation = read_quaternion(*rotation);
+  if (const auto rotation = input.find(quaternion)) X.rotation = read_moveit_rotation(*rotation);
   return X;
 }
 

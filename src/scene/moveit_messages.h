@@ -20,6 +20,8 @@ namespace mneme::internal {
 [[nodiscard]] Vec3 read_moveit_point(const Input& input);
 /// The keys `position` and `orientation`, which may be missing. Throws InputFailure.
 [[nodiscard]] Transform read_moveit_pose(const Input& input);
+/// A quaternion with the keys x, y, z, w, or a list of them. Throws InputFailure.
+[[nodiscard]] Eigen::Matrix3d read_moveit_rotation(const Input& input);
 /// The keys `translation` and `rotation`. Throws InputFailure.
 [[nodiscard]] Transform read_moveit_transform(const Input& input);
 

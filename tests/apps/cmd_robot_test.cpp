@@ -53,7 +53,7 @@ TEST_SUITE("flow") {
     const ProgramRun valid = run_program(
         {"robot", "check", "planar8", "--q", "0,0,0,0,0,0,0,0", "--scene", files.problem()});
     CHECK_MESSAGE(valid.exit_code == 0, valid.err);
-    CHECK(valid.out == "valid\n");
+    CHECK(valid.out.starts_with("valid\ntip link_8 at "));
     const ProgramRun touching =
         run_program({"robot", "check", "planar8", "--q", "-2.2,0,0,0,0,0,0,0", "--scene",
                      files.problem(), "--json"});
@@ -61,6 +61,10 @@ TEST_SUITE("flow") {
     const Json json = Json::parse(touching.out);
     CHECK(json["is_valid"] == false);
     REQUIRE(json["contacts"].size() >= 1);
+    REQUIRE(json["tips"].size() == 1);
+    CHECK(json["tips"][0]["link"] == "link_8");
+    CHECK(json["tips"][0]["position"].size() == 3);
+    CHECK(json["tips"][0]["quat_xyzw"].size() == 4);
     CHECK(json["contacts"][0]["is_self"] == false);
     CHECK(json["contacts"][0]["other"] == make_circle_scene("", kTwoCircles).obstacles[1].name);
   }

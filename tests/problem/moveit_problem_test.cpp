@@ -44,12 +44,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("goals and paths that are constrained otherwise are refused by name") {
-    CHECK(request_failure("goal_constraints:\n  - position_constraints: [{link_name: hand}]") ==
-          "f:2: key goal_constraints[0].position_constraints: position_constraints are not "
-          "supported; expected a goal of joint_constraints alone");
-    CHECK(request_failure("goal_constraints:\n  - orientation_constraints: [{link_name: hand}]") ==
-          "f:2: key goal_constraints[0].orientation_constraints: orientation_constraints are not "
-          "supported; expected a goal of joint_constraints alone");
+    CHECK(request_failure("goal_constraints:\n  - visibility_constraints: [{weight: 1}]") ==
+          "f:2: key goal_constraints[0].visibility_constraints: visibility_constraints are not "
+          "supported; expected a goal without them");
     CHECK(request_failure(kGoal +
                           "path_constraints: {orientation_constraints: [{link_name: hand}]}") ==
           "f:2: key path_constraints.orientation_constraints: orientation_constraints are not "

@@ -184,10 +184,15 @@ WRONG = [
     ("problem", ["joints"], "joint_1"),
     ("problem", ["fixed_joints"], {"a": "b"}),
     ("problem", ["gaol"], [0.1] * 8),
+    ("problem", ["goal"], {"link": "link_8"}),
+    ("problem", ["goal"], {"link": "link_8", "position": [1, 0, 0], "quat_xyzw": [0, 0, 1]}),
+    ("problem", ["goal"], {"link": "link_8", "position": [1, 0, 0], "cone": 0.1}),
+    ("problem", ["goal"], {"link": "link_8", "position": [1, 0, 0], "position_tolerance": -1}),
+    ("problem", ["start"], {"joint_1": "home"}),
     ("compact", ["problems"], None),
     ("compact", ["problems"], []),
     ("compact", ["problems", 0, "circles"], None),
-    ("compact", ["problems", 0, "start"], "home"),
+    ("compact", ["problems", 0, "start"], 5),
     ("compact", ["problems", 0, "obstacles"], [{"name": "a", "type": "sphere", "position": [9, 9, 9], "radius": 1}]),
     ("grid", ["radius"], None),
     ("grid", ["gap"], [0, 1]),
@@ -215,6 +220,18 @@ WRONG = [
     ("suite", ["memories"], {"own": {"file": "a.db", "primitives": "grid.yaml", "robot": "planar8"}}),
     ("suite", ["memories"], {"own": {"file": "a.db", "starts-per-link": 0}}),
 ]
+
+
+POSE = {"link": "link_8", "position": [9, 3, 0], "quat_xyzw": [0, 0, 0, 1], "position_tolerance": [3, 3, 0],
+        "axis": "z", "cone": 0, "turn": "free", "frame": "link_1"}
+
+
+def test_the_program_reads_poses_and_maps_that_fit(tmp_path):
+    start = {f"joint_{i}": 0.0 for i in range(1, 9)}
+    value = {**PROBLEM, "start": start, "goals": [POSE, {**start, "joint_1": 0.1}]}
+    del value["goal"]
+    assert complaints("problem", value) == []
+    read("problem", value, tmp_path, status=0)
 
 
 def changed(value, path, to):
@@ -265,7 +282,7 @@ def test_neither_takes_what_is_wrong(name, path, to, tmp_path):
 def test_a_suite_may_have_every_setting_of_plan():
     help_text = mneme("plan", "--help-all")
     flags = set(re.findall(r"^  (?:-\w,)?--([a-z-]+)", help_text, re.MULTILINE))
-    others = {"help", "help-all", "robot", "srdf", "group", "package-path", "start", "goal", "db", "db-memory", "planner",
+    others = {"help", "help-all", "robot", "srdf", "group", "package-path", "start", "goal", "goal-pose", "db", "db-memory", "planner",
               "sampler", "seed", "kind", "isa", "view", "svg", "trace", "json"}
     assert others <= flags
     definitions = SCHEMAS["suite"]["$defs"]

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme robot ik: configurations that bring a link to a pose.
+#include "mneme/goal.h"
+#include "mneme/path.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct IkOptions {
+  std::string robot;
+  RobotOptions robot_options;
+  std::string scene;
+  std::vector<PoseGoal> poses;
+  std::optional<Configuration> near;
+  IkSettings settings;
+  bool is_json = false;
+};
+
+void print_solutions(const Robot& robot, const Configuration& near,
+                     const std::vector<Configuration>& solutions) {
+  for (const Configuration& q : solutions) {
+    fmt::print("{:.6f}  ({:.3f} away)\n", fmt::join(q, ","), robot.distance(near, q));
+  }
+}
+
+Json to_json(const Robot& robot, const Configuration& near,
+             const std::vector<Configuration>& solutions) {
+  Json rows = Json::array();
+  for (const Configuration& q : solutions) {
+    rows.push_back({{"q", q}, {"distance", robot.distance(near, q)}});
+  }
+  return rows;
+}
+
+/// Where the search begins, or what is wrong with it.
+Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& placed) {
+  const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
+  const Configuration near = options.near.value_or(
+      placed.start.value_or(placed.robot.normalized(zero)));
+  if (auto violation = placed.robot.describe_violation(near, "--near")) {
+    return fail(ErrorCode::invalid, *violation);
+  }
+  return near;
+}
+
+Result<ExitCode> run_ik(const IkOptions& options) {
+  const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
+  if (!placed) return tl::unexpected(placed.error());
+  for (const PoseGoal& pose : options.poses) {
+    if (const auto fault = describe_fault(placed->robot, pose)) {
+      return fail(ErrorCode::invalid, "--pose: " + *fault);
+    }
+  }
+  const auto near = find_near(options, *placed);
+  if (!near) return tl::unexpected(near.error());
+  const auto checker = CollisionChecker::make(placed->robot, placed->scene);
+  if (!checker) return tl::unexpected(checker.error());
+  auto source = PoseGoalSource::make(*checker, options.poses, *near, options.settings,
+                                     kVerificationMargin);
+  if (!source) return tl::unexpected(source.error());
+  const std::vector<Configuration> solutions = source->more();
+  const std::string failure = solutions.empty() ? source->describe_failure() : "";
+  if (options.is_json) {
+    print_json({{"solutions", to_json(placed->robot, *near, solutions)},
+                {"message", failure.empty() ? Json() : Json(failure)}});
+  } else {
+    print_solutions(placed->robot, *near, solutions);
+  }
+  if (!failure.empty()) print_error(failure);
+  return solutions.empty() ? ExitCode::invalid_ends : ExitCode::done;
+}
+
+}  // namespace
+
+void add_robot_ik(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<IkOptions>();
+  CLI::App* command =
+      group.add_subcommand("ik", "Find configurations that bring a link to a pose");
+  command->footer(
+      "Example:\n  mneme robot ik panda --pose panda_hand:0.4,0.1,0.5,1,0,0,0 --scene shelf.yaml");
+  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  add_robot_flags(*command, options->robot_options);
+  add_poses(*command, "--pose", options->poses,
+            "pose in the root link's frame; without the quaternion, any rotation; may be given "
+            "several times: any will do")
+      ->required();
+  add_number_list(*command, "--near", options->near,
+                  "where the search begins: the nearest solution is printed first (default: the "
+                  "problem's start, or zeros)");
+  command->add_option("--scene", options->scene, "scene or problem with the obstacles");
+  add_settings(*command, options->settings);
+  add_number(*command, "--seed", options->settings.seed, 0, ~std::uint64_t{0},
+             "seed of the random configurations");
+  add_isa(*command);
+  add_json(*command, options->is_json);
+  command->callback([options, &action] { action = [options] { return run_ik(*options); }; });
+}
+
+}  // namespace mneme::app

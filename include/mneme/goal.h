@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// From poses of links to configurations: inverse kinematics, and goals that are regions of poses.
+#pragma once
+
+#include "mneme/base.h"
+#include "mneme/collision.h"
+#include "mneme/problem.h"
+#include "mneme/robot.h"
+#include "mneme/sampling.h"
+
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace mneme {
+
+struct IkSettings {
+  int seeds = 2048;
+  int solutions = 8;
+  double position_tolerance = 1e-4;
+  double rotation_tolerance = 1e-3;
+  double apart = 0.1;
+  std::uint64_t seed = 1;  ///< of the random configurations
+};
+
+/// Declares settings once, as that of PlanSettings does.
+template <class Settings, class Visitor>
+requires std::same_as<std::remove_const_t<Settings>, IkSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("ik-seeds", s.seeds, 1, 100000000,
+        "most configurations that inverse kinematics starts from, 16 at a time; all of them are "
+        "tried only where there is no solution");
+  visit("ik-solutions", s.solutions, 1, 1000,
+        "solutions after which no more are looked for; planners start with so many goals");
+  visit("ik-position-tolerance", s.position_tolerance, 1e-5, 1.0,
+        "metres that a solution may be off its pose, which a region's own tolerances contain");
+  visit("ik-rotation-tolerance", s.rotation_tolerance, 1e-4, 1.0,
+        "radians that a solution may be off its pose, which a region's own tolerances contain");
+  visit("ik-apart", s.apart, 0.0, 1e3,
+        "joint-space distance below which two solutions count as one, radians");
+}
+
+struct IkResult {
+  /// Within the limits, apart from each other, those nearest to where the search began first.
+  std::vector<Configuration> solutions;
+  /// The first few that reach the goal, too, but are in contact or within the margin.
+  std::vector<Configuration> blocked;
+  int seeds = 0;      ///< that were tried
+  PoseError closest;  ///< of the attempt that came closest to the goal
+};
+
+/// Inverse kinematics of one link, by Levenberg and Marquardt's method on 16 seeds at a time. Any
+/// tree of joints; limits, mimic and continuous joints count.
+class InverseKinematics {
+ public:
+  /// Errors: no such link, one that no joint of the group moves, or more joints on the way to it
+  /// than the kernels hold (32); an instruction set that this machine lacks.
+  [[nodiscard]] static Result<InverseKinematics> make(const Robot& robot, const std::string& link,
+                                                      Isa isa = Isa::automatic);
+
+  /// Looks for configurations that bring the link to `goal`, which has that link and passes
+  /// describe_fault(). Seeds are `near`, some around it, and uniform ones; joints that do not move
+  /// the link keep their values in `near`. With a checker of the same robot only what is free
+  /// counts, with `clearance` metres to spare. Depends on its arguments alone.
+  [[nodiscard]] IkResult solve(const PoseGoal& goal, std::span<const double> near,
+                               const IkSettings& settings = {},
+                               const CollisionChecker* checker = nullptr,
+                               double clearance = 0) const;
+
+ private:
+  struct Chain;
+  explicit InverseKinematics(std::shared_ptr<const Chain> chain) : chain_(std::move(chain)) {}
+  std::shared_ptr<const Chain> chain_;
+};
+
+/// The links at the ends of the planning group: what its last joints carry, or the last link of the
+/// chain that is fixed to it, where that branches or ends.
+[[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
+
+/// Free configurations in regions of poses. Refers to the checker.
+class PoseGoalSource final : public GoalSource {
+ public:
+  /// `near`, usually the start, is where the search begins. Errors: those of
+  /// InverseKinematics::make().
+  [[nodiscard]] static Result<PoseGoalSource> make(const CollisionChecker& checker,
+                                                   std::span<const PoseGoal> goals,
+                                                   Configuration near, const IkSettings& settings,
+                                                   double clearance);
+
+  /// The first call looks at all regions for as many solutions as the settings say, and returns the
+  /// nearest first; each later one takes a few seeds to the next region in turn.
+  [[nodiscard]] std::vector<Configuration> more() override;
+  /// Why no call found anything, of each region: out of reach, and how far; not with this rotation;
+  /// only in contact, and with what; no solution from so many seeds.
+  [[nodiscard]] std::string describe_failure() const;
+
+ private:
+  struct Region {
+    PoseGoal goal;
+    InverseKinematics kinematics;
+    IkResult first;  ///< of the first call
+  };
+  PoseGoalSource(const CollisionChecker& checker, Configuration near, const IkSettings& settings,
+                 double clearance)
+      : checker_(&checker), near_(std::move(near)), settings_(settings), clearance_(clearance) {}
+  [[nodiscard]] std::vector<Configuration> search(const Region& region);
+  void keep_new(std::vector<Configuration>& found);
+  [[nodiscard]] std::string describe_failure(const Region& region) const;
+
+  const CollisionChecker* checker_;
+  Configuration near_;
+  IkSettings settings_;
+  double clearance_;
+  std::vector<Region> regions_;
+  std::vector<Configuration> known_;
+  std::uint64_t calls_ = 0;
+};
+
+}  // namespace mneme

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/goal.h"
+#include "mneme/path.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "keywords.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::python {
+namespace {
+
+/// How far the length of a quaternion may be from 1: less is a matter of printed digits.
+constexpr double kUnitTolerance = 1e-3;
+
+Eigen::Matrix3d to_rotation(const py::object& quaternion) {
+  const std::vector<double> q = to_vector(quaternion, 4, "quat_xyzw");
+  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!(std::abs(length - 1) <= kUnitTolerance)) {
+    raise_invalid(fmt::format("quat_xyzw: expected length 1, got {:.6g}", length));
+  }
+  return rotation_from_quaternion(q[3], q[0], q[1], q[2]);
+}
+
+Axis to_axis(const std::string& name) {
+  if (name == "x") return Axis::x;
+  if (name == "y") return Axis::y;
+  if (name == "z") return Axis::z;
+  raise_invalid(fmt::format("axis: expected x, y or z, got '{}'", name));
+}
+
+PoseGoal make_pose_goal(std::string link, const py::object& position, const py::object& quaternion,
+                        const py::object& position_tolerance, const std::string& axis, double cone,
+                        double turn) {
+  PoseGoal goal;
+  goal.link = std::move(link);
+  goal.pose.translation = to_point(position, "position");
+  goal.axis = to_axis(axis);
+  goal.cone = goal.turn = std::numbers::pi;
+  if (!quaternion.is_none()) {
+    goal.pose.rotation = to_rotation(quaternion);
+    goal.cone = cone;
+    goal.turn = turn;
+  }
+  const bool is_number =
+      py::isinstance<py::float_>(position_tolerance) || py::isinstance<py::int_>(position_tolerance);
+  goal.position_tolerance = is_number ? Vec3(Vec3::Constant(position_tolerance.cast<double>()))
+                                      : to_point(position_tolerance, "position_tolerance");
+  return goal;
+}
+
+py::array_t<double> to_quaternion(const PoseGoal& goal) {
+  const Eigen::Quaterniond q(goal.pose.rotation);
+  return to_array(std::vector<double>{q.x(), q.y(), q.z(), q.w()});
+}
+
+std::string describe(const PoseGoal& goal) {
+  const Vec3& at = goal.pose.translation;
+  return fmt::format("<mneme.PoseGoal of '{}' at [{:.4g}, {:.4g}, {:.4g}]>", goal.link, at.x(),
+                     at.y(), at.z());
+}
+
+py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& goals,
+                             const py::object& near, const Scene& scene, std::uint64_t seed,
+                             const std::string& isa, const py::kwargs& arguments) {
+  IkSettings settings;
+  Keywords keywords("inverse_kinematics", arguments);
+  keywords.apply(settings);
+  keywords.finish();
+  settings.seed = seed;
+  for (const PoseGoal& goal : goals) {
+    if (const auto fault = describe_fault(robot, goal)) raise_invalid("goals: " + *fault);
+  }
+  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
+  const Configuration from = near.is_none() ? robot.normalized(zero)
+                                            : to_vector(near, robot.joint_count(), "near");
+  if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
+  const CollisionChecker checker =
+      unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
+  std::vector<Configuration> solutions;
+  {
+    const py::gil_scoped_release released;
+    auto source = PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin);
+    if (source) solutions = source->more();
+    const py::gil_scoped_acquire acquired;
+    if (!source) unwrap(std::move(source));
+  }
+  return to_array(solutions, robot.joint_count());
+}
+
+}  // namespace
+
+void bind_goal(py::module_& module) {
+  py::class_<PoseGoal>(module, "PoseGoal", "A region of poses for a link to reach.")
+      .def(py::init(&make_pose_goal), py::arg("link"), py::arg("position"),
+           py::arg("quat_xyzw") = py::none(), py::kw_only(), py::arg("position_tolerance") = 0.0,
+           py::arg("axis") = "z", py::arg("cone") = 0.0, py::arg("turn") = 0.0,
+           "In the frame of the robot's root link, or, for Problem.load(), of the problem's scene.\n"
+           "Without quat_xyzw any rotation. position_tolerance: metres along the axes of the pose,\n"
+           "or one number for all. The link's axis may lean by cone and the link be turned about\n"
+           "it by turn, radians; pi is any way.")
+      .def_readonly("link", &PoseGoal::link)
+      .def_property_readonly(
+          "position",
+          [](const PoseGoal& self) {
+            const Vec3& at = self.pose.translation;
+            return to_array(std::vector<double>{at.x(), at.y(), at.z()});
+          },
+          "Shape (3,), metres.")
+      .def_property_readonly("quat_xyzw", &to_quaternion, "Shape (4,).")
+      .def_readonly("cone", &PoseGoal::cone)
+      .def_readonly("turn", &PoseGoal::turn)
+      .def("__repr__", &describe);
+  module.def(
+      "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),
+      py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
+      py::arg("isa") = "automatic",
+      "Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
+      "(k, joint_count), radians; none if k is 0.");
+}
+
+}  // namespace mneme::python

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Goals that are poses, and inverse kinematics."""
+import numpy as np
+import pytest
+
+import mneme
+
+READY = np.array([0, -0.785, 0, -2.356, 0, 1.571, 0.785])
+POSITION, TURN = [0.4, 0.2, 0.5], [1.0, 0, 0, 0]
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return mneme.Robot.load("panda")
+
+
+def test_inverse_kinematics_finds_free_configurations_nearest_first(panda):
+    goal = mneme.PoseGoal("panda_hand", POSITION, TURN)
+    solutions = mneme.inverse_kinematics(panda, [goal], near=READY, ik_solutions=5)
+    assert solutions.ndim == 2 and solutions.shape[1] == 7 and 1 <= len(solutions) <= 5
+    distances = np.linalg.norm(solutions - READY, axis=1)
+    assert np.all(np.diff(distances) >= 0)
+    checker = mneme.CollisionChecker(panda, mneme.Scene())
+    assert checker.is_valid(solutions).all()
+
+
+def test_a_pose_out_of_reach_has_no_configuration(panda):
+    far = mneme.PoseGoal("panda_hand", [2, 0, 0.5])
+    assert mneme.inverse_kinematics(panda, [far]).shape == (0, 7)
+    plan = mneme.plan(mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[far]))
+    assert plan.status == "invalid_goal"
+    assert "out of reach of link 'panda_hand' by " in plan.message
+
+
+def test_a_plan_goes_to_a_pose_or_a_region(panda):
+    for goal in (mneme.PoseGoal("panda_hand", POSITION, TURN),
+                 mneme.PoseGoal("panda_hand", POSITION, TURN, position_tolerance=0.05, cone=0.2, turn=3.2)):
+        problem = mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[goal])
+        assert problem.goals.shape == (0, 7)
+        assert [g.link for g in problem.pose_goals] == ["panda_hand"]
+        plan = mneme.plan(problem, ik_solutions=3)
+        assert plan.is_solved, plan.message
+
+
+def test_poses_replace_the_goals_of_a_file(tmp_path):
+    path = tmp_path / "p.yaml"
+    path.write_text("robot: panda\nscene: {obstacles: []}\nstart: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]\n"
+                    "goal: {link: panda_hand, position: [0.4, 0.2, 0.5]}\n")
+    assert mneme.Problem.load(path).pose_goals[0].cone == pytest.approx(np.pi)
+    other = mneme.Problem.load(path, pose_goals=[mneme.PoseGoal("panda_hand", POSITION, TURN)])
+    np.testing.assert_allclose(other.pose_goals[0].position, POSITION)
+    np.testing.assert_allclose(np.abs(other.pose_goals[0].quat_xyzw), TURN, atol=1e-12)
+
+
+@pytest.mark.parametrize("make, message", [
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 0]), "expected length 1, got 0"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 2]), "expected length 1, got 2"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, axis="w"), "expected x, y or z"),
+])
+def test_poses_that_are_none_are_errors(make, message):
+    with pytest.raises(mneme.Error, match=message):
+        make()
+
+
+@pytest.mark.parametrize("goal, message", [
+    (mneme.PoseGoal("nose", POSITION), "expected a link of robot panda"),
+    (mneme.PoseGoal("panda_hand", [np.nan, 0, 0]), "finite numbers"),
+    (mneme.PoseGoal("panda_hand", POSITION, TURN, position_tolerance=-1), "the region is empty"),
+    (mneme.PoseGoal("panda_hand", POSITION, TURN, cone=-1), "the region is empty"),
+])
+def test_goals_that_a_robot_cannot_be_asked_for_are_errors(panda, goal, message):
+    with pytest.raises(mneme.Error, match=message):
+        mneme.inverse_kinematics(panda, [goal])
+    with pytest.raises(mneme.Error, match=message):
+        mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[goal])
+
+
+def test_a_problem_without_any_goal_is_an_error(panda):
+    with pytest.raises(mneme.Error, match="at least one configuration"):
+        mneme.Problem(panda, mneme.Scene(), READY)

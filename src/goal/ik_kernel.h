@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Inverse kinematics from many seeds at once: one function per instruction set.
+#pragma once
+
+#include "mneme/base.h"
+
+#include "collision/tables.h"
+
+#include <array>
+#include <cstdint>
+
+namespace mneme::internal {
+
+/// The target: a region of poses around a frame G. A frame T of the robot is to be in it.
+struct IkTarget {
+  std::array<float, 9> rotation = {};     ///< row-major, from the robot's root to G
+  std::array<float, 3> translation = {};  ///< the root's origin in G
+  int frame = 0;                          ///< of the tables, that carries T
+  std::array<float, 9> tip_rotation = {};
+  std::array<float, 3> tip_translation = {};
+  std::array<float, 3> box = {};  ///< half extents along the axes of G: where T's origin may be
+  /// 2 sin(angle / 2) of how far T's z axis may lean from G's, and T may turn about it; 2 is all
+  /// the way.
+  float lean = 0, turn = 0;
+  float near_m = 0, near_rad = 0;  ///< what is left of an error counts as none
+};
+
+/// Arrays per joint, or rows of joint_count values.
+struct IkRequest {
+  const IkTarget* target = nullptr;
+  const float* lower = nullptr;  ///< infinite for joints that wrap
+  const float* upper = nullptr;
+  const float* seeds = nullptr;
+  int count = 0;   ///< of seeds
+  int rounds = 0;  ///< most steps from a seed
+  int enough = 0;  ///< of seeds whose configurations reach the target, after which no more is tried
+};
+
+/// What became of a seed: metres and radians from the region; infinite if it was not tried.
+struct IkError {
+  float position = 0, rotation = 0;
+};
+
+/// Writes a row and an error per seed that was tried.
+using IkKernel = void (*)(const RobotTables& chain, const IkRequest& request, float* rows,
+                          IkError* errors);
+
+/// That of an instruction set that this machine has. The chain's tables need their frames only, and
+/// have at most kMostWalkingJoints joints.
+[[nodiscard]] IkKernel ik_kernel(Isa isa);
+
+}  // namespace mneme::internal

@@ -1,0 +1,311 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/goal.h"
+
+#include "base/as_index.h"
+#include "collision/make_tables.h"
+#include "goal/ik_kernel.h"
+#include "robot/joint_space.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace mneme {
+
+/// The joints on the way from the root to a link, numbered anew.
+struct InverseKinematics::Chain {
+  Robot robot;
+  internal::JointSpace space;
+  internal::RobotTables tables;     ///< frames only
+  std::vector<int> joints;          ///< per joint of the tables its index in the group
+  std::vector<float> lower, upper;  ///< per joint of the tables; infinite for those that wrap
+  int frame = 0;                    ///< that carries the link
+  Transform X_frame_link;
+  internal::IkKernel kernel = nullptr;
+};
+
+namespace internal {
+namespace {
+
+/// Seeds that are solved together: the lanes of the widest vector.
+constexpr int kIkBatch = 16;
+/// Steps from a seed: those that have not arrived by then mostly never do.
+constexpr int kIkRounds = 24;
+/// Batches without any new solution after which there are no more: most arms have but a few.
+constexpr int kIkPatience = 3;
+/// Blocked solutions that are kept.
+constexpr std::size_t kMostBlocked = 8;
+/// Metres by which single precision may be wrong, and ten times as many radians.
+constexpr double kIkRounding = 3e-6;
+
+/// The frames from the root to `frame`, with joints and parents numbered anew. Returns the joints'
+/// former numbers.
+std::vector<int> take_way(const RobotTables& all, int frame, RobotTables& way) {
+  std::vector<int> frames, joints;
+  for (; frame > 0; frame = all.frames[as_index(frame - 1)].parent) frames.push_back(frame);
+  std::ranges::reverse(frames);
+  for (const int i : frames) {
+    FrameRow row = all.frames[as_index(i - 1)];
+    auto joint = std::ranges::find(joints, row.joint);
+    if (joint == joints.end()) joint = joints.insert(joints.end(), row.joint);
+    row.joint = static_cast<int>(joint - joints.begin());
+    row.parent = static_cast<int>(way.frames.size());
+    way.frames.push_back(row);
+  }
+  way.joint_count = static_cast<int>(joints.size());
+  return joints;
+}
+
+Transform to_transform(const LinkPlace& place) {
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  return {Eigen::Map<const RowMajor>(place.rotation).cast<double>(),
+          Eigen::Map<const Eigen::Vector3f>(place.translation).cast<double>()};
+}
+
+/// A rotation that takes the z axis to `axis`, by permuting axes.
+Eigen::Matrix3d rotation_to(Axis axis) {
+  Eigen::Matrix3d cyclic = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) cyclic((static_cast<int>(axis) + 1 + k) % 3, k) = 1;
+  return cyclic;
+}
+
+/// 2 sin(angle / 2), of which 2 is any angle.
+float chord(double angle) {
+  return static_cast<float>(2 * std::sin(0.5 * std::clamp(angle, 0.0, std::numbers::pi)));
+}
+
+/// A goal as the kernel reads it, and parts of it.
+class TargetMaker {
+ public:
+  TargetMaker(const PoseGoal& goal, int frame, const Transform& X_frame_link,
+              const IkSettings& settings) {
+    const Transform X_link_tip{rotation_to(goal.axis), Vec3::Zero()};
+    X_GR_ = (goal.pose * X_link_tip).inverse();
+    const Transform X_frame_tip = X_frame_link * X_link_tip;
+    const Vec3 tolerance = X_link_tip.rotation.transpose() * goal.position_tolerance;
+    // A solution that is as good as allowed is still within the region.
+    box_ = (tolerance.array() - settings.position_tolerance).max(0);
+    cone_ = within(goal.cone, settings.rotation_tolerance);
+    target_.frame = frame;
+    store(X_GR_.rotation, target_.rotation.data());
+    store(X_frame_tip.rotation, target_.tip_rotation.data());
+    store(X_frame_tip.translation, target_.tip_translation.data());
+    target_.turn = chord(within(goal.turn, settings.rotation_tolerance));
+    target_.near_m = static_cast<float>(settings.position_tolerance - kIkRounding);
+    target_.near_rad = static_cast<float>(settings.rotation_tolerance - 10 * kIkRounding);
+  }
+
+  /// All of the region, or a part of it: solutions stand on the border of what they are for.
+  const IkTarget& make(bool is_whole, Rng& rng) {
+    const double share = is_whole ? 1 : rng.uniform();
+    Vec3 middle = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) middle[i] = (1 - share) * box_[i] * (2 * rng.uniform() - 1);
+    const Vec3 box = share * box_;
+    store(Vec3(X_GR_.translation - middle), target_.translation.data());
+    store(box, target_.box.data());
+    target_.lean = chord(cone_ >= std::numbers::pi ? cone_ : share * cone_);
+    return target_;
+  }
+
+  [[nodiscard]] bool is_reached(const IkError& error) const {
+    return error.position <= target_.near_m && error.rotation <= target_.near_rad;
+  }
+
+ private:
+  static double within(double angle, double tolerance) {
+    return angle >= std::numbers::pi ? angle : std::max(0.0, angle - tolerance);
+  }
+
+  Transform X_GR_;
+  Vec3 box_;
+  double cone_ = 0;
+  IkTarget target_;
+};
+
+}  // namespace
+}  // namespace internal
+
+namespace {
+
+using internal::as_index;
+
+/// One call of InverseKinematics::solve().
+template <class Chain>
+class IkSearch {
+ public:
+  IkSearch(const Chain& chain, const PoseGoal& goal, std::span<const double> near,
+           const IkSettings& settings, const CollisionChecker* checker, double clearance)
+      : chain_(chain),
+        near_(chain.robot.normalized(near)),
+        settings_(settings),
+        checker_(checker),
+        clearance_(clearance),
+        target_(goal, chain.frame, chain.X_frame_link, settings),
+        rng_(settings.seed),
+        seeds_(internal::kIkBatch * chain.joints.size()),
+        rows_(seeds_.size()) {}
+
+  IkResult search() {
+    int futile = 0;
+    while (result_.seeds < settings_.seeds && count() < settings_.solutions) {
+      const int before = count();
+      try_batch();
+      futile = count() > before ? 0 : futile + 1;
+      if (before > 0 && futile == internal::kIkPatience) break;
+    }
+    std::ranges::stable_sort(result_.solutions, {}, [&](const Configuration& q) {
+      return chain_.robot.distance(near_, q);
+    });
+    // A batch may bring more than was wanted.
+    if (count() > settings_.solutions) result_.solutions.resize(as_index(settings_.solutions));
+    return std::move(result_);
+  }
+
+ private:
+  /// Seeds of the first batch that are around `near`, ever further away.
+  static constexpr int kAround = 6;
+  static constexpr float kSpread = 0.15f;
+
+  [[nodiscard]] int count() const { return static_cast<int>(result_.solutions.size()); }
+
+  void try_batch() {
+    const bool is_first = result_.seeds == 0;
+    const internal::IkTarget& target = target_.make(is_first, rng_);
+    draw_seeds(is_first);
+    const int batch = std::min(internal::kIkBatch, settings_.seeds - result_.seeds);
+    const int wanted = settings_.solutions - count();
+    std::array<internal::IkError, internal::kIkBatch> errors;
+    chain_.kernel(chain_.tables,
+                  {&target, chain_.lower.data(), chain_.upper.data(), seeds_.data(), batch,
+                   internal::kIkRounds, wanted},
+                  rows_.data(), errors.data());
+    for (int i = 0; i < batch; ++i) take(errors[as_index(i)], row(i), result_.seeds == 0 && i == 0);
+    result_.seeds += batch;
+  }
+
+  [[nodiscard]] std::span<const float> row(int i) const {
+    const std::size_t joints = chain_.joints.size();
+    return std::span(rows_).subspan(as_index(i) * joints, joints);
+  }
+
+  void draw_seeds(bool is_first) {
+    auto seed = seeds_.begin();
+    for (int i = 0; i < internal::kIkBatch; ++i) {
+      for (const int joint : chain_.joints) {
+        const auto near = static_cast<float>(near_[as_index(joint)]);
+        const float lower = chain_.space.lower(joint), upper = chain_.space.upper(joint);
+        *seed++ = is_first && i < kAround
+                      ? chain_.space.into_limits(
+                            joint, near + kSpread * static_cast<float>(i) * rng_.bell())
+                      : lower + (upper - lower) * static_cast<float>(rng_.uniform());
+      }
+    }
+  }
+
+  void take(const internal::IkError& error, std::span<const float> values, bool is_first) {
+    const auto badness = [](double position, double rotation) { return position + rotation / 4; };
+    if (is_first || badness(error.position, error.rotation) <
+                        badness(result_.closest.position, result_.closest.rotation)) {
+      result_.closest = {error.position, error.rotation};
+    }
+    if (!target_.is_reached(error)) return;
+    const Configuration q = complete(values);
+    const auto is_same = [&](const Configuration& other) {
+      return chain_.robot.distance(q, other) < settings_.apart;
+    };
+    if (std::ranges::any_of(result_.solutions, is_same)) return;
+    const std::span<const double> state(q);
+    if (checker_ == nullptr || checker_->is_motion_valid(state, state, {1, clearance_})) {
+      result_.solutions.push_back(q);
+    } else if (result_.blocked.size() < internal::kMostBlocked) {
+      result_.blocked.push_back(q);
+    }
+  }
+
+  /// A configuration of the whole group, as near as whole turns of joints can bring it.
+  [[nodiscard]] Configuration complete(std::span<const float> values) const {
+    Configuration q = near_;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const int joint = chain_.joints[k];
+      const double value = chain_.space.into_limits(joint, values[k]);
+      q[as_index(joint)] =
+          nearest_turn(chain_.robot.group_joint(joint), value, near_[as_index(joint)]);
+    }
+    return q;
+  }
+
+  static double nearest_turn(const Joint& joint, double value, double near) {
+    constexpr double kTurn = 2 * std::numbers::pi;
+    if (joint.type != JointType::revolute) return value;
+    double nearest = value;
+    for (const double other : {value - kTurn, value + kTurn}) {
+      const bool is_within = other >= joint.lower && other <= joint.upper;
+      if (is_within && std::abs(other - near) < std::abs(nearest - near)) nearest = other;
+    }
+    return nearest;
+  }
+
+  const Chain& chain_;
+  Configuration near_;
+  const IkSettings& settings_;
+  const CollisionChecker* checker_;
+  double clearance_;
+  internal::TargetMaker target_;
+  Rng rng_;
+  std::vector<float> seeds_, rows_;
+  IkResult result_;
+};
+
+}  // namespace
+
+Result<InverseKinematics> InverseKinematics::make(const Robot& robot, const std::string& link,
+                                                  Isa isa) {
+  const auto found = std::ranges::find(robot.links(), link, &Link::name);
+  if (found == robot.links().end()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), link));
+  }
+  if (!is_available(isa)) {
+    return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +
+                                            std::string(to_string(isa)));
+  }
+  const auto checked = internal::share_checked_robot(robot);
+  if (!checked) return tl::unexpected(checked.error());
+  const internal::RobotTables& all = (*checked)->tables;
+  const internal::LinkPlace& place =
+      all.links[static_cast<std::size_t>(found - robot.links().begin())];
+  auto chain = std::make_shared<Chain>(
+      Chain{robot, internal::JointSpace(robot), {}, {}, {}, {}, 0, {}, nullptr});
+  chain->joints = internal::take_way(all, place.frame, chain->tables);
+  if (chain->joints.empty() || chain->tables.joint_count > internal::kMostWalkingJoints) {
+    return fail(chain->joints.empty() ? ErrorCode::invalid : ErrorCode::unsupported,
+                fmt::format("{} joints of robot {} that are planned for move link \"{}\"; "
+                            "inverse kinematics is for 1 to {}",
+                            chain->tables.joint_count, robot.name(), link,
+                            internal::kMostWalkingJoints));
+  }
+  constexpr float kUnlimited = std::numeric_limits<float>::infinity();
+  for (const int joint : chain->joints) {
+    const bool wraps = chain->space.periods()[as_index(joint)] > 0;
+    chain->lower.push_back(wraps ? -kUnlimited : chain->space.lower(joint));
+    chain->upper.push_back(wraps ? kUnlimited : chain->space.upper(joint));
+  }
+  chain->frame = static_cast<int>(chain->tables.frames.size());
+  chain->X_frame_link = internal::to_transform(place);
+  chain->kernel = internal::ik_kernel(isa);
+  return InverseKinematics(std::move(chain));
+}
+
+IkResult InverseKinematics::solve(const PoseGoal& goal, std::span<const double> near,
+                                  const IkSettings& settings, const CollisionChecker* checker,
+                                  double clearance) const {
+  return IkSearch(*chain_, goal, near, settings, checker, clearance).search();
+}
+
+}  // namespace mneme

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/goal.h"
+
+#include "base/as_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+using internal::as_index;
+
+/// Of a call for further goals: one batch of the kernel.
+constexpr int kFurtherSeeds = 16;
+
+void sort_by_distance(const Robot& robot, const Configuration& near,
+                      std::vector<Configuration>& configurations) {
+  std::ranges::stable_sort(configurations, {}, [&](const Configuration& q) {
+    return robot.distance(near, q);
+  });
+}
+
+}  // namespace
+
+Result<PoseGoalSource> PoseGoalSource::make(const CollisionChecker& checker,
+                                            std::span<const PoseGoal> goals, Configuration near,
+                                            const IkSettings& settings, double clearance) {
+  PoseGoalSource source(checker, std::move(near), settings, clearance);
+  for (const PoseGoal& goal : goals) {
+    auto kinematics = InverseKinematics::make(checker.robot(), goal.link, checker.isa());
+    if (!kinematics) return tl::unexpected(kinematics.error());
+    source.regions_.push_back({goal, *std::move(kinematics), {}});
+  }
+  return source;
+}
+
+std::vector<Configuration> PoseGoalSource::more() {
+  if (regions_.empty()) return {};
+  std::vector<Configuration> found;
+  if (calls_++ == 0) {
+    for (Region& region : regions_) {
+      region.first =
+          region.kinematics.solve(region.goal, near_, settings_, checker_, clearance_);
+      std::ranges::copy(region.first.solutions, std::back_inserter(found));
+    }
+    sort_by_distance(checker_->robot(), near_, found);
+  } else {
+    found = search(regions_[calls_ % regions_.size()]);
+  }
+  keep_new(found);
+  return found;
+}
+
+std::vector<Configuration> PoseGoalSource::search(const Region& region) {
+  IkSettings settings = settings_;
+  settings.seeds = kFurtherSeeds;
+  settings.seed = derive_seed(settings_.seed, calls_);
+  return region.kinematics.solve(region.goal, near_, settings, checker_, clearance_).solutions;
+}
+
+void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
+  std::erase_if(found, [&](const Configuration& q) {
+    const bool is_known = std::ranges::any_of(known_, [&](const Configuration& other) {
+      return checker_->robot().distance(q, other) < settings_.apart;
+    });
+    if (!is_known) known_.push_back(q);
+    return is_known;
+  });
+}
+
+namespace {
+
+/// The contact that most of a few configurations have.
+std::string describe_commonest(const CollisionChecker& checker,
+                               std::span<const Configuration> blocked) {
+  constexpr std::size_t kMostAsked = 4;
+  std::map<std::string, int> counts;
+  std::string commonest;
+  for (const Configuration& q : blocked.first(std::min(kMostAsked, blocked.size()))) {
+    std::map<std::string, int> here;
+    for (const Contact& contact : checker.contacts(q)) {
+      here[fmt::format("{} '{}'", contact.is_self ? "its own link" : "obstacle", contact.other)] = 1;
+    }
+    for (const auto& [what, one] : here) counts[what] += one;
+  }
+  for (const auto& [what, count] : counts) {
+    if (commonest.empty() || count > counts[commonest]) commonest = what;
+  }
+  return commonest.empty() ? "what is close" : commonest;
+}
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::string describe_length(double metres) {
+  return metres >= 0.01 ? fmt::format("{:.0f} cm", 100 * metres)
+                        : fmt::format("{:.1f} mm", 1000 * metres);
+}
+
+}  // namespace
+
+std::string PoseGoalSource::describe_failure(const Region& region) const {
+  const PoseGoal& goal = region.goal;
+  const IkResult& first = region.first;
+  if (!first.blocked.empty()) {
+    return fmt::format("link '{}' reaches it only in contact with {} ({} seeds tried)", goal.link,
+                       describe_commonest(*checker_, first.blocked), first.seeds);
+  }
+  PoseGoal any_way = goal;
+  any_way.cone = any_way.turn = std::numbers::pi;
+  IkSettings settings = settings_;
+  settings.solutions = 1;
+  const IkResult moved = region.kinematics.solve(any_way, near_, settings);
+  if (moved.solutions.empty()) {
+    return fmt::format("it is out of reach of link '{}' by {}", goal.link,
+                       describe_length(moved.closest.position));
+  }
+  return fmt::format("link '{}' can be there, but not with that rotation: no solution from {} "
+                     "seeds, the closest is {} and {:.1f} degrees off",
+                     goal.link, first.seeds, describe_length(first.closest.position),
+                     kDegrees * first.closest.rotation);
+}
+
+std::string PoseGoalSource::describe_failure() const {
+  std::string text;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    text += i == 0 ? "" : "; ";
+    text += regions_.size() == 1 ? "goal pose: " : fmt::format("goal pose {}: ", i);
+    text += describe_failure(regions_[i]);
+  }
+  return text;
+}
+
+std::vector<std::string> find_tips(const Robot& robot) {
+  const std::span<const Joint> joints = robot.joints();
+  const std::size_t count = robot.links().size();
+  std::vector<std::vector<std::size_t>> children(count);
+  std::vector<bool> leads_on(count, false), is_of_group(joints.size(), false);
+  for (const int joint : robot.group()) is_of_group[as_index(joint)] = true;
+  // From the tips inwards: joints are in tree order.
+  for (std::size_t i = joints.size(); i-- > 0;) {
+    const auto parent = as_index(joints[i].parent_link), child = as_index(joints[i].child_link);
+    children[parent].push_back(i);
+    if (is_of_group[i] || leads_on[child]) leads_on[parent] = true;
+  }
+  std::vector<std::string> tips;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    auto link = as_index(joints[i].child_link);
+    if (!is_of_group[i] || leads_on[link]) continue;
+    while (children[link].size() == 1 && joints[children[link][0]].type == JointType::fixed) {
+      link = as_index(joints[children[link][0]].child_link);
+    }
+    tips.push_back(robot.links()[link].name);
+  }
+  return tips;
+}
+
+}  // namespace mneme

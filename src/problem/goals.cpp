@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/goals.h"
+
+#include "base/as_index.h"
+#include "scene/shape_fields.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace mneme::internal {
+namespace {
+
+/// How far the length of a goal's quaternion may be from 1: less is a matter of printed digits.
+constexpr double kUnitTolerance = 1e-3;
+
+std::vector<std::string> group_joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
+  return names;
+}
+
+Configuration read_joint_map(const Input& input, const Robot& robot) {
+  const std::vector<std::string> names = group_joint_names(robot);
+  Configuration q(names.size());
+  std::vector<bool> is_given(names.size(), false);
+  for (const auto& [name, value] : input.entries()) {
+    const auto joint = std::ranges::find(names, name) - names.begin();
+    if (joint == std::ssize(names)) {
+      value.fail(ErrorCode::invalid, fmt::format("expected a joint of the planning group ({}), got "
+                                                 "\"{}\"",
+                                                 fmt::join(names, ", "), name));
+    }
+    q[as_index(joint)] = value.number();
+    is_given[as_index(joint)] = true;
+  }
+  const auto missing = std::ranges::find(is_given, false) - is_given.begin();
+  if (missing < std::ssize(names)) {
+    input.fail(ErrorCode::invalid,
+               fmt::format("expected a value of each joint of the planning group, got none of {}",
+                           names[as_index(missing)]));
+  }
+  return q;
+}
+
+Configuration find_state(const Input& input, const Robot& robot) {
+  const std::string name = input.text();
+  const std::vector<std::string> joints = group_joint_names(robot);
+  std::vector<std::string> known;
+  std::string fault;
+  for (const NamedState& state : robot.named_states()) {
+    known.push_back(state.name);
+    if (state.name != name) continue;
+    Configuration q;
+    for (const std::string& joint : joints) {
+      const auto value = state.values.find(joint);
+      if (value == state.values.end()) {
+        fault = fmt::format("state \"{}\" is of group {} and has no value of joint {}, which is "
+                            "planned for",
+                            name, state.group, joint);
+        break;
+      }
+      q.push_back(value->second);
+    }
+    // The same name may stand for states of several groups.
+    if (q.size() == joints.size()) return q;
+  }
+  if (!fault.empty()) input.fail(ErrorCode::invalid, fault);
+  input.fail(ErrorCode::invalid,
+             fmt::format("expected a state that the SRDF of robot {} names ({}), got \"{}\"",
+                         robot.name(),
+                         known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")),
+                         name));
+}
+
+Eigen::Matrix3d read_unit_quaternion(const Input& input) {
+  const std::vector<double> xyzw =
+      input.finite_numbers(4, "a quaternion as x, y, z, w");
+  double square = 0;
+  for (const double value : xyzw) square += value * value;
+  const double length = std::sqrt(square);
+  if (!(std::abs(length - 1) <= kUnitTolerance)) {
+    input.fail(ErrorCode::invalid,
+               fmt::format("expected a quaternion of length 1, got one of length {:.6g}", length));
+  }
+  return rotation_from_quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+}
+
+Vec3 read_position_tolerance(const Input& input) {
+  if (!input.is_list()) return Vec3::Constant(input.finite_number());
+  return read_point(input);
+}
+
+/// Radians, or "free" for any angle.
+double read_angle(const Input& input) {
+  if (input.is_text() && input.text() == "free") return std::numbers::pi;
+  return input.finite_number();
+}
+
+Axis read_axis(const Input& input) {
+  const std::string name = input.is_text() ? input.text() : "";
+  if (name == "x") return Axis::x;
+  if (name == "y") return Axis::y;
+  if (name == "z") return Axis::z;
+  input.fail_expecting("x, y or z");
+}
+
+/// Pose in the root link's frame of any link, where it is at the start.
+Transform find_frame(const Input& input, const Problem& problem) {
+  const std::string name = input.text();
+  const Robot& robot = problem.robot;
+  const auto link = std::ranges::find(robot.links(), name, &Link::name);
+  if (link == robot.links().end()) {
+    input.fail(ErrorCode::invalid,
+               fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), name));
+  }
+  if (const auto violation = robot.describe_violation(problem.start, "start")) {
+    input.fail(ErrorCode::invalid, fmt::format("link \"{}\" is nowhere: {}", name, *violation));
+  }
+  return robot.link_poses(problem.start)[as_index(link - robot.links().begin())];
+}
+
+PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem& problem) {
+  input.allow_keys({"link", "frame", "position", "quat_xyzw", "position_tolerance", "axis", "cone",
+                    "turn"});
+  PoseGoal goal;
+  goal.link = input.at("link").text();
+  Transform pose;
+  pose.translation = read_point(input.at("position"));
+  const auto quaternion = input.find("quat_xyzw");
+  if (quaternion) {
+    pose.rotation = read_unit_quaternion(*quaternion);
+  } else {
+    goal.cone = goal.turn = std::numbers::pi;
+  }
+  const auto frame = input.find("frame");
+  goal.pose = (frame ? find_frame(*frame, problem) : X_RF) * pose;
+  if (const auto tolerance = input.find("position_tolerance")) {
+    goal.position_tolerance = read_position_tolerance(*tolerance);
+  }
+  if (const auto axis = input.find("axis")) goal.axis = read_axis(*axis);
+  for (const auto& [key, angle] : {std::pair("cone", &goal.cone), std::pair("turn", &goal.turn)}) {
+    const auto tolerance = input.find(key);
+    if (!tolerance) continue;
+    if (!quaternion) tolerance->fail(ErrorCode::parse, "expected quat_xyzw beside it, got none");
+    *angle = read_angle(*tolerance);
+  }
+  return goal;
+}
+
+}  // namespace
+
+Configuration read_configuration(const Input& input, const Robot& robot) {
+  if (input.is_map()) return read_joint_map(input, robot);
+  if (input.is_text()) return find_state(input, robot);
+  return input.numbers();
+}
+
+void add_pose_goal(const Input& place, PoseGoal goal, Problem& problem) {
+  if (const auto fault = describe_fault(problem.robot, goal)) {
+    place.fail(ErrorCode::invalid, *fault);
+  }
+  problem.pose_goals.push_back(std::move(goal));
+}
+
+void read_goal(const Input& input, const Transform& X_RF, Problem& problem) {
+  if (input.is_map() && input.find("link")) {
+    add_pose_goal(input, read_pose_goal(input, X_RF, problem), problem);
+  } else {
+    problem.goals.push_back(read_configuration(input, problem.robot));
+  }
+}
+
+bool take_goals(const ProblemOptions& options, const Transform& X_RF, Problem& problem) {
+  if (options.goal) problem.goals.push_back(*options.goal);
+  const InputValue nothing;
+  const std::string source = "goal pose";
+  for (PoseGoal goal : options.pose_goals) {
+    goal.pose = X_RF * goal.pose;
+    add_pose_goal(Input(nothing, source), std::move(goal), problem);
+  }
+  return options.goal || !options.pose_goals.empty();
+}
+
+}  // namespace mneme::internal
+
+namespace mneme {
+namespace {
+
+using internal::as_index;
+
+/// The axes of a frame whose z axis is `axis` of `rotation`.
+Eigen::Matrix3d along_axis(const Eigen::Matrix3d& rotation, Axis axis) {
+  Eigen::Matrix3d permuted;
+  for (int k = 0; k < 3; ++k) permuted.col(k) = rotation.col((static_cast<int>(axis) + 1 + k) % 3);
+  return permuted;
+}
+
+bool is_moved(const Robot& robot, int link) {
+  for (int joint = robot.links()[as_index(link)].parent_joint; joint >= 0;) {
+    const Joint& model = robot.joints()[as_index(joint)];
+    const int leader = model.mimic ? model.mimic->joint : joint;
+    if (std::ranges::count(robot.group(), leader) > 0) return true;
+    joint = robot.links()[as_index(model.parent_link)].parent_joint;
+  }
+  return false;
+}
+
+}  // namespace
+
+PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const double> q) {
+  const auto link = std::ranges::find(robot.links(), goal.link, &Link::name);
+  const Transform X_RL = robot.link_poses(q)[as_index(link - robot.links().begin())];
+  const Vec3 off = goal.pose.inverse() * X_RL.translation;
+  const Vec3 beyond = (off.cwiseAbs() - goal.position_tolerance).cwiseMax(0);
+  // The rotation that is left, as one that leans the axis after one about it.
+  const Eigen::Matrix3d left = along_axis(goal.pose.rotation, goal.axis).transpose() *
+                               along_axis(X_RL.rotation, goal.axis);
+  const double lean = std::atan2(std::hypot(left(0, 2), left(1, 2)), left(2, 2));
+  const double turn = std::abs(std::atan2(left(1, 0) - left(0, 1), left(0, 0) + left(1, 1)));
+  return {beyond.norm(), std::max({0.0, lean - goal.cone, turn - goal.turn})};
+}
+
+std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal) {
+  const auto link = std::ranges::find(robot.links(), goal.link, &Link::name);
+  if (link == robot.links().end()) {
+    return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), goal.link);
+  }
+  if (!is_moved(robot, static_cast<int>(link - robot.links().begin()))) {
+    return fmt::format("no joint that is planned for moves link \"{}\"", goal.link);
+  }
+  const Eigen::Matrix3d& rotation = goal.pose.rotation;
+  if (!goal.pose.translation.allFinite() || !rotation.allFinite()) {
+    return fmt::format("expected a pose of link \"{}\" of finite numbers", goal.link);
+  }
+  if (!(rotation.transpose() * rotation).isIdentity(1e-6) || rotation.determinant() < 0) {
+    return fmt::format("the rotation of link \"{}\" is none: expected orthonormal columns",
+                       goal.link);
+  }
+  if (!(goal.position_tolerance.minCoeff() >= 0) || !goal.position_tolerance.allFinite()) {
+    return fmt::format("the region is empty: expected position tolerances of 0 m or more, got {}",
+                       fmt::join(goal.position_tolerance, ", "));
+  }
+  if (!(goal.cone >= 0) || !(goal.turn >= 0)) {
+    return fmt::format("the region is empty: expected angles of 0 or more, got cone {} and turn {}",
+                       goal.cone, goal.turn);
+  }
+  return std::nullopt;
+}
+
+}  // namespace mneme

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/moveit_goal.h"
+
+#include "scene/moveit_messages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+using FrameOf = std::function<Transform(const Input& constraint)>;
+
+/// Metres: wherever a robot reaches.
+constexpr double kAnywhere = 1e3;
+/// Of a rotation vector's length: a cone so much narrower has no longer ones, whatever the turn.
+constexpr double kRotationVectorShare = 2 / std::numbers::pi;
+
+std::optional<Input> only_constraint(const Input& goal, std::string_view key) {
+  const std::vector<Input> constraints = items_if_any(goal, key);
+  if (constraints.size() > 1) {
+    goal.at(key).fail(ErrorCode::unsupported,
+                      fmt::format("expected at most one of {} in a goal, got {}", key,
+                                  constraints.size()));
+  }
+  return constraints.empty() ? std::nullopt : std::optional(constraints.front());
+}
+
+/// A solid to stand in, centred at its pose.
+struct Region {
+  Transform X_RB;
+  Vec3 half_extents;
+  bool is_cube = false;  ///< within a ball, however it is turned
+};
+
+Region read_region(const Input& constraint, const Transform& X_RF) {
+  const Input region = constraint.at("constraint_region");
+  region.allow_keys({"primitives", "primitive_poses", "meshes", "mesh_poses"});
+  const std::vector<Input> primitives = items_if_any(region, "primitives");
+  const std::vector<Input> poses = items_if_any(region, "primitive_poses");
+  if (primitives.size() != 1 || poses.size() != 1 || !items_if_any(region, "meshes").empty()) {
+    region.fail(ErrorCode::unsupported,
+                fmt::format("expected a region of one primitive and its pose, got {} primitives, {} "
+                            "poses and {} meshes",
+                            primitives.size(), poses.size(), items_if_any(region, "meshes").size()));
+  }
+  const Transform X_RB = X_RF * read_moveit_pose(poses.front());
+  const Input& primitive = primitives.front();
+  primitive.allow_keys({"type", "dimensions", "polygon"});
+  const std::string type = primitive.at("type").text();
+  const Input dimensions = primitive.at("dimensions");
+  for (const Input& size : dimensions.items()) static_cast<void>(size.positive_number());
+  if (type == "box" || type == "1") {
+    const auto size = dimensions.finite_numbers(3, "full extents along x, y, z in metres");
+    return {X_RB, 0.5 * Vec3(size[0], size[1], size[2])};
+  }
+  if (type != "sphere" && type != "2") {
+    primitive.at("type").fail(ErrorCode::unsupported,
+                              "expected a region that is a box or a sphere");
+  }
+  const double radius = dimensions.finite_numbers(1, "a radius in metres")[0];
+  return {X_RB, Vec3::Constant(radius / std::sqrt(3.0)), true};
+}
+
+void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
+  constraint.allow_keys({"header", "link_name", "target_point_offset", "constraint_region",
+                         "weight"});
+  if (const auto offset = constraint.find("target_point_offset"); offset && !offset->is_nothing()) {
+    const bool is_zero = std::ranges::all_of(
+        offset->entries(), [](const auto& entry) { return entry.second.finite_number() == 0; });
+    if (!is_zero) {
+      offset->fail(ErrorCode::unsupported, "expected no offset: the link's origin is what is placed");
+    }
+  }
+  const Region region = read_region(constraint, X_RF);
+  goal.pose.translation = region.X_RB.translation;
+  const Eigen::Matrix3d turned = goal.pose.rotation.transpose() * region.X_RB.rotation;
+  const Eigen::Matrix3d rounded = turned.array().round();
+  if (region.is_cube) {
+    goal.position_tolerance = region.half_extents;
+  } else if (turned.isApprox(rounded, 1e-6)) {
+    goal.position_tolerance = rounded.cwiseAbs() * region.half_extents;
+  } else {
+    goal.position_tolerance = Vec3::Constant(region.half_extents.minCoeff() / std::sqrt(3.0));
+  }
+}
+
+void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
+  constraint.allow_keys({"header", "orientation", "link_name", "absolute_x_axis_tolerance",
+                         "absolute_y_axis_tolerance", "absolute_z_axis_tolerance",
+                         "parameterization", "weight"});
+  goal.pose.rotation = X_RF.rotation * read_moveit_rotation(constraint.at("orientation"));
+  std::array<double, 3> tolerance = {};
+  for (int i = 0; i < 3; ++i) {
+    const std::string key = fmt::format("absolute_{}_axis_tolerance", "xyz"[i]);
+    const auto given = constraint.find(key);
+    if (!given) continue;
+    const double value = given->finite_number();
+    if (value < 0) given->fail_expecting("a tolerance of 0 or more");
+    tolerance[static_cast<std::size_t>(i)] = std::min(value, std::numbers::pi);
+  }
+  const auto widest = std::ranges::max_element(tolerance) - tolerance.begin();
+  goal.axis = static_cast<Axis>(widest);
+  goal.turn = tolerance[static_cast<std::size_t>(widest)];
+  goal.cone = std::min(tolerance[static_cast<std::size_t>((widest + 1) % 3)],
+                       tolerance[static_cast<std::size_t>((widest + 2) % 3)]);
+  const auto vector = constraint.find("parameterization");
+  const bool is_vector = vector && !vector->is_nothing() && vector->number() == 1;
+  if (is_vector) goal.cone *= kRotationVectorShare;
+  // Leaning turns the angles about the axis, too, a little.
+  if (goal.turn < std::numbers::pi) goal.turn = std::max(0.0, goal.turn - goal.cone * goal.cone / 2);
+}
+
+}  // namespace
+
+bool is_moveit_pose_goal(const Input& goal) {
+  return !items_if_any(goal, "position_constraints").empty() ||
+         !items_if_any(goal, "orientation_constraints").empty();
+}
+
+PoseGoal read_moveit_pose_goal(const Input& goal, const FrameOf& frame_of) {
+  const auto position = only_constraint(goal, "position_constraints");
+  const auto orientation = only_constraint(goal, "orientation_constraints");
+  PoseGoal result;
+  result.position_tolerance = Vec3::Constant(kAnywhere);
+  result.cone = result.turn = std::numbers::pi;
+  if (orientation) {
+    result.link = orientation->at("link_name").text();
+    read_orientation(*orientation, frame_of(*orientation), result);
+  }
+  if (position) {
+    const Input link = position->at("link_name");
+    if (orientation && link.text() != result.link) {
+      link.fail(ErrorCode::unsupported,
+                fmt::format("expected the link of the orientation constraint, {}, got {}",
+                            result.link, link.text()));
+    }
+    result.link = link.text();
+    read_position(*position, frame_of(*position), result);
+  }
+  return result;
+}
+
+}  // namespace mneme::internal

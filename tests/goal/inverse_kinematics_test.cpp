@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "goal/posed_robots.h"
+#include "support/planar_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme::test {
+namespace {
+
+/// Checks that all solutions are what they should be.
+void check_solutions(const Robot& robot, const PoseGoal& goal, const Configuration& near,
+                     const IkResult& result, const IkSettings& settings = {}) {
+  double latest = 0;
+  for (const Configuration& q : result.solutions) {
+    CHECK(!robot.describe_violation(q, "solution"));
+    const PoseError error = pose_error(robot, goal, q);
+    CHECK(error.position <= settings.position_tolerance);
+    CHECK(error.rotation <= settings.rotation_tolerance);
+    const double distance = robot.distance(near, q);
+    CHECK(distance >= latest);
+    latest = distance;
+  }
+  for (std::size_t i = 0; i < result.solutions.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      CHECK(robot.distance(result.solutions[i], result.solutions[k]) >= settings.apart);
+    }
+  }
+}
+
+/// Of so many poses that a random configuration has, how many are reached.
+int count_reached(const Robot& robot, const std::string& link, int poses, Isa isa) {
+  const InverseKinematics kinematics = require_kinematics(robot, link, isa);
+  Rng rng(5);
+  int reached = 0;
+  for (int i = 0; i < poses; ++i) {
+    const PoseGoal goal = pose_at(robot, link, random_configuration(robot, rng));
+    const Configuration near = random_configuration(robot, rng);
+    const IkResult result = kinematics.solve(goal, near);
+    reached += !result.solutions.empty();
+    check_solutions(robot, goal, near, result);
+  }
+  return reached;
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("poses that a configuration has are reached, with every instruction set") {
+    for (const auto& [name, link] : {std::pair("panda", "panda_hand"),
+                                     std::pair("fetch", "gripper_link"), std::pair("ur5", "tool0")}) {
+      const Robot robot = shipped_robot(name);
+      for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
+        if (!is_available(isa)) continue;
+        CAPTURE(name);
+        CAPTURE(to_string(isa));
+        CHECK(count_reached(robot, link, 200, isa) >= 199);
+      }
+    }
+  }
+
+  TEST_CASE("prismatic, continuous and mimic joints count") {
+    CHECK(count_reached(odd_arm(), kOddHand, 200, Isa::automatic) >= 199);
+  }
+
+  TEST_CASE("solutions are in regions of poses, and use what these leave free") {
+    const Robot robot = odd_arm();
+    const InverseKinematics kinematics = require_kinematics(robot, kOddHand);
+    Rng rng(6);
+    int exact = 0, reached = 0;
+    for (int i = 0; i < 100; ++i) {
+      PoseGoal goal = pose_at(robot, kOddHand, random_configuration(robot, rng));
+      goal.axis = static_cast<Axis>(i % 3);
+      goal.cone = rng.uniform(0, 0.5);
+      goal.turn = i % 2 == 0 ? kPi : rng.uniform(0, 1);
+      goal.position_tolerance = Vec3(0, rng.uniform(0, 0.2), 0.05);
+      const Configuration near = random_configuration(robot, rng);
+      const IkResult result = kinematics.solve(goal, near);
+      check_solutions(robot, goal, near, result);
+      reached += !result.solutions.empty();
+      PoseGoal pose = goal;
+      pose.cone = pose.turn = 0;
+      pose.position_tolerance.setZero();
+      for (const Configuration& q : result.solutions) {
+        const PoseError error = pose_error(robot, pose, q);
+        exact += error.position < 1e-3 && error.rotation < 1e-2;
+      }
+    }
+    CHECK(reached == 100);
+    CHECK(exact < 20);
+  }
+
+  TEST_CASE("a position with any rotation is reached") {
+    const Robot robot = shipped_robot("panda");
+    const InverseKinematics kinematics = require_kinematics(robot, "panda_hand");
+    PoseGoal goal = pose_at(robot, "panda_hand", robot.normalized(Configuration(7, 0.4)));
+    goal.cone = goal.turn = kPi;
+    const Configuration near = robot.normalized(Configuration(7, 0.0));
+    const IkResult result = kinematics.solve(goal, near);
+    CHECK(result.solutions.size() >= 8);
+    check_solutions(robot, goal, near, result);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("joints that do not move the link stay where they are") {
+    const Robot robot = odd_arm();
+    Rng rng(7);
+    Configuration near = random_configuration(robot, rng);
+    near.back() = 0.777;
+    const IkResult result = require_kinematics(robot, kOddHand)
+                                .solve(pose_at(robot, kOddHand, random_configuration(robot, rng)),
+                                       near);
+    REQUIRE(!result.solutions.empty());
+    for (const Configuration& q : result.solutions) CHECK(q.back() == doctest::Approx(0.777));
+  }
+
+  TEST_CASE("where the search begins is a solution if it is one, and the first") {
+    const Robot robot = shipped_robot("ur5");
+    Rng rng(8);
+    const Configuration near = random_configuration(robot, rng);
+    const IkResult result =
+        require_kinematics(robot, "tool0").solve(pose_at(robot, "tool0", near), near);
+    REQUIRE(!result.solutions.empty());
+    CHECK(robot.distance(result.solutions.front(), near) < 1e-2);
+  }
+
+  TEST_CASE("joints that have more than one way round go the shorter one") {
+    const Robot robot = odd_arm();
+    constexpr std::size_t kLast = 6;
+    Configuration near(8, 0.3);
+    near[kLast] = 5.5;
+    Configuration q(8, 0.4);
+    q[kLast] = -0.6;
+    const IkResult result =
+        require_kinematics(robot, kOddHand).solve(pose_at(robot, kOddHand, q), near);
+    REQUIRE(!result.solutions.empty());
+    for (const Configuration& solution : result.solutions) {
+      for (const double other : {solution[kLast] - 2 * kPi, solution[kLast] + 2 * kPi}) {
+        if (std::abs(other) > 2 * kPi) continue;
+        CHECK(std::abs(other - near[kLast]) >= std::abs(solution[kLast] - near[kLast]));
+      }
+    }
+  }
+
+  TEST_CASE("only what is free counts, and what is not is told") {
+    const Robot robot = shipped_robot("panda");
+    const Configuration q = {0.3, 0.2, 0.1, -1.8, 0, 2, 0.5};
+    const PoseGoal goal = pose_at(robot, "panda_hand", q);
+    Scene scene;
+    scene.obstacles.push_back({"ball", {Sphere{Vec3(0.3, -0.35, 0.5), 0.25}}});
+    const auto checker = CollisionChecker::make(robot, scene);
+    REQUIRE(checker.has_value());
+    IkSettings settings;
+    settings.solutions = 200;
+    const InverseKinematics kinematics = require_kinematics(robot, "panda_hand");
+    const IkResult all = kinematics.solve(goal, q, settings);
+    const IkResult free = kinematics.solve(goal, q, settings, &*checker, 1e-4);
+    const auto is_valid = [&](const Configuration& state) {
+      return checker->is_valid(std::span<const double>(state));
+    };
+    CHECK(std::ranges::all_of(free.solutions, is_valid));
+    CHECK(!free.solutions.empty());
+    CHECK(!std::ranges::all_of(all.solutions, is_valid));
+    CHECK(!free.blocked.empty());
+    CHECK(std::ranges::none_of(free.blocked, is_valid));
+  }
+
+  TEST_CASE("what is out of reach is told by how far") {
+    const Robot robot = planar8();
+    const std::string tip = robot.links().back().name;
+    PoseGoal goal = pose_at(robot, tip, Configuration(8, 0.0));
+    const double reach = goal.pose.translation.norm();
+    goal.pose.translation = Vec3(0.6, 0.8, 0) * (reach + 0.5);
+    goal.cone = goal.turn = kPi;
+    const IkResult result = require_kinematics(robot, tip).solve(goal, Configuration(8, 0.1));
+    CHECK(result.solutions.empty());
+    CHECK(result.seeds == IkSettings().seeds);
+    CHECK(result.closest.position == doctest::Approx(0.5).epsilon(0.02));
+  }
+
+  TEST_CASE("the same arguments give the same solutions, and no more seeds are tried than allowed") {
+    const Robot robot = odd_arm();
+    const InverseKinematics kinematics = require_kinematics(robot, kOddHand);
+    const PoseGoal goal = pose_at(robot, kOddHand, Configuration(8, 0.3));
+    const Configuration near(8, 0.0);
+    IkSettings settings;
+    settings.seeds = 20;
+    settings.solutions = 1000;
+    const IkResult first = kinematics.solve(goal, near, settings);
+    CHECK(first.seeds <= 20);
+    CHECK(first.solutions == kinematics.solve(goal, near, settings).solutions);
+    settings.seed = 2;
+    CHECK(first.solutions != kinematics.solve(goal, near, settings).solutions);
+  }
+
+  TEST_CASE("links that cannot be moved to a pose are refused") {
+    const Robot robot = odd_arm();
+    const auto message = [&](const Robot& of, const std::string& link) {
+      const auto made = InverseKinematics::make(of, link);
+      return made ? "" : made.error().message;
+    };
+    CHECK(message(robot, "nose") == "expected a link of robot odd, got \"nose\"");
+    CHECK(message(robot, "base") ==
+          "0 joints of robot odd that are planned for move link \"base\"; inverse kinematics is "
+          "for 1 to 32");
+    const Robot long_arm = planar_arm(std::vector<double>(33, 0.1), 0.01);
+    CHECK(message(long_arm, long_arm.links().back().name).starts_with("33 joints of robot"));
+  }
+
+  TEST_CASE("tips are what the last joints carry") {
+    CHECK(find_tips(shipped_robot("panda")) == std::vector<std::string>{"panda_hand"});
+    CHECK(find_tips(shipped_robot("ur5")) == std::vector<std::string>{"wrist_3_link"});
+    CHECK(find_tips(shipped_robot("fetch")) == std::vector<std::string>{"gripper_link"});
+    CHECK(find_tips(odd_arm()) == std::vector<std::string>{"link_8", "link_9"});
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "goal/posed_robots.h"
+
+#include <algorithm>
+
+namespace mneme::test {
+namespace {
+
+const std::string kHand = "panda_hand";
+const Configuration kReady = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
+
+CollisionChecker checker_among(const Robot& robot, const Scene& scene) {
+  const auto checker = CollisionChecker::make(robot, scene);
+  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
+  return *checker;
+}
+
+PoseGoalSource require_source(const CollisionChecker& checker, const std::vector<PoseGoal>& goals,
+                              const IkSettings& settings = {}) {
+  auto source = PoseGoalSource::make(checker, goals, kReady, settings, 1e-4);
+  REQUIRE_MESSAGE(source.has_value(), (source ? "" : source.error().message));
+  return *std::move(source);
+}
+
+/// Why `goal` cannot be reached in `scene`; it must not be reached.
+std::string failure_of(const Scene& scene, const PoseGoal& goal) {
+  const Robot robot = shipped_robot("panda");
+  const CollisionChecker checker = checker_among(robot, scene);
+  PoseGoalSource source = require_source(checker, {goal});
+  CHECK(source.more().empty());
+  return source.describe_failure();
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("more and more goals come, all free and different, the nearest first") {
+    const Robot robot = shipped_robot("panda");
+    Scene scene;
+    scene.obstacles.push_back({"ball", {Sphere{Vec3(0.3, -0.4, 0.5), 0.2}}});
+    const CollisionChecker checker = checker_among(robot, scene);
+    const PoseGoal first = pose_at(robot, kHand, {0.3, 0.2, 0.1, -1.8, 0, 2, 0.5});
+    const PoseGoal second = pose_at(robot, kHand, {-0.5, 0.3, 0.1, -1.5, 0, 2, 0.5});
+    PoseGoalSource source = require_source(checker, {first, second});
+    std::vector<Configuration> all = source.more();
+    REQUIRE(all.size() >= 2);
+    CHECK(std::ranges::is_sorted(all, {}, [&](const Configuration& q) {
+      return robot.distance(kReady, q);
+    }));
+    const std::size_t at_once = all.size();
+    for (int i = 0; i < 6; ++i) {
+      for (Configuration& q : source.more()) all.push_back(std::move(q));
+    }
+    CHECK(all.size() > at_once);
+    int of_second = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(checker.is_valid(std::span<const double>(all[i])));
+      const bool is_first = pose_error(robot, first, all[i]).position < 1e-4;
+      const bool is_second = pose_error(robot, second, all[i]).position < 1e-4;
+      CHECK(is_first != is_second);
+      of_second += is_second;
+      for (std::size_t k = 0; k < i; ++k) CHECK(robot.distance(all[i], all[k]) >= 0.1);
+    }
+    CHECK(of_second > 0);
+    CHECK(of_second < static_cast<int>(all.size()));
+  }
+
+  TEST_CASE("a goal that nothing reaches says why") {
+    const Robot robot = shipped_robot("panda");
+    PoseGoal goal = pose_at(robot, kHand, kReady);
+    SUBCASE("out of reach") {
+      goal.pose.translation = Vec3(1.5, 0, 0.3);
+      const std::string failure = failure_of({}, goal);
+      CHECK_MESSAGE(failure.starts_with("goal pose: it is out of reach of link 'panda_hand' by "),
+                    failure);
+      CHECK(failure.ends_with(" cm"));
+    }
+    SUBCASE("only in contact") {
+      Scene scene;
+      scene.obstacles.push_back({"table", {Sphere{goal.pose.translation, 0.1}}});
+      CHECK(failure_of(scene, goal) ==
+            "goal pose: link 'panda_hand' reaches it only in contact with obstacle 'table' (2048 "
+            "seeds tried)");
+    }
+    SUBCASE("not with that rotation") {
+      // Back towards the base from almost as far as it reaches.
+      goal.pose.translation = Vec3(0.75, 0, 0.333);
+      goal.pose.rotation = rotation_from_rpy(Vec3(0, -kPi / 2, 0));
+      const std::string failure = failure_of({}, goal);
+      CHECK_MESSAGE(failure.starts_with("goal pose: link 'panda_hand' can be there, but not with "
+                                        "that rotation: no solution from 2048 seeds, "),
+                    failure);
+    }
+  }
+
+  TEST_CASE("an unknown link is an error") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    PoseGoal goal;
+    goal.link = "nose";
+    const auto source = PoseGoalSource::make(checker, {&goal, 1}, kReady, {}, 0);
+    REQUIRE(!source.has_value());
+    CHECK(source.error().message == "expected a link of robot panda, got \"nose\"");
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

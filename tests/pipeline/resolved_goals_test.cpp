@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Goals that are poses, from problem to path.
+#include "goal/posed_robots.h"
+
+#include <string>
+#include <vector>
+
+namespace mneme::test {
+namespace {
+
+const std::string kHand = "panda_hand";
+const Configuration kReady = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
+
+/// The Panda is to go from one side of a post to the other.
+Problem posed_problem(const Configuration& at) {
+  Problem problem{"posed", shipped_robot("panda"), "", {}, kReady, {}, {}};
+  const Transform at_post{Eigen::Matrix3d::Identity(), Vec3(0.5, 0.3, 0.4)};
+  problem.scene.obstacles.push_back({"post", {Cylinder{at_post, 0.05, 0.8}}});
+  problem.pose_goals = {pose_at(problem.robot, kHand, at)};
+  return problem;
+}
+
+SolveResult solve_soundly(const Problem& problem, const SolveSettings& settings) {
+  auto result = solve(problem, nullptr, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  return *std::move(result);
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("every planner of mneme goes to a pose") {
+    const Problem problem = posed_problem({1, 0.3, 0.1, -1.5, 0, 1.9, 0.5});
+    for (const std::string planner : {"rrt_connect", "rrt", "prm"}) {
+      CAPTURE(planner);
+      SolveSettings settings;
+      settings.planner = planner;
+      settings.plan.timeout_s = 60;
+      const SolveResult result = solve_soundly(problem, settings);
+      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      CHECK(!result.goals.empty());
+      CHECK(static_cast<int>(result.goals.size()) <= settings.ik.solutions);
+      CHECK(result.goal_time_s > 0);
+      CHECK(result.goal_time_s < result.planning_time_s);
+      const PoseError error =
+          pose_error(problem.robot, problem.pose_goals[0], result.plan.path.back());
+      CHECK(error.position <= settings.ik.position_tolerance);
+      CHECK(error.rotation <= settings.ik.rotation_tolerance);
+      CHECK(is_path_free(problem.robot, problem.scene, result.plan.path, 0.01));
+    }
+  }
+
+  TEST_CASE("the same seed gives the same path to a pose, another one may not") {
+    const Problem problem = posed_problem({1, 0.3, 0.1, -1.5, 0, 1.9, 0.5});
+    SolveSettings settings;
+    settings.plan.max_iterations = 100000;
+    settings.plan.timeout_s = 60;
+    const SolveResult first = solve_soundly(problem, settings);
+    CHECK(first.plan.path == solve_soundly(problem, settings).plan.path);
+    settings.plan.seed = 2;
+    CHECK(first.goals != solve_soundly(problem, settings).goals);
+  }
+
+  TEST_CASE("poses stand beside configurations") {
+    Problem problem = posed_problem({1, 0.3, 0.1, -1.5, 0, 1.9, 0.5});
+    const Configuration near = {0.1, -0.785, 0, -2.356, 0, 1.571, 0.785};
+    problem.goals = {near};
+    const SolveResult result = solve_soundly(problem, {});
+    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    CHECK(result.goals.size() > 1);
+    CHECK(result.plan.path.back() == near);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a pose that nothing reaches is an invalid goal that says why") {
+    Problem problem = posed_problem(kReady);
+    problem.pose_goals[0].pose.translation = Vec3(2, 0, 0.5);
+    const SolveResult result = solve_soundly(problem, {});
+    CHECK(result.plan.status == PlanStatus::invalid_goal);
+    CHECK_MESSAGE(result.plan.message.starts_with(
+                      "goal pose: it is out of reach of link 'panda_hand' by 1"),
+                  result.plan.message);
+    CHECK(result.goals.empty());
+  }
+
+  TEST_CASE("a wrong start is told before the pose is looked at") {
+    Problem problem = posed_problem(kReady);
+    problem.start.pop_back();
+    const SolveResult result = solve_soundly(problem, {});
+    CHECK(result.plan.status == PlanStatus::invalid_start);
+    CHECK(result.plan.message.find("there are 6 values") != std::string::npos);
+  }
+
+  TEST_CASE("a pose of an unknown link is an error") {
+    Problem problem = posed_problem(kReady);
+    problem.pose_goals[0].link = "nose";
+    const auto result = solve(problem, nullptr, {});
+    REQUIRE(!result.has_value());
+    CHECK(result.error().message == "expected a link of robot panda, got \"nose\"");
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
