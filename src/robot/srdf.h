@@ -42,9 +42,11 @@ struct Srdf {
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
   std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
   std::vector<SrdfPair> enabled;
+  std::vector<std::string> warnings;  ///< such as text between elements
 };
 
-/// Strict about XML, elements and attributes; names need not exist in a robot. States of groups are
+/// Strict about XML, elements and attributes, but not about text between elements; names need not
+/// exist in a robot. States of groups are
 /// left out.
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
