@@ -126,21 +126,38 @@ Result<ExitCode> run_info(const RobotCommandOptions& options) {
 
 // check
 
-ExitCode report_contacts(const std::vector<Contact>& contacts, bool is_json) {
+Json to_json(const std::vector<Contact>& contacts) {
   Json rows = Json::array();
   for (const Contact& contact : contacts) {
-    if (!is_json) {
-      fmt::print("{} touches {} {} ({:.6f} m)\n", printable(contact.link),
-                 contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance);
-    }
     rows.push_back({{"link", contact.link},
                     {"other", contact.other},
                     {"is_self", contact.is_self},
                     {"distance", contact.distance}});
   }
+  return rows;
+}
+
+/// `ending` says what follows from the contacts.
+void print_contacts(const std::vector<Contact>& contacts, std::string_view ending) {
+  for (const Contact& contact : contacts) {
+    fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
+               contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
+               ending);
+  }
+}
+
+ExitCode report_contacts(const CollisionChecker& checker, const Configuration& q, bool is_json) {
+  const std::vector<Contact> contacts = checker.contacts(q);
   if (is_json) {
-    print_json({{"is_valid", contacts.empty()}, {"violation", nullptr}, {"contacts", rows}});
-  } else if (contacts.empty()) {
+    print_json({{"is_valid", contacts.empty()},
+                {"violation", nullptr},
+                {"contacts", to_json(contacts)},
+                {"fixed_contacts", to_json(checker.fixed_contacts())}});
+    return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
+  }
+  print_contacts(contacts, "");
+  print_contacts(checker.fixed_contacts(), "; left aside, because no joint moves either");
+  if (contacts.empty()) {
     fmt::print("valid\n");
   }
   return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
@@ -153,9 +170,11 @@ Result<Robot> load_robot_and_scene(const RobotCommandOptions& options, Scene& sc
   if (!overrides) return tl::unexpected(overrides.error());
   const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
   if (!workspace) return tl::unexpected(workspace.error());
-  const Result<Robot> robot = workspace->problem
-                                  ? workspace->problem->robot
-                                  : load_named_robot(options.robot, options.robot_options);
+  if (workspace->problem) {
+    scene = workspace->problem->scene;
+    return workspace->problem->robot;
+  }
+  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
   if (!robot) return robot;
   Result<Scene> placed = in_root_frame(workspace->framed, *robot);
   if (!placed) return tl::unexpected(placed.error());
@@ -169,14 +188,17 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
   if (!robot) return tl::unexpected(robot.error());
   if (const auto violation = robot->describe_violation(options.q, "configuration")) {
     if (options.is_json) {
-      print_json({{"is_valid", false}, {"violation", *violation}, {"contacts", Json::array()}});
+      print_json({{"is_valid", false},
+                  {"violation", *violation},
+                  {"contacts", Json::array()},
+                  {"fixed_contacts", Json::array()}});
     } else {
       fmt::print("{}\n", printable(*violation));
     }
     return ExitCode::invalid_ends;
   }
   return CollisionChecker::make(*robot, scene).map([&](const CollisionChecker& checker) {
-    return report_contacts(checker.contacts(options.q), options.is_json);
+    return report_contacts(checker, options.q, options.is_json);
   });
 }
 
