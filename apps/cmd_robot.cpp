@@ -129,14 +129,6 @@ Result<ExitCode> run_info(const RobotCommandOptions& options) {
 
 // check
 
-void report_contacts(const std::vector<Contact>& contacts) {
-  for (const Contact& contact : contacts) {
-    fmt::print("{} touches {} {} ({:.6f} m)\n", printable(contact.link),
-               contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance);
-  }
-  if (contacts.empty()) fmt::print("valid\n");
-}
-
 Json to_json(const std::vector<Contact>& contacts) {
   Json rows = Json::array();
   for (const Contact& contact : contacts) {
@@ -173,6 +165,33 @@ void print_tips(const Json& tips) {
   }
 }
 
+/// `ending` says what follows from the contacts.
+void print_contacts(const std::vector<Contact>& contacts, std::string_view ending) {
+  for (const Contact& contact : contacts) {
+    fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
+               contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
+               ending);
+  }
+}
+
+ExitCode report_state(const CollisionChecker& checker, const Configuration& q, bool is_json) {
+  const std::vector<Contact> contacts = checker.contacts(q);
+  const Json tips = find_tip_poses(checker.robot(), q);
+  if (is_json) {
+    print_json({{"is_valid", contacts.empty()},
+                {"violation", nullptr},
+                {"contacts", to_json(contacts)},
+                {"fixed_contacts", to_json(checker.fixed_contacts())},
+                {"tips", tips}});
+  } else {
+    print_contacts(contacts, "");
+    print_contacts(checker.fixed_contacts(), "; left aside, because no joint moves either");
+    if (contacts.empty()) fmt::print("valid\n");
+    print_tips(tips);
+  }
+  return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
+}
+
 Result<ExitCode> run_check(const RobotCommandOptions& options) {
   const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
   if (!placed) return tl::unexpected(placed.error());
@@ -181,26 +200,17 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
       print_json({{"is_valid", false},
                   {"violation", *violation},
                   {"contacts", Json::array()},
+                  {"fixed_contacts", Json::array()},
                   {"tips", Json::array()}});
     } else {
       fmt::print("{}\n", printable(*violation));
     }
     return ExitCode::invalid_ends;
   }
-  const auto checker = CollisionChecker::make(placed->robot, placed->scene);
-  if (!checker) return tl::unexpected(checker.error());
-  const std::vector<Contact> contacts = checker->contacts(options.q);
-  const Json tips = find_tip_poses(placed->robot, options.q);
-  if (options.is_json) {
-    print_json({{"is_valid", contacts.empty()},
-                {"violation", nullptr},
-                {"contacts", to_json(contacts)},
-                {"tips", tips}});
-  } else {
-    report_contacts(contacts);
-    print_tips(tips);
-  }
-  return contacts.empty() ? ExitCode::done : ExitCode::invalid_ends;
+  return CollisionChecker::make(placed->robot, placed->scene)
+      .map([&](const CollisionChecker& checker) {
+        return report_state(checker, options.q, options.is_json);
+      });
 }
 
 // planar

@@ -193,6 +193,7 @@ void bind_robot(py::module_& module) {
   bind_factories(robot);
   bind_properties(robot);
   bind_functions(robot);
+  bind_attached(robot);
 }
 
 }  // namespace mneme::python

@@ -190,6 +190,18 @@ void bind_scene(py::module_& module) {
   bind_shapes(scene);
   bind_edits(scene);
   scene.def(
+      "allow",
+      [](Scene& self, const std::string& link, const std::string& obstacle) {
+        const auto found = std::ranges::find(self.obstacles, obstacle, &Obstacle::name);
+        if (found == self.obstacles.end()) {
+          raise_invalid(fmt::format("obstacle: there is no obstacle '{}'", obstacle));
+        }
+        found->may_touch.push_back(link);
+      },
+      py::arg("link"), py::arg("obstacle"),
+      "Lets a link, or an object attached to one, touch an obstacle: they are not checked against "
+      "each other.");
+  scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
       "Text that Scene.parse reads back to the same scene.");
   scene.def(

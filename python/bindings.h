@@ -4,12 +4,15 @@
 /// What the bindings of each room add to the module.
 #pragma once
 
+#include "mneme/robot.h"
+
 #include <pybind11/pybind11.h>
 
 namespace mneme::python {
 
 void bind_base(pybind11::module_& module);
 void bind_robot(pybind11::module_& module);
+void bind_attached(pybind11::class_<Robot>& robot);
 void bind_scene(pybind11::module_& module);
 void bind_goal(pybind11::module_& module);
 void bind_problem(pybind11::module_& module);

@@ -69,6 +69,8 @@ struct LimbInfo {
 };
 
 /// Decides whether configurations and straight motions of a robot are free of contact in a scene.
+/// Left aside are contacts that no motion can change, such as that of the base with the table on
+/// which it stands, and those that an obstacle allows (Obstacle::may_touch).
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
 /// configurations within limits stays within them. Copies share their tables; all of it is const
 /// and parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except
@@ -77,8 +79,9 @@ struct LimbInfo {
 /// value that is not finite, or beyond 1e4 (radians or metres), is not valid.
 class CollisionChecker {
  public:
-  /// Errors: an obstacle that is empty, not finite, beyond 10 km, without positive size or of a
-  /// kind that the kernels lack; an instruction set that this machine lacks.
+  /// Errors: an obstacle that a link may touch which the robot lacks, or that is empty, not finite,
+  /// beyond 10 km, without positive size or of a kind that the kernels lack; an instruction set
+  /// that this machine lacks.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -134,6 +137,8 @@ class CollisionChecker {
   /// Everything that touches at `q`, in double precision by code that shares nothing with the
   /// kernels.
   [[nodiscard]] std::vector<Contact> contacts(std::span<const double> q) const;
+  /// Contacts of obstacles with links that no joint of the group moves, which are left aside.
+  [[nodiscard]] std::vector<Contact> fixed_contacts() const;
 
  private:
   struct Tables;

@@ -103,4 +103,17 @@ struct CoveredRobot {
                                                       const RobotOptions& options = {},
                                                       const CoverSettings& settings = {});
 
+/// How attached objects are covered.
+inline constexpr CoverSettings kObjectCover{.excess = 0.015, .max_spheres = 64};
+
+/// The object with what covers it: spheres and capsules as they are; boxes and cylinders, in
+/// microseconds, by lattices of spheres, at most `max_spheres` each; meshes as those of links, from
+/// the cache if they have been covered before. Errors: an object without shapes, or with one that
+/// is not finite or without size; a mesh that cannot be used.
+[[nodiscard]] Result<CoveredObject> cover_object(AttachedObject object,
+                                                 const CoverSettings& settings = kObjectCover);
+
+/// Robot::with_attached of what covers the objects.
+[[nodiscard]] Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects);
+
 }  // namespace mneme

@@ -75,7 +75,7 @@ struct LocalProblem {
 
 /// What memory is asked about. Refers to all of it.
 struct MemoryQuery {
-  const Robot& robot;
+  Robot robot;  ///< without what it carries: experience is of the robot itself
   const Scene& scene;
   const Configuration* start = nullptr;  ///< null if only the scene is known
   std::span<const Configuration> goals = {};

@@ -93,9 +93,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
       "metres that the robot keeps away from obstacles, start and goal included; not from itself");
 }
 
-/// What a problem asks of memory. Refers to it.
+/// What a problem asks of memory, which is of the robot without what it carries. Refers to it.
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
-  return {problem.robot, problem.scene, &problem.start, problem.goals};
+  return {problem.robot.without_attached(), problem.scene, &problem.start, problem.goals};
 }
 
 /// The result of Algorithm 2.

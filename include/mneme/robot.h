@@ -61,6 +61,24 @@ struct Link {
   std::vector<Solid> solids;      ///< in the link's frame; a Robot has none
 };
 
+/// An object that a link carries, such as what a gripper holds.
+struct AttachedObject {
+  std::string name;                   ///< of no link and no other attached object
+  std::string link;                   ///< that carries it
+  std::vector<Shape> shapes;          ///< in the link's frame
+  std::vector<MeshFile> meshes = {};  ///< in the link's frame
+  /// Links and attached objects that may touch it, besides the link that carries it and what is
+  /// welded to that.
+  std::vector<std::string> may_touch = {};
+};
+
+/// An object as it is checked: cover_object (covering.h) makes it.
+struct CoveredObject {
+  AttachedObject object;
+  std::vector<Sphere> spheres;    ///< in the link's frame
+  std::vector<Capsule> capsules;  ///< in the link's frame
+};
+
 /// What a URDF alone does not say.
 struct RobotOptions {
   /// Names of the joints to plan for, in the order of a configuration. Empty: those of `group`.
@@ -122,7 +140,8 @@ class Robot {
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
   /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count,
-  /// nor do limits of velocity and acceleration.
+  /// nor do limits of velocity and acceleration, nor what is attached: experience is of the robot,
+  /// whatever it carries.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
   /// The same for copies of a robot and for no other one, for as long as one of them lives.
   [[nodiscard]] std::weak_ptr<const void> identity() const { return model_; }
@@ -143,6 +162,18 @@ class Robot {
                                          std::span<const double> b) const;
   /// L2 norm of difference(a, b), in radians (metres for prismatic joints).
   [[nodiscard]] double distance(std::span<const double> a, std::span<const double> b) const;
+
+  /// What the links carry. Each object is one of the last links(), with a fixed joint of its name.
+  [[nodiscard]] std::span<const CoveredObject> attached() const { return model_->attached; }
+  /// This robot with further objects, which are checked against obstacles, against the links that
+  /// move against them and against each other. Takes tens of microseconds; shares the kernels'
+  /// tables of the bare robot. Errors: an unknown link, a name that is taken, an unknown name among
+  /// those that may touch, an object without spheres and capsules.
+  [[nodiscard]] Result<Robot> with_attached(std::vector<CoveredObject> objects) const;
+  /// This robot without one of its objects. Error: it carries none of this name.
+  [[nodiscard]] Result<Robot> without_attached(const std::string& name) const;
+  /// This robot without any.
+  [[nodiscard]] Robot without_attached() const;
 
   /// What a robot is made of; `make_robot` derives the rest of the model from it.
   struct Parts {
@@ -169,7 +200,12 @@ class Robot {
     bool is_planar = false;
     std::vector<std::string> warnings;
     std::vector<NamedState> states;
+    std::vector<CoveredObject> attached = {};
+    std::shared_ptr<const Model> bare = nullptr;  ///< null if nothing is attached
   };
+  [[nodiscard]] std::shared_ptr<const Model> bare_model() const {
+    return model_->bare ? model_->bare : model_;
+  }
   explicit Robot(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
   std::shared_ptr<const Model> model_;
 };

@@ -18,6 +18,9 @@ namespace mneme {
 struct Obstacle {
   std::string name;
   std::vector<Shape> shapes;
+  /// Names of links, and of objects attached to them, that may touch it: they are not checked
+  /// against it, with a margin neither.
+  std::vector<std::string> may_touch = {};
 };
 
 /// The workspace W = {wo_1 .. wo_M} of the paper.
@@ -64,7 +67,7 @@ struct FramedScene {
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a
-/// capsule, which MoveIt lacks; a scene without the name of its frame.
+/// capsule, which MoveIt lacks; a contact that is allowed; a scene without the name of its frame.
 [[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
 
 /// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.

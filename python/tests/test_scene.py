@@ -160,3 +160,32 @@ def test_motions_and_margins_are_checked(robot):
         assert raised(mneme.CollisionChecker, robot, scene, resolution=resolution)[0] == "invalid"
     assert raised(checker.is_path_free, [left], 1e-9)[0] == "invalid"
     assert raised(checker.contacts, np.full(8, np.nan))[0] == "invalid"
+
+
+def test_links_may_touch_obstacles_that_allow_it(robot):
+    scene = mneme.Scene.from_circles([[1.0, 0.0, 0.2]])
+    assert not mneme.CollisionChecker(robot, scene).is_valid(np.zeros(8))
+    name = scene.obstacle_names[0]
+    for link in robot.link_names:
+        scene.allow(link, name)
+    assert mneme.CollisionChecker(robot, scene).is_valid(np.zeros(8))
+    assert raised(scene.allow, "link_1", "shelf")[0] == "invalid"
+    scene.allow("hand", name)
+    assert "'hand'" in raised(mneme.CollisionChecker, robot, scene)[1]
+
+
+def test_what_a_robot_carries_is_checked(robot):
+    cup = mneme.Scene()
+    cup.add_sphere("cup", [1, 0, 0], 0.5)
+    carrying = robot.attach(robot.link_names[-1], cup)
+    assert carrying.attached == ["cup"] and robot.attached == []
+    assert carrying.hash == robot.hash
+    tip = robot.link_poses(np.zeros(8))[-1, :3, 3]
+    scene = mneme.Scene.from_circles([[tip[0] + 1, 0.6, 0.2]])
+    assert mneme.CollisionChecker(robot, scene).is_valid(np.zeros(8))
+    contacts = mneme.CollisionChecker(carrying, scene).contacts(np.zeros(8))
+    assert [c.link for c in contacts] == ["cup"]
+    assert carrying.detach("cup").attached == []
+    assert raised(robot.detach, "cup")[0] == "invalid"
+    assert raised(robot.attach, "hand", cup)[0] == "invalid"
+    assert raised(robot.attach, "link_8", mneme.Scene())[0] == "invalid"

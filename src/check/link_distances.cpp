@@ -5,8 +5,11 @@
 #include "base/as_index.h"
 #include "robot/link_shapes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -25,19 +28,58 @@ Vec3 center_of(const Capsule& posed) {
 
 }  // namespace
 
-std::vector<ObstacleShape> obstacle_shapes(const Scene& scene) {
+namespace {
+
+std::optional<int> find_link(const Robot& robot, const std::string& name) {
+  const auto links = robot.links();
+  const auto found = std::ranges::find(links, name, &Link::name);
+  if (found == links.end()) return std::nullopt;
+  return static_cast<int>(found - links.begin());
+}
+
+}  // namespace
+
+Result<std::vector<int>> find_allowed_links(const Robot& robot, const Obstacle& obstacle) {
+  std::vector<int> links;
+  for (const std::string& name : obstacle.may_touch) {
+    const auto link = find_link(robot, name);
+    if (!link) {
+      return fail(
+          ErrorCode::invalid,
+          fmt::format("obstacle '{}' may be touched by '{}', but robot '{}' has no link and "
+                      "no attached object of this name",
+                      obstacle.name, name, robot.name()));
+    }
+    links.push_back(*link);
+  }
+  return links;
+}
+
+std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene) {
   std::vector<ObstacleShape> shapes;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    for (const Shape& shape : scene.obstacles[i].shapes) {
-      shapes.push_back({static_cast<int>(i), &shape, bounding_sphere(shape)});
+    const Obstacle& obstacle = scene.obstacles[i];
+    std::vector<int> may_touch;
+    for (const std::string& name : obstacle.may_touch) {
+      if (const auto link = find_link(robot, name)) may_touch.push_back(*link);
+    }
+    for (const Shape& shape : obstacle.shapes) {
+      shapes.push_back({static_cast<int>(i), &shape, bounding_sphere(shape), may_touch});
     }
   }
   return shapes;
 }
 
-LinkDistances::LinkDistances(const Robot& robot) {
+LinkDistances::LinkDistances(const Robot& robot) { add_links(robot); }
+
+LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare) : links_(bare.links_) {
+  add_links(robot);
+}
+
+/// Those that are not there yet.
+void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);
-  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+  for (std::size_t i = links_.size(); i < robot.links().size(); ++i) {
     Body body{shapes_of(robot.links()[i]), {}, {}, is_moving[i]};
     body.bound = bound_of(body.shapes);
     for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
@@ -56,6 +98,7 @@ PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
 
 double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
                               double enough) const {
+  if (std::ranges::find(other.may_touch, link) != other.may_touch.end()) return kInfinity;
   const Body& body = at(link);
   const auto i = as_index(link);
   const double radius = body.bound.radius;
@@ -112,7 +155,7 @@ double LinkDistances::between(const PosedLinks& posed, int first, int second, do
 bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
              std::span<const ObstacleShape> obstacles) {
   for (int link = 0; link < links.link_count(); ++link) {
-    if (links.shapes(link).empty()) continue;
+    if (links.shapes(link).empty() || !links.is_moving(link)) continue;
     for (const ObstacleShape& obstacle : obstacles) {
       if (links.between(posed, link, obstacle, 0) < 0) return false;
     }
@@ -122,13 +165,16 @@ bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& p
   });
 }
 
-std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
-                                   const Scene& scene, std::span<const double> q, double margin) {
-  const PosedLinks posed = links.posed(robot.link_poses(q));
-  const std::vector<ObstacleShape> obstacles = obstacle_shapes(scene);
-  const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
+namespace {
+
+/// Links that the group moves, or does not move, with obstacles.
+std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances& links,
+                                         const PosedLinks& posed, const Scene& scene, double margin,
+                                         bool of_moving) {
+  const std::vector<ObstacleShape> obstacles = obstacle_shapes(robot, scene);
   std::vector<Contact> contacts;
   for (int link = 0; link < links.link_count(); ++link) {
+    if (links.is_moving(link) != of_moving) continue;
     int touched = -1;
     for (const ObstacleShape& shape : obstacles) {
       const double gap = links.between(posed, link, shape, margin);
@@ -138,10 +184,20 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
       } else {
         touched = shape.obstacle;
         const Obstacle& obstacle = scene.obstacles[as_index(touched)];
-        contacts.push_back({name(link), obstacle.name, false, gap});
+        contacts.push_back({robot.links()[as_index(link)].name, obstacle.name, false, gap});
       }
     }
   }
+  return contacts;
+}
+
+}  // namespace
+
+std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
+                                   const Scene& scene, std::span<const double> q, double margin) {
+  const PosedLinks posed = links.posed(robot.link_poses(q));
+  std::vector<Contact> contacts = find_scene_contacts(robot, links, posed, scene, margin, true);
+  const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
   for (const auto& [first, second] : robot.self_pairs()) {
     const double gap = links.between(posed, first, second, 0);
     if (gap < 0) contacts.push_back({name(first), name(second), true, gap});
@@ -149,11 +205,18 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
   return contacts;
 }
 
+std::vector<Contact> find_fixed_contacts(const Robot& robot, const LinkDistances& links,
+                                         const Scene& scene) {
+  const Configuration anywhere(as_index(robot.joint_count()), 0.0);
+  const PosedLinks posed = links.posed(robot.link_poses(anywhere));
+  return find_scene_contacts(robot, links, posed, scene, 0, false);
+}
+
 Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
-                         std::span<const ObstacleShape> obstacles, bool of_moving) {
+                         std::span<const ObstacleShape> obstacles) {
   Clearance nearest{kInfinity, -1, -1};
   for (int link = 0; link < links.link_count(); ++link) {
-    if (links.is_moving(link) != of_moving) continue;
+    if (!links.is_moving(link)) continue;
     for (const ObstacleShape& obstacle : obstacles) {
       const double gap = links.between(posed, link, obstacle, nearest.distance);
       if (gap < nearest.distance) nearest = {gap, link, obstacle.obstacle};

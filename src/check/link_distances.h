@@ -21,9 +21,15 @@ struct ObstacleShape {
   int obstacle = 0;  ///< index into the scene
   const Shape* shape = nullptr;
   Sphere bound;
+  std::vector<int> may_touch = {};  ///< links that nothing checks against it
 };
-/// All shapes of the scene, which must outlive them, in its order.
-[[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Scene& scene);
+/// All shapes of the scene, which must outlive them, in its order. Names of links that the robot
+/// lacks are left aside.
+[[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene);
+
+/// Indices of the links that an obstacle names. Error: a name that the robot lacks.
+[[nodiscard]] Result<std::vector<int>> find_allowed_links(const Robot& robot,
+                                                          const Obstacle& obstacle);
 
 /// Where links stand at one configuration.
 struct PosedLinks {
@@ -36,6 +42,8 @@ struct PosedLinks {
 class LinkDistances {
  public:
   explicit LinkDistances(const Robot& robot);
+  /// Of a robot that carries objects, from those of the bare one.
+  LinkDistances(const Robot& robot, const LinkDistances& bare);
 
   /// `poses` are those of all links.
   [[nodiscard]] PosedLinks posed(std::vector<Transform> poses) const;
@@ -48,6 +56,7 @@ class LinkDistances {
 
   /// Metres between the surfaces of a link and an obstacle, exact if that is at most `enough`, and
   /// otherwise anything above it. In contact negative, by at most the radius of the link's shape.
+  /// Infinite for a link that may touch it.
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
   /// The same of two links; in contact negative by at most the sum of the radii.
@@ -62,27 +71,31 @@ class LinkDistances {
     bool is_moving = false;
   };
   [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
+  void add_links(const Robot& robot);
   std::vector<Body> links_;
 };
 
-/// True if nothing touches.
+/// True if nothing touches that the group can move.
 [[nodiscard]] bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
                            std::span<const ObstacleShape> obstacles);
 
-/// All pairs in contact at `q`: links with obstacles, inflated by `margin`, then links with links.
+/// All pairs in contact at `q`: links that the group moves with obstacles, inflated by `margin`,
+/// then links with links.
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
                                                  const Scene& scene, std::span<const double> q,
                                                  double margin);
+/// Pairs in contact of links that the group does not move with obstacles.
+[[nodiscard]] std::vector<Contact> find_fixed_contacts(const Robot& robot,
+                                                       const LinkDistances& links,
+                                                       const Scene& scene);
 
 struct Clearance {
   double distance = 0;  ///< metres, as LinkDistances::between; infinite without obstacles
   int link = -1;        ///< index into the robot's links
   int obstacle = -1;    ///< index into the scene
 };
-/// Of the nearest pair of an obstacle and a link that the group moves; or, unless `of_moving`, that
-/// it does not move.
+/// Of the nearest pair of an obstacle and a link that the group moves.
 [[nodiscard]] Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
-                                       std::span<const ObstacleShape> obstacles,
-                                       bool of_moving = true);
+                                       std::span<const ObstacleShape> obstacles);
 
 }  // namespace mneme::internal

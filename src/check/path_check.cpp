@@ -14,7 +14,7 @@ namespace {
 class StateChecker {
  public:
   StateChecker(const Robot& robot, const Scene& scene)
-      : robot_(robot), links_(robot), obstacles_(internal::obstacle_shapes(scene)) {}
+      : robot_(robot), links_(robot), obstacles_(internal::obstacle_shapes(robot, scene)) {}
 
   [[nodiscard]] bool is_free(const Configuration& q) const {
     return internal::is_free(robot_, links_, links_.posed(robot_.link_poses(q)), obstacles_);

@@ -54,21 +54,31 @@ class Registry {
 
 }  // namespace
 
+namespace {
+
+Result<CheckedRobot> make_checked_robot(const Robot& robot) {
+  if (robot.attached().empty()) {
+    return make_robot_tables(robot).map([&](RobotTables tables) {
+      return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
+    });
+  }
+  const auto bare = share_checked_robot(robot.without_attached());
+  if (!bare) return tl::unexpected(bare.error());
+  return add_attached(robot, (*bare)->tables).map([&](RobotTables tables) {
+    return CheckedRobot{std::move(tables), LinkDistances(robot, (*bare)->links), reach_of(robot)};
+  });
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot) {
   static Registry registry;
   if (auto found = registry.find(robot)) return found;
-  auto tables = make_robot_tables(robot);
-  if (!tables) return tl::unexpected(tables.error());
-  const LinkDistances links(robot);
-  const Configuration zero(as_index(robot.joint_count()), 0.0);
-  auto made = std::make_shared<const CheckedRobot>(CheckedRobot{
-      std::move(*tables), links, reach_of(robot), links.posed(robot.link_poses(zero))});
+  auto checked = make_checked_robot(robot);
+  if (!checked) return tl::unexpected(checked.error());
+  auto made = std::make_shared<const CheckedRobot>(std::move(*checked));
   registry.add(robot, made);
   return made;
-}
-
-double fixed_clearance(const CheckedRobot& robot, const Scene& scene) {
-  return find_clearance(robot.links, robot.at_zero, obstacle_shapes(scene), false).distance;
 }
 
 }  // namespace mneme::internal
@@ -142,8 +152,6 @@ struct CollisionChecker::Tables {
   internal::SceneTables scene_tables;
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
-  /// Of the links that no joint of the group moves: below the margin, no state is valid.
-  float fixed_clearance = 0;
 
   /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
   /// finite limits.
@@ -173,14 +181,15 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (!checked_robot) return tl::unexpected(checked_robot.error());
   auto scene_tables = internal::make_scene_tables(scene, (*checked_robot)->reach + settings.margin);
   if (!scene_tables) return tl::unexpected(scene_tables.error());
+  auto may_touch = internal::find_allowed_contacts(robot, (*checked_robot)->tables, scene);
+  if (!may_touch) return tl::unexpected(may_touch.error());
+  scene_tables->may_touch = std::move(*may_touch);
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
-  const double clearance = internal::fixed_clearance(**checked_robot, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(*checked_robot), std::move(*scene_tables),
-             &internal::collision_kernels(isa), internal::walk_kernel(isa),
-             static_cast<float>(clearance)});
+             &internal::collision_kernels(isa), internal::walk_kernel(isa)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -205,10 +214,6 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 void CollisionChecker::check_states(std::span<const float> configurations,
                                     std::span<std::uint8_t> is_valid) const {
   const Tables& t = *tables_;
-  if (t.fixed_clearance < t.margin) {
-    std::fill(is_valid.begin(), is_valid.end(), std::uint8_t{0});
-    return;
-  }
   t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
   const std::size_t joints = internal::as_index(t.space.joint_count());
@@ -235,8 +240,6 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const Tables& t = *tables_;
   ++counters.motions;
   const float margin = t.margin + static_cast<float>(detail.margin);
-  // A base may stand on the floor: more margin would only say that it still does.
-  if (t.fixed_clearance < t.margin) return false;
   if (!is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
@@ -250,7 +253,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
   const Tables& t = *tables_;
   const std::size_t joints = internal::as_index(t.space.joint_count());
   if (configurations.size() < 2 * joints) return true;
-  if (t.fixed_clearance < t.margin || !is_within_reach(configurations)) return false;
+  if (!is_within_reach(configurations)) return false;
   const float margin = t.margin + static_cast<float>(detail.margin);
   const std::size_t count = configurations.size() / joints - 1;
   counters.motions += count;
@@ -279,7 +282,7 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
                                       CheckCounters& counters, const SweepDetail& detail) const {
   const Tables& t = *tables_;
   ++counters.motions;
-  if (t.fixed_clearance < t.margin || !is_within_reach(from) || !is_within_reach(to)) return false;
+  if (!is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
   const internal::RobotTables& robot = t.checked_robot->tables;
@@ -357,6 +360,11 @@ std::vector<LimbInfo> CollisionChecker::limbs() const {
 std::vector<Contact> CollisionChecker::contacts(std::span<const double> q) const {
   const Tables& t = *tables_;
   return internal::find_contacts(t.robot, t.checked_robot->links, t.scene, q, t.margin);
+}
+
+std::vector<Contact> CollisionChecker::fixed_contacts() const {
+  const Tables& t = *tables_;
+  return internal::find_fixed_contacts(t.robot, t.checked_robot->links, t.scene);
 }
 
 }  // namespace mneme

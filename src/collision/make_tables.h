@@ -10,8 +10,10 @@
 #include "check/link_distances.h"
 #include "collision/tables.h"
 
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -28,23 +30,29 @@ void store(const Matrix& m, float* out) {
 /// Error: more joints than the kernels can hold.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
+/// The same for a robot that carries objects, from the tables of the bare one.
+[[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
+
 /// Errors: an obstacle without shapes, not finite, too far away, or without a positive size. Of
 /// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
+/// Which groups may touch which obstacles (see SceneTables::may_touch). Error: an obstacle names a
+/// link that the robot lacks.
+[[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
+                                                                       const RobotTables& tables,
+                                                                       const Scene& scene);
+
 struct CheckedRobot {
   RobotTables tables;
   LinkDistances links;
-  double reach = 0;    ///< reach_of() the robot
-  PosedLinks at_zero;  ///< where links that no joint of the group moves always stand
+  double reach = 0;  ///< reach_of() the robot
 };
 
-/// Made at the first call for a robot or any copy of it, which takes milliseconds, and kept while
-/// one of these lives. Thread-safe. Error: as make_robot_tables.
+/// Made at the first call for a robot or any copy of it, which takes milliseconds, for one that
+/// carries objects microseconds, and kept while one of these lives. Thread-safe. Error: as
+/// make_robot_tables.
 [[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
-
-/// Least distance between obstacles and the links that no joint of the group moves.
-[[nodiscard]] double fixed_clearance(const CheckedRobot& robot, const Scene& scene);
 
 }  // namespace mneme::internal

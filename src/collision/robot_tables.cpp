@@ -80,17 +80,35 @@ class RobotTablesBuilder {
   }
 
   Result<RobotTables> build() {
-    for (std::size_t i = 0; i < robot_.links().size(); ++i) {
-      if (robot_.links()[i].parent_joint >= 0) place(static_cast<int>(i));
-    }
+    place_links();
     if (tables_.frames.size() > as_index(kMaxFrames)) {
       return fail(ErrorCode::unsupported, "robot '" + robot_.name() + "' has more than " +
                                               std::to_string(kMaxFrames) + " joints that move");
     }
     add_links();
     add_bodies();
-    add_pairs();
+    add_pairs(robot_.self_pairs(), [this](int link_a, int a, int link_b, int b) {
+      return can_groups_meet(link_a, a, link_b, b);
+    });
     add_limbs();
+    add_reaches(tables_);
+    return std::move(tables_);
+  }
+
+  /// Frames and limbs are those of the bare robot.
+  RobotTables build_on(const RobotTables& bare) {
+    place_links();
+    tables_ = bare;
+    find_bare_links();
+    const std::size_t bare_pairs = robot_.without_attached().self_pairs().size();
+    for (std::size_t i = robot_.links().size() - robot_.attached().size();
+         i < robot_.links().size(); ++i) {
+      const int link = static_cast<int>(i);
+      add_body({placements_[i].frame, {}, {link}});
+      if (placements_[i].frame > 0) move_last_body_to_front();
+    }
+    // To find out which of them never meet would take longer than all else.
+    add_pairs(robot_.self_pairs().subspan(bare_pairs), [](int, int, int, int) { return true; });
     add_reaches(tables_);
     return std::move(tables_);
   }
@@ -110,6 +128,37 @@ class RobotTablesBuilder {
   struct Range {
     int begin = 0, end = 0;
   };
+
+  void place_links() {
+    for (std::size_t i = 0; i < robot_.links().size(); ++i) {
+      if (robot_.links()[i].parent_joint >= 0) place(static_cast<int>(i));
+    }
+  }
+
+  /// What add_body knows of links, from their tables.
+  void find_bare_links() {
+    for (std::size_t i = 0; i < tables_.bodies.size(); ++i) {
+      const BodyRow& body = tables_.bodies[i];
+      for (int group = body.group_begin; group < body.group_end; ++group) {
+        const int link = tables_.link_of_group[as_index(group)];
+        Range& groups = groups_of_link_[as_index(link)];
+        if (groups.end == 0) groups.begin = group;
+        groups.end = group + 1;
+        body_of_link_[link] = static_cast<int>(i);
+      }
+    }
+  }
+
+  /// What is carried stands with the tips, before bodies that do not move.
+  void move_last_body_to_front() {
+    std::ranges::rotate(tables_.bodies, tables_.bodies.end() - 1);
+    const int last = static_cast<int>(tables_.bodies.size()) - 1;
+    for (auto& [link, body] : body_of_link_) body = body == last ? 0 : body + 1;
+    for (BodyPairRow& pair : tables_.body_pairs) {
+      ++pair.first;
+      ++pair.second;
+    }
+  }
 
   [[nodiscard]] std::optional<Drive> drive_of(int joint_index) const {
     const Joint& joint = robot_.joints()[as_index(joint_index)];
@@ -227,6 +276,7 @@ class RobotTablesBuilder {
       }
       for (const Capsule& capsule : std::span(capsules, shapes.end())) add_capsule(capsule);
       groups.end = static_cast<int>(tables_.groups.size());
+      tables_.link_of_group.resize(tables_.groups.size(), link);
       body_of_link_[link] = static_cast<int>(tables_.bodies.size());
       all.insert(all.end(), shapes.begin(), shapes.end());
     }
@@ -260,15 +310,17 @@ class RobotTablesBuilder {
     row.radius = static_cast<float>(capsule.radius);
   }
 
-  void add_pairs() {
+  /// `may_meet` tells of two links, each followed by one of its groups.
+  template <class CanMeet>
+  void add_pairs(std::span<const std::pair<int, int>> self_pairs, const CanMeet& may_meet) {
     std::map<std::pair<int, int>, std::vector<GroupPairRow>> pairs;
-    for (auto [a, b] : robot_.self_pairs()) {
+    for (auto [a, b] : self_pairs) {
       if (body_of_link_.at(a) > body_of_link_.at(b)) std::swap(a, b);
       const Range& first = groups_of_link_[as_index(a)];
       const Range& second = groups_of_link_[as_index(b)];
       for (int i = first.begin; i < first.end; ++i) {
         for (int k = second.begin; k < second.end; ++k) {
-          if (!can_groups_meet(a, i, b, k)) continue;
+          if (!may_meet(a, i, b, k)) continue;
           auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
           if (rows.empty() || rows.back().first != i || rows.back().second_end != k) {
             rows.push_back({i, k, k});
@@ -277,7 +329,7 @@ class RobotTablesBuilder {
         }
       }
     }
-    tables_.body_pairs.reserve(pairs.size());
+    tables_.body_pairs.reserve(tables_.body_pairs.size() + pairs.size());
     for (const auto& [bodies, rows] : pairs) {
       const float reach = tables_.bodies[as_index(bodies.first)].ball.radius +
                           tables_.bodies[as_index(bodies.second)].ball.radius;
@@ -371,6 +423,12 @@ class RobotTablesBuilder {
 
 Result<RobotTables> make_robot_tables(const Robot& robot) {
   return RobotTablesBuilder(robot).build();
+}
+
+Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare) {
+  const bool fits = bare.bodies.size() + robot.attached().size() <= as_index(kMaxBodies);
+  if (!fits) return make_robot_tables(robot);
+  return RobotTablesBuilder(robot).build_on(bare);
 }
 
 }  // namespace mneme::internal

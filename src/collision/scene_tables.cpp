@@ -206,4 +206,28 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
   return tables;
 }
 
+Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
+                                                         const RobotTables& tables,
+                                                         const Scene& scene) {
+  std::vector<std::uint16_t> bits;
+  std::size_t shape_count = 0;
+  for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
+  const std::size_t words = (shape_count + kObstacleBlock - 1) / kObstacleBlock;
+  std::size_t first = 0;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    const auto links = find_allowed_links(robot, obstacle);
+    if (!links) return tl::unexpected(links.error());
+    if (!links->empty()) bits.resize(words * tables.groups.size());
+    for (std::size_t group = 0; group < tables.groups.size(); ++group) {
+      if (std::ranges::find(*links, tables.link_of_group[group]) == links->end()) continue;
+      for (std::size_t i = first; i < first + obstacle.shapes.size(); ++i) {
+        bits[group * words + i / kObstacleBlock] |=
+            static_cast<std::uint16_t>(1u << i % kObstacleBlock);
+      }
+    }
+    first += obstacle.shapes.size();
+  }
+  return bits;
+}
+
 }  // namespace mneme::internal

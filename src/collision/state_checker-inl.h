@@ -112,11 +112,26 @@ class StateChecker {
       count += is_any_below(distance2_to_bounds(scene_, centers_[index], i), reach2);
     }
     for (int g = body.group_begin; count > 0 && g < body.group_end; ++g) {
-      if (hits_obstacles(robot_.groups[g], poses_[body.frame], margin, near, count, verdict)) {
+      const ObstacleRow* checked[kLanes];
+      const bool may_touch = !scene_.may_touch.empty();
+      const int checked_count = may_touch ? list_forbidden(g, near, count, checked) : count;
+      if (hits_obstacles(robot_.groups[g], poses_[body.frame], margin, may_touch ? checked : near,
+                         checked_count, verdict)) {
         return true;
       }
     }
     return false;
+  }
+
+  /// What a group may not touch of `count` obstacles.
+  HWY_NOINLINE int list_forbidden(int group, const ObstacleRow* const* near, int count,
+                                  const ObstacleRow** forbidden) const {
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+      forbidden[kept] = near[i];
+      kept += !scene_.may_group_touch(group, near[i] - scene_.obstacles.data());
+    }
+    return kept;
   }
 
   template <class Margin>

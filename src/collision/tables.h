@@ -8,6 +8,8 @@
 #include "geometry/point_grid.h"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -127,6 +129,7 @@ struct RobotTables {
   Reaches reaches;
   /// If a slide beyond a turning joint makes them grow: then `reaches` hold for slides at 0.
   bool has_far_slides = false;
+  std::vector<int> link_of_group;  ///< index into the robot's links
 };
 
 enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule, crowd };
@@ -163,6 +166,14 @@ struct SceneTables {
   /// Per axis, of the box around each obstacle; filled up to a multiple of kObstacleBlock with
   /// boxes that nothing overlaps.
   std::array<std::vector<float>, 3> lower, upper;
+  /// Obstacles that a group of one robot may touch, a bit each: kObstacleBlock of them in a word, a
+  /// group's words one after the other. Empty if nothing may touch.
+  std::vector<std::uint16_t> may_touch;
+
+  [[nodiscard]] bool may_group_touch(std::size_t group, std::size_t obstacle) const {
+    const std::size_t words = lower[0].size() / kObstacleBlock;
+    return may_touch[group * words + obstacle / kObstacleBlock] >> obstacle % kObstacleBlock & 1;
+  }
 };
 
 }  // namespace mneme::internal

@@ -155,6 +155,7 @@ class Walker {
     const V zero = hn::Zero(Tag());
     Deepest deepest{{zero, zero, zero}, {zero, zero, zero}, splat(request_.clearance)};
     for (int g = body.group_begin; g < body.group_end; ++g) {
+      if (!scene_.may_touch.empty() && scene_.may_group_touch(g, obstacle)) continue;
       const GroupRow& group = robot_.groups[g];
       const V3 center = transform_point(pose, group.ball.center);
       const float reach = group.ball.radius + request_.clearance;

@@ -31,16 +31,16 @@ Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems
   return open;
 }
 
-Result<internal::Learned> learn_from_problem(const Problem& problem,
-                                             const MemorySettings& memory,
+Result<internal::Learned> learn_from_problem(const Problem& problem, const MemorySettings& memory,
                                              const ProblemLesson& lesson) {
   const auto plan = solve_repeatedly(problem, lesson);
   if (!plan) return tl::unexpected(plan.error());
   if (plan->paths.empty()) {
     return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan->message)};
   }
-  auto rows = learn_from_paths({problem.robot, problem.scene, &problem.start, problem.goals},
-                               plan->paths, memory);
+  auto rows = learn_from_paths(
+      {problem.robot.without_attached(), problem.scene, &problem.start, problem.goals}, plan->paths,
+      memory);
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
     row.provenance = {
@@ -64,7 +64,8 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   RepeatedPlan repeated;
   for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
     settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
-    PlanResult plan = plan_with(rrt_connect, *checker, {problem.start, problem.goals}, *sampler, settings);
+    PlanResult plan =
+        plan_with(rrt_connect, *checker, {problem.start, problem.goals}, *sampler, settings);
     if (plan.is_solved()) {
       repeated.paths.push_back(std::move(plan.path));
     } else {

@@ -4,6 +4,7 @@
 
 #include "base/close_names.h"
 #include "base/text_file.h"
+#include "problem/allowed_contacts.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
 #include "scene/tree_builder.h"
@@ -215,14 +216,16 @@ FramedScene extract_compact_scene(const CompactAddress& address) {
   const InputValue value = read_file(address.path);
   const CompactProblem found = find_in_file(value, address);
   const auto frame = found.header.find("frame");
-  return {read_compact_scene(found.problem, found.name), frame ? frame->text() : ""};
+  Scene scene = read_compact_scene(found.problem, found.name);
+  read_allowed(found.problem, scene);
+  return {std::move(scene), frame ? frame->text() : ""};
 }
 
 Problem read_compact_problem(const CompactAddress& address, const ProblemOptions& options) {
   const InputValue value = read_file(address.path);
   const CompactProblem found = find_in_file(value, address);
   return read_problem({found.header, found.problem, found.name, directory_of(address.path),
-                       read_compact_scene(found.problem, found.name)},
+                       read_compact_scene(found.problem, found.name), kCompactSpelling},
                       options);
 }
 

@@ -3,6 +3,7 @@
 #include "mneme/problem.h"
 
 #include "base/text_file.h"
+#include "problem/allowed_contacts.h"
 #include "problem/compact_file.h"
 #include "problem/moveit_problem.h"
 #include "problem/moveit_request.h"
@@ -48,7 +49,7 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
                "this is a scene; expected a problem, which names robot, scene, start and goal");
   }
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "goal", "goals"});
+                    "start", "goal", "goals", "allow", "attached"});
   const auto named = input.find("name");
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
   return internal::read_problem({input, input, name, internal::directory_of(path),
@@ -83,7 +84,9 @@ FramedScene extract_from_yaml(const std::string& path) {
   }
   if (!input.is_map() || !input.find("scene")) return value_or_throw(load_framed_scene(path));
   const auto frame = input.find("frame");
-  return {internal::read_scene_of_problem(input, path), frame ? frame->text() : ""};
+  Scene scene = internal::read_scene_of_problem(input, path);
+  internal::read_allowed(input, scene);
+  return {std::move(scene), frame ? frame->text() : ""};
 }
 
 }  // namespace

@@ -3,11 +3,14 @@
 #include "problem/moveit_problem.h"
 
 #include "base/text_file.h"
+#include "problem/allowed_contacts.h"
+#include "problem/attached_input.h"
 #include "problem/goals.h"
 #include "problem/moveit_goal.h"
 #include "problem/moveit_request.h"
 #include "problem/problem_input.h"
 #include "scene/moveit_scene.h"
+#include "scene/scene_input.h"
 #include "scene/yaml.h"
 
 #include <fmt/format.h>
@@ -15,6 +18,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 namespace mneme::internal {
 namespace {
@@ -66,18 +70,19 @@ class MoveitReader {
         state_(overlaid(scene_.state, request_.start)) {}
 
   Problem read() {
-    ProblemRobot robot = read_robot();
-    Problem problem{stem(address_.request), robot.robot, robot.path, {}, {}, {}, {}};
+    ProblemRobot robot = load_robot();
     const MoveitFrames frames(scene_input_, state_);
-    problem.scene = place_objects(scene_, frames, [&](const std::string& name, const Input& place) {
-      return find_fixed_link(robot.robot, name, place);
-    });
-    problem.start = overrides_.start ? *overrides_.start
-                                     : positions_of_group(robot.robot, state_.positions,
-                                                          request_input_, "start");
+    Problem problem{stem(address_.request), robot.robot, robot.path, {}, {}, {}, {}};
+    problem.scene = place_scene(robot.robot, frames);
+    std::vector<AttachedObject> attached = name_attached(robot);
+    allow_and_fix(robot, attached, problem.scene);
+    pose_attached(robot.robot, frames, attached);
+    robot.robot = attach_to(robot.robot, std::move(attached), request_input_);
+    add_warnings(robot, problem.scene);
+    problem.robot = robot.robot;
+    problem.start = read_start(robot.robot);
     if (!take_goals(overrides_, {}, problem)) read_goals(frames, problem);
     problem.warnings = std::move(robot.warnings);
-    problem.warnings.insert(problem.warnings.end(), scene_.warnings.begin(), scene_.warnings.end());
     return problem;
   }
 
@@ -98,24 +103,115 @@ class MoveitReader {
     return *found;
   }
 
-  ProblemRobot read_robot() {
+  ProblemRobot load_robot() {
     if (options_.group.empty() && options_.joints.empty()) options_.group = request_.group;
-    const std::string path = find_path();
-    ProblemRobot robot = load_problem_robot(path, options_);
-    std::vector<std::string> objects;
-    for (const MoveitObject& object : scene_.objects) objects.push_back(object.obstacle.name);
-    MoveitAllowed allowed = read_moveit_allowed(scene_input_, robot.robot, objects);
-    options_.allowed_pairs.insert(options_.allowed_pairs.end(), allowed.pairs.begin(),
-                                  allowed.pairs.end());
+    return load_problem_robot(find_path(), options_);
+  }
+
+  /// The objects that are not attached.
+  Scene place_scene(const Robot& robot, const MoveitFrames& frames) const {
+    Scene scene = place_objects(scene_, frames, [&](const std::string& name, const Input& place) {
+      return find_fixed_link(robot, name, place);
+    });
+    std::erase_if(scene.obstacles, [&](const Obstacle& obstacle) {
+      return std::ranges::any_of(state_.attached, [&](const MoveitAttached& attached) {
+        return attached.object.obstacle.name == obstacle.name;
+      });
+    });
+    return scene;
+  }
+
+  /// Without their shapes, which need the robot's start.
+  std::vector<AttachedObject> name_attached(ProblemRobot& robot) const {
+    std::vector<AttachedObject> objects;
+    const auto has_link = [&](const std::string& name) {
+      return std::ranges::count(robot.robot.links(), name, &Link::name) > 0;
+    };
+    for (const MoveitAttached& attached : state_.attached) {
+      const std::string& name = attached.object.obstacle.name;
+      if (!has_link(attached.link) || has_link(name)) {
+        attached.object.place.fail(
+            ErrorCode::invalid,
+            has_link(name) ? fmt::format("expected a name of its own, got \"{}\", a link", name)
+                           : fmt::format("expected a link of robot {} to carry \"{}\", got \"{}\"",
+                                         robot.robot.name(), name, attached.link));
+      }
+      AttachedObject& object = objects.emplace_back(AttachedObject{name, attached.link, {}});
+      for (const std::string& link : attached.touch_links) {
+        if (has_link(link)) {
+          object.may_touch.push_back(link);
+        } else {
+          robot.warnings.push_back(attached.object.place.place(
+              fmt::format("left aside, because there is no such touch link: {}", link)));
+        }
+      }
+    }
+    return objects;
+  }
+
+  /// Allowed contacts and values of joints outside the group; either needs the robot anew.
+  void allow_and_fix(ProblemRobot& robot, std::vector<AttachedObject>& attached, Scene& scene) {
+    AllowedContacts contacts(robot.robot, attached, scene);
+    std::vector<std::string> names;
+    for (const Link& link : robot.robot.links()) names.push_back(link.name);
+    for (const AttachedObject& object : attached) names.push_back(object.name);
+    for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
+    std::vector<std::string> left_aside = read_moveit_allowed(scene_input_, names, contacts);
+    options_.allowed_pairs.insert(options_.allowed_pairs.end(), contacts.link_pairs().begin(),
+                                  contacts.link_pairs().end());
     std::map<std::string, double> others = state_.positions;
     std::erase_if(others, [&](const auto& joint) { return is_planned(robot.robot, joint.first); });
-    if (fix_joints(robot, options_, others, request_input_) || !allowed.pairs.empty()) {
-      robot.robot = load_problem_robot(path, options_).robot;
+    if (fix_joints(robot, options_, others, request_input_) || !contacts.link_pairs().empty()) {
+      robot.robot = load_problem_robot(robot.path, options_).robot;
     }
-    std::move(allowed.warnings.begin(), allowed.warnings.end(), std::back_inserter(robot.warnings));
+    std::ranges::move(left_aside, std::back_inserter(robot.warnings));
+  }
+
+  /// An object stays where it is at the start, seen from its link.
+  void pose_attached(const Robot& robot, const MoveitFrames& frames,
+                     std::vector<AttachedObject>& objects) const {
+    if (objects.empty()) return;
+    const std::vector<Transform> poses = robot.link_poses(
+        robot.normalized(positions_of_group(robot, state_.positions, request_input_, "start")));
+    const auto find_pose = [&](const std::string& name, const Input&) -> std::optional<Transform> {
+      const auto link = std::ranges::find(robot.links(), name, &Link::name);
+      if (link == robot.links().end()) return std::nullopt;
+      return poses[static_cast<std::size_t>(link - robot.links().begin())];
+    };
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const MoveitObject& object = shaped(state_.attached[i].object);
+      const Transform X_RL = *find_pose(objects[i].link, object.place);
+      const Transform X_RF = frames.pose_in_root(object.frame, object.place, find_pose);
+      objects[i].shapes = moved(X_RL.inverse() * X_RF, object.obstacle).shapes;
+    }
+  }
+
+  /// The object itself, or the one in the world that it names.
+  const MoveitObject& shaped(const MoveitObject& object) const {
+    if (!object.obstacle.shapes.empty()) return object;
+    const auto found = std::ranges::find_if(scene_.objects, [&](const MoveitObject& other) {
+      return other.obstacle.name == object.obstacle.name;
+    });
+    if (found == scene_.objects.end()) {
+      object.place.fail(ErrorCode::invalid,
+                        fmt::format("object \"{}\": expected primitives, or an object of this name "
+                                    "in the world",
+                                    object.obstacle.name));
+    }
+    return *found;
+  }
+
+  void add_warnings(ProblemRobot& robot, const Scene& scene) const {
     const auto own = robot.robot.warnings();
     robot.warnings.insert(robot.warnings.end(), own.begin(), own.end());
-    return robot;
+    robot.warnings.insert(robot.warnings.end(), scene_.warnings.begin(), scene_.warnings.end());
+    std::ranges::move(describe_fixed_contacts(robot.robot, scene),
+                      std::back_inserter(robot.warnings));
+  }
+
+  Configuration read_start(const Robot& robot) const {
+    if (overrides_.start) return *overrides_.start;
+    return positions_of_group(robot, state_.positions, request_input_, "start");
   }
 
   void read_goals(const MoveitFrames& frames, Problem& problem) const {

@@ -9,7 +9,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
+#include <map>
 #include <set>
 
 namespace mneme::internal {
@@ -110,21 +112,18 @@ namespace {
 
 class AllowedReader {
  public:
-  AllowedReader(const Input& matrix, const Robot& robot, const std::vector<std::string>& objects)
-      : matrix_(matrix), objects_(objects.begin(), objects.end()) {
-    for (const Link& link : robot.links()) links_.insert(link.name);
-  }
+  AllowedReader(const Input& matrix, const std::vector<std::string>& known,
+                AllowedContacts& contacts)
+      : matrix_(matrix), known_(known), contacts_(contacts) {}
 
-  MoveitAllowed read() {
+  std::vector<std::string> read() {
     matrix_.allow_keys(
         {"entry_names", "entry_values", "default_entry_names", "default_entry_values"});
     read_entries();
     read_defaults();
-    if (!unknown_.empty()) {
-      result_.warnings.push_back(matrix_.place(fmt::format(
-          "left aside, because there is no such link or object: {}", fmt::join(unknown_, ", "))));
-    }
-    return std::move(result_);
+    if (unknown_.empty()) return {};
+    return {matrix_.place(fmt::format("left aside, because there is no such link or object: {}",
+                                      fmt::join(unknown_, ", ")))};
   }
 
  private:
@@ -141,7 +140,7 @@ class AllowedReader {
                        fmt::format("expected a symmetric matrix, got two values for {} and {}",
                                    names_[i], names_[j]));
         }
-        if (values[i][j]) allow(rows[i], names_[i], names_[j]);
+        if (values[i][j]) allow(names_[i], names_[j]);
       }
     }
   }
@@ -173,55 +172,52 @@ class AllowedReader {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = names[i].text();
-      if (!values[i].boolean()) continue;
-      if (links_.count(name) == 0 && objects_.count(name) == 0) {
-        unknown_.insert(name);
-        continue;
+      if (values[i].boolean() && !contacts_.knows(name)) unknown_.insert(name);
+      defaults_[name] = values[i].boolean();
+    }
+    if (defaults_.empty()) return;
+    const std::set<std::string> entered(names_.begin(), names_.end());
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      for (std::size_t j = i + 1; j < known_.size(); ++j) {
+        const bool is_entered = entered.contains(known_[i]) && entered.contains(known_[j]);
+        if (!is_entered && is_default(known_[i], known_[j])) allow(known_[i], known_[j]);
       }
-      names[i].fail(
-          ErrorCode::unsupported,
-          fmt::format("{} may touch everything, which is not supported", described(name)));
     }
   }
 
-  void allow(const Input& row, const std::string& a, const std::string& b) {
+  [[nodiscard]] bool is_default(const std::string& a, const std::string& b) const {
+    const auto of_a = defaults_.find(a), of_b = defaults_.find(b);
+    if (of_a == defaults_.end()) return of_b != defaults_.end() && of_b->second;
+    return of_a->second && (of_b == defaults_.end() || of_b->second);
+  }
+
+  void allow(const std::string& a, const std::string& b) {
     bool is_known = true;
     for (const std::string& name : {a, b}) {
-      if (links_.count(name) == 0 && objects_.count(name) == 0) {
-        unknown_.insert(name);
-        is_known = false;
-      }
+      if (contacts_.knows(name)) continue;
+      unknown_.insert(name);
+      is_known = false;
     }
-    const std::size_t link_count = links_.count(a) + links_.count(b);
-    if (!is_known || link_count == 0) return;
-    if (link_count == 1) {
-      row.fail(ErrorCode::unsupported,
-               fmt::format("{} may touch {}, which is not supported", described(a), described(b)));
-    }
-    result_.pairs.emplace_back(a, b);
-  }
-
-  std::string described(const std::string& name) const {
-    return fmt::format("{} \"{}\"", links_.count(name) > 0 ? "link" : "object", name);
+    // What is wrong with a pair of known names is that both are obstacles.
+    if (is_known) static_cast<void>(contacts_.allow(a, b));
   }
 
   const Input& matrix_;
-  std::set<std::string> links_;
-  std::set<std::string> objects_;
+  const std::vector<std::string>& known_;
+  AllowedContacts& contacts_;
   std::vector<std::string> names_;
+  std::map<std::string, bool> defaults_;
   std::set<std::string> unknown_;
-  MoveitAllowed result_;
 };
 
 }  // namespace
 
-MoveitAllowed read_moveit_allowed(const Input& scene, const Robot& robot,
-                                  const std::vector<std::string>& objects) {
+std::vector<std::string> read_moveit_allowed(const Input& scene,
+                                             const std::vector<std::string>& names,
+                                             AllowedContacts& contacts) {
   const auto matrix = scene.find("allowed_collision_matrix");
-  if (!matrix || matrix->is_nothing()) {
-    return {};
-  }
-  return AllowedReader(*matrix, robot, objects).read();
+  if (!matrix || matrix->is_nothing()) return {};
+  return AllowedReader(*matrix, names, contacts).read();
 }
 
 }  // namespace mneme::internal

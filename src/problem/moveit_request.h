@@ -4,14 +4,12 @@
 /// MoveIt's motion plan requests and allowed collisions.
 #pragma once
 
-#include "mneme/robot.h"
-
+#include "problem/allowed_contacts.h"
 #include "scene/input.h"
 #include "scene/moveit_messages.h"
 
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -30,14 +28,12 @@ struct MoveitRequest {
 /// refused by name.
 [[nodiscard]] MoveitRequest read_moveit_request(const Input& input);
 
-struct MoveitAllowed {
-  std::vector<std::pair<std::string, std::string>> pairs;  ///< links that may touch
-  std::vector<std::string> warnings;
-};
-
-/// Reads `allowed_collision_matrix` of `scene`. Throws InputFailure if a link may touch one of
-/// `objects`; names that are neither links nor objects are left aside with a warning.
-[[nodiscard]] MoveitAllowed read_moveit_allowed(const Input& scene, const Robot& robot,
-                                                const std::vector<std::string>& objects);
+/// Reads `allowed_collision_matrix` of `scene`. Throws InputFailure if it is malformed; returns a
+/// warning that names those of its names that `contacts` does not know, if there are any. Two
+/// obstacles may touch in any case. Defaults count for pairs without an entry, as in MoveIt: that
+/// of either name, both if both have one.
+[[nodiscard]] std::vector<std::string> read_moveit_allowed(const Input& scene,
+                                                           const std::vector<std::string>& names,
+                                                           AllowedContacts& contacts);
 
 }  // namespace mneme::internal

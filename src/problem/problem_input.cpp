@@ -5,6 +5,9 @@
 #include "mneme/covering.h"
 
 #include "base/as_index.h"
+#include "check/link_distances.h"
+#include "problem/allowed_contacts.h"
+#include "problem/attached_input.h"
 #include "problem/goals.h"
 #include "scene/scene_input.h"
 
@@ -213,6 +216,17 @@ std::string directory_of(const std::string& path) {
   return std::filesystem::path(path).parent_path().string();
 }
 
+std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene& scene) {
+  std::vector<std::string> notes;
+  for (const Contact& contact : find_fixed_contacts(robot, LinkDistances(robot), scene)) {
+    notes.push_back(
+        fmt::format("link {} touches obstacle {}, and no joint of the group moves it: "
+                    "this contact is left aside",
+                    contact.link, contact.other));
+  }
+  return notes;
+}
+
 Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
   return read_problem_of(read_robot(input.header, input.directory, options), input, options);
 }
@@ -221,12 +235,27 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                         const ProblemOptions& options) {
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
+  Scene scene = moved(X_RF, input.scene);
+  std::vector<AttachedObject> attached =
+      read_attached(input.problem, input.spelling, input.directory, robot.robot);
+  AllowedContacts contacts(robot.robot, attached, scene);
+  read_allowed(input.problem, contacts);
+  if (!contacts.link_pairs().empty()) {
+    ProblemOptions allowing = options;
+    allowing.robot.allowed_pairs.insert(allowing.robot.allowed_pairs.end(),
+                                        contacts.link_pairs().begin(), contacts.link_pairs().end());
+    robot = read_robot(input.header, input.directory, allowing);
+  }
+  robot.robot = attach_to(robot.robot, std::move(attached), input.problem);
   const std::vector<std::string>& notes = input.scene.warnings;
   robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
+  for (std::string& note : describe_fixed_contacts(robot.robot, scene)) {
+    robot.warnings.push_back(std::move(note));
+  }
   Problem problem{input.name,
                   robot.robot,
                   robot.path,
-                  moved(X_RF, input.scene),
+                  std::move(scene),
                   read_start(input.problem, robot.robot, options),
                   {},
                   std::move(robot.warnings)};

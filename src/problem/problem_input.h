@@ -7,6 +7,7 @@
 #include "mneme/problem.h"
 
 #include "scene/input.h"
+#include "scene/shape_fields.h"
 
 #include <map>
 #include <optional>
@@ -51,10 +52,11 @@ void check_robot_facts(const Input& input, const Robot& robot);
 
 struct ProblemInput {
   Input header;   ///< has the keys robot, joints, fixed_joints and frame
-  Input problem;  ///< has the keys start and goal or goals; may be the same map
+  Input problem;  ///< has the keys start, goal or goals, attached, allow; may be the same map
   std::string name;
   std::string directory;  ///< of the file
   Scene scene;            ///< in the frame that the header names
+  ObstacleSpelling spelling = kSceneSpelling;
 };
 
 /// The directory that paths in the file `path` are relative to.
@@ -63,6 +65,10 @@ struct ProblemInput {
 /// The key `scene` of the problem file at `path`: a scene, or the path of a scene file. Throws
 /// InputFailure.
 [[nodiscard]] Scene read_scene_of_problem(const Input& problem, const std::string& path);
+
+/// A sentence for each obstacle and link that touch whatever the group does.
+[[nodiscard]] std::vector<std::string> describe_fixed_contacts(const Robot& robot,
+                                                               const Scene& scene);
 
 /// Throws InputFailure.
 [[nodiscard]] Problem read_problem(const ProblemInput& input, const ProblemOptions& options);

@@ -6,6 +6,7 @@
 #include "scene/shape_fields.h"
 #include "scene/yaml.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,36 @@ std::string describe_pose(const PoseGoal& goal) {
                      describe_angle(goal.cone), describe_angle(goal.turn));
 }
 
+std::string describe_mesh(const MeshFile& mesh) {
+  std::string text =
+      fmt::format("type: mesh, file: {}, scale: {}, position: {}", internal::yaml_string(mesh.path),
+                  internal::yaml_numbers({mesh.scale.data(), 3}),
+                  internal::yaml_numbers({mesh.pose.translation.data(), 3}));
+  if (mesh.pose.rotation == Eigen::Matrix3d::Identity()) return text;
+  const Eigen::Vector4d xyzw = Eigen::Quaterniond(mesh.pose.rotation).coeffs();
+  return text + fmt::format(", quat_xyzw: {}", internal::yaml_numbers({xyzw.data(), 4}));
+}
+
+/// The key `attached`, where there is something.
+std::string describe_attached(const Robot& robot) {
+  std::string text = robot.attached().empty() ? "" : "attached:\n";
+  for (const CoveredObject& covered : robot.attached()) {
+    const AttachedObject& object = covered.object;
+    std::vector<std::string> touch, shapes;
+    for (const std::string& name : object.may_touch) touch.push_back(internal::yaml_string(name));
+    for (const Shape& shape : object.shapes) {
+      shapes.push_back(fmt::format("{{{}}}", internal::yaml_shape(shape)));
+    }
+    for (const MeshFile& mesh : object.meshes) {
+      shapes.push_back(fmt::format("{{{}}}", describe_mesh(mesh)));
+    }
+    text += fmt::format("  - {{name: {}, link: {}, touch: [{}], shapes: [{}]}}\n",
+                        internal::yaml_string(object.name), internal::yaml_string(object.link),
+                        fmt::join(touch, ", "), fmt::join(shapes, ", "));
+  }
+  return text;
+}
+
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
@@ -66,10 +97,10 @@ std::string indented(const std::string& text) {
 }  // namespace
 
 std::string to_yaml(const Problem& problem, const std::string& robot) {
-  std::string text = fmt::format("name: {}\nrobot: {}\n{}scene:\n{}start: {}\n",
-                                 internal::yaml_string(problem.name), internal::yaml_string(robot),
-                                 describe_group(problem.robot), indented(to_yaml(problem.scene)),
-                                 internal::yaml_numbers(problem.start));
+  std::string text = fmt::format(
+      "name: {}\nrobot: {}\n{}{}scene:\n{}start: {}\n", internal::yaml_string(problem.name),
+      internal::yaml_string(robot), describe_group(problem.robot), describe_attached(problem.robot),
+      indented(to_yaml(problem.scene)), internal::yaml_numbers(problem.start));
   std::vector<std::string> goals;
   for (const Configuration& goal : problem.goals) goals.push_back(internal::yaml_numbers(goal));
   for (const PoseGoal& goal : problem.pose_goals) goals.push_back(describe_pose(goal));
@@ -86,7 +117,7 @@ using Json = nlohmann::ordered_json;
 }  // namespace
 
 std::string to_compact_json(const FramedScene& framed) {
-  Json obstacles = Json::array();
+  Json obstacles = Json::array(), allow = Json::array();
   for (const Obstacle& obstacle : framed.scene.obstacles) {
     for (const Shape& shape : obstacle.shapes) {
       Json json = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name},
@@ -97,10 +128,13 @@ std::string to_compact_json(const FramedScene& framed) {
       }
       obstacles.push_back(std::move(json));
     }
+    for (const std::string& link : obstacle.may_touch) allow.push_back({link, obstacle.name});
   }
   Json file = Json::object();
   if (!framed.frame.empty()) file["frame"] = framed.frame;
-  file["problems"] = {{{"name", framed.scene.name}, {"obstacles", std::move(obstacles)}}};
+  Json problem = {{"name", framed.scene.name}, {"obstacles", std::move(obstacles)}};
+  if (!allow.empty()) problem["allow"] = std::move(allow);
+  file["problems"] = Json::array({std::move(problem)});
   return file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -45,7 +45,7 @@ class Tracer {
         link_indices_(links_with_shapes(robot_)),
         skeleton_(robot_),
         links_(robot_),
-        obstacles_(obstacle_shapes(problem.scene)) {
+        obstacles_(obstacle_shapes(robot_, problem.scene)) {
     for (const int i : link_indices_)
       trace_.links.push_back(robot_.links()[static_cast<std::size_t>(i)]);
     for (int i = 0; i < robot_.joint_count(); ++i)

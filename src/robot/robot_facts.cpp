@@ -93,14 +93,15 @@ LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> jo
 }
 
 LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
-                            std::span<const int> group, const LinkPairs& allowed) {
+                            std::span<const int> group, const LinkPairs& allowed,
+                            int first_second) {
   const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
   std::set<std::pair<int, int>> may_touch;
   for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
   LinkPairs pairs;
   for (std::size_t a = 0; a < links.size(); ++a) {
     if (!has_shapes(links[a])) continue;
-    for (std::size_t b = a + 1; b < links.size(); ++b) {
+    for (std::size_t b = std::max(a + 1, as_index(first_second)); b < links.size(); ++b) {
       if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
       const std::pair pair(static_cast<int>(a), static_cast<int>(b));
       if (!may_touch.contains(pair)) pairs.push_back(pair);

@@ -26,11 +26,11 @@ using LinkPairs = std::vector<std::pair<int, int>>;
                                         std::span<const int> group);
 
 /// Pairs of links with shapes, first < second, that the joints of `group` and those that follow
-/// them move against each other, except `allowed` ones (in any order). Other joints weld links into
-/// bodies.
+/// them move against each other, except `allowed` ones (in any order); only those whose second link
+/// is `first_second` or a later one. Other joints weld links into bodies.
 [[nodiscard]] LinkPairs derive_self_pairs(std::span<const Link> links,
                                           std::span<const Joint> joints, std::span<const int> group,
-                                          const LinkPairs& allowed);
+                                          const LinkPairs& allowed, int first_second = 0);
 
 /// 16 hexadecimal digits over all that decides whether a configuration is valid. Values count in
 /// steps of 1e-9. Databases store the result: whoever changes what goes in changes the version in

@@ -19,7 +19,7 @@ namespace {
 
 class SrdfReader {
  public:
-  explicit SrdfReader(const std::string& source) : xml_(source) {}
+  explicit SrdfReader(const std::string& source) : xml_(source, XmlReader::StrayText::warning) {}
 
   Result<Srdf> read(std::string_view text);
 
@@ -50,6 +50,7 @@ Result<Srdf> SrdfReader::read(std::string_view text) {
     }
   }
   if (xml_.fault()) return tl::unexpected(*xml_.fault());
+  srdf_.warnings = xml_.warnings();
   return std::move(srdf_);
 }
 
@@ -292,6 +293,7 @@ std::optional<Error> apply_srdf(std::string_view text, const std::string& source
                                 Robot::Parts& parts) {
   const Result<Srdf> srdf = read_srdf(text, source);
   if (!srdf) return srdf.error();
+  parts.warnings.insert(parts.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   if (srdf->robot.name != parts.name) {
     parts.warnings.push_back(fmt::format("{}:{}: this SRDF is for robot '{}', not for '{}'", source,
                                          srdf->robot.line, srdf->robot.name, parts.name));

@@ -49,10 +49,12 @@ struct Srdf {
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
   std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
   std::vector<SrdfPair> enabled;
-  std::vector<SrdfState> states;  ///< of joints with one value
+  std::vector<SrdfState> states;      ///< of joints with one value
+  std::vector<std::string> warnings;  ///< such as text between elements
 };
 
-/// Strict about XML, elements and attributes; names need not exist in a robot.
+/// Strict about XML, elements and attributes, but not about text between elements; names need not
+/// exist in a robot.
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
 /// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in tree order.

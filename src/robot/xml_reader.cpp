@@ -9,7 +9,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <vector>
+#include <iterator>
 
 namespace mneme::internal {
 namespace {
@@ -32,6 +32,13 @@ std::vector<std::string_view> words(std::string_view text) {
     if (begin != at) result.emplace_back(begin, at);
   }
   return result;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_other = [](char c) { return !is_space(c); };
+  const auto begin = std::ranges::find_if(text, is_other);
+  const auto end = std::find_if(text.rbegin(), std::make_reverse_iterator(begin), is_other).base();
+  return {begin, end};
 }
 
 std::optional<double> parse_number(std::string_view word) {
@@ -62,9 +69,12 @@ bool contains(std::initializer_list<std::string_view> names, std::string_view na
 }  // namespace
 
 void XmlReader::note(int line, std::string_view what, ErrorCode code) {
-  if (fault_) return;
+  if (!fault_) fault_ = Error{code, place(line, what)};
+}
+
+std::string XmlReader::place(int line, std::string_view what) const {
   const std::string context = context_.empty() ? "" : context_ + ": ";
-  fault_ = Error{code, fmt::format("{}:{}: {}{}", source_, std::max(line, 1), context, what)};
+  return fmt::format("{}:{}: {}{}", source_, std::max(line, 1), context, what);
 }
 
 void XmlReader::note(const XmlElement& element, std::string_view what) {
@@ -103,9 +113,8 @@ void XmlReader::check_children(const XmlElement& element,
     if (node->ToComment() != nullptr) continue;
     const XmlElement* child = node->ToElement();
     if (child == nullptr) {
-      note(node->GetLineNum(), fmt::format("<{}>: text {} is not expected here", element.Name(),
-                                           in_quotes(node->Value())));
-      return;
+      note_text(element, *node);
+      continue;
     }
     const std::string_view name = child->Name();
     if (!contains(single, name) && !contains(repeated, name)) {
@@ -123,6 +132,13 @@ void XmlReader::check_children(const XmlElement& element,
            fmt::format("there is a second <{}> in <{}>", name, element.Name()));
     }
   }
+}
+
+void XmlReader::note_text(const XmlElement& element, const tinyxml2::XMLNode& text) {
+  const std::string what = fmt::format("<{}>: text {} is not expected here", element.Name(),
+                                       in_quotes(trimmed(text.Value())));
+  if (stray_text_ == StrayText::fault) return note(text.GetLineNum(), what);
+  warnings_.push_back(place(text.GetLineNum(), what + "; it is left aside"));
 }
 
 void XmlReader::check_attributes(const XmlElement& element,

@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -27,9 +28,13 @@ inline constexpr std::size_t kMaxRobotTextSize = std::size_t{64} << 20;
 /// line stands in the message.
 class XmlReader {
  public:
-  explicit XmlReader(std::string source) : source_(std::move(source)) {}
+  /// What text between elements is.
+  enum class StrayText { fault, warning };
+  explicit XmlReader(std::string source, StrayText stray_text = StrayText::fault)
+      : source_(std::move(source)), stray_text_(stray_text) {}
 
   [[nodiscard]] const std::optional<Error>& fault() const { return fault_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   /// What is being read, such as "link 'elbow'"; stands in messages after file and line.
   void set_context(std::string context) { context_ = std::move(context); }
   /// Notes a fault, unless there is one: "SOURCE:LINE: CONTEXT: what".
@@ -38,8 +43,8 @@ class XmlReader {
   /// The root element, if the document is well-formed and is one `name` element.
   const XmlElement* read_root(tinyxml2::XMLDocument& document, std::string_view text,
                               const char* name);
-  /// Faults unless all children are comments or elements: each of `single` at most once, others of
-  /// `repeated` at will.
+  /// Faults unless all children are comments, text that is no fault, or elements: each of `single`
+  /// at most once, others of `repeated` at will.
   void check_children(const XmlElement& element, std::initializer_list<std::string_view> single,
                       std::initializer_list<std::string_view> repeated);
   /// Faults if there is another attribute than these: a mistyped name must not become a default
@@ -59,8 +64,13 @@ class XmlReader {
 
  private:
   void note(const XmlElement& element, std::string_view what);
+  void note_text(const XmlElement& element, const tinyxml2::XMLNode& text);
+
+  [[nodiscard]] std::string place(int line, std::string_view what) const;
 
   std::string source_;
+  StrayText stray_text_;
+  std::vector<std::string> warnings_;
   std::string context_;
   std::optional<Error> fault_;
 };

@@ -7,6 +7,8 @@
 #include "scene/scene_input.h"
 #include "scene/yaml.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 namespace mneme {
@@ -31,6 +33,13 @@ Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string&
       return FramedScene{internal::read_scene(input, name), ""};
     }
     const internal::MoveitScene scene = internal::read_moveit_scene(input, name);
+    for (const internal::MoveitAttached& attached : scene.state.attached) {
+      attached.object.place.fail(
+          ErrorCode::unsupported,
+          fmt::format("object \"{}\" is attached to link \"{}\"; expected a scene without attached "
+                      "objects, or its motion plan request too: a robot carries them",
+                      attached.object.obstacle.name, attached.link));
+    }
     return internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
   });
 }

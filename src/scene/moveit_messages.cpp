@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 
 namespace mneme::internal {
 
@@ -45,19 +46,6 @@ Transform read_moveit_transform(const Input& input) {
 }
 
 namespace {
-
-void refuse_attached(const Input& input) {
-  for (const Input& attached : items_if_any(input, "attached_collision_objects")) {
-    const auto object = attached.is_map() ? attached.find("object") : std::nullopt;
-    const auto id = object && object->is_map() ? object->find("id") : std::nullopt;
-    const auto link = attached.is_map() ? attached.find("link_name") : std::nullopt;
-    attached.fail(ErrorCode::unsupported,
-                  fmt::format("object \"{}\" is attached to link \"{}\"; expected no attached "
-                              "objects: they are not supported",
-                              id && id->is_text() ? id->text() : "",
-                              link && link->is_text() ? link->text() : ""));
-  }
-}
 
 void read_positions(const Input& input, MoveitState& state) {
   input.allow_keys({"header", "name", "position", "velocity", "effort"});
@@ -109,25 +97,6 @@ std::string read_frame_id(const Input& input) {
   // Older files write the same frame with a slash in front.
   const std::string name = frame->text();
   return name.starts_with('/') ? name.substr(1) : name;
-}
-
-MoveitState read_moveit_state(const Input& input) {
-  input.allow_keys(
-      {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
-  refuse_attached(input);
-  MoveitState state;
-  if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
-  if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
-  return state;
-}
-
-MoveitState overlaid(MoveitState state, const MoveitState& difference) {
-  for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
-  if (difference.base) {
-    state.base = difference.base;
-    state.base_frame = difference.base_frame;
-  }
-  return state;
 }
 
 namespace {
@@ -193,7 +162,8 @@ void refuse_operation(const Input& object, const std::string& id) {
   }
 }
 
-MoveitObject read_object(const Input& object) {
+/// Without shapes only if it is that of an object elsewhere.
+MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   object.allow_keys({"header", "id", "type", "pose", "primitives", "primitive_poses", "meshes",
                      "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
                      "operation"});
@@ -209,14 +179,62 @@ MoveitObject read_object(const Input& object) {
   add_shapes(object, "primitives", "primitive_poses", X_FO, primitive, result);
   add_shapes(object, "meshes", "mesh_poses", X_FO, read_moveit_mesh, result);
   add_shapes(object, "planes", "plane_poses", X_FO, read_moveit_plane, result);
-  if (result.obstacle.shapes.empty()) {
+  if (result.obstacle.shapes.empty() && !may_be_empty) {
     object.fail(ErrorCode::parse,
                 fmt::format("object \"{}\": expected at least one primitive, mesh or plane", id));
   }
   return result;
 }
 
+MoveitAttached read_attached(const Input& attached) {
+  attached.allow_keys({"link_name", "object", "touch_links", "detach_posture", "weight"});
+  MoveitAttached result{
+      read_object(attached.at("object"), true), attached.at("link_name").text(), {}};
+  for (const Input& link : items_if_any(attached, "touch_links")) {
+    result.touch_links.push_back(link.text());
+  }
+  return result;
+}
+
+/// The last one must not have the name of another.
+void refuse_twice(const std::vector<MoveitAttached>& attached) {
+  const MoveitObject& last = attached.back().object;
+  for (const MoveitAttached& other : std::span(attached).first(attached.size() - 1)) {
+    if (other.object.obstacle.name != last.obstacle.name) continue;
+    last.place.fail(ErrorCode::parse, fmt::format("expected a name of its own, got \"{}\" again",
+                                                  last.obstacle.name));
+  }
+}
+
 }  // namespace
+
+MoveitState read_moveit_state(const Input& input) {
+  input.allow_keys(
+      {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
+  MoveitState state;
+  if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
+  if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
+  for (const Input& attached : items_if_any(input, "attached_collision_objects")) {
+    state.attached.push_back(read_attached(attached));
+    refuse_twice(state.attached);
+  }
+  return state;
+}
+
+MoveitState overlaid(MoveitState state, const MoveitState& difference) {
+  for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
+  if (difference.base) {
+    state.base = difference.base;
+    state.base_frame = difference.base_frame;
+  }
+  for (const MoveitAttached& attached : difference.attached) {
+    std::erase_if(state.attached, [&](const MoveitAttached& other) {
+      return other.object.obstacle.name == attached.object.obstacle.name;
+    });
+    state.attached.push_back(attached);
+  }
+  return state;
+}
 
 std::vector<MoveitObject> read_moveit_objects(const Input& world) {
   world.allow_keys({"collision_objects", "octomap"});

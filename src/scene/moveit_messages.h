@@ -25,11 +25,25 @@ namespace mneme::internal {
 /// The keys `translation` and `rotation`. Throws InputFailure.
 [[nodiscard]] Transform read_moveit_transform(const Input& input);
 
+struct MoveitObject {
+  Obstacle obstacle;  ///< in `frame`
+  std::string frame;
+  Input place;
+};
+
+/// An object that a link carries. Without shapes it is the world's object of this name.
+struct MoveitAttached {
+  MoveitObject object;
+  std::string link;
+  std::vector<std::string> touch_links;
+};
+
 struct MoveitState {
   std::map<std::string, double> positions;  ///< by joint
   /// Pose of the robot's root link in `base_frame`, as a virtual joint has it.
   std::optional<Transform> base;
   std::string base_frame;
+  std::vector<MoveitAttached> attached;
 };
 
 /// The entries of the list `key`; none if the key is missing or has no value. Throws InputFailure.
@@ -37,16 +51,10 @@ struct MoveitState {
 /// The text of the key `frame_id` of the key `header`, or nothing.
 [[nodiscard]] std::string read_frame_id(const Input& input);
 
-/// Throws InputFailure; objects that are attached to the robot are refused by name.
+/// Throws InputFailure.
 [[nodiscard]] MoveitState read_moveit_state(const Input& input);
-/// `state` with what `difference` says instead.
+/// `state` with what `difference` says instead, of attached objects by name.
 [[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
-
-struct MoveitObject {
-  Obstacle obstacle;  ///< in `frame`
-  std::string frame;
-  Input place;
-};
 
 /// The list `collision_objects` of `world`, and its octomap under that name. Throws InputFailure;
 /// a primitive that is no box, sphere or cylinder is refused by name.

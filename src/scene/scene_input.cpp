@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace mneme::internal {
@@ -105,15 +106,36 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
   }
 }
 
+std::pair<std::string, std::string> read_name_pair(const Input& pair) {
+  const std::vector<Input> names = pair.is_list() ? pair.items() : std::vector<Input>();
+  if (names.size() != 2) pair.fail_expecting("two names that may touch, as in [base_link, table]");
+  return {names[0].text(), names[1].text()};
+}
+
+void read_allowed_contacts(const Input& list, Scene& scene) {
+  for (const Input& pair : list.items()) {
+    const auto [link, name] = read_name_pair(pair);
+    const auto obstacle = std::ranges::find(scene.obstacles, name, &Obstacle::name);
+    if (obstacle == scene.obstacles.end()) {
+      pair.fail(ErrorCode::invalid, fmt::format("expected a link and an obstacle of this scene, "
+                                                "got no obstacle \"{}\"",
+                                                name));
+    }
+    obstacle->may_touch.push_back(link);
+  }
+}
+
 Scene read_scene(const Input& input, const std::string& default_name) {
-  input.allow_keys({"name", "circles", "obstacles"});
+  input.allow_keys({"name", "circles", "obstacles", "allow"});
   SceneBuilder scene;
   if (const auto circles = input.find("circles")) read_circles(*circles, scene);
   if (const auto obstacles = input.find("obstacles")) {
     read_obstacles(*obstacles, kSceneSpelling, scene);
   }
   const auto name = input.find("name");
-  return scene.take(name ? name->text() : default_name);
+  Scene result = scene.take(name ? name->text() : default_name);
+  if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, result);
+  return result;
 }
 
 }  // namespace mneme::internal

@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace mneme::internal {
 
@@ -44,6 +45,13 @@ void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBu
 
 /// Adds circles [x, y, radius] of a list, or of a map from names. Throws InputFailure.
 void read_circles(const Input& circles, SceneBuilder& scene);
+
+/// Adds pairs [LINK, OBSTACLE] of a list to what may touch the obstacles of `scene`. Throws
+/// InputFailure.
+void read_allowed_contacts(const Input& list, Scene& scene);
+
+/// The two names of a pair. Throws InputFailure.
+[[nodiscard]] std::pair<std::string, std::string> read_name_pair(const Input& pair);
 
 /// Throws InputFailure. `default_name` is the name of a scene that gives none.
 [[nodiscard]] Scene read_scene(const Input& input, const std::string& default_name);

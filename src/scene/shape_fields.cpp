@@ -3,8 +3,10 @@
 #include "scene/shape_fields.h"
 
 #include "scene/crowd_fields.h"
+#include "scene/yaml.h"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,11 +41,15 @@ class ShapeReader {
     }
   }
 
-  void allow_posed(std::initializer_list<std::string_view> sizes) const {
-    std::vector<std::string_view> keys = {"name", "body", "type", spelling_.position,
-                                          spelling_.quaternion};
-    keys.insert(keys.end(), sizes);
+  void allow(std::vector<std::string_view> keys) const {
+    keys.insert(keys.begin(), "type");
+    keys.insert(keys.begin(), spelling_.naming.begin(), spelling_.naming.end());
     input_.allow_keys(keys);
+  }
+  void allow_posed(std::initializer_list<std::string_view> sizes) const {
+    std::vector<std::string_view> keys = {spelling_.position, spelling_.quaternion};
+    keys.insert(keys.end(), sizes);
+    allow(std::move(keys));
   }
 
   Transform read_pose() const {
@@ -87,7 +93,7 @@ class ShapeReader {
 
   Shape read(const Capsule&) const {
     if (input_.find("a") || input_.find("b")) {
-      input_.allow_keys({"name", "body", "type", "a", "b", "radius"});
+      allow({"a", "b", "radius"});
       return Capsule{read_point(input_.at("a")), read_point(input_.at("b")), read_size("radius")};
     }
     allow_posed({"radius", "length"});
@@ -195,6 +201,15 @@ Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
 
 std::vector<ShapeField> shape_fields(const Shape& shape, const ObstacleSpelling& spelling) {
   return std::visit(DescribeFields(spelling), shape);
+}
+
+std::string yaml_shape(const Shape& shape) {
+  std::string text = fmt::format("type: {}", shape_name(shape));
+  for (const ShapeField& field : shape_fields(shape, kSceneSpelling)) {
+    text += fmt::format(", {}: {}", field.key,
+                        field.is_list ? yaml_numbers(field.values) : yaml_number(field.values[0]));
+  }
+  return text;
 }
 
 }  // namespace mneme::internal

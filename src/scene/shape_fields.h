@@ -8,10 +8,16 @@
 
 #include "scene/input.h"
 
+#include <array>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace mneme::internal {
+
+/// Keys of an obstacle besides those of its shape.
+inline constexpr std::array<std::string_view, 2> kObstacleNaming{"name", "body"};
 
 /// How the two kinds of files spell a pose.
 struct ObstacleSpelling {
@@ -19,6 +25,7 @@ struct ObstacleSpelling {
   std::string_view quaternion;
   bool is_scalar_first = false;     ///< order of the quaternion
   bool writes_no_rotation = false;  ///< as a quaternion, instead of leaving it out
+  std::span<const std::string_view> naming = kObstacleNaming;  ///< keys besides those of the shape
 };
 inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false, false};
 inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
@@ -30,7 +37,7 @@ inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
 /// The rotation of x, y, z, w, which `input` has; it fails if they are all zero.
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw);
 
-/// The shape of an obstacle that has the key `type` and may have `name` and `body`. Throws
+/// The shape of an obstacle that has the key `type` and may have those of `naming`. Throws
 /// InputFailure, also for keys that its type does not have.
 [[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
                                std::vector<std::string>& warnings);
@@ -43,5 +50,8 @@ struct ShapeField {
 };
 [[nodiscard]] std::vector<ShapeField> shape_fields(const Shape& shape,
                                                    const ObstacleSpelling& spelling);
+
+/// The same in a scene file, without braces: "type: sphere, position: [0, 0, 1], radius: 0.1".
+[[nodiscard]] std::string yaml_shape(const Shape& shape);
 
 }  // namespace mneme::internal

@@ -7,16 +7,23 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <optional>
 
 namespace mneme {
 namespace {
 
-std::string to_text(const internal::ShapeField& field) {
-  return fmt::format("{}: {}", field.key,
-                     field.is_list ? internal::yaml_numbers(field.values)
-                                   : internal::yaml_number(field.values[0]));
+/// The key `allow`, where there are such contacts.
+std::string describe_allowed(const Scene& scene) {
+  std::vector<std::string> pairs;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const std::string& link : obstacle.may_touch) {
+      pairs.push_back(fmt::format("[{}, {}]", internal::yaml_string(link),
+                                  internal::yaml_string(obstacle.name)));
+    }
+  }
+  return pairs.empty() ? "" : fmt::format("allow: [{}]\n", fmt::join(pairs, ", "));
 }
 
 }  // namespace
@@ -27,16 +34,11 @@ std::string to_yaml(const Scene& scene) {
   for (const Obstacle& obstacle : scene.obstacles) {
     const char* naming_key = obstacle.shapes.size() == 1 ? "name" : "body";
     for (const Shape& shape : obstacle.shapes) {
-      text += fmt::format("  - {{{}: {}, type: {}", naming_key,
-                          internal::yaml_string(obstacle.name), shape_name(shape));
-      for (const internal::ShapeField& field :
-           internal::shape_fields(shape, internal::kSceneSpelling)) {
-        text += ", " + to_text(field);
-      }
-      text += "}\n";
+      text += fmt::format("  - {{{}: {}, {}}}\n", naming_key, internal::yaml_string(obstacle.name),
+                          internal::yaml_shape(shape));
     }
   }
-  return text;
+  return text + describe_allowed(scene);
 }
 
 namespace {
@@ -112,6 +114,12 @@ Result<std::string> to_moveit_yaml(const FramedScene& framed) {
                                  internal::yaml_string(framed.scene.name),
                                  framed.scene.obstacles.empty() ? " []" : "");
   for (const Obstacle& obstacle : framed.scene.obstacles) {
+    if (!obstacle.may_touch.empty()) {
+      return fail(ErrorCode::unsupported,
+                  fmt::format("\"{}\" may touch obstacle \"{}\"; expected a scene without allowed "
+                              "contacts: MoveIt has them in a matrix of all links",
+                              obstacle.may_touch.front(), obstacle.name));
+    }
     const auto described = describe(obstacle, framed.frame);
     if (!described) return described;
     text += *described;

@@ -194,7 +194,7 @@ settings:
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
                                            "ompl:Lightning", "ompl:Thunder"};
     const test::TemporaryDirectory hard;
-    for (const char* name : {"wide.json", "middle.json", "narrow.json", "baxter.srdf"}) {
+    for (const char* name : {"wide.json", "middle.json", "narrow.json"}) {
       test::write_file(hard / name, "");
     }
     setenv("HARD", (hard / ".").c_str(), 1);

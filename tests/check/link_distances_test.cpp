@@ -44,6 +44,10 @@ std::vector<Contact> contacts_of(const Robot& robot, const Scene& scene, const C
   return internal::find_contacts(robot, internal::LinkDistances(robot), scene, q, margin);
 }
 
+std::vector<Contact> fixed_contacts_of(const Robot& robot, const Scene& scene) {
+  return internal::find_fixed_contacts(robot, internal::LinkDistances(robot), scene);
+}
+
 std::vector<std::string> named(const std::vector<Contact>& contacts) {
   std::vector<std::string> names;
   for (const Contact& contact : contacts) names.push_back(contact.link + " " + contact.other);
@@ -105,14 +109,26 @@ TEST_SUITE("unit") {
     CHECK(contacts[0].distance == doctest::Approx(-0.25));
   }
 
-  TEST_CASE("a link that stands still is named, and blocks the robot") {
+  TEST_CASE("what touches a link that stands still is told apart, because no motion changes it") {
     const Robot arm = require_parsed(kArm);
     const Scene scene = ball_scene({0.2, 0, -1}, 0.15);
-    CHECK(named(contacts_of(arm, scene, Configuration{1, 1, 1}, 0)) == Names{"post cup"});
-    CHECK(fixed_clearance(arm, scene) < 0);
-    CHECK(!(fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0));
-    CHECK(fixed_clearance(arm, ball_scene({0.2, 0, -1}, 0.05)) < 0.06);
-    CHECK(!(fixed_clearance(arm, ball_scene({0.5, 0, 0}, 0.05)) < 0));
+    CHECK(contacts_of(arm, scene, Configuration{1, 1, 1}, 0).empty());
+    CHECK(named(fixed_contacts_of(arm, scene)) == Names{"post cup"});
+    CHECK(fixed_contacts_of(arm, scene)[0].distance == doctest::Approx(-0.05));
+    CHECK(fixed_contacts_of(arm, ball_scene({0.2, 0, -1}, 0.05)).empty());
+    CHECK(fixed_contacts_of(arm, ball_scene({0.5, 0, 0}, 0.05)).empty());
+  }
+
+  TEST_CASE("what may touch an obstacle is not in contact with it, whatever the margin") {
+    const Robot arm = require_parsed(kArm);
+    Scene scene = ball_scene({1, 0, 0}, 0.1);
+    scene.obstacles[1].may_touch = {"far", "post"};
+    CHECK(named(contacts_of(arm, scene, Configuration{0, 0, 0}, 0.2)) == Names{"near cup"});
+    scene.obstacles[1].may_touch.push_back("near");
+    CHECK(contacts_of(arm, scene, Configuration{0, 0, 0}, 0).empty());
+    scene = ball_scene({0.2, 0, -1}, 0.15);
+    scene.obstacles[1].may_touch = {"post"};
+    CHECK(fixed_contacts_of(arm, scene).empty());
   }
 
   TEST_CASE("a link that is welded to a moving one does not stand still") {
@@ -133,13 +149,13 @@ TEST_SUITE("unit") {
     REQUIRE(robot.has_value());
     const Scene scene = ball_scene({1, 0, 0}, 0.1);
     CHECK(named(contacts_of(*robot, scene, Configuration{0}, 0)) == Names{"tool cup"});
-    CHECK(!(fixed_clearance(*robot, scene) < 0));
+    CHECK(fixed_contacts_of(*robot, scene).empty());
   }
 
   TEST_CASE("an empty scene holds no contact") {
     const Robot arm = require_parsed(kArm);
     CHECK(contacts_of(arm, {}, Configuration{0, 1, 1}, 0).empty());
-    CHECK(!(fixed_clearance(arm, {}) < 1));
+    CHECK(fixed_contacts_of(arm, {}).empty());
   }
 }
 
@@ -272,7 +288,7 @@ namespace {
 
 Clearance clearance_at(const Robot& robot, const Scene& scene, const Configuration& q) {
   const LinkDistances links(robot);
-  return find_clearance(links, links.posed(robot.link_poses(q)), obstacle_shapes(scene));
+  return find_clearance(links, links.posed(robot.link_poses(q)), obstacle_shapes(robot, scene));
 }
 
 TEST_SUITE("unit") {
@@ -391,7 +407,8 @@ TEST_SUITE("law") {
       const auto checker = CollisionChecker::make(robot, scene);
       REQUIRE(checker.has_value());
       const internal::LinkDistances links(robot);
-      const std::vector<internal::ObstacleShape> obstacles = internal::obstacle_shapes(scene);
+      const std::vector<internal::ObstacleShape> obstacles =
+          internal::obstacle_shapes(robot, scene);
       for (int j = 0; j < kStates; ++j) {
         const Configuration q = test::random_configuration(robot, rng);
         INFO("seed " << kSeed << ", scene " << i << ", state " << j);

@@ -7,6 +7,8 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include "robot/link_shapes.h"
+
 #include <algorithm>
 #include <limits>
 #include <span>
@@ -46,16 +48,22 @@ inline double gap_between(const std::vector<Capsule>& link, const Obstacle& obst
   return least;
 }
 
-/// Least gap of anything at `q`, with `margin` metres taken off those to obstacles: the state is
-/// free of contact if it is not negative.
+inline bool may_touch(const Link& link, const Obstacle& obstacle) {
+  return std::ranges::count(obstacle.may_touch, link.name) > 0;
+}
+
+/// Least gap at `q` of anything that moves and may not touch, with `margin` metres taken off those to
+/// obstacles: the state is free of contact if it is not negative.
 inline double clearance(const Robot& robot, const Scene& scene, std::span<const double> q,
                         double margin = 0) {
   const std::vector<Transform> poses = robot.link_poses(q);
   std::vector<std::vector<Capsule>> shapes;
+  const std::vector<bool> is_moving = internal::find_moving_links(robot);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     shapes.push_back(capsules_of(robot.links()[i], poses[i]));
     for (const Obstacle& obstacle : scene.obstacles) {
+      if (!is_moving[i] || may_touch(robot.links()[i], obstacle)) continue;
       least = std::min(least, gap_between(shapes.back(), obstacle) - margin);
     }
   }

@@ -161,11 +161,11 @@ inline Robot random_robot(Rng& rng) {
   }
 }
 
-/// Least distance between the scene and the links that no joint of the group moves.
-inline double fixed_clearance(const Robot& robot, const Scene& scene) {
+/// True if the links that no joint of the group moves touch nothing.
+inline bool leaves_fixed_links_alone(const Robot& robot, const Scene& scene) {
   const auto checked = internal::share_checked_robot(robot);
   REQUIRE(checked.has_value());
-  return internal::fixed_clearance(**checked, scene);
+  return internal::find_fixed_contacts(robot, (*checked)->links, scene).empty();
 }
 
 /// `count` obstacles made by `make_shape(rng)` that leave links without a moving joint alone.
@@ -176,7 +176,7 @@ Scene random_scene(const Robot& robot, int count, Rng& rng, const MakeShape& mak
   for (int attempt = 0; attempt < 1000 && std::ssize(scene.obstacles) < count; ++attempt) {
     const std::string name = "obstacle" + std::to_string(scene.obstacles.size());
     const Obstacle obstacle{name, {transformed(random_pose(rng, 1.5), make_shape(rng))}};
-    if (fixed_clearance(robot, Scene{"one", {obstacle}}) >= 0) {
+    if (leaves_fixed_links_alone(robot, Scene{"one", {obstacle}})) {
       scene.obstacles.push_back(obstacle);
     }
   }

@@ -25,6 +25,15 @@ TEST_SUITE("unit") {
     CHECK(is_swept_free(robot, thin, Configuration{-2, 0}, Configuration{2, 0}));
   }
 
+  TEST_CASE("an obstacle that a link may touch is no contact of this link") {
+    const Robot robot = thick_arm({1, 1});
+    Scene thin = make_circle_scene("", {{1.5, 0, 1e-4}});
+    thin.obstacles[0].may_touch = {robot.links()[1].name};
+    CHECK_FALSE(is_swept_free(robot, thin, Configuration{-1, 0}, Configuration{1.1, 0}));
+    thin.obstacles[0].may_touch = {robot.links()[2].name};
+    CHECK(is_swept_free(robot, thin, Configuration{-1, 0}, Configuration{1.1, 0}));
+  }
+
   TEST_CASE("a little gap passes, a little contact does not") {
     const Robot robot = thick_arm({1, 1});
     const auto is_free = [&](double overlap) {

@@ -119,6 +119,48 @@ TEST_SUITE("flow") {
     CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
   }
 
+  TEST_CASE("memory of the bare robot helps it when it carries something, and its paths are free") {
+    Problem problem = planar_problem("threaded_b4");
+    const auto primitives = decompose(memory_query(problem));
+    REQUIRE(primitives.has_value());
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", problem.robot);
+    LearnSettings learning;
+    learning.starts_per_link = 2;
+    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 20, 0.2, 1), learning);
+    // Off the axis: what pairs ask of a robot does not count for what it carries.
+    const auto robot = attach(problem.robot, {{"cup", "link_8", {Sphere{{0.2, 0.05, 0}, 0.01}}}});
+    REQUIRE(robot.has_value());
+    problem.robot = *robot;
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.plan.max_iterations = 400000;
+    const auto result = solve(problem, &database, settings);
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    CHECK(result->gl.mixture->component_count() > 0);
+    REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+    CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
+  }
+
+  TEST_CASE("a start in contact is solved once that contact is allowed") {
+    Problem problem = easy_problem();
+    problem.scene.obstacles.push_back({"post", {Sphere{{1, 0, 0}, 0.1}}});
+    const std::vector<std::string> links = {"link_1"};
+    problem.start.assign(8, 0.0);
+    const auto refused = solve(problem, nullptr, {});
+    REQUIRE(refused.has_value());
+    CHECK(refused->plan.status == PlanStatus::invalid_start);
+    problem.scene.obstacles.back().may_touch = links;
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.margin = 1e-3;
+    const auto allowed = solve(problem, nullptr, settings);
+    REQUIRE(allowed.has_value());
+    CHECK(allowed->plan.status != PlanStatus::invalid_start);
+    problem.scene.obstacles.back().may_touch = {"hand"};
+    CHECK(solve(problem, nullptr, settings).error().message.find("'hand'") != std::string::npos);
+  }
+
   TEST_CASE("every planner solves with every sampler, and its path starts and ends as asked") {
     const Problem problem = easy_problem();
     const TemporaryDirectory directory;

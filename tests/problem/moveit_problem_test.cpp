@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "problem/allowed_contacts.h"
 #include "problem/moveit_files.h"
 #include "problem/moveit_problem.h"
 #include "problem/moveit_request.h"
@@ -83,12 +84,27 @@ TEST_SUITE("unit") {
 }
 
 using internal::Input;
-using internal::MoveitAllowed;
 
-Result<MoveitAllowed> read_matrix(const std::string& matrix) {
+/// What a matrix allows of the lifter, a cup and a box, and of a lid that its arm carries.
+struct Allowed {
+  std::vector<std::pair<std::string, std::string>> links;
+  std::vector<std::string> cup, box, lid;
+  std::vector<std::string> warnings;
+};
+
+using Names = std::vector<std::string>;
+
+Result<Allowed> read_matrix(const std::string& matrix) {
   return read_yaml("allowed_collision_matrix:\n" + matrix, [](const Input& input) {
     const Robot robot = parse_robot(kLiftUrdf, "lifter.urdf").value();
-    return internal::read_moveit_allowed(input, robot, {"cup", "box"});
+    Scene scene{"two", {{"cup", {Sphere{}}}, {"box", {Sphere{}}}}};
+    std::vector<AttachedObject> attached = {{"lid", "arm", {}}};
+    Names names = {"lid", "cup", "box"};
+    for (const Link& link : robot.links()) names.push_back(link.name);
+    internal::AllowedContacts contacts(robot, attached, scene);
+    const auto warnings = internal::read_moveit_allowed(input, names, contacts);
+    return Allowed{contacts.link_pairs(), scene.obstacles[0].may_touch,
+                   scene.obstacles[1].may_touch, attached[0].may_touch, warnings};
   });
 }
 
@@ -99,7 +115,8 @@ TEST_SUITE("unit") {
         "  entry_values: [[false, true, false, false], [true, true, false, false],\n"
         "    {enabled: [false, false, true, false]}, [false, false, false, true]]\n");
     REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->pairs == std::vector<std::pair<std::string, std::string>>{{"arm", "base"}});
+    CHECK(allowed->links == std::vector<std::pair<std::string, std::string>>{{"arm", "base"}});
+    CHECK(allowed->cup.empty());
     CHECK(allowed->warnings.empty());
   }
 
@@ -110,26 +127,36 @@ TEST_SUITE("unit") {
         "    [true, false, false, true], [false, false, true, false]]\n"
         "  default_entry_names: [spirit, arm]\n  default_entry_values: [true, false]\n");
     REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->pairs.empty());
+    CHECK(allowed->links.empty());
+    CHECK(allowed->cup.empty());
     REQUIRE(allowed->warnings.size() == 1);
     CHECK(allowed->warnings[0] ==
           "f:2: key allowed_collision_matrix: left aside, because there is no such link or object: "
           "ghost, spirit");
   }
 
-  TEST_CASE("a link that may touch an object is refused by name") {
-    CHECK(
-        read_matrix("  entry_names: [cup, arm]\n  entry_values:\n    - [false, true]\n    - [true, "
-                    "false]\n")
-            .error()
-            .message ==
-        "f:4: key allowed_collision_matrix.entry_values[0]: object \"cup\" may "
-        "touch link \"arm\", which is not supported");
-    CHECK(read_matrix("  default_entry_names: [cup]\n  default_entry_values: [true]\n")
-              .error()
-              .message ==
-          "f:2: key allowed_collision_matrix.default_entry_names[0]: object \"cup\" may touch "
-          "everything, which is not supported");
+  TEST_CASE("links and attached objects that may touch an object are found") {
+    const auto allowed = read_matrix(
+        "  entry_names: [cup, arm, lid, box]\n"
+        "  entry_values: [[false, true, true, true], [true, false, false, false],\n"
+        "    [true, false, false, false], [true, false, false, false]]\n");
+    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
+    CHECK(allowed->cup == Names{"arm", "lid"});
+    CHECK(allowed->box.empty());
+    CHECK(allowed->lid.empty());
+    CHECK(allowed->links.empty());
+  }
+
+  TEST_CASE("defaults count for what has no entry, those of both names if both have one") {
+    const auto allowed = read_matrix(
+        "  entry_names: [cup, arm]\n  entry_values: [[false, false], [false, false]]\n"
+        "  default_entry_names: [cup, finger, base]\n"
+        "  default_entry_values: [true, true, false]\n");
+    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
+    CHECK(allowed->cup == Names{"lid", "world", "carriage", "finger"});
+    CHECK(allowed->box == Names{"finger"});
+    CHECK(allowed->lid == Names{"finger"});
+    CHECK(allowed->links.size() == 3);
   }
 
   TEST_CASE("matrices that are malformed are refused with line and key") {
@@ -222,6 +249,57 @@ TEST_SUITE("unit") {
     const auto problem = files.load();
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     CHECK(problem->robot.self_pairs().empty());
+  }
+
+  TEST_CASE("an attached object stays where it is at the start, seen from its link") {
+    const std::string attached =
+        "  attached_collision_objects: [{link_name: finger, touch_links: [base, ghost], object: "
+        "{id: "
+        "cup, header: {frame_id: base}, primitives: [{type: sphere, dimensions: [0.1]}], "
+        "primitive_poses: [{position: [1, 0, 0.2], orientation: [0, 0, 0, 1]}]}},\n"
+        "    {link_name: arm, object: {id: ball}}]\n";
+    const MoveitFiles files(kMoveitScene + attached +
+                            "allowed_collision_matrix: {entry_names: [ball, cup], entry_values: "
+                            "[[false, true], [true, false]]}\n");
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    // The world's ball is attached, too, and not in the world any more.
+    CHECK(problem->scene.obstacles.empty());
+    const auto carried = problem->robot.attached();
+    REQUIRE(carried.size() == 2);
+    CHECK(carried[0].object.name == "cup");
+    CHECK(carried[0].object.link == "finger");
+    CHECK(carried[0].object.may_touch == Names{"base"});
+    CHECK(carried[1].object.may_touch == Names{"cup"});
+    const std::vector<Transform> poses = problem->robot.link_poses(problem->start);
+    const std::size_t links = poses.size();
+    // Where they are at the start, in the root's frame; "base" is turned by a quarter about z.
+    CHECK((poses[links - 2] * carried[0].spheres.at(0).center).isApprox(Vec3(0, 1, 0.7), 1e-9));
+    CHECK((poses[links - 1] * carried[1].spheres.at(0).center).isApprox(Vec3(-1, 0, 0.5), 1e-9));
+    REQUIRE(problem->warnings.size() == 1);
+    CHECK(problem->warnings[0].find("left aside, because there is no such touch link: ghost") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("attached objects that nothing carries or that have no shape are refused") {
+    const auto failure = [](const std::string& attached) {
+      return MoveitFiles(kMoveitScene + "  attached_collision_objects: [" + attached + "]\n")
+          .failure();
+    };
+    const std::string shape =
+        "primitives: [{type: sphere, dimensions: [0.1]}], pose: {position: [0, 0, 0]}";
+    CHECK(
+        failure("{link_name: hand, object: {id: cup, " + shape + "}}") ==
+        "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: expected a link "
+        "of robot lifter to carry \"cup\", got \"hand\"");
+    CHECK(
+        failure("{link_name: arm, object: {id: arm, " + shape + "}}") ==
+        "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: expected a name "
+        "of its own, got \"arm\", a link");
+    CHECK(
+        failure("{link_name: arm, object: {id: cup}}") ==
+        "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object \"cup\": "
+        "expected primitives, or an object of this name in the world");
   }
 
   TEST_CASE("problems that cannot be read exactly are refused by name") {

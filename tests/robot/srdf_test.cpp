@@ -87,7 +87,6 @@ TEST_SUITE("unit") {
         {"<passive_joint name=\"wheel\"/>", "<passive_joint/>", 15, "<passive_joint>: attribute"},
         {"<disable_default_collisions link=\"l2\"/>", "<disable_default_collisions/>", 17,
          "<disable_default_collisions>: attribute 'link' is missing"},
-        {"<!-- a comment -->", "stray", 3, "<robot>: text"},
     };
     for (const Malformed& c : cases) {
       CAPTURE(c.to);
@@ -101,6 +100,22 @@ TEST_SUITE("unit") {
       CHECK_MESSAGE(contains(message, c.part), message);
       CHECK(srdf.error().code == ErrorCode::parse);
     }
+  }
+
+  TEST_CASE("text between elements is left aside with a warning") {
+    std::string text = kSrdf;
+    constexpr std::string_view kComment = "<!-- a comment -->";
+    text.replace(text.find(kComment), kComment.size(), "\\");
+    constexpr std::string_view kJoint = "<joint name=\"j1\"/>";
+    text.insert(text.find(kJoint), "stray");
+    const auto srdf = read_srdf(text, "arm.srdf");
+    REQUIRE(srdf.has_value());
+    REQUIRE(srdf->warnings.size() == 2);
+    CHECK(srdf->warnings[0] ==
+          "arm.srdf:3: <robot>: text '\\' is not expected here; it is left aside");
+    CHECK(srdf->warnings[1] ==
+          "arm.srdf:5: group 'all': <group>: text 'stray' is not expected here; it is left aside");
+    CHECK(srdf->disabled.size() == read_srdf(kSrdf, "arm.srdf")->disabled.size());
   }
 
   TEST_CASE("a document that is no SRDF is refused") {
@@ -151,6 +166,11 @@ std::vector<std::pair<int, int>> pairs_of(const Robot::Parts& parts) {
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("what is left aside in an SRDF is a warning of the robot") {
+    CHECK(applied("stray").warnings ==
+          Names{"a.srdf:2: <robot>: text 'stray' is not expected here; it is left aside"});
+  }
+
   TEST_CASE("groups are unions of joints, links' joints, chains and groups, in tree order") {
     CHECK(first_group(R"(<joint name="j4"/><joint name="j1"/>)") == Names{"j1", "j4"});
     CHECK(first_group(R"(<link name="l0"/><link name="l2"/>)") == Names{"j2"});

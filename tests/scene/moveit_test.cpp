@@ -75,7 +75,24 @@ attached_collision_objects: []
     CHECK(both.base);
   }
 
-  TEST_CASE("states that are malformed or carry objects are refused") {
+  TEST_CASE("attached objects have a link, shapes and links that may touch them") {
+    const auto state = read_yaml(
+        "attached_collision_objects: [{link_name: hand, touch_links: [finger, thumb], object: {id: "
+        "cup, header: {frame_id: palm}, primitives: [{type: sphere, dimensions: [0.1]}], pose: "
+        "{position: [1, 2, 3]}}}, {link_name: hand, object: {id: lid, operation: add}}]",
+        read_moveit_state);
+    REQUIRE_MESSAGE(state.has_value(), (state ? "" : state.error().message));
+    REQUIRE(state->attached.size() == 2);
+    const internal::MoveitAttached& cup = state->attached[0];
+    CHECK(cup.link == "hand");
+    CHECK(cup.touch_links == std::vector<std::string>{"finger", "thumb"});
+    CHECK(cup.object.obstacle.name == "cup");
+    CHECK(cup.object.frame == "palm");
+    CHECK(std::get<Sphere>(cup.object.obstacle.shapes.at(0)).center == Vec3(1, 2, 3));
+    CHECK(state->attached[1].object.obstacle.shapes.empty());
+  }
+
+  TEST_CASE("states that are malformed are refused") {
     const auto failure = [](const std::string& yaml) {
       return failure_of(yaml, read_moveit_state);
     };
@@ -89,9 +106,14 @@ attached_collision_objects: []
         failure("multi_dof_joint_state: {joint_names: [a, b], transforms: [{}, {}]}") ==
         "f:1: key multi_dof_joint_state: expected one virtual joint that carries the robot's root "
         "link, got 2 names and 2 transforms");
-    CHECK(failure("attached_collision_objects:\n  - {link_name: hand, object: {id: cup}}") ==
-          "f:2: key attached_collision_objects[0]: object \"cup\" is attached to link \"hand\"; "
-          "expected no attached objects: they are not supported");
+    CHECK(failure("attached_collision_objects:\n  - {link_name: hand, object: {id: ''}}") ==
+          "f:2: key attached_collision_objects[0].object.id: expected a name, got \"\"");
+    CHECK(failure("attached_collision_objects:\n  - {link_name: a, object: {id: x}}\n"
+                  "  - {link_name: b, object: {id: x}}") ==
+          "f:3: key attached_collision_objects[1].object: expected a name of its own, got \"x\" "
+          "again");
+    CHECK(failure("attached_collision_objects: [{object: {id: x}}]")
+              .find("expected the key link_name") != std::string::npos);
     CHECK(failure("joints: [1]") ==
           "f:1: key joints: unknown key, expected one of joint_state, multi_dof_joint_state, "
           "attached_collision_objects, is_diff");

@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
+
+#include "base/installation.h"
+#include "covering/cover_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace mneme {
+namespace {
+
+/// What is too fine for the limit of spheres is coarsened by this factor until it fits.
+constexpr double kCoarser = 1.2;
+
+/// Adds what holds the box with these half extents about the origin: cells, each in a sphere. Where
+/// all axes have three cells or more, what the outer ones enclose is covered more coarsely.
+void cover_cells(const Vec3& half_extents, double excess, std::vector<Sphere>& spheres) {
+  std::array<int, 3> counts = {1, 1, 1};
+  Vec3 cell = half_extents;
+  while (cell.norm() - cell.minCoeff() > excess) {
+    Eigen::Index widest = 0;
+    cell.maxCoeff(&widest);
+    const int count = ++counts[static_cast<std::size_t>(widest)];
+    cell[widest] = half_extents[widest] / count;
+  }
+  const auto is_inside = [&](int i, int axis) {
+    return i > 0 && i + 1 < counts[static_cast<std::size_t>(axis)];
+  };
+  bool is_hollow = false;
+  for (int x = 0; x < counts[0]; ++x) {
+    for (int y = 0; y < counts[1]; ++y) {
+      for (int z = 0; z < counts[2]; ++z) {
+        if (is_inside(x, 0) && is_inside(y, 1) && is_inside(z, 2)) {
+          is_hollow = true;
+          continue;
+        }
+        const Vec3 steps(2 * x + 1, 2 * y + 1, 2 * z + 1);
+        spheres.push_back({steps.cwiseProduct(cell) - half_extents, cell.norm()});
+      }
+    }
+  }
+  if (is_hollow) cover_cells(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), spheres);
+}
+
+/// Adds what holds the upright cylinder about the origin: rings of cells, layer by layer.
+void cover_rings(double radius, double half_length, double cell, std::vector<Sphere>& spheres) {
+  const auto count = [&](double way) {
+    return std::max(1, static_cast<int>(std::ceil(way / cell)));
+  };
+  const int layers = count(half_length), rings = count(radius);
+  const double half_height = half_length / layers, width = radius / rings;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double inner = ring * width, outer = inner + width;
+    // A disc in the middle needs no sectors.
+    const int sectors = ring == 0 ? 1 : std::max(3, count(std::numbers::pi * outer));
+    const double half_angle = std::numbers::pi / sectors;
+    const double middle = ring == 0 ? 0 : (inner + outer) / 2;
+    const auto to_corner = [&](double r) {
+      return std::hypot(r * std::cos(half_angle) - middle, r * std::sin(half_angle));
+    };
+    const double across = ring == 0 ? outer : std::max(to_corner(inner), to_corner(outer));
+    for (int layer = 0; layer < layers; ++layer) {
+      const double z = (2 * layer + 1) * half_height - half_length;
+      for (int sector = 0; sector < sectors; ++sector) {
+        const double angle = 2 * half_angle * sector;
+        spheres.push_back({{middle * std::cos(angle), middle * std::sin(angle), z},
+                           std::hypot(across, half_height)});
+      }
+    }
+  }
+}
+
+/// Metres by which spheres stick out of an upright cylinder about the origin.
+double excess_of(std::span<const Sphere> spheres, double radius, double half_length) {
+  double excess = 0;
+  for (const Sphere& s : spheres) {
+    excess = std::max({excess, s.center.head<2>().norm() + s.radius - radius,
+                       std::abs(s.center.z()) + s.radius - half_length});
+  }
+  return excess;
+}
+
+std::vector<Sphere> posed(std::vector<Sphere> spheres, const Transform& pose) {
+  for (Sphere& sphere : spheres) sphere.center = pose * sphere.center;
+  return spheres;
+}
+
+/// Coarsens until there are few enough. `size` is half the longest extent.
+template <class Cover>
+std::vector<Sphere> cover_within(const CoverSettings& settings, double size, const Cover& cover) {
+  // So many spheres in a row cannot do with less.
+  const double least = 0.25 * size / settings.max_spheres;
+  for (double excess = std::max(settings.excess, least);; excess *= kCoarser) {
+    std::vector<Sphere> spheres = cover(excess);
+    if (std::ssize(spheres) <= settings.max_spheres) return spheres;
+  }
+}
+
+class CoverShape {
+ public:
+  CoverShape(const CoverSettings& settings, CoveredObject& object)
+      : settings_(settings), object_(object) {}
+
+  void operator()(const Sphere& sphere) const { object_.spheres.push_back(sphere); }
+  void operator()(const Capsule& capsule) const { object_.capsules.push_back(capsule); }
+  void operator()(const Box& box) const {
+    const double size = box.half_extents.maxCoeff();
+    add(box.pose, cover_within(settings_, size, [&](double excess) {
+          std::vector<Sphere> spheres;
+          cover_cells(box.half_extents, excess, spheres);
+          return spheres;
+        }));
+  }
+  void operator()(const Cylinder& cylinder) const {
+    const double half_length = cylinder.length / 2;
+    const double size = std::max(cylinder.radius, half_length);
+    add(cylinder.pose, cover_within(settings_, size, [&](double excess) {
+          std::vector<Sphere> spheres;
+          for (double cell = size;; cell /= kCoarser) {
+            spheres.clear();
+            cover_rings(cylinder.radius, half_length, cell, spheres);
+            const bool is_close = excess_of(spheres, cylinder.radius, half_length) <= excess;
+            if (is_close || std::ssize(spheres) > settings_.max_spheres) return spheres;
+          }
+        }));
+  }
+
+ private:
+  void add(const Transform& pose, std::vector<Sphere> spheres) const {
+    spheres = posed(std::move(spheres), pose);
+    object_.spheres.insert(object_.spheres.end(), spheres.begin(), spheres.end());
+  }
+
+  const CoverSettings& settings_;
+  CoveredObject& object_;
+};
+
+Result<std::vector<Sphere>> cover_meshes(const AttachedObject& object,
+                                         const CoverSettings& settings) {
+  Robot::Parts parts;
+  Link& link = parts.links.emplace_back();
+  link.name = object.name;
+  link.solids.assign(object.meshes.begin(), object.meshes.end());
+  const internal::CoverCache cache(internal::cache_directory());
+  return internal::cover_robot(std::move(parts), settings, cache)
+      .map([](const internal::CachedCovering& made) {
+        return made.covering.parts.links.front().spheres;
+      });
+}
+
+bool is_usable(const Shape& shape) {
+  const Sphere bound = bounding_sphere(shape);
+  return bound.center.allFinite() && std::isfinite(bound.radius) && bound.radius > 0;
+}
+
+Error refusal(const AttachedObject& object, std::string_view what) {
+  return {ErrorCode::invalid, fmt::format("attached object '{}' {}", object.name, what)};
+}
+
+}  // namespace
+
+Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& settings) {
+  if (object.shapes.empty() && object.meshes.empty()) {
+    return tl::unexpected(refusal(object, "has no shapes"));
+  }
+  CoveredObject covered;
+  for (const Shape& shape : object.shapes) {
+    if (!is_usable(shape)) {
+      return tl::unexpected(refusal(
+          object, fmt::format("has a {} that is not finite or without size", shape_name(shape))));
+    }
+    std::visit(CoverShape(settings, covered), shape);
+  }
+  if (!object.meshes.empty()) {
+    const auto spheres = cover_meshes(object, settings);
+    if (!spheres) {
+      return tl::unexpected(
+          Error{spheres.error().code,
+                fmt::format("attached object '{}': {}", object.name, spheres.error().message)});
+    }
+    covered.spheres.insert(covered.spheres.end(), spheres->begin(), spheres->end());
+  }
+  covered.object = std::move(object);
+  return covered;
+}
+
+Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects) {
+  std::vector<CoveredObject> covered;
+  for (AttachedObject& object : objects) {
+    auto made = cover_object(std::move(object));
+    if (!made) return tl::unexpected(made.error());
+    covered.push_back(std::move(*made));
+  }
+  return robot.with_attached(std::move(covered));
+}
+
+}  // namespace mneme

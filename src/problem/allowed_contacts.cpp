@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/allowed_contacts.h"
+
+#include "scene/scene_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mneme::internal {
+
+std::optional<std::string> AllowedContacts::allow(const std::string& first,
+                                                  const std::string& second) {
+  for (const std::string& name : {first, second}) {
+    if (knows(name)) continue;
+    return fmt::format("expected a link of robot {}, an attached object or an obstacle, got \"{}\"",
+                       robot_.name(), name);
+  }
+  if (Obstacle* obstacle = find_obstacle(second); obstacle && is_carried(first)) {
+    obstacle->may_touch.push_back(first);
+  } else if (obstacle = find_obstacle(first); obstacle && is_carried(second)) {
+    obstacle->may_touch.push_back(second);
+  } else if (obstacle != nullptr) {
+    return fmt::format(
+        "expected a link or an attached object to touch obstacle \"{}\", got obstacle \"{}\"",
+        first, second);
+  } else if (first == second) {
+    return fmt::format("expected two names, got \"{}\" twice", first);
+  } else if (AttachedObject* object = find_attached(first)) {
+    object->may_touch.push_back(second);
+  } else if (AttachedObject* other = find_attached(second)) {
+    other->may_touch.push_back(first);
+  } else {
+    link_pairs_.emplace_back(first, second);
+  }
+  return std::nullopt;
+}
+
+bool AllowedContacts::knows(const std::string& name) const {
+  return is_carried(name) || find_obstacle(name) != nullptr;
+}
+
+bool AllowedContacts::is_carried(const std::string& name) const {
+  return find_attached(name) != nullptr ||
+         std::ranges::find(robot_.links(), name, &Link::name) != robot_.links().end();
+}
+
+AttachedObject* AllowedContacts::find_attached(const std::string& name) const {
+  const auto found = std::ranges::find(attached_, name, &AttachedObject::name);
+  return found == attached_.end() ? nullptr : &*found;
+}
+
+Obstacle* AllowedContacts::find_obstacle(const std::string& name) const {
+  const auto found = std::ranges::find(scene_.obstacles, name, &Obstacle::name);
+  return found == scene_.obstacles.end() ? nullptr : &*found;
+}
+
+void read_allowed(const Input& problem, AllowedContacts& contacts) {
+  const auto list = problem.find("allow");
+  if (!list) return;
+  for (const Input& pair : list->items()) {
+    const auto [first, second] = read_name_pair(pair);
+    if (const auto wrong = contacts.allow(first, second)) pair.fail(ErrorCode::invalid, *wrong);
+  }
+}
+
+void read_allowed(const Input& problem, Scene& scene) {
+  const auto list = problem.find("allow");
+  if (!list) return;
+  std::set<std::string> attached;
+  if (const auto objects = problem.find("attached")) {
+    for (const Input& object : objects->items()) attached.insert(object.at("name").text());
+  }
+  const auto find = [&](const std::string& name) {
+    return std::ranges::find(scene.obstacles, name, &Obstacle::name);
+  };
+  for (const Input& pair : list->items()) {
+    const auto [first, second] = read_name_pair(pair);
+    if (attached.contains(first) || attached.contains(second)) continue;
+    if (const auto obstacle = find(second); obstacle != scene.obstacles.end()) {
+      obstacle->may_touch.push_back(first);
+    } else if (const auto other = find(first); other != scene.obstacles.end()) {
+      other->may_touch.push_back(second);
+    }
+  }
+}
+
+}  // namespace mneme::internal

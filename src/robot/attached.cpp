@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/robot.h"
+
+#include "base/as_index.h"
+#include "robot/robot_facts.h"
+#include "robot/robot_tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mneme {
+namespace {
+
+using internal::as_index;
+
+std::optional<int> find_link(std::span<const Link> links, std::string_view name) {
+  const auto found = std::ranges::find(links, name, &Link::name);
+  if (found == links.end()) return std::nullopt;
+  return static_cast<int>(found - links.begin());
+}
+
+Error refusal(const AttachedObject& object, const std::string& what) {
+  return {ErrorCode::invalid, fmt::format("attached object '{}': {}", object.name, what)};
+}
+
+/// Adds the object as a link, and the joint that holds it.
+std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& links,
+                              std::vector<Joint>& joints) {
+  const AttachedObject& object = covered.object;
+  if (object.name.empty()) return refusal(object, "it has no name");
+  if (find_link(links, object.name)) {
+    return refusal(object, "there is a link or another attached object of this name");
+  }
+  const auto carrier = find_link(links, object.link);
+  if (!carrier) {
+    return refusal(object, fmt::format("there is no link '{}' to carry it", object.link));
+  }
+  if (covered.spheres.empty() && covered.capsules.empty()) {
+    return refusal(object, "it has no spheres and no capsules; cover_object makes them");
+  }
+  Joint joint;
+  joint.name = object.name;
+  joint.parent_link = *carrier;
+  joint.child_link = static_cast<int>(links.size());
+  links.push_back(
+      {object.name, static_cast<int>(joints.size()), covered.spheres, covered.capsules, {}});
+  joints.push_back(std::move(joint));
+  return std::nullopt;
+}
+
+/// Pairs of links of which at least one says that they may touch.
+Result<internal::LinkPairs> find_allowed(std::span<const CoveredObject> objects,
+                                         std::span<const Link> links) {
+  internal::LinkPairs allowed;
+  for (const CoveredObject& covered : objects) {
+    const AttachedObject& object = covered.object;
+    for (const std::string& name : object.may_touch) {
+      const auto other = find_link(links, name);
+      if (!other) {
+        return tl::unexpected(refusal(
+            object, fmt::format("it may touch '{}', but there is no link and no attached object of "
+                                "this name",
+                                name)));
+      }
+      allowed.push_back(std::minmax({*find_link(links, object.name), *other}));
+    }
+  }
+  return allowed;
+}
+
+}  // namespace
+
+Result<Robot> Robot::with_attached(std::vector<CoveredObject> objects) const {
+  Model model = *bare_model();
+  model.attached = model_->attached;
+  std::ranges::move(objects, std::back_inserter(model.attached));
+  const int first = static_cast<int>(model.links.size());
+  for (const CoveredObject& object : model.attached) {
+    if (auto error = add_link(object, model.links, model.joints)) return tl::unexpected(*error);
+  }
+  const auto allowed = find_allowed(model.attached, model.links);
+  if (!allowed) return tl::unexpected(allowed.error());
+  const internal::LinkPairs pairs =
+      internal::derive_self_pairs(model.links, model.joints, model.group, *allowed, first);
+  model.self_pairs.insert(model.self_pairs.end(), pairs.begin(), pairs.end());
+  model.is_planar =
+      model.is_planar && internal::moves_in_plane(model.links, model.joints, model.group);
+  model.bare = bare_model();
+  return Robot(std::make_shared<const Model>(std::move(model)));
+}
+
+Result<Robot> Robot::without_attached(const std::string& name) const {
+  std::vector<CoveredObject> kept;
+  for (const CoveredObject& object : attached()) {
+    if (object.object.name == name) continue;
+    kept.push_back(object);
+    std::erase(kept.back().object.may_touch, name);
+  }
+  if (kept.size() == attached().size()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("robot '{}' carries no object '{}'", this->name(), name));
+  }
+  return kept.empty() ? without_attached() : without_attached().with_attached(std::move(kept));
+}
+
+Robot Robot::without_attached() const { return Robot(bare_model()); }
+
+}  // namespace mneme

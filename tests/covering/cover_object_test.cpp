@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
+
+#include "covering/solids.h"
+#include "geometry/random_shapes.h"
+#include "support/support.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace mneme::test {
+namespace {
+
+constexpr const char* kArm = R"(<robot name="arm">
+  <link name="base"/><link name="tool"/>
+  <joint name="turn" type="continuous"><parent link="base"/><child link="tool"/></joint>
+</robot>)";
+
+CoveredObject require_cover(AttachedObject object, const CoverSettings& settings = kObjectCover) {
+  auto covered = cover_object(std::move(object), settings);
+  REQUIRE_MESSAGE(covered.has_value(), (covered ? "" : covered.error().message));
+  return *covered;
+}
+
+bool is_covered(const CoveredObject& object, const Vec3& point) {
+  return std::ranges::any_of(object.spheres, [&](const Sphere& s) {
+    return (point - s.center).norm() <= s.radius + 1e-12;
+  });
+}
+
+/// Points of the surface of spheres that are farther than `excess` from the solid.
+int count_beyond(const CoveredObject& object, const Shape& solid, double excess, Rng& rng) {
+  int beyond = 0;
+  for (const Sphere& s : object.spheres) {
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 direction = random_pose(rng, 1).rotation.col(0);
+      beyond += distance(s.center + s.radius * direction, solid) > excess + 1e-9 ? 1 : 0;
+    }
+  }
+  return beyond;
+}
+
+Vec3 random_point_in(const Box& box, Rng& rng) {
+  Vec3 p;
+  for (int i = 0; i < 3; ++i) p[i] = rng.uniform(-1, 1) * box.half_extents[i];
+  return box.pose * p;
+}
+
+Vec3 random_point_in(const Cylinder& c, Rng& rng) {
+  // Often at the rim.
+  const double r = c.radius * std::min(1.0, rng.uniform(0, 1.5)), angle = rng.uniform(-kPi, kPi);
+  const double z = c.length / 2 * std::clamp(rng.uniform(-1.5, 1.5), -1.0, 1.0);
+  return c.pose * Vec3(r * std::cos(angle), r * std::sin(angle), z);
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("spheres and capsules are taken as they are") {
+    const Sphere sphere{{1, 2, 3}, 0.1};
+    const Capsule capsule{{0, 0, 0}, {0, 0, 1}, 0.2};
+    const CoveredObject made = require_cover({"two", "hand", {sphere, capsule}, {}, {"thumb"}});
+    REQUIRE(made.spheres.size() == 1);
+    REQUIRE(made.capsules.size() == 1);
+    CHECK(made.spheres[0].radius == 0.1);
+    CHECK(made.capsules[0].b == Vec3(0, 0, 1));
+    CHECK(made.object.name == "two");
+    CHECK(made.object.may_touch == std::vector<std::string>{"thumb"});
+  }
+
+  TEST_CASE("a box of a decimetre takes 27 spheres that stick out by 13 mm at most") {
+    const CoveredObject made =
+        require_cover({"box", "hand", {Box{{}, Vec3::Constant(0.05)}}, {}, {}});
+    CHECK(made.spheres.size() == 27);
+    Rng rng(1);
+    CHECK(count_beyond(made, Box{{}, Vec3::Constant(0.05)}, 0.013, rng) == 0);
+  }
+
+  TEST_CASE("large objects have no more spheres than they may") {
+    for (const Shape& shape : {Shape(Box{{}, {1000, 0.01, 2}}), Shape(Cylinder{{}, 3000, 0.1}),
+                               Shape(Cylinder{{}, 0.01, 5000}), Shape(Box{{}, {9, 9, 9}})}) {
+      const CoveredObject made = require_cover({"large", "hand", {shape}, {}, {}});
+      CHECK(made.spheres.size() <= 64);
+      CHECK(!made.spheres.empty());
+    }
+  }
+
+  TEST_CASE("meshes are covered as those of links") {
+    const test::TemporaryDirectory directory;
+    const std::string path = directory / "cube.stl";
+    write_file(path, to_text_stl(internal::triangulate(make_box(Vec3::Constant(0.1)))));
+    const CoveredObject made = require_cover({"cube", "hand", {}, {{path, Vec3::Ones(), {}}}, {}});
+    Rng rng(2);
+    for (int i = 0; i < 1000; ++i) {
+      CHECK(is_covered(made, random_point_in(Box{{}, Vec3::Constant(0.05)}, rng)));
+    }
+    const auto missing =
+        cover_object({"cube", "hand", {}, {{directory / "none.stl", Vec3::Ones(), {}}}, {}});
+    REQUIRE(!missing.has_value());
+    CHECK(missing.error().message.starts_with("attached object 'cube': "));
+    CHECK(missing.error().message.find("none.stl") != std::string::npos);
+  }
+
+  TEST_CASE("objects without shape or size are refused by name") {
+    const auto refusal = [](const AttachedObject& object) {
+      const auto made = cover_object(object);
+      REQUIRE(!made.has_value());
+      return made.error().message;
+    };
+    CHECK(refusal({"cup", "hand", {}}) == "attached object 'cup' has no shapes");
+    CHECK(refusal({"cup", "hand", {Sphere{{}, 0}}}) ==
+          "attached object 'cup' has a sphere that is not finite or without size");
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK(refusal({"cup", "hand", {Box{{}, {nan, 1, 1}}}}) ==
+          "attached object 'cup' has a box that is not finite or without size");
+  }
+
+  TEST_CASE("attach covers and attaches") {
+    const Robot bare = parse_robot(kArm, "arm.urdf").value();
+    const auto robot = attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}});
+    REQUIRE(robot.has_value());
+    CHECK(robot->links().back().spheres.size() == robot->attached()[0].spheres.size());
+    CHECK(attach(bare, {{"cup", "hand", {Sphere{{}, 1}}}}).error().message.find("'hand'") !=
+          std::string::npos);
+    CHECK(attach(bare, {{"cup", "tool", {}}}).error().message ==
+          "attached object 'cup' has no shapes");
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("boxes and cylinders lie within their covers, which stick out by what they may") {
+    constexpr std::uint64_t kSeed = 77;
+    Rng rng(kSeed);
+    for (int i = 0; i < 100; ++i) {
+      INFO("seed " << kSeed << ", object " << i);
+      const CoverSettings settings{.excess = rng.uniform(0.006, 0.05), .max_spheres = 1000000};
+      Box box{random_pose(rng, 0.2), {}};
+      for (int k = 0; k < 3; ++k) box.half_extents[k] = rng.uniform(0.001, 0.12);
+      const Cylinder can{random_pose(rng, 0.2), rng.uniform(0.002, 0.12), rng.uniform(0.002, 0.3)};
+      const CoveredObject boxes = require_cover({"box", "hand", {box}, {}, {}}, settings);
+      const CoveredObject cans = require_cover({"can", "hand", {can}, {}, {}}, settings);
+      for (int k = 0; k < 100; ++k) {
+        REQUIRE(is_covered(boxes, random_point_in(box, rng)));
+        REQUIRE(is_covered(cans, random_point_in(can, rng)));
+      }
+      CHECK(count_beyond(boxes, box, settings.excess, rng) == 0);
+      CHECK(count_beyond(cans, can, settings.excess, rng) == 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What problem files say of attached objects and of what may touch.
+#include "mneme/problem.h"
+
+#include "problem/small_robots.h"
+#include "support/support.h"
+
+#include <doctest/doctest.h>
+
+namespace mneme::test {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// lifter.urdf and problem files beside it.
+class Files {
+ public:
+  Files() { write_file(directory_ / "lifter.urdf", kLiftUrdf); }
+
+  /// A problem of the lifter with a table and a cup, and these keys besides.
+  [[nodiscard]] Result<Problem> read(const std::string& keys) const {
+    write_file(directory_ / "p.yaml", kHead + keys);
+    return load_problem(directory_ / "p.yaml");
+  }
+  [[nodiscard]] Problem require(const std::string& keys) const {
+    auto problem = read(keys);
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    return *problem;
+  }
+  /// The message without the directory.
+  [[nodiscard]] std::string refusal(const std::string& keys) const {
+    const auto problem = read(keys);
+    REQUIRE(!problem.has_value());
+    const std::string& message = problem.error().message;
+    const std::string prefix = directory_ / "";
+    return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+  }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return directory_ / name; }
+
+ private:
+  static constexpr const char* kHead = R"(robot: lifter.urdf
+joints: [lift, turn]
+start: [0.1, 0]
+goal: [0.2, 1]
+scene:
+  obstacles:
+    - {name: table, type: box, position: [0, 0, 0], size: [1, 1, 0.1]}
+    - {name: cup, type: sphere, position: [1, 0, 1], radius: 0.1}
+)";
+  TemporaryDirectory directory_;
+};
+
+TEST_SUITE("unit") {
+  TEST_CASE("attached objects have a link, shapes and what may touch them") {
+    const Files files;
+    const Problem problem = files.require(R"(attached:
+  - {name: box, link: finger, type: box, position: [0, 0, 0.1], size: [0.1, 0.1, 0.1], touch: [carriage, rod]}
+  - {name: rod, link: arm, shapes: [{type: capsule, a: [0, 0, 0], b: [1, 0, 0], radius: 0.02}, {type: sphere, position: [1, 0, 0], radius: 0.1}]}
+)");
+    const auto attached = problem.robot.attached();
+    REQUIRE(attached.size() == 2);
+    CHECK(attached[0].object.link == "finger");
+    CHECK(attached[0].object.may_touch == Names{"carriage", "rod"});
+    CHECK(std::get<Box>(attached[0].object.shapes.at(0)).pose.translation == Vec3(0, 0, 0.1));
+    CHECK(attached[1].capsules.size() == 1);
+    CHECK(attached[1].spheres.size() == 1);
+    CHECK(problem.warnings.empty());
+  }
+
+  TEST_CASE("pairs that may touch are taken to links, attached objects and obstacles") {
+    const Files files;
+    const Problem problem = files.require(R"(attached:
+  - {name: box, link: finger, type: sphere, position: [0, 0, 0.1], radius: 0.1}
+allow: [[arm, table], [cup, box], [base, box], [base, arm]]
+)");
+    CHECK(problem.scene.obstacles[0].may_touch == Names{"arm"});
+    CHECK(problem.scene.obstacles[1].may_touch == Names{"box"});
+    CHECK(problem.robot.attached()[0].object.may_touch == Names{"base"});
+    CHECK(files.require("").scene.obstacles[0].may_touch.empty());
+  }
+
+  TEST_CASE("two links that may touch are not checked against each other") {
+    const Files files;
+    std::string urdf = kLiftUrdf;
+    const std::string bare = "<link name=\"base\"/>";
+    urdf.replace(urdf.find(bare), bare.size(),
+                 "<link name=\"base\"><collision><geometry><sphere radius=\"0.1\"/></geometry>"
+                 "</collision></link>");
+    write_file(files / "lifter.urdf", urdf);
+    CHECK(files.require("").robot.self_pairs().size() == 1);
+    CHECK(files.require("allow: [[arm, base]]\n").robot.self_pairs().empty());
+  }
+
+  TEST_CASE("a link that stands on an obstacle is a note") {
+    const Files files;
+    std::string urdf = kLiftUrdf;
+    const std::string bare = "<link name=\"world\"/>";
+    urdf.replace(urdf.find(bare), bare.size(),
+                 "<link name=\"world\"><collision><geometry><sphere radius=\"0.1\"/></geometry>"
+                 "</collision></link>");
+    write_file(files / "lifter.urdf", urdf);
+    CHECK(files.require("").warnings ==
+          Names{"link world touches obstacle table, and no joint of the group moves it: this "
+                "contact is left aside"});
+    CHECK(files.require("allow: [[world, table]]\n").warnings.empty());
+  }
+
+  TEST_CASE("a problem that is written reads back with what is attached and may touch") {
+    const Files files;
+    const Problem problem = files.require(R"(attached:
+  - {name: box, link: finger, type: box, position: [0, 0, 0.1], size: [0.1, 0.2, 0.3], touch: [carriage]}
+allow: [[arm, table], [box, cup]]
+)");
+    write_file(files / "again.yaml", to_yaml(problem, files / "lifter.urdf"));
+    const auto again = load_problem(files / "again.yaml");
+    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
+    REQUIRE(again->robot.attached().size() == 1);
+    const AttachedObject& object = again->robot.attached()[0].object;
+    CHECK(object.name == "box");
+    CHECK(object.link == "finger");
+    CHECK(object.may_touch == Names{"carriage"});
+    CHECK(std::get<Box>(object.shapes.at(0)).half_extents == Vec3(0.05, 0.1, 0.15));
+    CHECK(again->scene.obstacles[0].may_touch == Names{"arm"});
+    CHECK(again->scene.obstacles[1].may_touch == Names{"box"});
+  }
+
+  TEST_CASE("a scene without its robot keeps what links may touch, not attached objects") {
+    const Files files;
+    static_cast<void>(files.require(R"(attached:
+  - {name: box, link: finger, type: sphere, position: [0, 0, 0.1], radius: 0.1}
+allow: [[arm, table], [cup, box], [table, base]]
+)"));
+    const auto framed = extract_scene(files / "p.yaml");
+    REQUIRE(framed.has_value());
+    CHECK(framed->scene.obstacles[0].may_touch == Names{"arm", "base"});
+    CHECK(framed->scene.obstacles[1].may_touch.empty());
+    write_file(files / "scene.json", to_compact_json(*framed));
+    const auto again = extract_scene(files / ("scene.json#" + framed->scene.name));
+    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
+    CHECK(again->scene.obstacles[0].may_touch == Names{"arm", "base"});
+  }
+
+  TEST_CASE("compact problems carry and allow, too") {
+    const Files files;
+    write_file(files / "c.json", R"({"robot": "lifter.urdf", "joints": ["lift", "turn"],
+      "problems": [{"name": "a", "start": [0.1, 0], "goal": [0.2, 1],
+        "obstacles": [{"name": "cup", "type": "sphere", "p": [1, 0, 1], "radius": 0.1}],
+        "attached": [{"name": "can", "link": "finger", "touch": ["arm"], "type": "cylinder",
+                      "p": [0, 0, 0.1], "radius": 0.03, "length": 0.1}],
+        "allow": [["can", "cup"]]}]})");
+    const auto problem = load_problem(files / "c.json#a");
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    CHECK(problem->robot.attached()[0].object.may_touch == Names{"arm"});
+    CHECK(problem->scene.obstacles[0].may_touch == Names{"can"});
+  }
+
+  TEST_CASE("what is wrong with attached objects is refused with line and key") {
+    const Files files;
+    const auto refusal = [&](const std::string& object) {
+      return files.refusal("attached:\n  - {" + object + "}\n");
+    };
+    const std::string ball = ", type: sphere, position: [0, 0, 0], radius: 0.1";
+    CHECK(refusal("name: box, link: hand" + ball) ==
+          "p.yaml:10: key attached[0].link: expected a link of robot lifter to carry \"box\", got "
+          "\"hand\"");
+    CHECK(refusal("name: arm, link: finger" + ball) ==
+          "p.yaml:10: key attached[0].name: expected a name of its own, got \"arm\", which names a "
+          "link");
+    CHECK(refusal("name: box, link: arm" + ball + "}\n  - {name: box, link: finger" + ball) ==
+          "p.yaml:11: key attached[1].name: expected a name of its own, got \"box\", which names "
+          "another attached object");
+    CHECK(refusal("name: box, link: arm, touch: [thumb]" + ball) ==
+          "p.yaml:10: key attached[0].touch[0]: expected a link of robot lifter or an attached "
+          "object, got \"thumb\"");
+    CHECK(refusal("name: box, link: arm, type: cone").find("expected sphere, box, cylinder") !=
+          std::string::npos);
+    CHECK(refusal("name: box, link: arm, shapes: []") ==
+          "p.yaml:10: key attached[0].shapes: expected at least one shape, got a list of 0");
+    CHECK(
+        refusal("name: box, link: arm, body: b" + ball).find("key attached[0].body: unknown key") !=
+        std::string::npos);
+    CHECK(refusal("link: arm" + ball).find("expected the key name") != std::string::npos);
+    CHECK(refusal("name: box, link: arm, type: mesh, file: none.stl").find("none.stl") !=
+          std::string::npos);
+    CHECK(refusal("name: box, link: arm, type: mesh, file: a.stl, scale: 0") ==
+          "p.yaml:10: key attached[0].scale: expected a number above 0, got 0");
+  }
+
+  TEST_CASE("what is wrong with pairs that may touch is refused with line and key") {
+    const Files files;
+    CHECK(files.refusal("allow: [[arm, shelf]]\n") ==
+          "p.yaml:9: key allow[0]: expected a link of robot lifter, an attached object or an "
+          "obstacle, got \"shelf\"");
+    CHECK(files.refusal("allow: [[arm, table], [hand, table]]\n") ==
+          "p.yaml:9: key allow[1]: expected a link of robot lifter, an attached object or an "
+          "obstacle, got \"hand\"");
+    CHECK(files.refusal("allow: [[table, cup]]\n") ==
+          "p.yaml:9: key allow[0]: expected a link or an attached object to touch obstacle "
+          "\"table\", got obstacle \"cup\"");
+    CHECK(files.refusal("allow: [[arm, arm]]\n") ==
+          "p.yaml:9: key allow[0]: expected two names, got \"arm\" twice");
+    CHECK(files.refusal("allow: [[arm]]\n")
+              .starts_with("p.yaml:9: key allow[0]: expected two names that may touch, as in "
+                           "[base_link, table], got a list"));
+    CHECK(files.refusal("allow: {arm: table}\n").find("key allow: expected a list") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("a scene file may say what links may touch its obstacles") {
+    const auto scene = parse_scene(
+        "obstacles: [{name: cup, type: sphere, position: [0, 0, 0], radius: 0.1}]\n"
+        "allow: [[arm, cup], [finger, cup]]\n",
+        "s.yaml");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(scene->obstacles[0].may_touch == Names{"arm", "finger"});
+    CHECK(parse_scene(to_yaml(*scene), "again")->obstacles[0].may_touch == Names{"arm", "finger"});
+    CHECK(parse_scene("allow: [[arm, cup]]\n", "s.yaml").error().message ==
+          "s.yaml:1: key allow[0]: expected a link and an obstacle of this scene, got no obstacle "
+          "\"cup\"");
+    const auto moveit = to_moveit_yaml({*scene, "world"});
+    REQUIRE(!moveit.has_value());
+    CHECK(
+        moveit.error().message.starts_with("\"arm\" may touch obstacle \"cup\"; expected a scene"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
