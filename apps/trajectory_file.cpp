@@ -21,7 +21,7 @@ struct Format {
   std::string (*write)(const Robot&, std::span<const Trajectory::Point>);
 };
 constexpr std::array<Format, 4> kFormats = {
-    {{".csv", &to_csv}, {".json", &to_json}, {".yaml", &to_yaml}, {".yml", &to_yaml}}};
+    {{".csv", &to_csv}, {".json", &mneme::to_json}, {".yaml", &to_yaml}, {".yml", &to_yaml}}};
 
 /// Null if there is no such format.
 const Format* find_format(const std::string& file) {

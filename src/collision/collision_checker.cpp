@@ -227,7 +227,7 @@ bool CollisionChecker::are_states_valid(std::span<const float> configurations,
   const Tables& t = *tables_;
   const std::size_t count = configurations.size() / internal::as_index(t.space.joint_count());
   counters.states += count;
-  if (t.fixed_clearance < t.margin || !is_within_reach(configurations)) return false;
+  if (!is_within_reach(configurations)) return false;
   std::vector<std::uint8_t> is_valid(count);
   t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
                           static_cast<int>(count), t.margin + static_cast<float>(margin),

@@ -72,7 +72,8 @@ class AttachedReader {
     if (type.is_text() && type.text() == "mesh") {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      object.shapes.push_back(read_shape(input, spelling));
+      std::vector<std::string> none;  // only crowds have warnings, and those are refused
+      object.shapes.push_back(read_shape(input, spelling, none));
     }
   }
 

@@ -26,7 +26,7 @@ class ClearanceSearch {
   explicit ClearanceSearch(const Problem& problem)
       : robot_(problem.robot),
         links_(problem.robot),
-        obstacles_(internal::obstacle_shapes(problem.scene)) {}
+        obstacles_(internal::obstacle_shapes(problem.robot, problem.scene)) {}
 
   [[nodiscard]] Clearance along(const Path& path) {
     if (obstacles_.empty() || path.empty()) return nearest_;
