@@ -136,6 +136,11 @@ def inverse_kinematics(
     seed: int = 1,
     isa: str = "automatic",
     # settings:ik
+    ik_seeds: int = 2048,
+    ik_solutions: int = 8,
+    ik_position_tolerance: float = 0.0001,
+    ik_rotation_tolerance: float = 0.001,
+    ik_apart: float = 0.1,
     # /settings
 ) -> Floats: ...
 
@@ -374,6 +379,11 @@ class Plan:
     def trajectory(
         self,
         # settings:trajectory
+        dt: float = 0.01,
+        velocity_scale: float = 1.0,
+        acceleration_scale: float = 1.0,
+        acceleration_limit: float = 1.0,
+        path_tolerance: float = 0.1,
         # /settings
         limits: Optional[PathLike] = None,
     ) -> Trajectory: ...
@@ -502,6 +512,11 @@ def plan(
     merge_cliques: bool = False,
     # /settings
     # settings:ik
+    ik_seeds: int = 2048,
+    ik_solutions: int = 8,
+    ik_position_tolerance: float = 0.0001,
+    ik_rotation_tolerance: float = 0.001,
+    ik_apart: float = 0.1,
     # /settings
 ) -> Plan: ...
 

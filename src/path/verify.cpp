@@ -45,9 +45,9 @@ bool MotionVerifier::has_one_way(std::span<const float> from, std::span<const fl
 
 bool MotionVerifier::is_curve_free(std::span<const float> states, CheckCounters& counters) const {
   if (verification_ == Verification::none) return true;
-  if (!checker_.are_states_valid(states, counters, kVerificationMargin)) return false;
-  // Links of planar arms are so thin that they pass through each other between two states.
-  if (verification_ == Verification::states || !checker_.robot().is_planar()) return true;
+  if (verification_ == Verification::states) {
+    return checker_.are_states_valid(states, counters, kVerificationMargin);
+  }
   const auto joints = static_cast<std::size_t>(checker_.robot().joint_count());
   for (std::size_t i = joints; i < states.size(); i += joints) {
     if (!is_free(states.subspan(i - joints, joints), states.subspan(i, joints), {}, counters)) {

@@ -168,7 +168,6 @@ TEST_SUITE("unit") {
          1,
          {"draw valid states", "ompl:PRM"}},
         {{"bench", "run", files.problem(), "--db-memory", "1"}, 2, {"--db-memory", "--db"}},
-        {{"bench", "run", files.problem(), "--continuous", "--no-verify"}, 2, {"--no-verify"}},
         {{"bench", "run", files.problem(), "--seeds", "0"}, 2, {"--seeds"}},
         {{"bench", "run", files.problem(), "--resume"}, 2, {"--csv"}},
         {{"bench", "run", files.problem(), "--resume", "--csv", files / "other.csv"},

@@ -266,7 +266,6 @@ TEST_SUITE("unit") {
          2,
          {"--db-memory", "'-1'", "0 to 1000000"}},
         {{"plan", problem, "--db-memory", "1"}, 2, {"--db-memory", "requires --db"}},
-        {{"plan", problem, "--continuous", "--no-verify"}, 2, {"--continuous", "--no-verify"}},
         {{"plan", problem, "--sampler", "cvae"}, 2, {"--sampler", "cvae needs --db"}},
         {{"plan", problem, "--sampler", "pooled"}, 2, {"--sampler", "pooled needs --db"}},
         {{"plan", problem, "--sampler", "nearest_scenes"}, 2, {"nearest_scenes needs --db"}},

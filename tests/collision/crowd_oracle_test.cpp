@@ -15,11 +15,13 @@ constexpr double kTolerance = 1e-4;
 
 constexpr std::array kMakers = {random_cloud, random_mesh, random_octree};
 
-/// Least gap of a shape of the robot to a part of an obstacle, part by part.
+/// Least gap of a shape of the robot that a joint moves to a part of an obstacle, part by part.
 double gap_by_parts(const Robot& robot, const Scene& scene, std::span<const double> q) {
   const std::vector<Transform> poses = robot.link_poses(q);
+  const std::vector<bool> is_moving = internal::find_moving_links(robot);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!is_moving[i]) continue;
     for (const Capsule& own : capsules_of(robot.links()[i], poses[i])) {
       for (const Obstacle& obstacle : scene.obstacles) {
         for (const Shape& shape : obstacle.shapes) {

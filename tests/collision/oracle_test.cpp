@@ -282,11 +282,13 @@ TEST_SUITE("oracle") {
       const Scene scene =
           random_scene(robot, 8, rng, kKinds.at(static_cast<std::size_t>(i) % 3).make);
       const CollisionChecker checker = require_checker(robot, scene, {.margin = kMargin});
+      const std::vector<bool> is_moving = internal::find_moving_links(robot);
       for (int k = 0; k < 40; ++k) {
         const Configuration q = random_configuration(robot, rng);
         const auto gaps = gaps_of(checker.contacts(q));
         const FclWorld world(robot, scene, q);
         for (std::size_t link = 0; link < robot.links().size(); ++link) {
+          if (!is_moving[link]) continue;
           for (std::size_t other = 0; other < scene.obstacles.size(); ++other) {
             const auto found = gaps.find({robot.links()[link].name, scene.obstacles[other].name});
             const double distance = world.link_to_obstacle(link, other);

@@ -111,7 +111,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a curve is free if all of its states have the margin, and what lies between them") {
     const CollisionChecker checker = make_checker(table());
-    const MotionVerifier verifier(checker), continuous(checker, Verification::motions);
+    const MotionVerifier verifier(checker, Verification::states);
+    const MotionVerifier continuous(checker, Verification::motions);
     const MotionVerifier nothing(checker, Verification::none);
     CheckCounters counters;
     const auto curve_at = [&](double lowest) {
@@ -137,7 +138,7 @@ TEST_SUITE("unit") {
     coarse.resolution = 1;
     const CollisionChecker thin = make_checker(post, coarse);
     const std::vector<float> past = {-0.04f, 0, 0, 0.04f, 0, 0};
-    CHECK(MotionVerifier(thin).is_curve_free(past, counters));
+    CHECK(MotionVerifier(thin, Verification::states).is_curve_free(past, counters));
     CHECK_FALSE(MotionVerifier(thin, Verification::motions)
                     .is_curve_free(std::vector<float>{-0.04f, 0.001f, 0, 0.04f, 0.001f, 0}, counters));
   }

@@ -195,9 +195,9 @@ TEST_SUITE("unit") {
           "p.json:2: key problems[0].start[0]: expected a number, got nothing");
     CHECK(problem(", \"circles\": [], \"start\": [\"0\"], \"goal\": [0]") ==
           "p.json:2: key problems[0].start[0]: expected a number, got \"0\"");
-    CHECK(problem(", \"obstacles\": [{\"name\": \"x\", \"type\": \"mesh\"}]" + ends) ==
-          "p.json:2: key problems[0].obstacles[0].type: expected sphere, box, cylinder or capsule, "
-          "got \"mesh\"");
+    CHECK(problem(", \"obstacles\": [{\"name\": \"x\", \"type\": \"cone\"}]" + ends) ==
+          "p.json:2: key problems[0].obstacles[0].type: expected sphere, box, cylinder, capsule, "
+          "points, mesh or octree, got \"cone\"");
     CHECK(problem(", \"circles\": [], \"links\": [1, 2]" + ends)
               .find("p.json:2: key problems[0].links: expected the lengths of robot planar8's") ==
           0);

@@ -45,6 +45,7 @@ TEST_SUITE("unit") {
                                      {"learning_time_s", 0.125},
                                      {"simplification_time_s", 0.5},
                                      {"verification_time_s", 0.75},
+                                     {"goal_time_s", 0.0},
                                      {"improvement_time_s", 0.0},
                                      {"remembering_time_s", 0.0},
                                      {"load_time_s", 0.0625},
