@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -51,15 +52,18 @@ Json to_json(const DatabaseInfo& info) {
                      {"samplers", kind.samplers},
                      {"components", kind.components}});
   }
+  const RobotHashes hashes = hashes_of(info.space);
   const Json space = {{"robot_name", info.space.robot_name},
-                      {"robot_hash", info.space.robot_hash},
+                      {"robot_hash", hashes.model},
+                      {"kinematics_hash", hashes.kinematics},
                       {"joint_count", info.space.joint_count},
                       {"kinds", kinds}};
   return {{"url", info.url},
           {"samplers", info.samplers},
           {"components", info.components},
           {"spaces", Json::array({space})},
-          {"robot_hash", info.space.robot_hash},
+          {"robot_hash", hashes.model},
+          {"kinematics_hash", hashes.kinematics},
           {"kinds", kinds},
           {"bytes", info.bytes},
           {"schema_version", info.schema_version},
@@ -73,7 +77,10 @@ void print_info(const DatabaseInfo& info) {
   };
   line("database", info.url);
   line("robot", printable(info.space.robot_name));
-  line("robot hash", info.space.robot_hash);
+  const RobotHashes hashes = hashes_of(info.space);
+  line("kinematics", hashes.kinematics.empty() ? "not noted: an older mneme made it"
+                                               : hashes.kinematics);
+  line("robot hash", hashes.model);
   line("joints", info.space.joint_count);
   for (const KindInfo& kind : info.kinds) {
     line("kind", fmt::format("{}, keys of {} numbers, {}", printable(kind.kind), kind.key_size,
@@ -86,14 +93,41 @@ void print_info(const DatabaseInfo& info) {
   line("schema", fmt::format("version {}, generation {}", info.schema_version, info.generation));
 }
 
+struct Comparison {
+  RobotDifference difference;
+  std::string_view word;
+  std::string_view sentence;
+};
+constexpr std::array kComparisons = {
+    Comparison{RobotDifference::none, "none", "the robot that it was learned with"},
+    Comparison{RobotDifference::shapes, "shapes",
+               "the same joints, frames and limits; another collision model (covers, fingers, tools "
+               "or checked pairs), which does not matter: the experience applies"},
+    Comparison{RobotDifference::limits, "limits",
+               "the same joints and frames; other limits: `mneme db adopt` makes the experience "
+               "apply"},
+    Comparison{RobotDifference::frames, "frames",
+               "another arm: other joints, another order of them, or other frames"},
+};
+
 Result<ExitCode> run_info(const DbOptions& options) {
   const Result<Database> database = Database::inspect(options.url);
   if (!database) return tl::unexpected(database.error());
-  if (options.is_json) {
-    print_json(to_json(database->info()));
-  } else {
-    print_info(database->info());
+  const Comparison* comparison = nullptr;
+  if (!options.robot.empty()) {
+    const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+    if (!robot) return tl::unexpected(robot.error());
+    const RobotDifference difference = compare_robots(database->space(), make_space(*robot));
+    comparison = &*std::ranges::find(kComparisons, difference, &Comparison::difference);
   }
+  if (options.is_json) {
+    Json json = to_json(database->info());
+    if (comparison != nullptr) json["difference"] = comparison->word;
+    print_json(json);
+    return ExitCode::done;
+  }
+  print_info(database->info());
+  if (comparison != nullptr) fmt::print("{:<12}  {}\n", options.robot, comparison->sentence);
   return ExitCode::done;
 }
 
@@ -177,13 +211,13 @@ Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const D
                                         return read_problem(options.problem, given);
                                       });
   if (!problem) return tl::unexpected(problem.error());
-  if (problem->robot.hash() != database.space().robot_hash) {
-    return fail(
-        ErrorCode::wrong_robot,
-        fmt::format("'{}' holds experience of the robot '{}' (hash {}), the problem is for "
-                    "'{}' (hash {})",
-                    database.info().url, database.space().robot_name, database.space().robot_hash,
-                    problem->robot.name(), problem->robot.hash()));
+  if (compare_robots(database.space(), make_space(problem->robot)) > RobotDifference::shapes) {
+    return fail(ErrorCode::wrong_robot,
+                fmt::format("'{}' holds experience of the robot '{}' (kinematics {}), the problem "
+                            "is for '{}' (kinematics {})",
+                            database.info().url, database.space().robot_name,
+                            hashes_of(database.space()).kinematics, problem->robot.name(),
+                            problem->robot.kinematics_hash()));
   }
   std::vector<Lookup> lookups;
   for (const KindInfo& info : database.kinds()) {
@@ -306,8 +340,10 @@ void add_db(CLI::App& program, Action& action) {
   group->require_subcommand(1);
   group->footer("Example:\n  mneme db info planar.db");
   const auto options = std::make_shared<DbOptions>();
-  add_verb(*group, "info", "What the database holds", " --json", *options)
-      ->callback([options, &action] { action = [options] { return run_info(*options); }; });
+  CLI::App* info = add_verb(*group, "info", "What the database holds", " --json", *options);
+  info->add_option("--robot", options->robot, "say how this robot differs: URDF file or name");
+  add_robot_flags(*info, options->robot_options);
+  info->callback([options, &action] { action = [options] { return run_info(*options); }; });
   CLI::App* list = add_verb(*group, "list", "List its rows", " --limit 10", *options);
   add_number(*list, "--limit", options->limit, 0, std::numeric_limits<std::int64_t>::max(),
              "rows to print; without it, all");

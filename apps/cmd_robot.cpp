@@ -87,6 +87,7 @@ Json to_json(const Robot& robot, const std::string& path) {
   return {{"name", robot.name()},
           {"path", path},
           {"hash", robot.hash()},
+          {"kinematics_hash", robot.kinematics_hash()},
           {"is_planar", robot.is_planar()},
           {"joint_count", robot.joint_count()},
           {"joints", joints},

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "console.h"
 #include "files.h"
+#include "inputs.h"
 #include "options.h"
 
 #include <fmt/format.h>
@@ -25,6 +26,9 @@ struct UpkeepOptions {
   std::string url;
   std::vector<std::string> sources;
   std::string file;
+  std::string robot;
+  RobotOptions robot_options;
+  bool is_forced = false;
   bool is_json = false;
   bool is_report = false;
 };
@@ -108,6 +112,27 @@ Result<ExitCode> run_import(const UpkeepOptions& options) {
   });
 }
 
+// adopt
+
+Result<ExitCode> run_adopt(const UpkeepOptions& options) {
+  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+  if (!robot) return tl::unexpected(robot.error());
+  const ExperienceSpace space = make_space(*robot);
+  return adopt_database(options.url, space, options.is_forced)
+      .map([&](const ExperienceSpace& before) {
+        if (options.is_json) {
+          print_json({{"robot_name", space.robot_name},
+                      {"kinematics_hash", hashes_of(space).kinematics},
+                      {"kinematics_hash_before", hashes_of(before).kinematics}});
+        } else {
+          fmt::print("the experience of robot '{}' is now that of robot '{}' (kinematics {})\n",
+                     printable(before.robot_name), printable(space.robot_name),
+                     hashes_of(space).kinematics);
+        }
+        return ExitCode::done;
+      });
+}
+
 // compact
 
 Result<ExitCode> run_compact(const UpkeepOptions& options) {
@@ -171,6 +196,13 @@ void add_db_upkeep(CLI::App& group, Action& action) {
       upkeep.add("export", "Write all rows to a file", "planar.db planar.npz", run_export));
   upkeep.add_file(
       upkeep.add("import", "Add the rows of a file", "planar.db planar.npz", run_import));
+  CLI::App& adopt =
+      upkeep.add("adopt", "Make it the experience of a robot with other joint limits",
+                 "arm.db --robot arm.urdf", run_adopt);
+  adopt.add_option("--robot", upkeep.options().robot, "URDF file or name of the robot")->required();
+  add_robot_flags(adopt, upkeep.options().robot_options);
+  adopt.add_flag("--force", upkeep.options().is_forced,
+                 "also where an older mneme made the database and did not note the joints' frames");
   upkeep.add("compact", "Remove what was set aside and give its space back", "planar.db",
              run_compact);
 }

@@ -85,7 +85,13 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings, const DatabaseSettings& kept) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after.has_value();
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
-  return Database::open(url, make_space(robot), mode, kept).map_error([&](Error error) {
+  Result<Database> database = Database::open(url, make_space(robot), mode, kept);
+  if (database && compare_robots(database->space(), make_space(robot)) == RobotDifference::shapes) {
+    print_note(fmt::format("{}: was learned with another collision model of the robot, and applies "
+                           "all the same",
+                           database->info().url));
+  }
+  return std::move(database).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
       error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";

@@ -94,7 +94,9 @@ py::dict info(const Memory& memory) {
   py::dict row;
   row["url"] = info.url;
   row["robot_name"] = info.space.robot_name;
-  row["robot_hash"] = info.space.robot_hash;
+  const RobotHashes hashes = hashes_of(info.space);
+  row["robot_hash"] = hashes.model;
+  row["kinematics_hash"] = hashes.kinematics;
   row["joint_count"] = info.space.joint_count;
   py::list kinds;
   for (const KindInfo& info_of_kind : info.kinds) {

@@ -129,6 +129,9 @@ void bind_properties(py::class_<Robot>& robot) {
       .def_property_readonly("hash", &Robot::hash,
                              "16 hexadecimal digits over all that decides whether a configuration "
                              "is valid.")
+      .def_property_readonly("kinematics_hash", &Robot::kinematics_hash,
+                             "16 hexadecimal digits over the joints of the group, their frames and "
+                             "limits: memory applies where it is the same.")
       .def_property_readonly("is_planar", &Robot::is_planar)
       .def_property_readonly(
           "warnings",

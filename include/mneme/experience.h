@@ -24,6 +24,24 @@ struct OpenedStore;
 
 [[nodiscard]] ExperienceSpace make_space(const Robot& robot);
 
+/// What `space` says of the robot that it was learned with.
+struct RobotHashes {
+  std::string kinematics;  ///< Robot::kinematics_hash(); empty if an older mneme made the database
+  std::string model;       ///< Robot::hash()
+};
+[[nodiscard]] RobotHashes hashes_of(const ExperienceSpace& space);
+
+/// How a robot differs from the one that experience was learned with, the least first.
+enum class RobotDifference {
+  none,
+  shapes,  ///< its collision model: covers, fingers, tools, checked pairs; experience applies
+  limits,  ///< its limits too: `adopt_database` makes experience apply
+  frames,  ///< its joints, their order or their frames: another arm
+};
+/// Of an older database whose robot is not the very same one, `frames`.
+[[nodiscard]] RobotDifference compare_robots(const ExperienceSpace& learned_with,
+                                             const ExperienceSpace& robot);
+
 /// A stored experience whose key is near one that was asked for.
 struct KeyMatch {
   std::shared_ptr<const Experience> experience;  ///< never null

@@ -143,6 +143,10 @@ class Robot {
   /// nor do limits of velocity and acceleration, nor what is attached: experience is of the robot,
   /// whatever it carries.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
+  /// 16 hexadecimal digits over what experience depends on: the group's joints in their order, with
+  /// the frames that they stand in (the first 8 digits) and their limits (the others). Shapes,
+  /// tools, fingers, checked pairs and names do not count.
+  [[nodiscard]] std::string kinematics_hash() const;
   /// The same for copies of a robot and for no other one, for as long as one of them lives.
   [[nodiscard]] std::weak_ptr<const void> identity() const { return model_; }
   /// True if every shape stays in the plane z = 0: all joints of the group turn about the z axis.

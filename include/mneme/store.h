@@ -38,7 +38,9 @@ struct Experience {
 /// What decides whether experience applies at all.
 struct ExperienceSpace {
   std::string robot_name;  ///< for messages only
-  std::string robot_hash;  ///< Robot::hash()
+  /// Robot::kinematics_hash(), a slash and Robot::hash(): experience applies where the first is the
+  /// same. Older databases have the second alone, which then has to be the same.
+  std::string robot_hash;
   int joint_count = 0;
 };
 enum class OpenMode { read_only, read_write, create };

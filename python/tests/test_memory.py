@@ -214,3 +214,13 @@ def test_memory_is_learned_from_problems(problem, memory):
     assert raised(mneme.learn, robot, memory, problems=[problem], paths=0)[0] == "invalid"
     other = mneme.Robot.planar([1, 1, 1])
     assert raised(mneme.learn, other, memory, problems=[problem])[0] == "invalid"
+
+
+def test_memory_applies_to_a_robot_with_other_shapes(problem, memory, tmp_path):
+    thick = mneme.Robot.planar([1.6, 1.4, 1.8, 1.2, 1.5, 1.3, 1.1, 1.7], thickness=0.002)
+    if thick.kinematics_hash != problem.robot.kinematics_hash:
+        pytest.skip("the planar arm of the tests has other limits")
+    assert thick.hash != problem.robot.hash
+    assert memory.info()["kinematics_hash"] == thick.kinematics_hash
+    other = mneme.Problem(thick, problem.scene, problem.start, problem.goals)
+    assert mneme.plan(other, memory).is_solved

@@ -18,8 +18,10 @@ Result<void> open_for_robots(const std::string& name, const std::string& path, O
   for (const LoadedProblem& loaded : plan.problems) {
     const Robot& robot = loaded.problem.robot;
     const std::pair key{name, robot.hash()};
-    if (plan.memories.contains(key) || any->space().robot_hash != robot.hash()) continue;
-    Result<Database> database = Database::open(path, make_space(robot), mode);
+    const ExperienceSpace space = make_space(robot);
+    const bool applies = compare_robots(any->space(), space) <= RobotDifference::shapes;
+    if (plan.memories.contains(key) || !applies) continue;
+    Result<Database> database = Database::open(path, space, mode);
     if (!database) return tl::unexpected(database.error());
     plan.memories.emplace(key, std::make_shared<Database>(std::move(*database)));
   }

@@ -389,7 +389,21 @@ Result<std::int64_t> Database::refresh() {
 }
 
 ExperienceSpace make_space(const Robot& robot) {
-  return {internal::storable_text(robot.name()), robot.hash(), robot.joint_count()};
+  return {internal::storable_text(robot.name()),
+          internal::join_hashes(robot.kinematics_hash(), robot.hash()), robot.joint_count()};
+}
+
+RobotHashes hashes_of(const ExperienceSpace& space) {
+  return {std::string(internal::kinematics_of(space)), std::string(internal::model_of(space))};
+}
+
+RobotDifference compare_robots(const ExperienceSpace& learned_with, const ExperienceSpace& robot) {
+  if (internal::is_same_space(learned_with, robot)) {
+    const bool is_same_model = internal::model_of(learned_with) == internal::model_of(robot);
+    return is_same_model ? RobotDifference::none : RobotDifference::shapes;
+  }
+  return internal::has_same_frames(learned_with, robot) ? RobotDifference::limits
+                                                        : RobotDifference::frames;
 }
 
 }  // namespace mneme

@@ -11,6 +11,9 @@
 
 namespace mneme::internal {
 
+/// Pose of the joint's child in its frame at `value`.
+[[nodiscard]] Transform joint_motion(const Joint& joint, double value);
+
 /// Values of all joints: `group[i]` takes the value `q[i]`; other joints follow or stand at their
 /// fixed values.
 [[nodiscard]] std::vector<double> joint_values(std::span<const Joint> joints,

@@ -17,7 +17,6 @@
 
 namespace mneme {
 namespace internal {
-namespace {
 
 Transform joint_motion(const Joint& joint, double value) {
   switch (joint.type) {
@@ -31,8 +30,6 @@ Transform joint_motion(const Joint& joint, double value) {
   }
   return {};
 }
-
-}  // namespace
 
 std::vector<double> joint_values(std::span<const Joint> joints, std::span<const int> group,
                                  std::span<const double> q) {
@@ -64,6 +61,10 @@ std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::sp
 
 std::vector<Transform> Robot::link_poses(std::span<const double> q) const {
   return internal::forward_kinematics(joints(), group(), q);
+}
+
+std::string Robot::kinematics_hash() const {
+  return internal::hash_kinematics(joints(), group());
 }
 
 namespace {
@@ -220,6 +221,18 @@ Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<co
   return pairs;
 }
 
+/// Limits that a revolute joint hardly has, unless they are degrees.
+void warn_of_wide_limits(std::span<const Joint> joints, std::vector<std::string>& warnings) {
+  constexpr double kWidest = 4 * std::numbers::pi;
+  for (const Joint& joint : joints) {
+    if (joint.type != JointType::revolute || joint.mimic) continue;
+    if (joint.lower >= -kWidest && joint.upper <= kWidest) continue;
+    warnings.push_back(
+        fmt::format("joint '{}': its limits [{}, {}] are beyond two turns; expected radians",
+                    joint.name, joint.lower, joint.upper));
+  }
+}
+
 Error named(const std::string& robot, const Error& error) {
   return {error.code, fmt::format("robot '{}': {}", robot, error.message)};
 }
@@ -237,6 +250,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
           set_fixed_values(sorted->joints, *group, options.fixed_values, sorted->warnings)) {
     return tl::unexpected(named(name, *error));
   }
+  warn_of_wide_limits(sorted->joints, sorted->warnings);
   const auto allowed = find_allowed(*sorted, *group, options);
   if (!allowed) return tl::unexpected(named(name, allowed.error()));
   Robot::Model model;

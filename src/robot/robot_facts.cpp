@@ -200,4 +200,76 @@ std::string hash_robot(std::span<const Link> links, std::span<const Joint> joint
   return fmt::format("{:016x}", bytes.hash());
 }
 
+namespace {
+
+/// Joints that move the group's joints or are among them: those of the group in its order, then those
+/// that follow them, in tree order.
+std::vector<int> carrying_joints(std::span<const Joint> joints, std::span<const int> group) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  std::vector<bool> is_above(joints.size() + 1, false);  // of each link
+  std::vector<int> carrying(group.begin(), group.end());
+  for (std::size_t i = joints.size(); i > 0; --i) {
+    const Joint& joint = joints[i - 1];
+    const int index = static_cast<int>(i - 1);
+    const bool is_in_group = std::ranges::find(group, index) != group.end();
+    const bool is_carrying = is_in_group || is_above[as_index(joint.child_link)];
+    if (is_carrying) is_above[as_index(joint.parent_link)] = true;
+    if (is_carrying && !is_in_group && is_moving[i - 1]) carrying.push_back(index);
+  }
+  std::sort(carrying.begin() + static_cast<std::ptrdiff_t>(group.size()), carrying.end());
+  return carrying;
+}
+
+/// Where a link is: in the frame that the carrying joint of this number moves, or of the root.
+struct Mount {
+  int carrier = -1;
+  Transform pose;
+};
+
+void add_frame(Bytes& bytes, const Joint& joint, const Mount& mount,
+               std::span<const int> carrying) {
+  const auto number_of = [&](int index) {
+    return static_cast<int>(std::ranges::find(carrying, index) - carrying.begin());
+  };
+  bytes.add(static_cast<int>(joint.type));
+  bytes.add(mount.carrier);
+  for (int i = 0; i < 3; ++i) bytes.add(Vec3(mount.pose.rotation.col(i)));
+  bytes.add(mount.pose.translation);
+  bytes.add(joint.axis);
+  if (!joint.mimic) return;
+  bytes.add(number_of(joint.mimic->joint));
+  bytes.add(joint.mimic->multiplier);
+  bytes.add(joint.mimic->offset);
+}
+
+}  // namespace
+
+std::string hash_kinematics(std::span<const Joint> joints, std::span<const int> group) {
+  const std::vector<int> carrying = carrying_joints(joints, group);
+  std::vector<Mount> mounts(joints.size() + 1);
+  std::vector<Mount> frames(carrying.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = joints[i];
+    const Mount& parent = mounts[as_index(joint.parent_link)];
+    const Mount mount{parent.carrier, parent.pose * joint.origin};
+    const auto found = std::ranges::find(carrying, static_cast<int>(i));
+    Mount& child = mounts[as_index(joint.child_link)];
+    if (found == carrying.end()) {
+      child = {mount.carrier, mount.pose * joint_motion(joint, joint.fixed_value)};
+    } else {
+      frames[as_index(found - carrying.begin())] = mount;
+      child = {static_cast<int>(found - carrying.begin()), {}};
+    }
+  }
+  Bytes of_frames, of_limits;
+  for (std::size_t i = 0; i < carrying.size(); ++i) {
+    add_frame(of_frames, joints[as_index(carrying[i])], frames[i], carrying);
+  }
+  for (const int joint : group) {
+    of_limits.add(joints[as_index(joint)].lower);
+    of_limits.add(joints[as_index(joint)].upper);
+  }
+  return fmt::format("{:08x}{:08x}", of_frames.hash() >> 32, of_limits.hash() >> 32);
+}
+
 }  // namespace mneme::internal

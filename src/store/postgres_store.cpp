@@ -105,6 +105,16 @@ Result<void> create_postgres_schema(PostgresConnection& connection, const Experi
   return {};
 }
 
+Result<void> replace_postgres_space(PostgresConnection& connection, const ExperienceSpace& space) {
+  const auto updated = connection.query(
+      "UPDATE mneme_space SET robot_name = $1, robot_hash = $2, joint_count = $3::integer, "
+      "checksum = $4::bigint",
+      {space.robot_name, space.robot_hash, std::to_string(space.joint_count),
+       std::to_string(checksum_of(space))});
+  if (!updated) return tl::unexpected(updated.error());
+  return {};
+}
+
 Result<StoreState> read_postgres_head(PostgresConnection& connection, bool is_locked) {
   constexpr const char* kSelect =
       "SELECT generation, epoch, last_row, last_tombstone, row_count, row_digest, "
@@ -363,6 +373,10 @@ class PostgresStore final : public Store {
 
   Result<void> create(const ExperienceSpace& space) override {
     return create_postgres_schema(connection_, space);
+  }
+
+  Result<void> set_space(const ExperienceSpace& space) override {
+    return replace_postgres_space(connection_, space);
   }
 
   Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {

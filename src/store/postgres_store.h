@@ -18,6 +18,8 @@ namespace mneme::internal {
 /// Creates the tables in one transaction, unless another process was faster.
 [[nodiscard]] Result<void> create_postgres_schema(PostgresConnection& connection,
                                                   const ExperienceSpace& space);
+[[nodiscard]] Result<void> replace_postgres_space(PostgresConnection& connection,
+                                                  const ExperienceSpace& space);
 /// `is_locked` keeps other writers out until the transaction ends.
 [[nodiscard]] Result<StoreState> read_postgres_head(PostgresConnection& connection, bool is_locked);
 [[nodiscard]] Result<void> write_postgres_head(PostgresConnection& connection,

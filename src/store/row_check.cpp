@@ -108,19 +108,55 @@ std::optional<std::string> describe_flaw(const Experience& experience,
   return describe_factor_flaw(sampler, joints);
 }
 
+namespace {
+
+constexpr char kBetween = '/';
+constexpr std::size_t kFrameDigits = 8;
+
+}  // namespace
+
+std::string join_hashes(std::string_view kinematics, std::string_view model) {
+  return fmt::format("{}{}{}", kinematics, kBetween, model);
+}
+
+std::string_view kinematics_of(const ExperienceSpace& space) {
+  const std::size_t end = space.robot_hash.find(kBetween);
+  const std::string_view text = space.robot_hash;
+  return end == std::string::npos ? std::string_view() : text.substr(0, end);
+}
+
+std::string_view model_of(const ExperienceSpace& space) {
+  const std::string_view text = space.robot_hash;
+  return text.substr(text.find(kBetween) + 1);
+}
+
 std::string describe(const ExperienceSpace& space) {
-  return fmt::format("robot '{}' (hash {}, {} joints)", space.robot_name, space.robot_hash,
-                     space.joint_count);
+  const std::string_view kinematics = kinematics_of(space);
+  return fmt::format("robot '{}' ({} {}, {} joints)", space.robot_name,
+                     kinematics.empty() ? "hash" : "kinematics",
+                     kinematics.empty() ? model_of(space) : kinematics, space.joint_count);
+}
+
+bool has_same_frames(const ExperienceSpace& a, const ExperienceSpace& b) {
+  const std::string_view first = kinematics_of(a).substr(0, kFrameDigits);
+  const std::string_view second = kinematics_of(b).substr(0, kFrameDigits);
+  return !first.empty() && first == second && a.joint_count == b.joint_count;
 }
 
 bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b) {
-  return a.robot_hash == b.robot_hash && a.joint_count == b.joint_count;
+  if (a.joint_count != b.joint_count) return false;
+  const std::string_view first = kinematics_of(a), second = kinematics_of(b);
+  return first.empty() || second.empty() ? model_of(a) == model_of(b) : first == second;
 }
 
 tl::unexpected<Error> refuse_space(const std::string& url, const ExperienceSpace& found,
                                    const ExperienceSpace& wanted) {
-  return fail(ErrorCode::wrong_robot, fmt::format("{}: holds experience of {}; expected that of {}",
-                                                  url, describe(found), describe(wanted)));
+  std::string message = fmt::format("{}: holds experience of {}; expected that of {}", url,
+                                    describe(found), describe(wanted));
+  if (has_same_frames(found, wanted)) {
+    message += "; only joint limits differ: `mneme db adopt` makes it the other robot's";
+  }
+  return fail(ErrorCode::wrong_robot, std::move(message));
 }
 
 }  // namespace mneme::internal

@@ -46,7 +46,16 @@ class KeySizes {
 /// What of a space matters to users, for messages.
 [[nodiscard]] std::string describe(const ExperienceSpace& space);
 
-/// True if experience of `a` is experience of `b`; names do not count.
+/// The text in which a space keeps a robot's two hashes, and its parts; that of the kinematics is
+/// empty in databases of an older mneme.
+[[nodiscard]] std::string join_hashes(std::string_view kinematics, std::string_view model);
+[[nodiscard]] std::string_view kinematics_of(const ExperienceSpace& space);
+[[nodiscard]] std::string_view model_of(const ExperienceSpace& space);
+
+/// True if both say that the joints stand in the same frames; limits do not count.
+[[nodiscard]] bool has_same_frames(const ExperienceSpace& a, const ExperienceSpace& b);
+/// True if experience of `a` is experience of `b`: of the same kinematics, or, where an older
+/// database does not say, of the very same robot. Names do not count.
 [[nodiscard]] bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b);
 /// Error: wrong_robot, because `url` holds experience of `found`.
 [[nodiscard]] tl::unexpected<Error> refuse_space(const std::string& url,

@@ -129,7 +129,7 @@ Result<void> create_tables(Connection& connection) {
 }
 
 Result<void> write_space(Connection& connection, const ExperienceSpace& space) {
-  auto insert = connection.prepare("INSERT INTO space VALUES (1, ?, ?, ?, ?)");
+  auto insert = connection.prepare("INSERT OR REPLACE INTO space VALUES (1, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
   insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.joint_count);
   insert->bind(4, checksum_of(space));
@@ -178,6 +178,12 @@ Result<ExperienceSpace> read_space(Connection& connection) {
     return damaged(connection, "the row that names the robot is damaged");
   }
   return space;
+}
+
+Result<void> replace_space(Connection& connection, const ExperienceSpace& space) {
+  auto transaction = Transaction::begin(connection, Transaction::Kind::write);
+  if (!transaction) return tl::unexpected(transaction.error());
+  return write_space(connection, space).and_then([&] { return transaction->commit(); });
 }
 
 }  // namespace mneme::internal

@@ -311,6 +311,10 @@ class SqliteStore final : public Store {
     });
   }
 
+  Result<void> set_space(const ExperienceSpace& space) override {
+    return replace_space(connection_, space);
+  }
+
   Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
     if (kind == Kind::write && mode_ == OpenMode::read_only) {
       return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));

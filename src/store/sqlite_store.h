@@ -34,6 +34,7 @@ inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 
 /// Errors: corrupt if the row is missing or damaged.
 [[nodiscard]] Result<ExperienceSpace> read_space(Connection& connection);
+[[nodiscard]] Result<void> replace_space(Connection& connection, const ExperienceSpace& space);
 
 [[nodiscard]] Result<StoreState> read_head(Connection& connection);
 [[nodiscard]] Result<void> write_head(Connection& connection, const StoreState& state);

@@ -90,6 +90,8 @@ class Store {
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
   /// Gives the space of removed rows back.
   [[nodiscard]] virtual Result<void> reclaim() = 0;
+  /// Says of a store that has a space that it is of another one.
+  [[nodiscard]] virtual Result<void> set_space(const ExperienceSpace& space) = 0;
 };
 
 }  // namespace mneme::internal

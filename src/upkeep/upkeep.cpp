@@ -151,6 +151,40 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
   return summary;
 }
 
+namespace {
+
+Result<void> check_adoption(const std::string& url, const ExperienceSpace& found,
+                            const ExperienceSpace& wanted, bool is_forced) {
+  if (internal::is_same_space(found, wanted) || internal::has_same_frames(found, wanted)) return {};
+  const bool is_unsaid = internal::kinematics_of(found).empty();
+  const bool can_fit = is_unsaid && found.joint_count == wanted.joint_count;
+  if (can_fit && is_forced) return {};
+  auto refused = internal::refuse_space(url, found, wanted);
+  if (can_fit) {
+    refused.value().message +=
+        "; an older mneme made it, which did not note the joints' frames: --force if they are the "
+        "same";
+  }
+  return refused;
+}
+
+}  // namespace
+
+Result<ExperienceSpace> adopt_database(const std::string& url, const ExperienceSpace& space,
+                                       bool is_forced) {
+  const auto found = internal::inspect_store(url);
+  if (!found) return tl::unexpected(internal::with_advice(found.error(), url));
+  if (found->schema_version == 0) {
+    return fail(ErrorCode::invalid,
+                fmt::format("{}: there is no experience in it", internal::without_password(url)));
+  }
+  const auto checked = check_adoption(found->store->name(), found->space, space, is_forced);
+  if (!checked) return tl::unexpected(checked.error());
+  return internal::open_store(url, OpenMode::read_write)
+      .and_then([&](const std::unique_ptr<Store>& store) { return store->set_space(space); })
+      .map([&] { return found->space; });
+}
+
 Result<CompactSummary> compact_database(const std::string& url) {
   const auto opened = internal::inspect_store(url);
   if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));

@@ -24,6 +24,7 @@ TEST_SUITE("flow") {
     CHECK(json["samplers"] == 1);
     CHECK(json["components"] > 0);
     CHECK(json["robot_hash"] == planar8().hash());
+    CHECK(json["kinematics_hash"] == planar8().kinematics_hash());
     CHECK(json["spaces"][0]["joint_count"] == 8);
     REQUIRE(json["kinds"].size() == 1);
     CHECK(json["kinds"][0]["kind"] == "pairs/1");
@@ -35,6 +36,43 @@ TEST_SUITE("flow") {
     const ProgramRun words = run_program({"db", "info", files.database()});
     CHECK(has_text(words.out, planar8().hash()));
     CHECK(has_text(words.out, "pairs/1, keys of 6 numbers, 1 row"));
+  }
+
+  TEST_CASE("info tells how a robot differs, and what only its shapes change still applies") {
+    const PlanarFiles files;
+    const auto difference = [&](const std::string& robot) {
+      return run_json({"db", "info", files.database(), "--robot", robot})["difference"];
+    };
+    std::string urdf = read_file(source_file("robots/planar8.urdf"));
+    const auto write = [&](const std::string& name, const std::string& from, const std::string& to) {
+      std::string text = urdf;
+      for (std::size_t at = text.find(from); at != std::string::npos;
+           at = text.find(from, at + to.size())) {
+        text.replace(at, from.size(), to);
+      }
+      REQUIRE(text != urdf);
+      write_file(files / name, text);
+      return files / name;
+    };
+    CHECK(difference("planar8") == "none");
+    const std::string thick = write("thick.urdf", "radius=\"0.0005\"", "radius=\"0.0006\"");
+    const std::string limited = write("limited.urdf", "upper=\"3.14", "upper=\"3.04");
+    CHECK(difference(thick) == "shapes");
+    CHECK(difference(limited) == "limits");
+    CHECK(difference("ur5") == "frames");
+    const auto plan = [&](const std::string& robot) {
+      return run_program({"plan", files.problem(), "--robot", robot, "--db", files.database()});
+    };
+    const ProgramRun thicker = plan(thick);
+    CHECK(thicker.exit_code == 0);
+    CHECK(has_text(thicker.err, "another collision model"));
+    CHECK(plan(limited).exit_code == 5);
+    CHECK(has_text(plan(limited).err, "mneme db adopt"));
+    CHECK(run_program({"db", "adopt", files.database(), "--robot", "ur5"}).exit_code == 5);
+    CHECK(run_json({"db", "adopt", files.database(), "--robot", limited})["robot_name"] ==
+          planar8().name());
+    CHECK(plan(limited).exit_code != 5);
+    CHECK(difference("planar8") == "limits");
   }
 
   TEST_CASE("list shows rows up to a limit") {

@@ -7,7 +7,6 @@
 namespace mneme::test {
 namespace {
 
-using internal::Triangle;
 using internal::TriangleMesh;
 using internal::TriangleTree;
 

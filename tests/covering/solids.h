@@ -29,7 +29,7 @@ inline internal::TriangleMesh joined(const internal::TriangleMesh& a,
 inline internal::TriangleMesh make_tube(double radius, double length) {
   internal::TriangleMesh tube = internal::triangulate(Cylinder{{}, radius, length});
   std::erase_if(
-      tube, [](const internal::Triangle& t) { return t.a.z() == t.b.z() && t.b.z() == t.c.z(); });
+      tube, [](const Triangle& t) { return t.a.z() == t.b.z() && t.b.z() == t.c.z(); });
   return tube;
 }
 
@@ -46,7 +46,7 @@ inline bool is_held(const Vec3& point, const std::vector<Sphere>& spheres) {
 
 inline std::string to_text_stl(const internal::TriangleMesh& mesh) {
   std::string text = "solid s\n";
-  for (const internal::Triangle& t : mesh) {
+  for (const Triangle& t : mesh) {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const Vec3& p : {t.a, t.b, t.c})
       text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
@@ -63,7 +63,7 @@ inline std::string to_binary_stl(const internal::TriangleMesh& mesh) {
     bytes.append(raw, sizeof value);
   };
   add(static_cast<std::uint32_t>(mesh.size()));
-  for (const internal::Triangle& t : mesh) {
+  for (const Triangle& t : mesh) {
     for (const Vec3& p : {Vec3(0, 0, 0), t.a, t.b, t.c}) {
       for (int i = 0; i < 3; ++i) add(static_cast<float>(p[i]));
     }

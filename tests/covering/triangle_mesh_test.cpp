@@ -8,7 +8,6 @@
 namespace mneme::test {
 namespace {
 
-using internal::Triangle;
 using internal::TriangleMesh;
 
 TEST_SUITE("unit") {

@@ -221,7 +221,8 @@ TEST_SUITE("unit") {
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::wrong_robot);
     for (const std::string& word :
-         {directory / "a.db", planar.name(), spatial.name(), planar.hash(), spatial.hash()}) {
+         {directory / "a.db", planar.name(), spatial.name(), planar.kinematics_hash(),
+          spatial.kinematics_hash()}) {
       CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
                     refused.error().message);
     }

@@ -304,6 +304,80 @@ TEST_SUITE("law") {
     CHECK(hash(0, 1, 0.5, {"j2"}) == hash(2, -1, 0.5, {"j2"}));
   }
 
+  TEST_CASE("shapes, fingers, tools, pairs and names do not count as kinematics") {
+    const auto kinematics = [](const Change& change) {
+      Robot::Parts parts = test::make_chain(4);
+      change.apply(parts);
+      return test::require_robot(parts, plan_for({"j1", "j2", "j3"})).kinematics_hash();
+    };
+    CHECK(kinematics(kNothing).size() == 16);
+    const std::vector<Change> harmless{
+        {"spheres", [](Robot::Parts& p) { p.links[2].spheres.clear(); }},
+        {"a finger moved", [](Robot::Parts& p) { p.joints[3].origin.translation.x() = 0.3; }},
+        {"a tool",
+         [](Robot::Parts& p) {
+           p.links.push_back(test::make_link("tool"));
+           p.joints.push_back(test::make_joint("mount", JointType::fixed, 3, 5));
+         }},
+        {"a link above the root in the same place",
+         [](Robot::Parts& p) {
+           p.links.push_back(test::make_link("world"));
+           p.joints.push_back(test::make_joint("stand", JointType::fixed, 5, 0));
+           p.joints.back().origin = {};
+         }},
+        {"checked pairs", [](Robot::Parts& p) { p.allowed_pairs.emplace(); }},
+        {"names", [](Robot::Parts& p) { p.name = "other"; }},
+    };
+    for (const Change& change : harmless) {
+      CAPTURE(change.what);
+      CHECK(kinematics(change) == kinematics(kNothing));
+    }
+    const std::vector<Change> limits{
+        {"limit", [](Robot::Parts& p) { p.joints[1].upper += 1e-6; }}};
+    CHECK(kinematics(limits[0]).substr(0, 8) == kinematics(kNothing).substr(0, 8));
+    CHECK(kinematics(limits[0]).substr(8) != kinematics(kNothing).substr(8));
+    const std::vector<Change> frames{
+        {"origin", [](Robot::Parts& p) { p.joints[1].origin.translation.y() += 1e-6; }},
+        {"axis", [](Robot::Parts& p) { p.joints[2].axis = Vec3::UnitX(); }},
+        {"type", [](Robot::Parts& p) { p.joints[2].type = JointType::prismatic; }},
+        {"parent", [](Robot::Parts& p) { p.joints[2].parent_link = 1; }},
+        {"where the root stands",
+         [](Robot::Parts& p) {
+           p.links.push_back(test::make_link("world"));
+           p.joints.push_back(test::make_joint("stand", JointType::fixed, 5, 0));
+         }},
+    };
+    for (const Change& change : frames) {
+      CAPTURE(change.what);
+      CHECK(kinematics(change).substr(0, 8) != kinematics(kNothing).substr(0, 8));
+    }
+  }
+
+  TEST_CASE("the order of the group and joints that follow it count as kinematics") {
+    const auto kinematics = [](const RobotOptions& options, bool has_follower = false) {
+      Robot::Parts parts = test::make_chain(3);
+      if (has_follower) parts.joints[1].mimic = test::follow(0, 0.5, 0.1);
+      return test::require_robot(parts, options).kinematics_hash();
+    };
+    const std::string two = kinematics(plan_for({"j1", "j3"}));
+    CHECK(two != kinematics(plan_for({"j3", "j1"})));
+    CHECK(two != kinematics(plan_for({"j1", "j2"})));
+    CHECK(two != kinematics(plan_for({"j1", "j3"}, {{"j2", 0.5}})));
+    CHECK(two != kinematics(plan_for({"j1", "j3"}), true));
+  }
+
+  TEST_CASE("limits beyond two turns are a warning that names joint and unit") {
+    Robot::Parts parts = test::make_chain(2);
+    CHECK(test::require_robot(parts).warnings().empty());
+    parts.joints[1].upper = 180;
+    const Robot robot = test::require_robot(parts);
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(robot.warnings()[0].find("joint 'j2': its limits [-2, 180]") != std::string::npos);
+    CHECK(robot.warnings()[0].find("radians") != std::string::npos);
+    parts.joints[1].type = JointType::prismatic;
+    CHECK(test::require_robot(parts).warnings().empty());
+  }
+
   TEST_CASE("the pairs that are checked count") {
     const Robot robot = test::require_robot(test::make_chain(3));
     const std::vector<std::pair<int, int>> none;

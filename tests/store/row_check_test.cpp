@@ -102,12 +102,33 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("the space of a robot is its hash and its number of joints") {
+  TEST_CASE("the space of a robot is its hashes and its number of joints") {
     const Robot arm = planar8();
     const ExperienceSpace space = make_space(arm);
     CHECK(space.robot_name == arm.name());
-    CHECK(space.robot_hash == arm.hash());
+    CHECK(space.robot_hash == arm.kinematics_hash() + "/" + arm.hash());
+    CHECK(hashes_of(space).kinematics == arm.kinematics_hash());
+    CHECK(hashes_of(space).model == arm.hash());
     CHECK(space.joint_count == 8);
+  }
+
+  TEST_CASE("of two hashes the kinematics decide; an older space has one, which must be the same") {
+    const ExperienceSpace space{"arm", "11111111aaaaaaaa/0123456789abcdef", 3};
+    const auto changed = [&](const std::string& hashes, int joints = 3) {
+      return compare_robots(space, {"arm", hashes, joints});
+    };
+    CHECK(changed("11111111aaaaaaaa/0123456789abcdef") == RobotDifference::none);
+    CHECK(changed("11111111aaaaaaaa/ffffffffffffffff") == RobotDifference::shapes);
+    CHECK(changed("11111111bbbbbbbb/0123456789abcdef") == RobotDifference::limits);
+    CHECK(changed("22222222aaaaaaaa/0123456789abcdef") == RobotDifference::frames);
+    CHECK(changed("11111111aaaaaaaa/0123456789abcdef", 4) == RobotDifference::frames);
+    CHECK(changed("0123456789abcdef") == RobotDifference::none);
+    CHECK(changed("ffffffffffffffff") == RobotDifference::frames);
+    CHECK(hashes_of({"arm", "0123456789abcdef", 3}).kinematics.empty());
+    CHECK(hashes_of({"arm", "0123456789abcdef", 3}).model == "0123456789abcdef");
+    const ExperienceSpace limited{"arm", "11111111bbbbbbbb/0123456789abcdef", 3};
+    CHECK(internal::refuse_space("a.db", space, limited).value().message.find("db adopt") !=
+          std::string::npos);
   }
 
   TEST_CASE("spaces are the same but for the robot's name, and refusals describe both") {

@@ -17,6 +17,46 @@ void create_database(const std::string& path) {
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("a database is adopted by a robot with other limits, not by another arm") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    const ExperienceSpace arm{"arm", "11111111aaaaaaaa/0123456789abcdef", 3};
+    const ExperienceSpace limited{"limited", "11111111bbbbbbbb/0123456789abcdef", 3};
+    const ExperienceSpace other{"other", "22222222aaaaaaaa/0123456789abcdef", 3};
+    Rng rng(70);
+    REQUIRE(Database::open(path, arm, OpenMode::create)->insert(random_rows(rng, 6)));
+    CHECK(Database::open(path, limited, OpenMode::read_only).error().code ==
+          ErrorCode::wrong_robot);
+    const auto before = adopt_database(path, limited);
+    REQUIRE_MESSAGE(before.has_value(), (before ? "" : before.error().message));
+    CHECK(before->robot_name == "arm");
+    CHECK(Database::open(path, limited, OpenMode::read_only)->size() == 6);
+    CHECK(Database::inspect(path)->space().robot_name == "limited");
+    CHECK(verify_database(path)->empty());
+    CHECK_FALSE(Database::open(path, arm, OpenMode::read_only).has_value());
+    for (const bool is_forced : {false, true}) {
+      const auto refused = adopt_database(path, other, is_forced);
+      REQUIRE_FALSE(refused.has_value());
+      CHECK(refused.error().code == ErrorCode::wrong_robot);
+    }
+    CHECK(Database::inspect(path)->space().robot_name == "limited");
+  }
+
+  TEST_CASE("an older database is adopted if that is forced, and an empty one not at all") {
+    const TemporaryDirectory directory;
+    create_database(directory / "old.db");
+    const ExperienceSpace limited{"limited", "11111111bbbbbbbb/ffffffffffffffff", 3};
+    const auto refused = adopt_database(directory / "old.db", limited);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    CHECK(refused.error().message.find("--force") != std::string::npos);
+    CHECK(adopt_database(directory / "old.db", limited, true).has_value());
+    CHECK(Database::open(directory / "old.db", limited, OpenMode::read_only)->size() == 6);
+    write_file(directory / "empty.db", "");
+    CHECK(adopt_database(directory / "empty.db", limited).error().code == ErrorCode::invalid);
+    CHECK(adopt_database(directory / "none.db", limited).error().code == ErrorCode::io);
+  }
+
   TEST_CASE("a sound database has no damage, also while it is being written") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
