@@ -130,7 +130,8 @@ Configuration solve_with(Solver& solver, const test::KdlChain& kdl, const Robot&
 void time_kdl(const std::string& name, const Robot& robot, const std::string& link,
               std::span<const Pose> poses) {
   const test::KdlChain kdl(robot, link);
-  KDL::ChainIkSolverPos_LMA lma(kdl.chain, 1e-4, 100);
+  // Its measure counts a radian as a hundredth of a metre.
+  KDL::ChainIkSolverPos_LMA lma(kdl.chain, 1e-5, 200);
   time_poses(name + ", KDL LMA", robot, poses,
              [&](const Pose& pose) { return solve_with(lma, kdl, robot, pose); });
   KDL::ChainFkSolverPos_recursive forward(kdl.chain);
