@@ -128,8 +128,10 @@ void bind_goal(py::module_& module) {
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),
       py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
       py::arg("isa") = "automatic",
-      "Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
-      "(k, joint_count), radians; none if k is 0.");
+      ("Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
+       "(k, joint_count), radians; none if k is 0.\n\n" +
+       describe_keywords<IkSettings>())
+          .c_str());
 }
 
 }  // namespace mneme::python

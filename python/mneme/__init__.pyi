@@ -125,6 +125,11 @@ def inverse_kinematics(
     seed: int = 1,
     isa: str = "automatic",
     # settings:ik
+    ik_seeds: int = 2048,
+    ik_solutions: int = 8,
+    ik_position_tolerance: float = 0.0001,
+    ik_rotation_tolerance: float = 0.001,
+    ik_apart: float = 0.1,
     # /settings
 ) -> Floats: ...
 
@@ -395,6 +400,11 @@ def plan(
     merge_cliques: bool = False,
     # /settings
     # settings:ik
+    ik_seeds: int = 2048,
+    ik_solutions: int = 8,
+    ik_position_tolerance: float = 0.0001,
+    ik_rotation_tolerance: float = 0.001,
+    ik_apart: float = 0.1,
     # /settings
 ) -> Plan: ...
 
