@@ -90,15 +90,12 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
-  std::vector<Configuration> solutions;
-  {
+  const auto search = [&]() -> Result<std::vector<Configuration>> {
     const py::gil_scoped_release released;
-    auto source = PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin);
-    if (source) solutions = source->more();
-    const py::gil_scoped_acquire acquired;
-    if (!source) unwrap(std::move(source));
-  }
-  return to_array(solutions, robot.joint_count());
+    return PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin)
+        .map([](PoseGoalSource source) { return source.more(); });
+  };
+  return to_array(unwrap(search()), robot.joint_count());
 }
 
 }  // namespace
