@@ -6,11 +6,10 @@
 #include "scene/shape_fields.h"
 #include "scene/yaml.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
