@@ -90,15 +90,12 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
-  std::vector<Configuration> solutions;
-  {
+  const auto search = [&]() -> Result<std::vector<Configuration>> {
     const py::gil_scoped_release released;
-    auto source = PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin);
-    if (source) solutions = source->more();
-    const py::gil_scoped_acquire acquired;
-    if (!source) unwrap(std::move(source));
-  }
-  return to_array(solutions, robot.joint_count());
+    return PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin)
+        .map([](PoseGoalSource source) { return source.more(); });
+  };
+  return to_array(unwrap(search()), robot.joint_count());
 }
 
 }  // namespace
@@ -128,8 +125,10 @@ void bind_goal(py::module_& module) {
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),
       py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
       py::arg("isa") = "automatic",
-      "Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
-      "(k, joint_count), radians; none if k is 0.");
+      ("Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
+       "(k, joint_count), radians; none if k is 0.\n\n" +
+       describe_keywords<IkSettings>())
+          .c_str());
 }
 
 }  // namespace mneme::python

@@ -255,7 +255,8 @@ std::string plan_help() {
          "record: keep some of the samples and edges, to be seen in view(); costs a little "
          "time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
-         describe_memory_keywords() + describe_keywords<LearnSettings>();
+         describe_memory_keywords() + describe_keywords<LearnSettings>() +
+         describe_keywords<IkSettings>();
 }
 
 }  // namespace

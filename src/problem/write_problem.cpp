@@ -11,8 +11,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <array>
 #include <numbers>
