@@ -10,8 +10,14 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <memory>
+#include <mutex>
+#include <span>
 #include <string_view>
+#include <utility>
 #include <variant>
+#include <vector>
 
 namespace mneme {
 
@@ -64,19 +70,75 @@ struct Cylinder {
   double length = 0;  ///< full height, between the flat ends
 };
 
-using Shape = std::variant<Sphere, Box, Cylinder, Capsule>;
+/// A point as sensors give it. Metres.
+using CloudPoint = std::array<float, 3>;
 
-/// "sphere", "box", "cylinder" or "capsule".
+/// Its surface, seen from either side. Metres.
+struct Triangle {
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::Zero();
+  Vec3 c = Vec3::Zero();
+
+  [[nodiscard]] double area() const;
+  [[nodiscard]] Vec3 centroid() const { return (a + b + c) / 3.0; }
+};
+
+/// A box along the axes of its frame, of equal sides.
+struct Cube {
+  Vec3 center = Vec3::Zero();
+  double half_extent = 0;
+};
+
+namespace internal {
+struct PartsAccess;
+}
+
+/// The many small parts of one obstacle, in a frame of its own: shared by all scenes and checkers
+/// that hold it. What makes distances to them fast is built when it is first asked for and kept.
+/// Const is parallel-safe.
+template <class Part>
+class Parts {
+ public:
+  /// There is one at least, and all coordinates are finite.
+  explicit Parts(std::vector<Part> list) : list_(std::move(list)) {}
+
+  [[nodiscard]] const std::vector<Part>& list() const { return list_; }
+
+ private:
+  friend struct internal::PartsAccess;
+  std::vector<Part> list_;
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<void> bounds_, tree_, grid_;  ///< made by those who need them
+};
+
+/// All points within `radius` of many parts.
+template <class Part>
+struct Crowd {
+  Transform pose;  ///< of the frame of the parts
+  std::shared_ptr<const Parts<Part>> parts;
+  double radius = 0;  ///< metres; above 0 for points, otherwise at least 0
+};
+
+using PointCloud = Crowd<CloudPoint>;
+/// A surface: what lies wholly inside of it is not in contact with it.
+using Mesh = Crowd<Triangle>;
+/// The occupied leaves of an octree.
+using Octree = Crowd<Cube>;
+
+using Shape = std::variant<Sphere, Box, Cylinder, Capsule, PointCloud, Mesh, Octree>;
+
+/// "sphere", "box", "cylinder", "capsule", "points", "mesh" or "octree".
 [[nodiscard]] std::string_view shape_name(const Shape& shape);
 /// `shape`, given in frame B, expressed in frame A.
 [[nodiscard]] Shape transformed(const Transform& X_AB, const Shape& shape);
-/// A sphere that contains `shape`; the smallest one for each of the shapes there are.
+/// A sphere that contains `shape`: of a solid the smallest one.
 [[nodiscard]] Sphere bounding_sphere(const Shape& shape);
 
-/// Distance from a point to a solid: 0 inside.
+/// Distance from a point to a solid: 0 inside; of a mesh to its surface.
 [[nodiscard]] double distance(const Vec3& point, const Shape& shape);
 /// Distance between two solids: 0 if they meet. Found by iteration, at most a few 1e-5 m too large
-/// unless nearly parallel faces end close to each other: then up to a millimetre.
+/// unless nearly parallel faces end close to each other: then up to a millimetre. Of points, meshes
+/// and octrees, which are not convex, it may be any distance between parts of them.
 [[nodiscard]] double distance(const Shape& a, const Shape& b);
 /// Distance between the segment ab and a solid: 0 if they meet. A segment may be a point.
 /// Exact for spheres, boxes and capsules; for cylinders found numerically to within 1e-9 m.

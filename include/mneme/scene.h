@@ -7,7 +7,9 @@
 #include "mneme/base.h"
 #include "mneme/geometry.h"
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme {
@@ -25,6 +27,26 @@ struct Obstacle {
 struct Scene {
   std::string name;
   std::vector<Obstacle> obstacles;
+  /// What was left aside while reading its files, such as points that are not finite.
+  std::vector<std::string> warnings = {};
+
+  /// Nothing if there is no obstacle of this name.
+  [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
+
+  // Edits cost what they change: what is kept with points, meshes and octrees stays. Each either
+  // succeeds or leaves the scene as it was. Errors name the obstacle that is not there, or is there
+  // already.
+
+  [[nodiscard]] Result<void> add(Obstacle obstacle);
+  [[nodiscard]] Result<void> remove(std::string_view obstacle);
+  /// Moves it by X, a motion in the frame of the root link: each pose becomes X times itself.
+  [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);
+  /// Replaces the points of a cloud from the one at `first` on, given in its frame. The grid that
+  /// checkers use is changed in place if no checker and no other scene holds the cloud, otherwise
+  /// copied first. Errors, besides: the obstacle is no cloud, or ends before; coordinates that are
+  /// not finite.
+  [[nodiscard]] Result<void> replace_points(std::string_view obstacle, std::size_t first,
+                                            std::span<const CloudPoint> points);
 };
 
 /// A scene in a frame that may differ from the robot's root link.

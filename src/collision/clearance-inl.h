@@ -92,6 +92,7 @@ HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
     }
     case ObstacleKind::sphere:
     case ObstacleKind::capsule:
+    case ObstacleKind::crowd:
       break;
   }
   const V3 to_p = p - splat(row.center), along = splat(row.along);

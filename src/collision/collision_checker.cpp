@@ -5,6 +5,7 @@
 #include "base/as_index.h"
 #include "collision/body_reaches.h"
 #include "collision/collision_kernels.h"
+#include "collision/crowd_tables.h"
 #include "collision/make_tables.h"
 #include "collision/walk_kernel.h"
 #include "robot/joint_space.h"
@@ -58,13 +59,13 @@ namespace {
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
   if (robot.attached().empty()) {
     return make_robot_tables(robot).map([&](RobotTables tables) {
-      return CheckedRobot{std::move(tables), LinkDistances(robot)};
+      return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
     });
   }
   const auto bare = share_checked_robot(robot.without_attached());
   if (!bare) return tl::unexpected(bare.error());
   return add_attached(robot, (*bare)->tables).map([&](RobotTables tables) {
-    return CheckedRobot{std::move(tables), LinkDistances(robot, (*bare)->links)};
+    return CheckedRobot{std::move(tables), LinkDistances(robot, (*bare)->links), reach_of(robot)};
   });
 }
 
@@ -178,7 +179,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   }
   auto checked_robot = internal::share_checked_robot(robot);
   if (!checked_robot) return tl::unexpected(checked_robot.error());
-  auto scene_tables = internal::make_scene_tables(scene);
+  auto scene_tables = internal::make_scene_tables(scene, (*checked_robot)->reach + settings.margin);
   if (!scene_tables) return tl::unexpected(scene_tables.error());
   auto may_touch = internal::find_allowed_contacts(robot, (*checked_robot)->tables, scene);
   if (!may_touch) return tl::unexpected(may_touch.error());

@@ -208,6 +208,7 @@ HWY_INLINE auto with_distance(const ObstacleRow& row, const Visit& visit) {
     case ObstacleKind::capsule:
       return visit(ToCapsule(row));
     case ObstacleKind::sphere:
+    case ObstacleKind::crowd:  // has no distance of this kind: crowd-inl.h
       break;
   }
   return visit(ToSphere{row});

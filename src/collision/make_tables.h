@@ -11,6 +11,7 @@
 #include "collision/tables.h"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -32,8 +33,10 @@ void store(const Matrix& m, float* out) {
 /// The same for a robot that carries objects, from the tables of the bare one.
 [[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
 
-/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size.
-[[nodiscard]] Result<SceneTables> make_scene_tables(const Scene& scene);
+/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size. Of
+/// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
+[[nodiscard]] Result<SceneTables> make_scene_tables(
+    const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
 /// Which groups may touch which obstacles (see SceneTables::may_touch). Error: an obstacle names a
 /// link that the robot lacks.
@@ -44,6 +47,7 @@ void store(const Matrix& m, float* out) {
 struct CheckedRobot {
   RobotTables tables;
   LinkDistances links;
+  double reach = 0;  ///< reach_of() the robot
 };
 
 /// Made at the first call for a robot or any copy of it, which takes milliseconds, for one that

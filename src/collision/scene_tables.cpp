@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
+#include "collision/crowd_tables.h"
 #include "collision/make_tables.h"
+#include "geometry/parts.h"
 
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 namespace mneme::internal {
@@ -37,6 +40,12 @@ struct FindFlaw {
   }
   std::string_view operator()(const Cylinder& s) const {
     if (!(s.radius > 0 && s.length > 0)) return kSize;
+    return is_rotation(s.pose.rotation) ? "" : kPose;
+  }
+  template <class Part>
+  std::string_view operator()(const Crowd<Part>& s) const {
+    const double least = std::is_same_v<Part, CloudPoint> ? 1e-9 : 0.0;
+    if (!(s.radius >= least)) return "has a radius that is not positive";
     return is_rotation(s.pose.rotation) ? "" : kPose;
   }
 };
@@ -93,10 +102,13 @@ struct Placed {
   ObstacleRow row;
   Vec3 center = Vec3::Zero();
   Vec3 reach = Vec3::Zero();
+  std::optional<CrowdRow> crowd = {};
 };
 
 /// Expects shapes in the scene's frame.
 struct Place {
+  double reach_of_interest = 0;
+
   Placed operator()(const Sphere& s) const {
     Placed result{{}, s.center, Vec3::Constant(s.radius)};
     result.row.kind = ObstacleKind::sphere;
@@ -138,10 +150,28 @@ struct Place {
     store(Vec3(s.radius, s.radius, s.length / 2), result.row.half_extents);
     return result;
   }
+
+  template <class Part>
+  Placed operator()(const Crowd<Part>& s) const {
+    const AxisBox box = PartsAccess::bounds(*s.parts);
+    const Eigen::Matrix3d& rotation = s.pose.rotation;
+    Placed result{{},
+                  s.pose * Vec3(0.5 * (box.low + box.high)),
+                  rotation.cwiseAbs() * (0.5 * (box.high - box.low)) + Vec3::Constant(s.radius),
+                  make_crowd_row(s, reach_of_interest)};
+    result.row.kind = ObstacleKind::crowd;
+    result.row.rounding = static_cast<float>(s.radius);
+    store(result.center, result.row.center);
+    return result;
+  }
 };
 
 void add(const Placed& placed, SceneTables& tables) {
   tables.obstacles.push_back(placed.row);
+  if (placed.crowd) {
+    tables.obstacles.back().crowd = static_cast<int>(tables.crowds.size());
+    tables.crowds.push_back(*placed.crowd);
+  }
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = as_index(axis);
     // Rounding to float must not shrink the box.
@@ -154,7 +184,7 @@ void add(const Placed& placed, SceneTables& tables) {
 
 }  // namespace
 
-Result<SceneTables> make_scene_tables(const Scene& scene) {
+Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
   for (const Obstacle& obstacle : scene.obstacles) {
     if (auto checked = check(obstacle); !checked) return tl::unexpected(checked.error());
   }
@@ -163,7 +193,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene) {
   store(X_SW.rotation, tables.rotation);
   for (const Obstacle& obstacle : scene.obstacles) {
     for (const Shape& shape : obstacle.shapes) {
-      add(std::visit(Place{}, transformed(X_SW, shape)), tables);
+      add(std::visit(Place{reach}, transformed(X_SW, shape)), tables);
     }
   }
   const std::size_t blocks = (tables.obstacles.size() + kObstacleBlock - 1) / kObstacleBlock;

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 
+#include "collision/crowd-inl.h"
 #include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
 #include "collision/margins-inl.h"
@@ -146,6 +147,10 @@ class StateChecker {
     bool is_posed = false;
     for (int i = 0; i < count; ++i) {
       const auto extra = sum(near[i]->rounding, margin);
+      if (near[i]->kind == ObstacleKind::crowd) {
+        if (verdict.add(find_crowd_hits(*near[i], group, pose, extra, verdict.hit))) return true;
+        continue;
+      }
       const auto reach2 = squared(sum(group.ball.radius, extra));
       const M hit = with_distance(*near[i], [&](const auto& distance2) {
         if (!is_any_below(distance2(center), reach2)) return hn::MaskFromVec(hn::Zero(Tag()));
@@ -164,12 +169,47 @@ class StateChecker {
                                    Verdict<kIsMotion>& verdict) const {
     for (int i = 0; i < count; ++i) {
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
+      if (near[i]->kind == ObstacleKind::crowd) {
+        if (verdict.add(find_crowd_hits(*near[i], capsule, axis, reach, verdict.hit))) return true;
+        continue;
+      }
       const M hit = with_distance(*near[i], [&](const auto& distance2) {
         return hn::Lt(distance2(axis), lanes_of(squared(reach)));
       });
       if (verdict.add(hit)) return true;
     }
     return false;
+  }
+
+  /// Where a sphere of the group comes closer than `extra` to a part of the crowd, but for lanes
+  /// that are hit already.
+  template <class Margin>
+  HWY_NOINLINE M find_crowd_hits(const ObstacleRow& row, const GroupRow& group, const Pose& pose,
+                                 Margin extra, M known) const {
+    const CrowdRow& crowd = scene_.crowds[row.crowd];
+    const V3 center = into_crowd(crowd, transform_point(pose, group.ball.center));
+    const V around = lanes_of(sum(group.ball.radius, extra));
+    unsigned open = find_near(*crowd.cells, center, around) & ~bits_of(known);
+    unsigned hits = 0;
+    for (int i = group.begin; open != 0 && i < group.begin + kGroupSize; ++i) {
+      const Ball& ball = robot_.spheres[i];
+      const V3 p = into_crowd(crowd, transform_point(pose, ball.center));
+      const V reach = lanes_of(sum(ball.radius, extra));
+      const unsigned found = find_ball_touches<kIsMotion>(crowd, p, reach, open);
+      hits |= found;
+      open &= ~found;
+      if (kIsMotion && found != 0) break;
+    }
+    return mask_of(hits);
+  }
+
+  template <class Margin>
+  HWY_NOINLINE M find_crowd_hits(const ObstacleRow& row, const CapsuleRow& capsule,
+                                 const Segment& axis, Margin reach, M known) const {
+    const CrowdRow& crowd = scene_.crowds[row.crowd];
+    const V3 a = into_crowd(crowd, axis.a), u = rotate(crowd.rotation, axis.u);
+    return mask_of(find_capsule_touches<kIsMotion>(crowd, a, u, capsule.inverse_length2,
+                                                   lanes_of(reach), ~bits_of(known)));
   }
 
   HWY_INLINE PosedSpheres posed(const GroupRow& group, const Pose& pose) const {

@@ -4,9 +4,13 @@
 /// Robot and scene as the kernels read them: flat arrays of floats, nothing of Eigen.
 #pragma once
 
+#include "collision/part_tree.h"
+#include "geometry/point_grid.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace mneme::internal {
@@ -120,7 +124,7 @@ struct RobotTables {
   std::vector<int> link_of_group;  ///< index into the robot's links
 };
 
-enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule };
+enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule, crowd };
 
 /// An obstacle's shape in the scene's frame.
 struct ObstacleRow {
@@ -131,7 +135,18 @@ struct ObstacleRow {
   /// Row-major, from the scene's frame to that of a box or cylinder that is not aligned.
   float rotation[9] = {};
   float half_extents[3] = {};  ///< of a box; of a cylinder: radius, radius, half the length
-  float rounding = 0;          ///< the radius of a sphere or capsule, around its centre or axis
+  float rounding = 0;          ///< the radius of a sphere, capsule or crowd, around its core
+  int crowd = -1;              ///< index into SceneTables::crowds
+};
+
+/// Many small parts in a frame of their own.
+struct CrowdRow {
+  float rotation[9] = {};     ///< row-major, from the scene's frame to that of the parts
+  float translation[3] = {};  ///< the same
+  const CellGrid* cells = nullptr;
+  const PointGrid* points = nullptr;  ///< either these
+  const PartTree* tree = nullptr;     ///< or this
+  std::shared_ptr<const void> owner;  ///< of all three
 };
 
 /// Obstacles in a frame whose axes are those of most boxes: they need no rotation, and the bounds
@@ -139,6 +154,7 @@ struct ObstacleRow {
 struct SceneTables {
   float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, from the root to that frame
   std::vector<ObstacleRow> obstacles;
+  std::vector<CrowdRow> crowds;
   /// Per axis, of the box around each obstacle; filled up to a multiple of kObstacleBlock with
   /// boxes that nothing overlaps.
   std::array<std::vector<float>, 3> lower, upper;

@@ -11,15 +11,6 @@
 
 namespace mneme::internal {
 
-struct Triangle {
-  Vec3 a = Vec3::Zero();
-  Vec3 b = Vec3::Zero();
-  Vec3 c = Vec3::Zero();
-
-  [[nodiscard]] double area() const;
-  [[nodiscard]] Vec3 centroid() const { return (a + b + c) / 3.0; }
-};
-
 /// Triangles in any order; neighbours have corners at the very same coordinates.
 using TriangleMesh = std::vector<Triangle>;
 
@@ -43,14 +34,7 @@ struct Bounds {
 };
 [[nodiscard]] Bounds bounds_of(const TriangleMesh& mesh);
 
-/// Largest file and number of triangles that are read.
-inline constexpr std::size_t kMaxMeshBytes = std::size_t{256} << 20;
-inline constexpr std::size_t kMaxTriangles = 1'000'000;
-
-/// Reads STL, OBJ or DAE, binary or text, all objects of the file in their places; the unit that a
-/// DAE file states is honoured, its up axis is not, as robots are modelled with z up. Triangles
-/// without area are left out. Errors name the file: not readable, of another format, malformed, too
-/// large, without triangles, with coordinates that are not finite or beyond 1 km.
+/// As read_triangles().
 [[nodiscard]] Result<TriangleMesh> read_mesh(const MeshFile& file);
 
 /// The triangles of all solids of `link`, in its frame. Errors name the link, and the mesh file if

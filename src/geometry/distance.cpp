@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/as_index.h"
+#include "geometry/part_distance.h"
+#include "geometry/segments.h"
 #include "geometry/solids.h"
 
 #include <Eigen/Geometry>
@@ -9,24 +12,13 @@
 #include <limits>
 
 namespace mneme::internal {
-// The shortest vector from a solid to a point is what every distance is made of.
-namespace {
 
-/// From a box around the origin to `p`: zero inside.
 Vec3 excess_of_box(const Vec3& p, const Vec3& half_extents) {
   return p - p.cwiseMax(-half_extents).cwiseMin(half_extents);
 }
 
-/// From a cylinder around the origin, along z, to `p`: zero inside.
-Vec3 excess_of_cylinder(const Vec3& p, double radius, double length) {
-  const double r = p.head<2>().norm();
-  const double beyond_side = r > radius ? (r - radius) / r : 0.0;
-  const double z = p.z() - std::clamp(p.z(), -0.5 * length, 0.5 * length);
-  return {beyond_side * p.x(), beyond_side * p.y(), z};
-}
-
-/// From the segment ab to `p`. Both ends are candidates, so that a segment too short for the
-/// parameter of the nearest point to mean anything is treated as well as any other.
+// Both ends are candidates, so that a segment too short for the parameter of the nearest point to
+// mean anything is treated as well as any other.
 Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
   const double length2 = along.squaredNorm();
@@ -36,6 +28,49 @@ Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
     if ((p - end).squaredNorm() < nearest.squaredNorm()) nearest = p - end;
   }
   return nearest;
+}
+
+// Along a segment the squared distance from a box is convex and, between the parameters where a
+// coordinate passes a face, quadratic: the least of the values there and at each piece's vertex is
+// the minimum.
+double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
+  const Vec3 along = b - a;
+  std::array<double, 8> breaks;
+  breaks.fill(1.0);
+  std::size_t count = 0;
+  breaks[count++] = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    for (const double face : {-half_extents[i], half_extents[i]}) {
+      const double t = (face - a[i]) / along[i];
+      if (t > 0.0 && t < 1.0) breaks[count++] = t;
+    }
+  }
+  std::sort(breaks.begin(), breaks.end());
+
+  const auto excess = [&](double t) {
+    return excess_of_box(a + t * along, half_extents);
+  };
+  double least = std::min(excess(0.0).norm(), excess_of_box(b, half_extents).norm());
+  for (std::size_t i = 1; i < breaks.size(); ++i) {
+    const double low = breaks[i - 1];
+    const double high = breaks[i];
+    const double slope_low = excess(low).dot(along);
+    const double slope_high = excess(high).dot(along);
+    const double rise = slope_high - slope_low;
+    const double step = rise > 0.0 ? std::clamp(-slope_low / rise, 0.0, 1.0) : 0.0;
+    least = std::min({least, excess(high).norm(), excess(low + step * (high - low)).norm()});
+  }
+  return least;
+}
+
+namespace {
+
+/// From a cylinder around the origin, along z, to `p`: zero inside.
+Vec3 excess_of_cylinder(const Vec3& p, double radius, double length) {
+  const double r = p.head<2>().norm();
+  const double beyond_side = r > radius ? (r - radius) / r : 0.0;
+  const double z = p.z() - std::clamp(p.z(), -0.5 * length, 0.5 * length);
+  return {beyond_side * p.x(), beyond_side * p.y(), z};
 }
 
 struct NearestPoint {
@@ -55,6 +90,14 @@ struct NearestPoint {
     const Vec3 out = excess_of_segment(p, s.a, s.b);
     const double length = out.norm();
     return length <= s.radius ? p : Vec3(p - (1 - s.radius / length) * out);
+  }
+  template <class Part>
+  Vec3 operator()(const Crowd<Part>& s) const {
+    const Vec3 local = s.pose.inverse() * p;
+    const NearestPart nearest = nearest_part(s, local, local);
+    const Vec3 on_part = nearest_on(local, s.parts->list()[as_index(nearest.part)]);
+    if (nearest.distance <= s.radius) return p;
+    return s.pose * Vec3(on_part + s.radius / nearest.distance * (local - on_part));
   }
 };
 
@@ -80,6 +123,11 @@ struct FromPoint {
   }
   double operator()(const Capsule& s) const {
     return std::max(0.0, internal::excess_of_segment(p, s.a, s.b).norm() - s.radius);
+  }
+  template <class Part>
+  double operator()(const Crowd<Part>& s) const {
+    const Vec3 local = s.pose.inverse() * p;
+    return std::max(0.0, internal::nearest_part(s, local, local).distance - s.radius);
   }
 };
 
@@ -109,39 +157,6 @@ double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 
 namespace {
 
-/// Along a segment the squared distance from a box is convex and, between the parameters where a
-/// coordinate passes a face, quadratic: the least of the values there and at each piece's vertex is
-/// the minimum.
-double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
-  const Vec3 along = b - a;
-  std::array<double, 8> breaks;
-  breaks.fill(1.0);
-  std::size_t count = 0;
-  breaks[count++] = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    for (const double face : {-half_extents[i], half_extents[i]}) {
-      const double t = (face - a[i]) / along[i];
-      if (t > 0.0 && t < 1.0) breaks[count++] = t;
-    }
-  }
-  std::sort(breaks.begin(), breaks.end());
-
-  const auto excess = [&](double t) {
-    return internal::excess_of_box(a + t * along, half_extents);
-  };
-  double least = std::min(excess(0.0).norm(), internal::excess_of_box(b, half_extents).norm());
-  for (std::size_t i = 1; i < breaks.size(); ++i) {
-    const double low = breaks[i - 1];
-    const double high = breaks[i];
-    const double slope_low = excess(low).dot(along);
-    const double slope_high = excess(high).dot(along);
-    const double rise = slope_high - slope_low;
-    const double step = rise > 0.0 ? std::clamp(-slope_low / rise, 0.0, 1.0) : 0.0;
-    least = std::min({least, excess(high).norm(), excess(low + step * (high - low)).norm()});
-  }
-  return least;
-}
-
 /// The squared distance from a convex solid is convex along a segment: bisects for the zero of its
 /// slope.
 double distance_to_cylinder(const Vec3& a, const Vec3& b, double radius, double length) {
@@ -170,7 +185,7 @@ struct FromSegment {
   }
   double operator()(const Box& s) const {
     const Transform to_box = s.pose.inverse();
-    return distance_to_box(to_box * a, to_box * b, s.half_extents);
+    return internal::distance_to_box(to_box * a, to_box * b, s.half_extents);
   }
   double operator()(const Cylinder& s) const {
     const Transform to_cylinder = s.pose.inverse();
@@ -178,6 +193,11 @@ struct FromSegment {
   }
   double operator()(const Capsule& s) const {
     return std::max(0.0, segment_distance(a, b, s.a, s.b) - s.radius);
+  }
+  template <class Part>
+  double operator()(const Crowd<Part>& s) const {
+    const Transform to_parts = s.pose.inverse();
+    return std::max(0.0, internal::nearest_part(s, to_parts * a, to_parts * b).distance - s.radius);
   }
 };
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/parts.h"
 #include "geometry/solids.h"
 
 #include <Eigen/Geometry>
@@ -31,6 +32,9 @@ struct Name {
   std::string_view operator()(const Box&) const { return "box"; }
   std::string_view operator()(const Cylinder&) const { return "cylinder"; }
   std::string_view operator()(const Capsule&) const { return "capsule"; }
+  std::string_view operator()(const PointCloud&) const { return "points"; }
+  std::string_view operator()(const Mesh&) const { return "mesh"; }
+  std::string_view operator()(const Octree&) const { return "octree"; }
 };
 
 struct Move {
@@ -39,6 +43,10 @@ struct Move {
   Shape operator()(const Box& s) const { return Box{X_AB * s.pose, s.half_extents}; }
   Shape operator()(const Cylinder& s) const { return Cylinder{X_AB * s.pose, s.radius, s.length}; }
   Shape operator()(const Capsule& s) const { return Capsule{X_AB * s.a, X_AB * s.b, s.radius}; }
+  template <class Part>
+  Shape operator()(const Crowd<Part>& s) const {
+    return Crowd<Part>{X_AB * s.pose, s.parts, s.radius};
+  }
 };
 
 struct Bound {
@@ -50,6 +58,12 @@ struct Bound {
   Sphere operator()(const Capsule& s) const {
     return {0.5 * (s.a + s.b), 0.5 * (s.b - s.a).norm() + s.radius};
   }
+  template <class Part>
+  Sphere operator()(const Crowd<Part>& s) const {
+    const internal::AxisBox box = internal::PartsAccess::bounds(*s.parts);
+    return {s.pose * Vec3(0.5 * (box.low + box.high)),
+            0.5 * (box.high - box.low).norm() + s.radius};
+  }
 };
 
 struct Sizes {
@@ -59,6 +73,10 @@ struct Sizes {
   }
   std::vector<double> operator()(const Cylinder& s) const { return {s.radius, s.length}; }
   std::vector<double> operator()(const Capsule& s) const { return {s.radius, (s.b - s.a).norm()}; }
+  template <class Part>
+  std::vector<double> operator()(const Crowd<Part>&) const {
+    return {};
+  }
 };
 
 struct Resize {
@@ -75,6 +93,10 @@ struct Resize {
     return Capsule{middle - 0.5 * sizes[1] * direction, middle + 0.5 * sizes[1] * direction,
                    sizes[0]};
   }
+  template <class Part>
+  Shape operator()(const Crowd<Part>& s) const {
+    return s;
+  }
 };
 
 struct Scale {
@@ -90,6 +112,35 @@ struct Scale {
     return Cylinder{at(s.pose), s.radius * factor, s.length * factor};
   }
   Shape operator()(const Capsule& s) const { return Capsule{at(s.a), at(s.b), s.radius * factor}; }
+  [[nodiscard]] CloudPoint grown(const CloudPoint& p) const {
+    const auto f = static_cast<float>(factor);
+    return {f * p[0], f * p[1], f * p[2]};
+  }
+  [[nodiscard]] Triangle grown(const Triangle& t) const {
+    return {factor * t.a, factor * t.b, factor * t.c};
+  }
+  [[nodiscard]] Cube grown(const Cube& c) const {
+    return {factor * c.center, factor * c.half_extent};
+  }
+  template <class Part>
+  Shape operator()(const Crowd<Part>& s) const {
+    std::vector<Part> parts;
+    parts.reserve(s.parts->list().size());
+    for (const Part& part : s.parts->list()) parts.push_back(grown(part));
+    return Crowd<Part>{at(s.pose), std::make_shared<Parts<Part>>(std::move(parts)),
+                       s.radius * factor};
+  }
+};
+
+struct IsCrowd {
+  template <class Solid>
+  bool operator()(const Solid&) const {
+    return false;
+  }
+  template <class Part>
+  bool operator()(const Crowd<Part>&) const {
+    return true;
+  }
 };
 
 struct MomentsOf {
@@ -119,6 +170,14 @@ struct MomentsOf {
     return (*this)(Cylinder{
         {turn.toRotationMatrix(), 0.5 * (s.a + s.b)}, s.radius, length + 4.0 / 3 * s.radius});
   }
+  /// Of the box around it.
+  template <class Part>
+  Moments operator()(const Crowd<Part>& s) const {
+    const internal::AxisBox box = internal::PartsAccess::bounds(*s.parts);
+    const Vec3 half = 0.5 * (box.high - box.low) + Vec3::Constant(s.radius);
+    return (*this)(Box{s.pose * Transform{Eigen::Matrix3d::Identity(), 0.5 * (box.low + box.high)},
+                       half});
+  }
 };
 
 }  // namespace
@@ -131,7 +190,11 @@ Shape transformed(const Transform& X_AB, const Shape& shape) {
 
 Sphere bounding_sphere(const Shape& shape) { return std::visit(Bound{}, shape); }
 
+double Triangle::area() const { return 0.5 * (b - a).cross(c - a).norm(); }
+
 namespace internal {
+
+bool is_crowd(const Shape& shape) { return std::visit(IsCrowd{}, shape); }
 
 std::vector<double> sizes_of(const Shape& shape) { return std::visit(Sizes{}, shape); }
 

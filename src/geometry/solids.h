@@ -11,10 +11,14 @@
 
 namespace mneme::internal {
 
+/// True of points, meshes and octrees, which have no one place and size.
+[[nodiscard]] bool is_crowd(const Shape& shape);
+
 /// The point of a solid that is nearest to `p`: `p` itself inside.
 [[nodiscard]] Vec3 nearest_point(const Vec3& p, const Shape& shape);
 
-/// Metres: full extents of a box; radius and length of a cylinder or capsule; radius of a sphere.
+/// Metres: full extents of a box; radius and length of a cylinder or capsule; radius of a sphere;
+/// nothing of a crowd.
 [[nodiscard]] std::vector<double> sizes_of(const Shape& shape);
 /// `shape` in its place with these sizes, as many as it has.
 [[nodiscard]] Shape resized(const Shape& shape, std::span<const double> sizes);
@@ -27,7 +31,7 @@ struct Moments {
   Vec3 centroid = Vec3::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
-/// A capsule counts as the cylinder of the same radius and volume.
+/// A capsule counts as the cylinder of the same radius and volume, a crowd as the box around it.
 [[nodiscard]] Moments moments_of(const Shape& shape);
 
 }  // namespace mneme::internal

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "primitive/near_pairs.h"
 
+#include "geometry/solids.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,11 +19,14 @@ struct Bounds {
   int index = 0;
 };
 
+/// Crowds make no pairs: they have no place of their own that a key could tell.
 std::vector<Bounds> bound_all(const Scene& scene) {
   std::vector<Bounds> result;
-  for (const Obstacle& obstacle : scene.obstacles) {
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const Obstacle& obstacle = scene.obstacles[i];
+    if (std::ranges::any_of(obstacle.shapes, is_crowd)) continue;
     Bounds bounds;
-    bounds.index = static_cast<int>(result.size());
+    bounds.index = static_cast<int>(i);
     for (const Shape& shape : obstacle.shapes) {
       const Sphere ball = bounding_sphere(shape);
       bounds.lower = bounds.lower.cwiseMin(ball.center - Vec3::Constant(ball.radius));
@@ -58,6 +63,7 @@ Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, dou
   if (scene.obstacles.empty()) return pairs;
   std::vector<Bounds> all = bound_all(scene);
   const Eigen::Index axis = longest_axis(all);
+  if (all.empty()) return pairs;
   std::ranges::sort(all, {}, [&](const Bounds& bounds) { return bounds.lower[axis]; });
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double end = all[i].upper[axis] + gap;

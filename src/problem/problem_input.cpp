@@ -246,6 +246,8 @@ Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
   for (std::string& note : describe_fixed_contacts(robot.robot, scene)) {
     robot.warnings.push_back(std::move(note));
   }
+  const std::vector<std::string>& notes = input.scene.warnings;
+  robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
   return {input.name,
           robot.robot,
           robot.path,

@@ -70,6 +70,31 @@ struct AddShape {
     json["radius"] = rounded(s.radius);
     json["length"] = rounded(s.length);
   }
+  void operator()(const PointCloud& s) const {
+    add_parts(s, "points", s.parts->list(), [](Json& list, const CloudPoint& p) {
+      append(list, Vec3(p[0], p[1], p[2]));
+    });
+  }
+  void operator()(const Mesh& s) const {
+    add_parts(s, "triangles", s.parts->list(), [](Json& list, const Triangle& t) {
+      for (const Vec3& p : {t.a, t.b, t.c}) append(list, p);
+    });
+  }
+  void operator()(const Octree& s) const {
+    add_parts(s, "cubes", s.parts->list(), [](Json& list, const Cube& c) {
+      append(list, c.center);
+      list.push_back(rounded(2 * c.half_extent));
+    });
+  }
+  template <class Part, class Append>
+  void add_parts(const Crowd<Part>& s, const char* key, const std::vector<Part>& parts,
+                 const Append& append_part) const {
+    json["pose"] = to_json(s.pose);
+    json["radius"] = rounded(s.radius);
+    Json list = Json::array();
+    for (const Part& part : parts) append_part(list, part);
+    json[key] = std::move(list);
+  }
 };
 
 Json shape_json(const Shape& shape) {

@@ -88,6 +88,12 @@ std::optional<Outline> outline_of(const Capsule& capsule) {
   return shadow(points);
 }
 
+/// Has no outline of its own, and is not drawn.
+template <class Part>
+std::optional<Outline> outline_of(const Crowd<Part>& /*crowd*/) {
+  return std::nullopt;
+}
+
 }  // namespace
 
 void Bounds::include(const Point& point, double margin) {

@@ -72,6 +72,8 @@ class Input {
 
   /// "SOURCE:LINE: key KEY: WHAT"
   [[nodiscard]] std::string place(const std::string& what) const;
+  /// The name of the file, or whatever names the text.
+  [[nodiscard]] const std::string& source() const { return *source_; }
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
   /// Fails with "expected EXPECTED, got" and a description of the value.
   [[noreturn]] void fail_expecting(const std::string& expected) const;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/moveit_messages.h"
 
+#include "scene/moveit_crowds.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -11,14 +12,15 @@
 #include <span>
 
 namespace mneme::internal {
-namespace {
 
-Vec3 read_vector(const Input& input) {
+Vec3 read_moveit_point(const Input& input) {
   if (!input.is_map()) return read_point(input);
   input.allow_keys({"x", "y", "z"});
   return {input.at("x").finite_number(), input.at("y").finite_number(),
           input.at("z").finite_number()};
 }
+
+namespace {
 
 Eigen::Matrix3d read_quaternion(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
@@ -30,7 +32,7 @@ Eigen::Matrix3d read_quaternion(const Input& input) {
 Transform read(const Input& input, std::string_view vector, std::string_view quaternion) {
   input.allow_keys({vector, quaternion});
   Transform X;
-  X.translation = read_vector(input.at(vector));
+  X.translation = read_moveit_point(input.at(vector));
   if (const auto rotation = input.find(quaternion)) X.rotation = read_quaternion(*rotation);
   return X;
 }
@@ -132,12 +134,21 @@ Shape read_shape(const Input& primitive, const Transform& pose, const std::strin
   type.fail_expecting("box, sphere or cylinder");
 }
 
-void refuse(const Input& object, std::string_view key, const std::string& id) {
-  if (!items_if_any(object, key).empty()) {
-    object.at(key).fail(ErrorCode::unsupported,
-                        fmt::format("object \"{}\" has {}, which are not supported; expected "
-                                    "primitives alone",
-                                    id, key));
+/// Adds the shapes of the list `key`, each at its pose of `pose_key`, or all at that of the object.
+template <class Read>
+void add_shapes(const Input& object, std::string_view key, std::string_view pose_key,
+                const Transform& X_FO, const Read& read_one, MoveitObject& result) {
+  const std::vector<Input> shapes = items_if_any(object, key);
+  const std::vector<Input> poses = items_if_any(object, pose_key);
+  const bool is_posed_as_one = poses.empty() && object.find("pose");
+  if (poses.size() != shapes.size() && !is_posed_as_one) {
+    object.fail(ErrorCode::parse,
+                fmt::format("object \"{}\": expected one pose per shape, got {} {} and {} poses",
+                            result.obstacle.name, shapes.size(), key, poses.size()));
+  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Transform X_OS = poses.empty() ? Transform{} : read_moveit_pose(poses[i]);
+    result.obstacle.shapes.push_back(read_one(shapes[i], X_FO * X_OS));
   }
 }
 
@@ -158,25 +169,19 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
                      "operation"});
   const std::string id = object.at("id").text();
   if (id.empty()) object.at("id").fail_expecting("a name");
-  refuse(object, "meshes", id);
-  refuse(object, "planes", id);
   refuse_operation(object, id);
   const auto pose = object.find("pose");
   const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
-  const std::vector<Input> primitives = items_if_any(object, "primitives");
-  const std::vector<Input> poses = items_if_any(object, "primitive_poses");
-  const bool is_posed_as_one = poses.empty() && pose.has_value();
-  const bool is_missing = primitives.empty() && !(may_be_empty && poses.empty());
-  if (is_missing || (poses.size() != primitives.size() && !is_posed_as_one)) {
-    object.fail(ErrorCode::parse,
-                fmt::format("object \"{}\": expected one pose per primitive and at least one "
-                            "primitive, got {} primitives and {} poses",
-                            id, primitives.size(), poses.size()));
-  }
   MoveitObject result{{id, {}}, read_frame_id(object), object};
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const Transform X_OS = poses.empty() ? Transform{} : read_moveit_pose(poses[i]);
-    result.obstacle.shapes.push_back(read_shape(primitives[i], X_FO * X_OS, id));
+  const auto primitive = [&](const Input& input, const Transform& X_FS) {
+    return read_shape(input, X_FS, id);
+  };
+  add_shapes(object, "primitives", "primitive_poses", X_FO, primitive, result);
+  add_shapes(object, "meshes", "mesh_poses", X_FO, read_moveit_mesh, result);
+  add_shapes(object, "planes", "plane_poses", X_FO, read_moveit_plane, result);
+  if (result.obstacle.shapes.empty() && !may_be_empty) {
+    object.fail(ErrorCode::parse,
+                fmt::format("object \"{}\": expected at least one primitive, mesh or plane", id));
   }
   return result;
 }
@@ -233,14 +238,14 @@ MoveitState overlaid(MoveitState state, const MoveitState& difference) {
 
 std::vector<MoveitObject> read_moveit_objects(const Input& world) {
   world.allow_keys({"collision_objects", "octomap"});
-  if (const auto octomap = world.find("octomap"); octomap && octomap->is_map()) {
-    const auto map = octomap->find("octomap");
-    if (map && map->is_map() && !items_if_any(*map, "data").empty()) {
-      octomap->fail(ErrorCode::unsupported, "expected no octomap: octomaps are not supported");
-    }
-  }
   std::vector<MoveitObject> objects;
   std::set<std::string> names;
+  if (const auto octomap = world.find("octomap")) {
+    if (auto octree = read_moveit_octomap(*octomap)) {
+      objects.push_back({{"octomap", {std::move(*octree)}}, read_frame_id(*octomap), *octomap});
+      names.insert("octomap");
+    }
+  }
   for (const Input& object : items_if_any(world, "collision_objects")) {
     objects.push_back(read_object(object));
     if (!names.insert(objects.back().obstacle.name).second) {

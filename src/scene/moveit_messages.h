@@ -16,6 +16,8 @@
 
 namespace mneme::internal {
 
+/// A list of three numbers, or the keys x, y and z. Throws InputFailure.
+[[nodiscard]] Vec3 read_moveit_point(const Input& input);
 /// The keys `position` and `orientation`, which may be missing. Throws InputFailure.
 [[nodiscard]] Transform read_moveit_pose(const Input& input);
 /// The keys `translation` and `rotation`. Throws InputFailure.
@@ -52,8 +54,8 @@ struct MoveitState {
 /// `state` with what `difference` says instead, of attached objects by name.
 [[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
 
-/// The list `collision_objects` of `world`. Throws InputFailure; what is no box, sphere or cylinder
-/// is refused by name.
+/// The list `collision_objects` of `world`, and its octomap under that name. Throws InputFailure;
+/// a primitive that is no box, sphere or cylinder is refused by name.
 [[nodiscard]] std::vector<MoveitObject> read_moveit_objects(const Input& world);
 
 }  // namespace mneme::internal

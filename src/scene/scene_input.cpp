@@ -61,7 +61,9 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   return std::nullopt;
 }
 
-Scene SceneBuilder::take(std::string name) { return {std::move(name), std::move(obstacles_)}; }
+Scene SceneBuilder::take(std::string name) {
+  return {std::move(name), std::move(obstacles_), std::move(warnings_)};
+}
 
 namespace {
 
@@ -83,7 +85,7 @@ void add(const Input& input, const std::string& name, const std::string& body, c
 
 void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene) {
   for (const Input& input : list.items()) {
-    const Shape shape = read_shape(input, spelling);
+    const Shape shape = read_shape(input, spelling, scene.warnings());
     add(input, read_name(input, "name"), read_name(input, "body"), shape, scene);
   }
 }

@@ -29,10 +29,13 @@ class SceneBuilder {
   /// no UTF-8.
   [[nodiscard]] std::optional<std::string> add(const std::string& name, const std::string& body,
                                                const Shape& shape);
+  /// To be added to: they become the scene's.
+  [[nodiscard]] std::vector<std::string>& warnings() { return warnings_; }
   [[nodiscard]] Scene take(std::string name);
 
  private:
   std::vector<Obstacle> obstacles_;
+  std::vector<std::string> warnings_;
   std::set<std::string> names_;                ///< of shapes
   std::map<std::string, std::size_t> bodies_;  ///< positions of composite obstacles
 };

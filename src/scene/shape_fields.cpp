@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/shape_fields.h"
 
+#include "scene/crowd_fields.h"
 #include "scene/yaml.h"
 
 #include <Eigen/Geometry>
@@ -16,8 +17,9 @@ namespace {
 /// Reads the shape of one obstacle, and refuses keys that its type does not have.
 class ShapeReader {
  public:
-  ShapeReader(const Input& input, const ObstacleSpelling& spelling)
-      : input_(input), spelling_(spelling) {}
+  ShapeReader(const Input& input, const ObstacleSpelling& spelling,
+              std::vector<std::string>& warnings)
+      : input_(input), spelling_(spelling), warnings_(warnings) {}
 
   Shape read() const {
     const Input type = input_.at("type");
@@ -28,7 +30,7 @@ class ShapeReader {
   template <std::size_t kIndex = 0>
   Shape read_one_of(const Input& type, const std::string& name) const {
     if constexpr (kIndex == std::variant_size_v<Shape>) {
-      type.fail_expecting("sphere, box, cylinder or capsule");
+      type.fail_expecting("sphere, box, cylinder, capsule, points, mesh or octree");
     } else {
       const std::variant_alternative_t<kIndex, Shape> shape;
       return name == shape_name(shape) ? read(shape) : read_one_of<kIndex + 1>(type, name);
@@ -53,6 +55,16 @@ class ShapeReader {
       pose.rotation = read_rotation(*quaternion, spelling_.is_scalar_first);
     }
     return pose;
+  }
+
+  /// The shape stands where its file says, unless it has a pose.
+  template <class Part>
+  Shape with_pose(Crowd<Part> crowd, bool has_radius) const {
+    if (input_.find(spelling_.position) || input_.find(spelling_.quaternion)) {
+      crowd.pose = read_pose();
+    }
+    if (has_radius) crowd.radius = read_size("radius");
+    return crowd;
   }
 
   double read_size(std::string_view key) const { return input_.at(key).positive_number(); }
@@ -86,8 +98,24 @@ class ShapeReader {
     return Capsule{pose * Vec3(-to_end), pose * to_end, read_size("radius")};
   }
 
+  Shape read(const PointCloud&) const {
+    allow_posed({"radius", "file", "scale", "points"});
+    return with_pose(read_points(input_, warnings_), true);
+  }
+
+  Shape read(const Mesh&) const {
+    allow_posed({"radius", "file", "scale", "triangles"});
+    return with_pose(read_mesh_shape(input_, warnings_), input_.find("radius").has_value());
+  }
+
+  Shape read(const Octree&) const {
+    allow_posed({"radius", "file", "unknown", "cubes"});
+    return with_pose(read_octree_shape(input_, warnings_), input_.find("radius").has_value());
+  }
+
   const Input& input_;
   const ObstacleSpelling& spelling_;
+  std::vector<std::string>& warnings_;
 };
 
 class DescribeFields {
@@ -107,8 +135,19 @@ class DescribeFields {
   Fields operator()(const Capsule& s) const {
     return {point("a", s.a), point("b", s.b), {"radius", {s.radius}}};
   }
+  template <class Part>
+  Fields operator()(const Crowd<Part>& s) const {
+    Fields own;
+    if (s.radius > 0) own.push_back({"radius", {s.radius}});
+    own.push_back({key_of(*s.parts), numbers_of(*s.parts), true});
+    return posed(s.pose, own);
+  }
 
  private:
+  static std::string_view key_of(const Parts<CloudPoint>&) { return "points"; }
+  static std::string_view key_of(const Parts<Triangle>&) { return "triangles"; }
+  static std::string_view key_of(const Parts<Cube>&) { return "cubes"; }
+
   static ShapeField point(std::string_view key, const Vec3& p) {
     return {key, {p.x(), p.y(), p.z()}, true};
   }
@@ -151,8 +190,9 @@ Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyz
   return rotation_from_quaternion(w, x, y, z);
 }
 
-Shape read_shape(const Input& input, const ObstacleSpelling& spelling) {
-  return ShapeReader(input, spelling).read();
+Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
+                 std::vector<std::string>& warnings) {
+  return ShapeReader(input, spelling, warnings).read();
 }
 
 std::vector<ShapeField> shape_fields(const Shape& shape, const ObstacleSpelling& spelling) {

@@ -39,7 +39,8 @@ inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
 
 /// The shape of an obstacle that has the key `type` and may have those of `naming`. Throws
 /// InputFailure, also for keys that its type does not have.
-[[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling);
+[[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
+                               std::vector<std::string>& warnings);
 
 /// What describes a shape, besides its name: read_shape reads it back to the same.
 struct ShapeField {

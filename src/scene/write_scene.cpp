@@ -56,7 +56,7 @@ struct Primitive {
   std::string pose;
 };
 
-/// Nothing for a capsule.
+/// Nothing for what MoveIt lacks.
 struct DescribeForMoveit {
   using Answer = std::optional<Primitive>;
   Answer operator()(const Sphere& s) const {
@@ -75,6 +75,10 @@ struct DescribeForMoveit {
                      moveit_pose(s.pose)};
   }
   Answer operator()(const Capsule&) const { return std::nullopt; }
+  template <class Part>
+  Answer operator()(const Crowd<Part>&) const {
+    return std::nullopt;
+  }
 };
 
 Result<std::string> describe(const Obstacle& obstacle, const std::string& frame) {
@@ -84,9 +88,9 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
     const auto primitive = std::visit(DescribeForMoveit{}, shape);
     if (!primitive) {
       return fail(ErrorCode::unsupported,
-                  fmt::format("obstacle \"{}\" is a capsule; expected spheres, boxes and cylinders "
-                              "alone, which is what MoveIt has",
-                              obstacle.name));
+                  fmt::format("obstacle \"{}\" has the type {}; expected spheres, boxes and "
+                              "cylinders alone",
+                              obstacle.name, shape_name(shape)));
     }
     shapes += fmt::format("        - {}\n", primitive->shape);
     poses += fmt::format("        - {}\n", primitive->pose);

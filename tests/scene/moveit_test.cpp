@@ -174,17 +174,49 @@ collision_objects:
     CHECK(object_failure("primitives: [{type: cone, dimensions: [1, 1]}], " + kPose) ==
           "f:2: key collision_objects[0].primitives[0].type: object \"x\" has a cone, which is not "
           "supported; expected box, sphere or cylinder");
-    CHECK(object_failure("meshes: [{vertices: []}]") ==
-          "f:2: key collision_objects[0].meshes: object \"x\" has meshes, which are not supported; "
-          "expected primitives alone");
-    CHECK(object_failure("planes: [{coef: [0, 0, 1, 0]}]") ==
-          "f:2: key collision_objects[0].planes: object \"x\" has planes, which are not supported; "
-          "expected primitives alone");
     CHECK(object_failure("operation: remove") ==
           "f:2: key collision_objects[0].operation: object \"x\": expected the operation add, got "
           "\"remove\"");
-    CHECK(failure_of("octomap: {header: {}, octomap: {data: [1, 2]}}", read_moveit_objects) ==
-          "f:1: key octomap: expected no octomap: octomaps are not supported");
+  }
+
+  TEST_CASE("meshes, planes and an octomap of MoveIt are read") {
+    const auto objects = read_yaml(
+        "collision_objects: [{id: x, meshes: [{triangles: [{vertex_indices: [0, 1, 2]}], "
+        "vertices: [{x: 0, y: 0, z: 0}, [1, 0, 0], [0, 1, 0]]}], mesh_poses: [{position: [0, 0, "
+        "5]}], planes: [{coef: [0, 0, 2, -4]}], plane_poses: [{position: [0, 0, 1]}]}]\n"
+        "octomap: {header: {frame_id: map}, origin: {position: [0, 0, 1]}, octomap: {binary: true, "
+        "id: OcTree, resolution: 0.1, data: [2, 0]}}",
+        read_moveit_objects);
+    REQUIRE_MESSAGE(objects.has_value(), (objects ? "" : objects.error().message));
+    REQUIRE(objects->size() == 2);
+    CHECK(objects->at(0).obstacle.name == "octomap");
+    CHECK(objects->at(0).frame == "map");
+    const auto octree = std::get<Octree>(objects->at(0).obstacle.shapes.at(0));
+    CHECK(octree.parts->list().size() == 1);
+    CHECK(octree.pose.translation == Vec3(0, 0, 1));
+    const auto& shapes = objects->at(1).obstacle.shapes;
+    REQUIRE(shapes.size() == 2);
+    CHECK(distance(Vec3(0.2, 0.2, 7), shapes[0]) == doctest::Approx(2));
+    CHECK(distance(Vec3(3, -4, 10), shapes[1]) == doctest::Approx(7).epsilon(1e-3));
+  }
+
+  TEST_CASE("malformed meshes, planes and octomaps are refused with line and key") {
+    const std::string triangle = "triangles: [{vertex_indices: [0, 1, 2]}], vertices: ";
+    CHECK(object_failure("meshes: [{vertices: []}], mesh_poses: [{position: [0, 0, 0]}]") ==
+          "f:2: key collision_objects[0].meshes[0]: expected a mesh with a triangle that has an "
+          "area");
+    CHECK(object_failure("meshes: [{" + triangle + "[[0, 0, 0]]}], mesh_poses: [{position: [0, 0, "
+                         "0]}]")
+              .find("expected the index of one of 1 vertices, got 1") != std::string::npos);
+    CHECK(object_failure("planes: [{coef: [0, 0, 1, 0]}]")
+              .find("expected one pose per shape, got 1 planes and 0 poses") != std::string::npos);
+    CHECK(object_failure("planes: [{coef: [0, 0, 0, 1]}], plane_poses: [{position: [0, 0, 0]}]")
+              .find("expected a normal that is not zero") != std::string::npos);
+    CHECK(failure_of("octomap: {octomap: {binary: true, id: OcTree, resolution: 0.1, data: [2]}}",
+                     read_moveit_objects)
+              .find("ends within its tree") != std::string::npos);
+    CHECK(failure_of("octomap: {octomap: {id: X, data: [2]}}", read_moveit_objects)
+              .find("expected OcTree or ColorOcTree") != std::string::npos);
   }
 
   TEST_CASE("objects that are malformed are refused with line and key") {
@@ -201,12 +233,12 @@ collision_objects:
           "\"cube\"");
     CHECK(
         object_failure("primitives: [{type: sphere, dimensions: [1]}]") ==
-        "f:2: key collision_objects[0]: object \"x\": expected one pose per primitive and at least "
-        "one primitive, got 1 primitives and 0 poses");
+        "f:2: key collision_objects[0]: object \"x\": expected one pose per shape, got 1 primitives "
+        "and 0 poses");
     CHECK(
         object_failure("primitives: []") ==
-        "f:2: key collision_objects[0]: object \"x\": expected one pose per primitive and at least "
-        "one primitive, got 0 primitives and 0 poses");
+        "f:2: key collision_objects[0]: object \"x\": expected at least one primitive, mesh or "
+        "plane");
     CHECK(object_failure("colour: red").find("f:2: key collision_objects[0].colour: unknown key") ==
           0);
     CHECK(failure_of("collision_objects: [{id: \"\"}]", read_moveit_objects) ==

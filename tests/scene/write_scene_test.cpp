@@ -117,8 +117,7 @@ TEST_SUITE("unit") {
     write_file(directory / "s.yaml", to_moveit_yaml({{"s", {}}, "base"}).value());
     CHECK(load_framed_scene(directory / "s.yaml").value().frame == "");
     CHECK(to_moveit_yaml({{"s", {{"bar", {Capsule{}}}}}, "base"}).error().message ==
-          "obstacle \"bar\" is a capsule; expected spheres, boxes and cylinders alone, which is "
-          "what MoveIt has");
+          "obstacle \"bar\" has the type capsule; expected spheres, boxes and cylinders alone");
     CHECK(to_moveit_yaml({{"s", {}}, ""}).error().message ==
           "scene \"s\": expected the name of its frame, which MoveIt needs");
   }

@@ -1,0 +1,389 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Whether balls and capsules, one per lane, touch one of many small parts.
+//
+// Configurations of a motion lie far apart, and so do their balls: each lane has a way of its own
+// through any tree. So a grid answers first, for all lanes at once, by the gap that each cell knows
+// to the nearest part; only lanes that this leaves open look at parts, a vector of them at a time.
+#if defined(MNEME_COLLISION_CROWD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_COLLISION_CROWD_INL_H_
+#undef MNEME_COLLISION_CROWD_INL_H_
+#else
+#define MNEME_COLLISION_CROWD_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "collision/distance-inl.h"
+#include "collision/scene_boxes-inl.h"
+#include "collision/tables.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+
+/// Metres; more than rounding can make a gap too wide.
+inline constexpr float kGapTolerance = 1e-5f;
+
+HWY_INLINE V3 into_crowd(const CrowdRow& row, const V3& p) {
+  return rotate(row.rotation, p) + splat(row.translation);
+}
+
+HWY_INLINE unsigned bits_of(M mask) {
+  uint8_t bytes[8];
+  hn::StoreMaskBits(Tag(), mask, bytes);
+  if constexpr (kLanes == 16) return bytes[0] | unsigned{bytes[1]} << 8;
+  return bytes[0] & ((1u << kLanes) - 1);
+}
+
+HWY_INLINE M mask_of(unsigned bits) {
+  const uint8_t bytes[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
+  return hn::LoadMaskBits(Tag(), bytes);
+}
+
+/// A bit for each lane in which a part may be closer to `p` than `reach`.
+HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
+  const Tag d;
+  const hn::RebindToSigned<Tag> di;
+  using VI = hn::Vec<decltype(di)>;
+  const auto cell_of = [&](V x, int axis, V& beyond) -> VI {
+    const V from_origin = hn::Sub(x, splat(grid.origin[axis]));
+    const V most = splat(grid.cell * static_cast<float>(grid.count[axis]));
+    const V inside = hn::Min(hn::Max(from_origin, hn::Zero(d)), most);
+    beyond = hn::Sub(from_origin, inside);
+    const VI cell = hn::ConvertTo(di, hn::Mul(inside, splat(grid.per_metre)));
+    // What is not a number must not lead out of the grid either.
+    return hn::Min(hn::Max(cell, hn::Zero(di)), hn::Set(di, grid.count[axis] - 1));
+  };
+  V3 beyond;
+  const VI x = cell_of(p.x, 0, beyond.x), y = cell_of(p.y, 1, beyond.y),
+           z = cell_of(p.z, 2, beyond.z);
+  const VI row = hn::Add(hn::Mul(z, hn::Set(di, grid.count[1])), y);
+  const VI slot = hn::Add(hn::Mul(row, hn::Set(di, grid.count[0])), x);
+  HWY_ALIGN int32_t slots[kLanes];
+  HWY_ALIGN int32_t gaps[kLanes];
+  hn::Store(slot, di, slots);
+  for (int lane = 0; lane < kLanes; ++lane) gaps[lane] = grid.gaps[static_cast<size_t>(slots[lane])];
+  const V gap2 = hn::Mul(hn::ConvertTo(d, hn::Load(di, gaps)), splat(grid.cell * grid.cell));
+  const V wanted = hn::Add(reach, splat(kGapTolerance));
+  return bits_of(hn::Lt(hn::Add(squared_norm(beyond), gap2), hn::Mul(wanted, wanted)));
+}
+
+/// A ball, or a capsule: what is within `reach` of the segment from `a` along `u`.
+struct Probe {
+  float a[3], u[3];
+  float inverse_length2;  ///< 0 of a ball
+  float reach;
+};
+
+/// Some points at once: no wider than a block.
+using PointTag = hn::CappedTag<float, kPointsPerBlock>;
+
+HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
+  const PointTag d;
+  using Points = hn::Vec<PointTag>;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  for (int i = 0; i < kPointsPerBlock; i += static_cast<int>(hn::Lanes(d))) {
+    Points x = hn::Sub(hn::LoadU(d, block.x + i), set(probe.a[0]));
+    Points y = hn::Sub(hn::LoadU(d, block.y + i), set(probe.a[1]));
+    Points z = hn::Sub(hn::LoadU(d, block.z + i), set(probe.a[2]));
+    if (probe.inverse_length2 > 0) {
+      const Points along = hn::MulAdd(
+          x, set(probe.u[0]), hn::MulAdd(y, set(probe.u[1]), hn::Mul(z, set(probe.u[2]))));
+      const Points t = hn::Min(
+          hn::Max(hn::Mul(along, set(probe.inverse_length2)), hn::Zero(d)), set(1.0f));
+      x = hn::NegMulAdd(t, set(probe.u[0]), x);
+      y = hn::NegMulAdd(t, set(probe.u[1]), y);
+      z = hn::NegMulAdd(t, set(probe.u[2]), z);
+    }
+    const Points distance2 = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+    if (!hn::AllFalse(d, hn::Lt(distance2, set(probe.reach * probe.reach)))) return true;
+  }
+  return false;
+}
+
+/// Cells of an axis that a ball reaches, and how far they are from its centre.
+struct CellRange {
+  int first = 0, last = 0, middle = 0;
+  float center = 0;  ///< in cells
+
+  HWY_INLINE CellRange(const CellGrid& grid, int axis, float x, float reach) {
+    const float most = static_cast<float>(grid.count[axis]);
+    const auto in_cells = [&](float value) {
+      return std::min(std::max((value - grid.origin[axis]) * grid.per_metre, -2.0f), most + 1.0f);
+    };
+    center = (x - grid.origin[axis]) * grid.per_metre;
+    first = std::max(static_cast<int>(std::floor(in_cells(x - reach))), 0);
+    last = std::min(static_cast<int>(std::floor(in_cells(x + reach))), grid.count[axis] - 1);
+    middle = std::min(std::max(static_cast<int>(std::floor(in_cells(x))), first), last);
+  }
+  /// Squared distance of a cell from the centre, in cells.
+  [[nodiscard]] HWY_INLINE float distance2(int i) const {
+    const float below = static_cast<float>(i) - center, above = center - static_cast<float>(i + 1);
+    const float beyond = std::max(std::max(below, above), 0.0f);
+    return beyond * beyond;
+  }
+  /// Calls `visit(i)` from the middle outwards, until it returns true.
+  template <class Visit>
+  HWY_INLINE bool visit_outwards(const Visit& visit) const {
+    if (first > last) return false;
+    if (visit(middle)) return true;
+    for (int d = 1; middle - d >= first || middle + d <= last; ++d) {
+      if (middle - d >= first && visit(middle - d)) return true;
+      if (middle + d <= last && visit(middle + d)) return true;
+    }
+    return false;
+  }
+};
+
+/// So many cells along a row are empty for sure, by the gap of one.
+HWY_INLINE int cells_to_skip(uint8_t gap2) {
+  int steps = 1;
+  while (steps * steps <= gap2) ++steps;
+  return steps;
+}
+
+/// True if a point in one of the cells within `ball_reach` of `center` is within the probe's reach.
+HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float ball_reach,
+                               const Probe& probe) {
+  const CellGrid& cells = grid.cells;
+  const float reach = ball_reach + kGapTolerance;
+  const CellRange xs(cells, 0, center[0], reach), ys(cells, 1, center[1], reach),
+      zs(cells, 2, center[2], reach);
+  const float reach2 = reach * reach * cells.per_metre * cells.per_metre;
+  return zs.visit_outwards([&](int z) {
+    const float z2 = zs.distance2(z);
+    if (z2 >= reach2) return false;
+    return ys.visit_outwards([&](int y) {
+      const float yz2 = z2 + ys.distance2(y);
+      if (yz2 >= reach2) return false;
+      const size_t row = cells.slot({0, y, z});
+      for (int x = xs.first; x <= xs.last;) {
+        const uint8_t gap2 = cells.gaps[row + static_cast<size_t>(x)];
+        if (gap2 == 0 && yz2 + xs.distance2(x) < reach2) {
+          for (int b = grid.first_block[row + static_cast<size_t>(x)]; b >= 0;) {
+            const PointBlock& block = grid.blocks[static_cast<size_t>(b)];
+            if (touches(probe, block)) return true;
+            b = block.next;
+          }
+        }
+        x += cells_to_skip(gap2);
+      }
+      return false;
+    });
+  });
+}
+
+/// A capsule is looked at in stretches as long as a cell.
+HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
+  if (probe.inverse_length2 == 0) return touches_around(grid, probe.a, probe.reach, probe);
+  const float length = 1 / std::sqrt(probe.inverse_length2);
+  const int stretches = std::max(1, static_cast<int>(length / (2 * grid.cells.cell)));
+  const float half = 0.5f / static_cast<float>(stretches);
+  for (int i = 0; i < stretches; ++i) {
+    const float t = static_cast<float>(2 * i + 1) * half;
+    const float center[3] = {probe.a[0] + t * probe.u[0], probe.a[1] + t * probe.u[1],
+                             probe.a[2] + t * probe.u[2]};
+    if (touches_around(grid, center, probe.reach + half * length, probe)) return true;
+  }
+  return false;
+}
+
+// Triangles and cubes: one per lane.
+
+/// Squared distance; in the triangle's plane, inside of it, that from the plane.
+HWY_INLINE V point_triangle(const V3& p, const V3& a, const V3& to_b, const V3& to_c) {
+  const V3 from_a = p - a, to_c_from_b = to_c - to_b, normal = cross(to_b, to_c);
+  const V area2 = squared_norm(normal);
+  const V zero = hn::Zero(Tag());
+  const auto is_left = [&](const V3& edge, const V3& from) {
+    return hn::Ge(dot(normal, cross(edge, from)), zero);
+  };
+  const M is_inside =
+      hn::And(hn::And(is_left(to_b, from_a), is_left(to_c_from_b, from_a - to_b)),
+              hn::And(is_left(negated(to_c), from_a - to_c), hn::Gt(area2, splat(1e-24f))));
+  const V height = dot(normal, from_a);
+  const V from_plane = hn::Div(hn::Mul(height, height), hn::Max(area2, splat(1e-24f)));
+  const auto from_edge = [&](const V3& from, const V3& edge) {
+    const V t = clamp01(hn::Mul(dot(from, edge), safe_inverse(squared_norm(edge))));
+    return squared_norm(mul_add(hn::Neg(t), edge, from));
+  };
+  const V from_edges = hn::Min(from_edge(from_a, to_b), hn::Min(from_edge(from_a, to_c),
+                                                                 from_edge(from_a - to_b,
+                                                                           to_c_from_b)));
+  return hn::IfThenElse(is_inside, from_plane, from_edges);
+}
+
+/// Where a segment goes through a triangle, not in its plane.
+HWY_INLINE M crosses_triangle(const Segment& s, const V3& a, const V3& to_b, const V3& to_c) {
+  const V zero = hn::Zero(Tag()), one = splat(1.0f);
+  const V3 p = cross(s.u, to_c), offset = s.a - a, q = cross(offset, to_b);
+  const V inverse = safe_inverse(hn::Abs(dot(to_b, p)));
+  const V sign = hn::CopySign(one, dot(to_b, p));
+  const auto ratio = [&](V value) { return hn::Mul(hn::Mul(value, sign), inverse); };
+  const V u = ratio(dot(offset, p)), v = ratio(dot(s.u, q)), t = ratio(dot(to_c, q));
+  const M is_in_triangle =
+      hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::Le(hn::Add(u, v), one));
+  return hn::And(hn::And(is_in_triangle, hn::Gt(inverse, zero)),
+                 hn::And(hn::Ge(t, zero), hn::Le(t, one)));
+}
+
+HWY_INLINE V segment_triangle(const Segment& s, const V3& a, const V3& to_b, const V3& to_c) {
+  const auto edge = [](const V3& from, const V3& along) {
+    return Segment{from, along, safe_inverse(squared_norm(along))};
+  };
+  const V from_ends =
+      hn::Min(point_triangle(s.a, a, to_b, to_c), point_triangle(s.a + s.u, a, to_b, to_c));
+  const V from_edges = hn::Min(segment_segment(s, edge(a, to_b)),
+                               hn::Min(segment_segment(s, edge(a, to_c)),
+                                       segment_segment(s, edge(a + to_b, to_c - to_b))));
+  return hn::IfThenZeroElse(crosses_triangle(s, a, to_b, to_c), hn::Min(from_ends, from_edges));
+}
+
+HWY_INLINE Segment axis_of(const Probe& probe) {
+  return {splat(probe.a), splat(probe.u), splat(probe.inverse_length2)};
+}
+
+HWY_INLINE V3 load(const float (*rows)[kPartsPerLeaf], int i) {
+  const Tag d;
+  return {hn::LoadU(d, rows[0] + i), hn::LoadU(d, rows[1] + i), hn::LoadU(d, rows[2] + i)};
+}
+
+HWY_INLINE V distance2(const Probe& probe, const TriangleBlock& block, int i) {
+  const V3 a = load(block.a, i), to_b = load(block.to_b, i), to_c = load(block.to_c, i);
+  return probe.inverse_length2 > 0 ? segment_triangle(axis_of(probe), a, to_b, to_c)
+                                   : point_triangle(splat(probe.a), a, to_b, to_c);
+}
+
+HWY_INLINE V distance2(const Probe& probe, const CubeBlock& block, int i) {
+  const V half = hn::LoadU(Tag(), block.half_extent + i);
+  const V3 a = splat(probe.a) - load(block.center, i);
+  return probe.inverse_length2 > 0 ? segment_box(a, splat(probe.u), {half, half, half})
+                                   : point_box(a, {half, half, half});
+}
+
+template <class Block>
+HWY_INLINE bool touches_block(const Probe& probe, const Block& block) {
+  for (int i = 0; i < kPartsPerLeaf; i += kLanes) {
+    const V reach2 = splat(probe.reach * probe.reach);
+    if (!hn::AllFalse(Tag(), hn::Lt(distance2(probe, block, i), reach2))) return true;
+  }
+  return false;
+}
+
+/// Squared distance of the box around the probe's axis from that of a node.
+HWY_INLINE float distance2_to_node(const PartNode& node, const float* low, const float* high) {
+  float sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float gap =
+        std::max(std::max(node.low[axis] - high[axis], low[axis] - node.high[axis]), 0.0f);
+    sum += gap * gap;
+  }
+  return sum;
+}
+
+HWY_NOINLINE bool touches(const PartTree& tree, const Probe& probe) {
+  float low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(probe.a[axis], probe.a[axis] + probe.u[axis]);
+    high[axis] = std::max(probe.a[axis], probe.a[axis] + probe.u[axis]);
+  }
+  const float reach2 = probe.reach * probe.reach;
+  // A tree of halves is no deeper than an index has bits.
+  int open[32];
+  int count = 0;
+  open[count++] = 0;
+  while (count > 0) {
+    const int index = open[--count];
+    const PartNode& node = tree.nodes[static_cast<size_t>(index)];
+    if (node.leaf >= 0) {
+      const auto leaf = static_cast<size_t>(node.leaf);
+      if (tree.cubes.empty() ? touches_block(probe, tree.triangles[leaf])
+                             : touches_block(probe, tree.cubes[leaf])) {
+        return true;
+      }
+      continue;
+    }
+    int near = index + 1, far = node.right;
+    float near2 = distance2_to_node(tree.nodes[static_cast<size_t>(near)], low, high);
+    float far2 = distance2_to_node(tree.nodes[static_cast<size_t>(far)], low, high);
+    if (far2 < near2) {
+      std::swap(near, far);
+      std::swap(near2, far2);
+    }
+    if (far2 < reach2) open[count++] = far;
+    if (near2 < reach2) open[count++] = near;
+  }
+  return false;
+}
+
+HWY_INLINE bool touches(const CrowdRow& row, const Probe& probe) {
+  return row.points != nullptr ? touches(*row.points, probe) : touches(*row.tree, probe);
+}
+
+/// Every lane's point and reach, to be taken one by one.
+struct LanePoints {
+  HWY_ALIGN float x[kLanes];
+  HWY_ALIGN float y[kLanes];
+  HWY_ALIGN float z[kLanes];
+  HWY_ALIGN float reach[kLanes];
+
+  HWY_INLINE LanePoints(const V3& p, V radius) {
+    hn::Store(p.x, Tag(), x);
+    hn::Store(p.y, Tag(), y);
+    hn::Store(p.z, Tag(), z);
+    hn::Store(radius, Tag(), reach);
+  }
+};
+
+/// A bit for each lane of `near` whose probe, made by `make_probe(lane)`, touches a part. With
+/// `kIsMotion` the first one is enough.
+template <bool kIsMotion, class MakeProbe>
+HWY_INLINE unsigned find_touches(const CrowdRow& row, unsigned near, const MakeProbe& make_probe) {
+  unsigned hits = 0;
+  for (; near != 0; near &= near - 1) {
+    const int lane = __builtin_ctz(near);
+    if (!touches(row, make_probe(lane))) continue;
+    hits |= 1u << lane;
+    if (kIsMotion) break;
+  }
+  return hits;
+}
+
+/// For the lanes of `open`, and balls of radius `reach` about `p`, in the frame of the parts.
+template <bool kIsMotion>
+HWY_INLINE unsigned find_ball_touches(const CrowdRow& row, const V3& p, V reach, unsigned open) {
+  const unsigned near = open & find_near(*row.cells, p, reach);
+  if (near == 0) return 0;
+  const LanePoints points(p, reach);
+  return find_touches<kIsMotion>(row, near, [&](int lane) {
+    return Probe{{points.x[lane], points.y[lane], points.z[lane]}, {}, 0, points.reach[lane]};
+  });
+}
+
+/// The same for capsules about segments of one length.
+template <bool kIsMotion>
+HWY_INLINE unsigned find_capsule_touches(const CrowdRow& row, const V3& a, const V3& u,
+                                         float inverse_length2, V reach, unsigned open) {
+  const float half = inverse_length2 > 0 ? 0.5f / std::sqrt(inverse_length2) : 0.0f;
+  const V3 middle = mul_add(splat(0.5f), u, a);
+  const unsigned near = open & find_near(*row.cells, middle, hn::Add(reach, splat(half)));
+  if (near == 0) return 0;
+  const LanePoints from(a, reach), along(u, reach);
+  return find_touches<kIsMotion>(row, near, [&](int lane) {
+    return Probe{{from.x[lane], from.y[lane], from.z[lane]},
+                 {along.x[lane], along.y[lane], along.z[lane]},
+                 inverse_length2,
+                 from.reach[lane]};
+  });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#endif  // MNEME_COLLISION_CROWD_INL_H_

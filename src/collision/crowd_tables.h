@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Clouds, meshes and octrees in the kernels' tables.
+#pragma once
+
+#include "mneme/geometry.h"
+#include "mneme/robot.h"
+
+#include "collision/tables.h"
+
+namespace mneme::internal {
+
+/// Metres from the root's origin that no shape of the robot ever leaves, with some to spare for
+/// margins.
+[[nodiscard]] double reach_of(const Robot& robot);
+/// What is spared.
+inline constexpr double kSpareReach = 0.25;
+
+/// `crowd` stands in the scene's frame. Only what is within `reach` of the origin is of interest.
+/// What takes long is kept with the parts and found there again.
+[[nodiscard]] CrowdRow make_crowd_row(const PointCloud& crowd, double reach);
+[[nodiscard]] CrowdRow make_crowd_row(const Mesh& crowd, double reach);
+[[nodiscard]] CrowdRow make_crowd_row(const Octree& crowd, double reach);
+
+}  // namespace mneme::internal

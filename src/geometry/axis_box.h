@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Boxes along the axes of a frame.
+#pragma once
+
+#include "mneme/geometry.h"
+
+#include <limits>
+
+namespace mneme::internal {
+
+/// Least and greatest coordinates; of nothing, until it includes something.
+struct AxisBox {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+
+  void include(const Vec3& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  void include(const AxisBox& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  [[nodiscard]] bool is_empty() const { return !(low.array() <= high.array()).all(); }
+  [[nodiscard]] bool contains(const AxisBox& other) const {
+    return (low.array() <= other.low.array()).all() && (high.array() >= other.high.array()).all();
+  }
+};
+
+[[nodiscard]] inline AxisBox intersection(const AxisBox& a, const AxisBox& b) {
+  return {a.low.cwiseMax(b.low), a.high.cwiseMin(b.high)};
+}
+
+/// Squared distance between two boxes.
+[[nodiscard]] inline double distance2(const AxisBox& a, const AxisBox& b) {
+  return (b.low - a.high).cwiseMax(a.low - b.high).cwiseMax(0.0).squaredNorm();
+}
+
+[[nodiscard]] inline AxisBox box_of(const CloudPoint& p) {
+  const Vec3 point(p[0], p[1], p[2]);
+  return {point, point};
+}
+
+[[nodiscard]] inline AxisBox box_of(const Triangle& t) {
+  return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)};
+}
+[[nodiscard]] inline AxisBox box_of(const Cube& c) {
+  const Vec3 half = Vec3::Constant(c.half_extent);
+  return {c.center - half, c.center + half};
+}
+
+template <class Part>
+[[nodiscard]] AxisBox box_around(const std::vector<Part>& parts) {
+  AxisBox box;
+  for (const Part& part : parts) box.include(box_of(part));
+  return box;
+}
+
+}  // namespace mneme::internal

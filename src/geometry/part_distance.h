@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Exact distances from the parts of a crowd, in their frame.
+#pragma once
+
+#include "mneme/geometry.h"
+
+#include "geometry/parts.h"
+
+namespace mneme::internal {
+
+/// The point of a part that is nearest to `p`: `p` itself inside a cube.
+[[nodiscard]] Vec3 nearest_on(const Vec3& p, const CloudPoint& point);
+[[nodiscard]] Vec3 nearest_on(const Vec3& p, const Triangle& triangle);
+[[nodiscard]] Vec3 nearest_on(const Vec3& p, const Cube& cube);
+
+/// Distance between the segment ab, which may be a point, and a part: 0 if they meet.
+[[nodiscard]] double distance_between(const Vec3& a, const Vec3& b, const CloudPoint& point);
+[[nodiscard]] double distance_between(const Vec3& a, const Vec3& b, const Triangle& triangle);
+[[nodiscard]] double distance_between(const Vec3& a, const Vec3& b, const Cube& cube);
+
+/// The part that is nearest to the segment ab, without the crowd's radius.
+template <class Part>
+[[nodiscard]] NearestPart nearest_part(
+    const Crowd<Part>& crowd, const Vec3& a, const Vec3& b,
+    double limit = std::numeric_limits<double>::infinity()) {
+  const auto tree = PartsAccess::tree(*crowd.parts);
+  const std::vector<Part>& list = crowd.parts->list();
+  return tree->nearest({a.cwiseMin(b), a.cwiseMax(b)}, limit, [&](int i) {
+    return distance_between(a, b, list[static_cast<std::size_t>(i)]);
+  });
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What is kept with the parts of an obstacle: a tree for exact distances, a grid for the kernels.
+#pragma once
+
+#include "geometry/axis_box.h"
+#include "geometry/box_tree.h"
+
+#include <memory>
+#include <mutex>
+
+namespace mneme::internal {
+
+struct PartsAccess {
+  /// A box around all parts: the smallest one until points are replaced.
+  template <class Part>
+  static AxisBox bounds(const Parts<Part>& parts) {
+    const std::lock_guard lock(parts.mutex_);
+    if (!parts.bounds_) parts.bounds_ = std::make_shared<AxisBox>(box_around(parts.list_));
+    return *std::static_pointer_cast<const AxisBox>(parts.bounds_);
+  }
+
+  /// Made at the first call.
+  template <class Part>
+  static std::shared_ptr<const BoxTree> tree(const Parts<Part>& parts) {
+    const std::lock_guard lock(parts.mutex_);
+    if (!parts.tree_) {
+      std::vector<AxisBox> boxes;
+      boxes.reserve(parts.list_.size());
+      for (const Part& part : parts.list_) boxes.push_back(box_of(part));
+      parts.tree_ = std::make_shared<BoxTree>(boxes);
+    }
+    return std::static_pointer_cast<const BoxTree>(parts.tree_);
+  }
+
+  /// Replaces points in place, or in a copy of their own if anyone else holds them.
+  static void replace(PointCloud& cloud, std::size_t first, std::span<const CloudPoint> points);
+
+  /// Made by `make()` unless one is kept of which `is_good` is true. All that ask for the grid of
+  /// one kind of parts use one type.
+  template <class Grid, class Part, class IsGood, class Make>
+  static std::shared_ptr<const Grid> grid(const Parts<Part>& parts, const IsGood& is_good,
+                                          const Make& make) {
+    const std::lock_guard lock(parts.mutex_);
+    auto kept = std::static_pointer_cast<const Grid>(parts.grid_);
+    if (!kept || !is_good(*kept)) {
+      auto made = std::make_shared<Grid>(make());
+      parts.grid_ = made;
+      kept = made;
+    }
+    return kept;
+  }
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The points of a cloud sorted into cells, as the kernels read them; they may be replaced.
+#pragma once
+
+#include "geometry/cell_grid.h"
+
+#include <span>
+
+namespace mneme::internal {
+
+inline constexpr int kPointsPerBlock = 8;
+
+/// Points of one cell; where there is none, coordinates are infinite.
+struct PointBlock {
+  float x[kPointsPerBlock], y[kPointsPerBlock], z[kPointsPerBlock];
+  int next = -1;  ///< block of the same cell
+};
+
+struct PointGrid {
+  CellGrid cells;
+  std::vector<int> first_block;  ///< per cell; -1 if it is empty
+  std::vector<PointBlock> blocks;
+  Region region;             ///< points outside of it are left out
+  std::size_t size = 0;      ///< points at first
+  std::size_t replaced = 0;  ///< points since
+};
+
+using PointSpan = std::span<const std::array<float, 3>>;
+
+/// Points outside of `region` are left out.
+[[nodiscard]] PointGrid make_point_grid(PointSpan points, const Region& region);
+
+/// Takes out what stands at `before`, and puts in `after`. False if the grid must be made anew:
+/// something lies outside of the cells though within the region, or so much has been replaced that
+/// what is left of it would be slow.
+[[nodiscard]] bool replace_points(PointSpan before, PointSpan after, PointGrid& grid);
+
+}  // namespace mneme::internal

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/scene.h"
+
+#include "geometry/parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme {
+namespace {
+
+tl::unexpected<Error> refuse_edit(std::string_view name, std::string_view what) {
+  return fail(ErrorCode::invalid, fmt::format("obstacle \"{}\": {}", name, what));
+}
+
+tl::unexpected<Error> refuse_unknown(const Scene& scene, std::string_view name) {
+  return refuse_edit(name, fmt::format("there is none of this name in scene \"{}\"", scene.name));
+}
+
+}  // namespace
+
+const Obstacle* Scene::find(std::string_view obstacle) const {
+  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
+  return found == obstacles.end() ? nullptr : &*found;
+}
+
+Result<void> Scene::add(Obstacle obstacle) {
+  if (obstacle.name.empty()) return refuse_edit("", "expected a name");
+  if (obstacle.shapes.empty()) return refuse_edit(obstacle.name, "expected a shape");
+  if (find(obstacle.name) != nullptr) {
+    return refuse_edit(obstacle.name, "expected a name of its own, there is one of this name");
+  }
+  obstacles.push_back(std::move(obstacle));
+  return {};
+}
+
+Result<void> Scene::remove(std::string_view obstacle) {
+  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
+  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
+  obstacles.erase(found);
+  return {};
+}
+
+Result<void> Scene::move(std::string_view obstacle, const Transform& X) {
+  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
+  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
+  for (Shape& shape : found->shapes) shape = transformed(X, shape);
+  return {};
+}
+
+Result<void> Scene::replace_points(std::string_view obstacle, std::size_t first,
+                                   std::span<const CloudPoint> points) {
+  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
+  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
+  auto* cloud =
+      found->shapes.size() == 1 ? std::get_if<PointCloud>(&found->shapes.front()) : nullptr;
+  if (cloud == nullptr) return refuse_edit(obstacle, "expected one cloud of points");
+  const std::size_t size = cloud->parts->list().size();
+  if (first > size || points.size() > size - first) {
+    return refuse_edit(obstacle, fmt::format("expected points {} to {} to be among its {}", first,
+                                             first + points.size(), size));
+  }
+  for (const CloudPoint& p : points) {
+    if (!std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) {
+      return refuse_edit(obstacle, "expected finite coordinates");
+    }
+  }
+  internal::PartsAccess::replace(*cloud, first, points);
+  return {};
+}
+
+}  // namespace mneme

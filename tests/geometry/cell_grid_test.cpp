@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/point_grid.h"
+#include "support/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace mneme::test {
+namespace {
+
+using internal::CellGrid;
+using Point3 = std::array<float, 3>;
+
+/// By a look at every occupied cell.
+int gap2_at(const std::vector<CellGrid::Index>& occupied,
+            const CellGrid::Index& at) {
+  int least = internal::kWideGap;
+  for (const CellGrid::Index& i : occupied) {
+    int sum = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int between = std::max(std::abs(i[axis] - at[axis]) - 1, 0);
+      sum += between * between;
+    }
+    least = std::min(least, sum);
+  }
+  return least;
+}
+
+void require_gaps(const CellGrid& grid, const std::vector<CellGrid::Index>& occupied) {
+  for (int z = 0; z < grid.count[2]; ++z) {
+    for (int y = 0; y < grid.count[1]; ++y) {
+      for (int x = 0; x < grid.count[0]; ++x) {
+        INFO("cell " << x << ' ' << y << ' ' << z);
+        REQUIRE(int{grid.gaps[grid.slot({x, y, z})]} == gap2_at(occupied, {x, y, z}));
+      }
+    }
+  }
+}
+
+Point3 random_point(Rng& rng) {
+  return {static_cast<float>(rng.uniform(-0.4, 0.4)), static_cast<float>(rng.uniform(-0.3, 0.3)),
+          static_cast<float>(rng.uniform(-0.2, 0.2))};
+}
+
+std::vector<Point3> random_points(int count, Rng& rng) {
+  std::vector<Point3> points;
+  for (int i = 0; i < count; ++i) points.push_back(random_point(rng));
+  return points;
+}
+
+constexpr internal::Region kAll = {{-1, -1, -1}, {1, 1, 1}};
+
+/// All points that the blocks hold, sorted, each in its cell.
+std::vector<Point3> stored(const internal::PointGrid& grid) {
+  std::vector<Point3> points;
+  for (std::size_t cell = 0; cell < grid.first_block.size(); ++cell) {
+    for (int b = grid.first_block[cell]; b >= 0;) {
+      const internal::PointBlock& block = grid.blocks[static_cast<std::size_t>(b)];
+      for (int i = 0; i < internal::kPointsPerBlock; ++i) {
+        if (!std::isfinite(block.x[i])) continue;
+        points.push_back({block.x[i], block.y[i], block.z[i]});
+        CHECK(grid.cells.slot(grid.cells.cell_of(points.back())) == cell);
+      }
+      b = block.next;
+    }
+  }
+  std::ranges::sort(points);
+  return points;
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("gaps of cells are the whole cells up to the nearest occupied one") {
+    Rng rng(71);
+    CellGrid grid = internal::make_cell_grid({{0, 0, 0}, {0.5f, 0.4f, 0.3f}});
+    std::vector<std::uint8_t> is_occupied(grid.gaps.size(), 0);
+    std::vector<CellGrid::Index> occupied;
+    const auto random_cell = [&] {
+      CellGrid::Index i;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        i[axis] = static_cast<int>(rng.index(static_cast<std::uint32_t>(grid.count[axis])));
+      }
+      return i;
+    };
+    for (int k = 0; k < 6; ++k) {
+      occupied.push_back(random_cell());
+      is_occupied[grid.slot(occupied.back())] = 1;
+    }
+    internal::find_gaps(is_occupied, grid);
+    require_gaps(grid, occupied);
+    for (int k = 0; k < 3; ++k) {
+      occupied.push_back(random_cell());
+      internal::occupy(occupied.back(), grid);
+      require_gaps(grid, occupied);
+    }
+  }
+
+  TEST_CASE("a large region has larger cells, not more of them without end") {
+    const CellGrid grid = internal::make_cell_grid({{-500, -500, -500}, {500, 500, 500}});
+    CHECK(grid.gaps.size() <= std::size_t{1} << 20);
+    CHECK(grid.contains(grid.cell_of({499, -499, 0})));
+    CHECK(!grid.contains(grid.cell_of({1e30f, 0, 0})));
+  }
+
+  TEST_CASE("points that are replaced again and again are those of a grid made anew") {
+    Rng rng(72);
+    std::vector<Point3> points = random_points(2000, rng);
+    internal::PointGrid grid = internal::make_point_grid(points, kAll);
+    CHECK(stored(grid).size() == 2000);
+    for (int round = 0; round < 15; ++round) {
+      const std::size_t first = rng.index(1900);
+      const std::vector<Point3> fresh = random_points(100, rng);
+      const std::span<Point3> place(points.data() + first, fresh.size());
+      REQUIRE(internal::replace_points(place, fresh, grid));
+      std::ranges::copy(fresh, place.begin());
+      std::vector<Point3> sorted = points;
+      std::ranges::sort(sorted);
+      REQUIRE(stored(grid) == sorted);
+      // Cells that were emptied may still narrow the gaps around them; none is too wide.
+      std::vector<CellGrid::Index> occupied;
+      for (const Point3& p : points) occupied.push_back(grid.cells.cell_of(p));
+      for (const Point3& p : random_points(50, rng)) {
+        const CellGrid::Index at = grid.cells.cell_of(p);
+        CHECK(int{grid.cells.gaps[grid.cells.slot(at)]} <= gap2_at(occupied, at));
+      }
+    }
+    const std::vector<Point3> far = {{0.99f, 0, 0}};
+    CHECK(!internal::replace_points({points.data(), 1}, far, grid));
+  }
+
+  TEST_CASE("points outside of the region are left out") {
+    const std::vector<Point3> points = {{0, 0, 0}, {5, 0, 0}, {0.1f, 0.2f, 0.3f}};
+    CHECK(stored(internal::make_point_grid(points, kAll)).size() == 2);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

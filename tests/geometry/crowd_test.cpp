@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/random_crowds.h"
+#include "geometry/solids.h"
+#include "support/support.h"
+
+#include <array>
+#include <cmath>
+
+namespace mneme::test {
+namespace {
+
+constexpr std::array kMakers = {random_cloud, random_mesh, random_octree};
+
+/// Points of the triangle's rim and inside, densely: no distance is less than that of the triangle.
+double distance_by_samples(const Vec3& a, const Vec3& b, const Triangle& t) {
+  constexpr int kSteps = 60;
+  double least = 1e9;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; i + j <= kSteps; ++j) {
+      const Vec3 p = t.a + (t.b - t.a) * i / kSteps + (t.c - t.a) * j / kSteps;
+      least = std::min(least, distance_to_segment(a, b, Sphere{p, 1e-12}));
+    }
+  }
+  return least;
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("distances from points, meshes and octrees are those from their nearest part") {
+    Rng rng(61);
+    for (const auto make : kMakers) {
+      for (int i = 0; i < 20; ++i) {
+        const Shape shape = transformed(random_pose(rng, 1.0), make(rng));
+        for (int k = 0; k < 50; ++k) {
+          const Vec3 a = random_vector(rng, 1.5), b = k % 2 == 0 ? a : random_vector(rng, 1.5);
+          const double expected = std::visit(DistanceByParts{a, b}, shape);
+          INFO("seed 61, " << shape_name(shape) << ' ' << i << ", segment " << k);
+          CHECK(distance_to_segment(a, b, shape) == doctest::Approx(expected).epsilon(1e-9));
+          if (k % 2 == 0) {
+            CHECK((internal::nearest_point(a, shape) - a).norm() == doctest::Approx(expected));
+          }
+        }
+      }
+    }
+  }
+
+  TEST_CASE("a segment is as far from a triangle as from its nearest point") {
+    Rng rng(62);
+    int crossing = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Triangle t{random_vector(rng, 1), random_vector(rng, 1), random_vector(rng, 1)};
+      const Vec3 a = random_vector(rng, 1), b = i % 3 == 0 ? a : random_vector(rng, 1);
+      const double exact = internal::distance_between(a, b, t);
+      const double sampled = distance_by_samples(a, b, t);
+      INFO("seed 62, triangle " << i);
+      CHECK(exact <= sampled + 1e-9);
+      CHECK(sampled - exact < 0.03);
+      crossing += exact == 0 ? 1 : 0;
+    }
+    CHECK(crossing > 10);
+  }
+
+  TEST_CASE("a crowd moves, grows and is bounded with its parts") {
+    Rng rng(63);
+    for (const auto make : kMakers) {
+      const Shape shape = make(rng);
+      const Transform X = random_pose(rng, 1.0);
+      const Sphere bound = bounding_sphere(transformed(X, shape));
+      for (int k = 0; k < 50; ++k) {
+        const Vec3 p = random_vector(rng, 2.0);
+        CHECK(distance(X * p, transformed(X, shape)) == doctest::Approx(distance(p, shape)));
+        CHECK(distance(p, transformed(X, shape)) >= distance(p, Shape{bound}) - 1e-9);
+        const Shape larger = internal::scaled(shape, Vec3::Zero(), 2);
+        CHECK(distance(2 * p, larger) == doctest::Approx(2 * distance(p, shape)).epsilon(1e-5));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Random points, meshes and octrees, and distances from them part by part.
+#pragma once
+
+#include "geometry/part_distance.h"
+#include "geometry/random_shapes.h"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace mneme::test {
+
+template <class Part>
+Crowd<Part> crowd_of(std::vector<Part> parts, double radius = 0) {
+  return {{}, std::make_shared<Parts<Part>>(std::move(parts)), radius};
+}
+
+/// Points on a few patches, as sensors see them, and some that lie about.
+inline Shape random_cloud(Rng& rng) {
+  std::vector<CloudPoint> points;
+  for (int patch = 0; patch < 3; ++patch) {
+    const Transform pose = random_pose(rng, 0.4);
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 p = pose * Vec3(rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3),
+                                 rng.uniform(-0.002, 0.002));
+      const Eigen::Vector3f f = p.cast<float>();
+      points.push_back({f.x(), f.y(), f.z()});
+    }
+  }
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3f f = random_vector(rng, 1.0).cast<float>();
+    points.push_back({f.x(), f.y(), f.z()});
+  }
+  return crowd_of(std::move(points), rng.uniform(0.001, 0.03));
+}
+
+/// Triangles of all sizes, slivers among them.
+inline Shape random_mesh(Rng& rng) {
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 at = random_vector(rng, 0.5);
+    const double size = i < 3 ? 0.6 : rng.uniform(0.005, 0.1);
+    Triangle t{at, at + random_vector(rng, size), at + random_vector(rng, size)};
+    if (i % 10 == 9) t.c = t.a + 0.5 * (t.b - t.a) + random_vector(rng, 1e-4);
+    triangles.push_back(t);
+  }
+  return crowd_of(std::move(triangles), rng.index(2) == 0 ? 0.0 : 0.01);
+}
+
+inline Shape random_octree(Rng& rng) {
+  std::vector<Cube> cubes;
+  for (int i = 0; i < 200; ++i) {
+    const double edge = 0.025 * static_cast<double>(1u << rng.index(3));
+    const Vec3 cell = (random_vector(rng, 0.5) / edge).array().round();
+    cubes.push_back({edge * cell, 0.5 * edge});
+  }
+  return crowd_of(std::move(cubes));
+}
+
+/// The least distance from any part, one after the other: 0 in contact.
+struct DistanceByParts {
+  Vec3 a, b;
+  template <class Solid>
+  double operator()(const Solid&) const {
+    return -1;
+  }
+  template <class Part>
+  double operator()(const Crowd<Part>& crowd) const {
+    const Transform to_parts = crowd.pose.inverse();
+    double least = std::numeric_limits<double>::infinity();
+    for (const Part& part : crowd.parts->list()) {
+      least = std::min(least, internal::distance_between(to_parts * a, to_parts * b, part));
+    }
+    return std::max(0.0, least - crowd.radius);
+  }
+};
+
+}  // namespace mneme::test

@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/scene.h"
+#include "support/support.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+namespace mneme::test {
+namespace {
+
+constexpr const char* kCloud =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nend_header\n0 0 0\n1 2 3\nnan 0 0\n";
+
+std::string obj_of(const std::string& corner) {
+  return "v 0 0 0\nv 1 0 0\nv " + corner + "\nf 1 2 3\n";
+}
+
+/// Files of each kind, and a scene that names `obstacle`.
+struct Files {
+  TemporaryDirectory directory;
+
+  Files() {
+    write_file(directory / "cloud.ply", kCloud);
+    write_file(directory / "mesh.obj", obj_of("0 1 0"));
+    write_file(directory / "large.obj", obj_of("0 1000 0"));
+    write_file(directory / "empty.obj", "");
+    write_file(directory / "map.bt",
+               std::string("# Octomap OcTree binary file\nid OcTree\nres 0.1\ndata\n\2") + '\0');
+  }
+  Result<Scene> load(const std::string& obstacle) const {
+    write_file(directory / "scene.yaml", "obstacles:\n  - {" + obstacle + "}\n");
+    return load_scene(directory / "scene.yaml");
+  }
+  Scene require(const std::string& obstacle) const {
+    auto scene = load(obstacle);
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    return *scene;
+  }
+  std::string message_of(const std::string& obstacle) const {
+    const auto scene = load(obstacle);
+    return scene ? "" : scene.error().message;
+  }
+};
+
+template <class S>
+S shape_of(const Scene& scene) {
+  return std::get<S>(scene.obstacles.at(0).shapes.at(0));
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a scene reads points, a mesh and an octree from files beside it") {
+    const Files files;
+    const Scene cloud = files.require("name: c, type: points, file: cloud.ply, radius: 0.005");
+    CHECK(shape_of<PointCloud>(cloud).parts->list().size() == 2);
+    CHECK(shape_of<PointCloud>(cloud).radius == 0.005);
+    REQUIRE(cloud.warnings.size() == 1);
+    CHECK(has(cloud.warnings[0], "1 of 3 points are not finite and left out"));
+    const Scene mesh =
+        files.require("name: m, type: mesh, file: mesh.obj, scale: 2, position: [0, 0, 1]");
+    CHECK(shape_of<Mesh>(mesh).parts->list().at(0).area() == doctest::Approx(2));
+    CHECK(distance(Vec3(0.5, 0.5, 3), mesh.obstacles[0].shapes[0]) == doctest::Approx(2));
+  }
+
+  TEST_CASE("a mesh in millimetres is read with a warning that names the unit") {
+    const Files files;
+    const Scene scene = files.require("name: m, type: mesh, file: large.obj");
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(has(scene.warnings[0], "is 1000 m long; one in millimetres needs scale: 0.001"));
+    CHECK(files.require("name: m, type: mesh, file: large.obj, scale: 0.001").warnings.empty());
+  }
+
+  TEST_CASE("missing, empty and other files are refused by name") {
+    const Files files;
+    const auto of_mesh = [&](const std::string& file) {
+      return files.message_of("name: m, type: mesh, file: " + file);
+    };
+    CHECK(has(of_mesh("none.stl"), "none.stl: there is no such file"));
+    CHECK(has(of_mesh("empty.obj"), "empty.obj: is empty"));
+    CHECK(has(of_mesh("cloud.xyz"), "expected a file named .stl, .obj, .dae or .ply"));
+    CHECK(has(of_mesh("[1]"), "expected the path of a file"));
+    CHECK(has(files.message_of("name: c, type: points, file: none.pcd, radius: 1"),
+              "none.pcd: cannot be read"));
+    CHECK(has(files.message_of("name: c, type: points, file: cloud.ply"), "radius"));
+    CHECK(has(files.message_of("name: o, type: octree, file: cloud.ply"), "OctoMap 1"));
+    CHECK(has(files.message_of("name: o, type: octree, file: map.bt, unknown: maybe"),
+              "expected free or occupied"));
+  }
+
+  TEST_CASE("points, triangles and cubes as lists are read back from text to the same") {
+    const char* text =
+        "name: s\nobstacles:\n"
+        "  - {name: a, type: points, radius: 0.01, points: [0, 0, 0, 0.5, 0.25, 1]}\n"
+        "  - {name: b, type: mesh, position: [1, 2, 3], triangles: [0, 0, 0, 1, 0, 0, 0, 1, 0]}\n"
+        "  - {name: c, type: octree, cubes: [0, 0, 0, 0.5, 1, 1, 1, 0.25]}\n";
+    const auto scene = parse_scene(text, "f");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    const auto again = parse_scene(to_yaml(*scene), "again");
+    REQUIRE(again.has_value());
+    CHECK(to_yaml(*again) == to_yaml(*scene));
+    CHECK(std::get<Octree>(again->obstacles[2].shapes[0]).parts->list()[1].half_extent == 0.125);
+    CHECK(std::get<Mesh>(again->obstacles[1].shapes[0]).pose.translation == Vec3(1, 2, 3));
+  }
+
+  TEST_CASE("lists of the wrong length and keys of other types are refused") {
+    const Files files;
+    CHECK(has(files.message_of("name: a, type: points, radius: 1, points: [1, 2]"),
+              "expected 3 numbers for each of the parts, got 2"));
+    CHECK(has(files.message_of("name: a, type: mesh, triangles: []"), "got 0"));
+    CHECK(has(files.message_of("name: a, type: octree, cubes: [0, 0, 0, -1]"), "edges above 0"));
+    CHECK(has(files.message_of("name: a, type: mesh, points: [1, 2, 3]"), "unknown key"));
+    CHECK(has(files.message_of("name: a, type: points, radius: 1, points: [1, 2, .inf]"),
+              "finite"));
+  }
+}
+
+Obstacle ball(const std::string& name) { return {name, {Sphere{Vec3::Zero(), 0.1}}}; }
+
+Scene with_cloud() {
+  const auto points = std::make_shared<Parts<CloudPoint>>(
+      std::vector<CloudPoint>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  Scene scene{"s", {}};
+  REQUIRE(scene.add({"cloud", {PointCloud{{}, points, 0.1}}}).has_value());
+  return scene;
+}
+
+std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
+
+TEST_SUITE("unit") {
+  TEST_CASE("obstacles are added, moved and removed by name") {
+    Scene scene{"s", {}};
+    REQUIRE(scene.add(ball("a")).has_value());
+    REQUIRE(scene.add(ball("b")).has_value());
+    REQUIRE(scene.move("b", {Eigen::Matrix3d::Identity(), Vec3(1, 2, 3)}).has_value());
+    CHECK(std::get<Sphere>(scene.find("b")->shapes[0]).center == Vec3(1, 2, 3));
+    REQUIRE(scene.remove("a").has_value());
+    CHECK(scene.obstacles.size() == 1);
+    CHECK(scene.find("a") == nullptr);
+  }
+
+  TEST_CASE("names that are unknown or taken are errors that name them") {
+    Scene scene = with_cloud();
+    const std::string unknown = "obstacle \"x\": there is none of this name in scene \"s\"";
+    CHECK(message_of(scene.remove("x")) == unknown);
+    CHECK(message_of(scene.move("x", {})) == unknown);
+    CHECK(message_of(scene.replace_points("x", 0, {})) == unknown);
+    CHECK(message_of(scene.add(ball("cloud"))) ==
+          "obstacle \"cloud\": expected a name of its own, there is one of this name");
+    CHECK(message_of(scene.add(ball(""))) == "obstacle \"\": expected a name");
+    CHECK(message_of(scene.add({"e", {}})) == "obstacle \"e\": expected a shape");
+  }
+
+  TEST_CASE("points are replaced in this scene, not in a copy of it") {
+    Scene scene = with_cloud();
+    const Scene before = scene;
+    const std::vector<CloudPoint> fresh = {{5, 5, 5}};
+    REQUIRE(scene.replace_points("cloud", 1, fresh).has_value());
+    const auto points_of = [](const Scene& s) {
+      return std::get<PointCloud>(s.obstacles[0].shapes[0]).parts->list();
+    };
+    CHECK(points_of(scene)[1] == CloudPoint{5, 5, 5});
+    CHECK(points_of(before)[1] == CloudPoint{1, 0, 0});
+    CHECK(distance(Vec3(5, 5, 5), scene.obstacles[0].shapes[0]) == 0);
+    CHECK(distance(Vec3(5, 5, 5), before.obstacles[0].shapes[0]) > 1);
+  }
+
+  TEST_CASE("points that are not there or not finite are refused, and change nothing") {
+    Scene scene = with_cloud();
+    REQUIRE(scene.add(ball("ball")).has_value());
+    const std::vector<CloudPoint> two = {{1, 1, 1}, {2, 2, 2}};
+    const std::vector<CloudPoint> wrong = {{0, 0, std::numeric_limits<float>::quiet_NaN()}};
+    CHECK(message_of(scene.replace_points("cloud", 2, two)) ==
+          "obstacle \"cloud\": expected points 2 to 4 to be among its 3");
+    CHECK(message_of(scene.replace_points("cloud", 0, wrong)) ==
+          "obstacle \"cloud\": expected finite coordinates");
+    CHECK(message_of(scene.replace_points("ball", 0, two)) ==
+          "obstacle \"ball\": expected one cloud of points");
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
