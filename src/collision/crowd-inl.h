@@ -27,7 +27,7 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
 /// Metres; more than rounding can make a gap too wide.
-inline constexpr float kGapTolerance = 1e-5f;
+HWY_INLINE float gap_tolerance(const CellGrid& grid) { return 1e-5f + 2e-4f * grid.cell; }
 
 HWY_INLINE V3 into_crowd(const CrowdRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
@@ -69,7 +69,7 @@ HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
   hn::Store(slot, di, slots);
   for (int lane = 0; lane < kLanes; ++lane) gaps[lane] = grid.gaps[static_cast<size_t>(slots[lane])];
   const V gap2 = hn::Mul(hn::ConvertTo(d, hn::Load(di, gaps)), splat(grid.cell * grid.cell));
-  const V wanted = hn::Add(reach, splat(kGapTolerance));
+  const V wanted = hn::Add(reach, splat(gap_tolerance(grid)));
   return bits_of(hn::Lt(hn::Add(squared_norm(beyond), gap2), hn::Mul(wanted, wanted)));
 }
 
@@ -151,7 +151,7 @@ HWY_INLINE int cells_to_skip(uint8_t gap2) {
 HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float ball_reach,
                                const Probe& probe) {
   const CellGrid& cells = grid.cells;
-  const float reach = ball_reach + kGapTolerance;
+  const float reach = ball_reach + gap_tolerance(cells);
   const CellRange xs(cells, 0, center[0], reach), ys(cells, 1, center[1], reach),
       zs(cells, 2, center[2], reach);
   const float reach2 = reach * reach * cells.per_metre * cells.per_metre;

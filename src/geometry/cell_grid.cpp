@@ -62,9 +62,9 @@ void narrow_along_x(CellGrid& grid) {
 CellGrid::Index CellGrid::cell_of(const std::array<float, 3>& p) const {
   Index i;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Beyond, an int could not hold it.
-    const float x = std::floor((p[axis] - origin[axis]) * per_metre);
-    i[axis] = static_cast<int>(std::clamp(x, -1.0f, static_cast<float>(count[axis])));
+    // Clamped, an int holds it; a cell up, it is not negative: then to cut off is to round down.
+    const float x = (p[axis] - origin[axis]) * per_metre;
+    i[axis] = static_cast<int>(std::clamp(x + 1, 0.0f, static_cast<float>(count[axis] + 1))) - 1;
   }
   return i;
 }

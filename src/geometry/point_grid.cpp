@@ -105,6 +105,7 @@ PointGrid make_point_grid(PointSpan points, const Region& region) {
     if (cell >= 0) ++left[as_index(cell)];
   }
   grid.first_block.assign(left.size(), -1);
+  grid.blocks.reserve(points.size() / 3);
   std::vector<std::uint8_t> is_occupied(left.size(), 0);
   for (std::size_t cell = 0; cell < left.size(); ++cell) {
     if (left[cell] == 0) continue;

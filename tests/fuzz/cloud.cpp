@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/cloud_file.h"
+
+#include "fuzz/fuzz_input.h"
+
+#include <cmath>
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto cloud = mneme::internal::parse_cloud(mneme::fuzz::as_text(data, size), "fuzz.ply");
+  mneme::fuzz::expect_message(cloud);
+  if (!cloud) return 0;
+  if (cloud->points.empty() || cloud->size() > mneme::internal::kMaxCloudPoints) std::abort();
+  for (const mneme::CloudPoint& p : cloud->points) {
+    if (!std::isfinite(p[0] + p[1] + p[2]) && !std::isfinite(p[0])) std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/octree_file.h"
+
+#include "fuzz/fuzz_input.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  for (const bool is_unknown_occupied : {false, true}) {
+    const auto cubes = mneme::internal::parse_octree(mneme::fuzz::as_text(data, size),
+                                                     is_unknown_occupied, "fuzz.bt");
+    mneme::fuzz::expect_message(cubes);
+    if (cubes && cubes->empty()) std::abort();
+  }
+  return 0;
+}
