@@ -14,7 +14,6 @@
 #include <numbers>
 #include <string>
 #include <vector>
-
 #include <time.h>
 
 namespace mneme::bench {
@@ -99,8 +98,8 @@ std::vector<CloudPoint> sample(const Scene& scene, std::size_t count, Rng& rng) 
   std::vector<CloudPoint> points;
   while (points.size() < count && !shapes.empty()) {
     const auto at = std::ranges::upper_bound(areas, rng.uniform(0, areas.back()));
-    const auto i = std::min<std::size_t>(static_cast<std::size_t>(at - areas.begin()),
-                                         shapes.size() - 1);
+    const auto i =
+        std::min<std::size_t>(static_cast<std::size_t>(at - areas.begin()), shapes.size() - 1);
     const Vec3 noise(rng.normal(), rng.normal(), rng.normal());
     const Eigen::Vector3f p =
         (std::visit(OnSurface{rng}, *shapes[i]) + kNoise * noise).cast<float>();
@@ -144,9 +143,9 @@ void measure_edits(const Problem& problem, Scene& scene, Rng& rng, Measured& to)
   const auto* cloud = std::get_if<PointCloud>(&scene.obstacles[0].shapes[0]);
   const std::vector<CloudPoint> fresh = sample(problem.scene, kReplaced, rng);
   const std::size_t first = rng.index(static_cast<std::uint32_t>(cloud->parts->list().size()) / 2);
-  std::vector<CloudPoint> shaken(cloud->parts->list().begin() + static_cast<std::ptrdiff_t>(first),
-                                 cloud->parts->list().begin() +
-                                     static_cast<std::ptrdiff_t>(first) + kReplaced);
+  std::vector<CloudPoint> shaken(
+      cloud->parts->list().begin() + static_cast<std::ptrdiff_t>(first),
+      cloud->parts->list().begin() + static_cast<std::ptrdiff_t>(first) + kReplaced);
   for (CloudPoint& p : shaken) p[2] += static_cast<float>(kNoise * rng.normal());
   CpuWatch near;
   (void)scene.replace_points("cloud", first, shaken);

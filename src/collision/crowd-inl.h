@@ -67,7 +67,8 @@ HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
   HWY_ALIGN int32_t slots[kLanes];
   HWY_ALIGN int32_t gaps[kLanes];
   hn::Store(slot, di, slots);
-  for (int lane = 0; lane < kLanes; ++lane) gaps[lane] = grid.gaps[static_cast<size_t>(slots[lane])];
+  for (int lane = 0; lane < kLanes; ++lane)
+    gaps[lane] = grid.gaps[static_cast<size_t>(slots[lane])];
   const V gap2 = hn::Mul(hn::ConvertTo(d, hn::Load(di, gaps)), splat(grid.cell * grid.cell));
   const V wanted = hn::Add(reach, splat(gap_tolerance(grid)));
   return bits_of(hn::Lt(hn::Add(squared_norm(beyond), gap2), hn::Mul(wanted, wanted)));
@@ -92,10 +93,10 @@ HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
     Points y = hn::Sub(hn::LoadU(d, block.y + i), set(probe.a[1]));
     Points z = hn::Sub(hn::LoadU(d, block.z + i), set(probe.a[2]));
     if (probe.inverse_length2 > 0) {
-      const Points along = hn::MulAdd(
-          x, set(probe.u[0]), hn::MulAdd(y, set(probe.u[1]), hn::Mul(z, set(probe.u[2]))));
-      const Points t = hn::Min(
-          hn::Max(hn::Mul(along, set(probe.inverse_length2)), hn::Zero(d)), set(1.0f));
+      const Points along = hn::MulAdd(x, set(probe.u[0]),
+                                      hn::MulAdd(y, set(probe.u[1]), hn::Mul(z, set(probe.u[2]))));
+      const Points t =
+          hn::Min(hn::Max(hn::Mul(along, set(probe.inverse_length2)), hn::Zero(d)), set(1.0f));
       x = hn::NegMulAdd(t, set(probe.u[0]), x);
       y = hn::NegMulAdd(t, set(probe.u[1]), y);
       z = hn::NegMulAdd(t, set(probe.u[2]), z);
@@ -212,9 +213,9 @@ HWY_INLINE V point_triangle(const V3& p, const V3& a, const V3& to_b, const V3& 
     const V t = clamp01(hn::Mul(dot(from, edge), safe_inverse(squared_norm(edge))));
     return squared_norm(mul_add(hn::Neg(t), edge, from));
   };
-  const V from_edges = hn::Min(from_edge(from_a, to_b), hn::Min(from_edge(from_a, to_c),
-                                                                 from_edge(from_a - to_b,
-                                                                           to_c_from_b)));
+  const V from_edges =
+      hn::Min(from_edge(from_a, to_b),
+              hn::Min(from_edge(from_a, to_c), from_edge(from_a - to_b, to_c_from_b)));
   return hn::IfThenElse(is_inside, from_plane, from_edges);
 }
 
@@ -238,9 +239,9 @@ HWY_INLINE V segment_triangle(const Segment& s, const V3& a, const V3& to_b, con
   };
   const V from_ends =
       hn::Min(point_triangle(s.a, a, to_b, to_c), point_triangle(s.a + s.u, a, to_b, to_c));
-  const V from_edges = hn::Min(segment_segment(s, edge(a, to_b)),
-                               hn::Min(segment_segment(s, edge(a, to_c)),
-                                       segment_segment(s, edge(a + to_b, to_c - to_b))));
+  const V from_edges = hn::Min(
+      segment_segment(s, edge(a, to_b)),
+      hn::Min(segment_segment(s, edge(a, to_c)), segment_segment(s, edge(a + to_b, to_c - to_b))));
   return hn::IfThenZeroElse(crosses_triangle(s, a, to_b, to_c), hn::Min(from_ends, from_edges));
 }
 

@@ -166,8 +166,8 @@ void mark(const Part& part, const CellGrid& grid, std::vector<std::uint8_t>& is_
     high[axis] = std::min(high[axis], grid.count[axis] - 1);
   }
   const double half_diagonal = std::sqrt(0.75) * grid.cell * (1 + 1e-4);
-  const bool is_full = fills_its_box(part) || (high[0] - low[0] < 2 && high[1] - low[1] < 2 &&
-                                               high[2] - low[2] < 2);
+  const bool is_full =
+      fills_its_box(part) || (high[0] - low[0] < 2 && high[1] - low[1] < 2 && high[2] - low[2] < 2);
   for (int z = low[2]; z <= high[2]; ++z) {
     for (int y = low[1]; y <= high[1]; ++y) {
       for (int x = low[0]; x <= high[0]; ++x) {

@@ -78,7 +78,8 @@ bool CellGrid::contains(const Index& i) const {
 
 CellGrid make_cell_grid(const Region& region) {
   std::array<double, 3> extent{};
-  for (std::size_t axis = 0; axis < 3; ++axis) extent[axis] = double{region.high[axis]} - region.low[axis];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    extent[axis] = double{region.high[axis]} - region.low[axis];
   double cell = kSmallestCell;
   const auto cells = [&](std::size_t axis) { return std::ceil(extent[axis] / cell + 2 * kRim); };
   while (cells(0) * cells(1) * cells(2) > kMostCells) cell *= 1.1;
@@ -89,7 +90,8 @@ CellGrid make_cell_grid(const Region& region) {
     grid.count[axis] = static_cast<int>(cells(axis));
     grid.origin[axis] = static_cast<float>(region.low[axis] - kRim * cell);
   }
-  const std::size_t size = as_index(grid.count[0]) * as_index(grid.count[1]) * as_index(grid.count[2]);
+  const std::size_t size =
+      as_index(grid.count[0]) * as_index(grid.count[1]) * as_index(grid.count[2]);
   grid.gaps.assign(size, kWideGap);
   return grid;
 }

@@ -47,9 +47,7 @@ double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
   }
   std::sort(breaks.begin(), breaks.end());
 
-  const auto excess = [&](double t) {
-    return excess_of_box(a + t * along, half_extents);
-  };
+  const auto excess = [&](double t) { return excess_of_box(a + t * along, half_extents); };
   double least = std::min(excess(0.0).norm(), excess_of_box(b, half_extents).norm());
   for (std::size_t i = 1; i < breaks.size(); ++i) {
     const double low = breaks[i - 1];

@@ -128,8 +128,7 @@ PointGrid make_point_grid(PointSpan points, const Region& region) {
   return grid;
 }
 
-bool replace_points(PointSpan before, PointSpan after,
-                    PointGrid& grid) {
+bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
   // Cells that are empty by now still narrow the gaps around them.
   grid.replaced += after.size();
   if (grid.replaced > grid.size) return false;

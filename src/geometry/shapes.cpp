@@ -175,8 +175,8 @@ struct MomentsOf {
   Moments operator()(const Crowd<Part>& s) const {
     const internal::AxisBox box = internal::PartsAccess::bounds(*s.parts);
     const Vec3 half = 0.5 * (box.high - box.low) + Vec3::Constant(s.radius);
-    return (*this)(Box{s.pose * Transform{Eigen::Matrix3d::Identity(), 0.5 * (box.low + box.high)},
-                       half});
+    return (*this)(
+        Box{s.pose * Transform{Eigen::Matrix3d::Identity(), 0.5 * (box.low + box.high)}, half});
   }
 };
 

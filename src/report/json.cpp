@@ -71,9 +71,8 @@ struct AddShape {
     json["length"] = rounded(s.length);
   }
   void operator()(const PointCloud& s) const {
-    add_parts(s, "points", s.parts->list(), [](Json& list, const CloudPoint& p) {
-      append(list, Vec3(p[0], p[1], p[2]));
-    });
+    add_parts(s, "points", s.parts->list(),
+              [](Json& list, const CloudPoint& p) { append(list, Vec3(p[0], p[1], p[2])); });
   }
   void operator()(const Mesh& s) const {
     add_parts(s, "triangles", s.parts->list(), [](Json& list, const Triangle& t) {

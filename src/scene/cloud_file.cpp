@@ -73,8 +73,8 @@ std::array<Place, 3> find_places(const CloudHeader& header, const CloudText& tex
       offset += field.size;
     }
     if (found != 1) {
-      text.fail_file(ErrorCode::parse, fmt::format("expected one field {} of floating point",
-                                                   kNames[axis]));
+      text.fail_file(ErrorCode::parse,
+                     fmt::format("expected one field {} of floating point", kNames[axis]));
     }
   }
   return places;

@@ -23,10 +23,10 @@ Words expect_line(CloudText& text, std::string_view what) {
 
 CloudField ply_field(const CloudText& text, const Words& words) {
   static const std::map<std::string_view, CloudField> kTypes = {
-      {"char", {"", 'I', 1}},   {"int8", {"", 'I', 1}},   {"uchar", {"", 'U', 1}},
-      {"uint8", {"", 'U', 1}},  {"short", {"", 'I', 2}},  {"int16", {"", 'I', 2}},
-      {"ushort", {"", 'U', 2}}, {"uint16", {"", 'U', 2}}, {"int", {"", 'I', 4}},
-      {"int32", {"", 'I', 4}},  {"uint", {"", 'U', 4}},   {"uint32", {"", 'U', 4}},
+      {"char", {"", 'I', 1}},   {"int8", {"", 'I', 1}},    {"uchar", {"", 'U', 1}},
+      {"uint8", {"", 'U', 1}},  {"short", {"", 'I', 2}},   {"int16", {"", 'I', 2}},
+      {"ushort", {"", 'U', 2}}, {"uint16", {"", 'U', 2}},  {"int", {"", 'I', 4}},
+      {"int32", {"", 'I', 4}},  {"uint", {"", 'U', 4}},    {"uint32", {"", 'U', 4}},
       {"float", {"", 'F', 4}},  {"float32", {"", 'F', 4}}, {"double", {"", 'F', 8}},
       {"float64", {"", 'F', 8}}};
   const auto type = words.size() == 3 ? kTypes.find(words[1]) : kTypes.end();
@@ -138,8 +138,8 @@ std::vector<CloudField> pcd_fields(const CloudText& text, const PcdEntries& entr
 
 CloudHeader read_pcd_header(CloudText& text) {
   static constexpr std::array<std::string_view, 10> kKeys = {
-      "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS",
-      "DATA"};
+      "VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+      "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
   PcdEntries entries;
   while (!entries.contains("DATA")) {
     const Words words = expect_line(text, "the line DATA");
@@ -161,8 +161,8 @@ CloudHeader read_pcd_header(CloudText& text) {
   };
   header.count = count_of("WIDTH") * count_of("HEIGHT");
   if (header.count > kMaxCloudPoints) {
-    text.fail(ErrorCode::unsupported, fmt::format("expected at most {} points, got {}",
-                                                  kMaxCloudPoints, header.count));
+    text.fail(ErrorCode::unsupported,
+              fmt::format("expected at most {} points, got {}", kMaxCloudPoints, header.count));
   }
   if (entries.contains("POINTS") && count_of("POINTS") != header.count) {
     text.fail(ErrorCode::parse, "expected WIDTH times HEIGHT POINTS");

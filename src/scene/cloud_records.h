@@ -15,7 +15,7 @@ namespace mneme::internal {
 /// A number in a record.
 struct CloudField {
   std::string name;
-  char kind = 'F';      ///< F: floating point, I: signed, U: unsigned
+  char kind = 'F';       ///< F: floating point, I: signed, U: unsigned
   std::size_t size = 4;  ///< bytes: 1, 2, 4 or 8
 };
 

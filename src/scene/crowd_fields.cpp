@@ -43,8 +43,8 @@ void warn_of_unit(const Input& file, const std::vector<Part>& parts,
   const AxisBox box = box_around(parts);
   const double longest = (box.high - box.low).maxCoeff();
   if (!(longest > kLongestLikely)) return;
-  warnings.push_back(file.place(fmt::format(
-      "is {:.0f} m long; one in millimetres needs scale: 0.001", longest)));
+  warnings.push_back(
+      file.place(fmt::format("is {:.0f} m long; one in millimetres needs scale: 0.001", longest)));
 }
 
 /// Numbers of the list `key`, `count` for each part.

@@ -21,8 +21,8 @@ constexpr double kPlaneWidth = 100, kPlaneThickness = 0.0005;
 std::size_t read_index(const Input& input, std::size_t count) {
   const double value = input.finite_number();
   if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value)) {
-    input.fail(ErrorCode::parse, fmt::format("expected the index of one of {} vertices, got {}",
-                                             count, value));
+    input.fail(ErrorCode::parse,
+               fmt::format("expected the index of one of {} vertices, got {}", count, value));
   }
   return static_cast<std::size_t>(value);
 }

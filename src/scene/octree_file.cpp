@@ -36,8 +36,8 @@ class OctreeReader {
     const Cube root{Vec3::Zero(), format_.resolution * (1 << (kDepth - 1))};
     if (!rest_.empty()) format_.is_binary ? read_binary(root, 0) : read_full(root, 0);
     if (!rest_.empty()) {
-      fail(ErrorCode::parse, fmt::format("expected no more than the tree, got {} bytes more",
-                                         rest_.size()));
+      fail(ErrorCode::parse,
+           fmt::format("expected no more than the tree, got {} bytes more", rest_.size()));
     }
   }
 
@@ -70,8 +70,8 @@ class OctreeReader {
   void read_binary(const Cube& cube, int depth) {
     expect_depth(depth);
     const std::string_view bytes = take_bytes(2);
-    const unsigned kinds = static_cast<unsigned char>(bytes[0]) |
-                           unsigned{static_cast<unsigned char>(bytes[1])} << 8;
+    const unsigned kinds =
+        static_cast<unsigned char>(bytes[0]) | unsigned{static_cast<unsigned char>(bytes[1])} << 8;
     // Leaves of a node come before the children of any.
     for (int i = 0; i < 8; ++i) {
       const unsigned kind = kinds >> (2 * i) & 3;

@@ -17,7 +17,7 @@ namespace mneme::internal {
 inline constexpr std::size_t kMaxCubes = 2'000'000;
 
 struct OctreeFormat {
-  bool is_binary = true;   ///< two bits per child instead of log odds
+  bool is_binary = true;    ///< two bits per child instead of log odds
   bool is_colored = false;  ///< three bytes of colour after log odds
   double resolution = 0;    ///< metres, the edge of the smallest leaves
 };

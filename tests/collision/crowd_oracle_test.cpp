@@ -38,8 +38,8 @@ struct Counts {
 
 /// Compares all instruction sets with the look at every part, leaving contacts of links with links
 /// aside.
-void compare_with_parts(const Robot& robot, const Scene& scene, double margin, int states,
-                        Rng& rng, Counts& counts) {
+void compare_with_parts(const Robot& robot, const Scene& scene, double margin, int states, Rng& rng,
+                        Counts& counts) {
   const std::vector<float> rows = random_states(robot, states, rng);
   const auto alone = check_all(require_checker(robot, {}), rows);
   for (const Isa isa : available_isas()) {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/cloud_file.h"
-
 #include "fuzz/fuzz_input.h"
 
 #include <cmath>

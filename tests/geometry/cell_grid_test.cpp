@@ -14,8 +14,7 @@ using internal::CellGrid;
 using Point3 = std::array<float, 3>;
 
 /// By a look at every occupied cell.
-int gap2_at(const std::vector<CellGrid::Index>& occupied,
-            const CellGrid::Index& at) {
+int gap2_at(const std::vector<CellGrid::Index>& occupied, const CellGrid::Index& at) {
   int least = internal::kWideGap;
   for (const CellGrid::Index& i : occupied) {
     int sum = 0;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/fcl_shapes.h"
 #include "geometry/random_crowds.h"
 #include "geometry/solids.h"
 #include "support/support.h"
@@ -58,6 +59,25 @@ TEST_SUITE("law") {
       crossing += exact == 0 ? 1 : 0;
     }
     CHECK(crossing > 10);
+  }
+
+  TEST_CASE("spheres and capsules are as far from a mesh as FCL has them") {
+    Rng rng(64);
+    int apart = 0, touching = 0;
+    for (int i = 0; i < 20; ++i) {
+      const Shape mesh = transformed(random_pose(rng, 0.5), random_mesh(rng));
+      const double radius = std::get<Mesh>(mesh).radius;
+      for (int k = 0; k < 20; ++k) {
+        const Capsule own{random_vector(rng, 1.2), random_vector(rng, 1.2), 0.05};
+        const double exact = distance_to_segment(own.a, own.b, mesh) + radius;
+        const double expected = fcl_distance(own, mesh);
+        INFO("seed 64, mesh " << i << ", capsule " << k);
+        CHECK(std::abs(std::max(exact - own.radius, 0.0) - expected) < 1e-4);
+        ++(expected > 0 ? apart : touching);
+      }
+    }
+    CHECK(apart > 50);
+    CHECK(touching > 50);
   }
 
   TEST_CASE("a crowd moves, grows and is bounded with its parts") {

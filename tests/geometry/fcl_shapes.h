@@ -6,6 +6,7 @@
 
 #include "mneme/geometry.h"
 
+#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
 #include <fcl/geometry/shape/cylinder.h>
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 
 namespace mneme::test {
 
@@ -42,6 +44,19 @@ struct ToFcl {
   fcl::CollisionObjectd operator()(const Capsule& s) const {
     return place(std::make_shared<fcl::Capsuled>(s.radius, (s.b - s.a).norm()),
                  {rotation_to(s.b - s.a), 0.5 * (s.a + s.b)});
+  }
+  /// Without its radius.
+  fcl::CollisionObjectd operator()(const Mesh& s) const {
+    auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+    model->beginModel();
+    for (const Triangle& t : s.parts->list()) model->addTriangle(t.a, t.b, t.c);
+    model->endModel();
+    return place(std::move(model), s.pose);
+  }
+  /// FCL has nothing of the kind.
+  template <class Part>
+  fcl::CollisionObjectd operator()(const Crowd<Part>&) const {
+    throw std::logic_error("no shape of FCL");
   }
 };
 

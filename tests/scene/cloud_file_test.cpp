@@ -17,37 +17,39 @@ using internal::CloudFile;
 using internal::parse_cloud;
 
 template <class T>
-std::string bytes_of(T value, bool is_big_endian = false) {
+std::string raw_bytes(T value, bool is_big_endian = false) {
   std::string bytes(sizeof value, '\0');
   std::memcpy(bytes.data(), &value, sizeof value);
   if (is_big_endian) std::reverse(bytes.begin(), bytes.end());
   return bytes;
 }
 
-std::string ply_header(const std::string& format, std::size_t count,
-                       const std::string& more = "") {
-  return fmt::format("ply\nformat {} 1.0\ncomment of a test\nelement vertex {}\nproperty uchar red\n"
-                     "property float x\nproperty float y\nproperty double z\n{}end_header\n",
-                     format, count, more);
+std::string ply_header(const std::string& format, std::size_t count, const std::string& more = "") {
+  return fmt::format(
+      "ply\nformat {} 1.0\ncomment of a test\nelement vertex {}\nproperty uchar red\n"
+      "property float x\nproperty float y\nproperty double z\n{}end_header\n",
+      format, count, more);
 }
 
 std::string pcd_header(const std::string& data, int width, int height) {
-  return fmt::format("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb normal\nSIZE 4 4 4 4 4\nTYPE F F F U F\n"
-                     "COUNT 1 1 1 1 3\nWIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\n"
-                     "DATA {}\n",
-                     width, height, width * height, data);
+  return fmt::format(
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb normal\nSIZE 4 4 4 4 4\nTYPE F F F U F\n"
+      "COUNT 1 1 1 1 3\nWIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\n"
+      "DATA {}\n",
+      width, height, width * height, data);
 }
 
 std::string binary_ply(bool is_big) {
   std::string text =
       ply_header(is_big ? "binary_big_endian" : "binary_little_endian", 2, "element face 1\n");
   for (const float x : {1.5f, -2.5f}) {
-    text += 'r' + bytes_of(x, is_big) + bytes_of(x + 1, is_big) + bytes_of(double{x} + 2, is_big);
+    text +=
+        'r' + raw_bytes(x, is_big) + raw_bytes(x + 1, is_big) + raw_bytes(double{x} + 2, is_big);
   }
   return text + "faces are not read";
 }
 
-std::string message_of(const std::string& bytes) {
+std::string cloud_message(const std::string& bytes) {
   const auto cloud = parse_cloud(bytes, "f.ply");
   return cloud ? "" : cloud.error().message;
 }
@@ -73,7 +75,7 @@ TEST_SUITE("unit") {
     require_points(pcd_header("ascii", 2, 1) + "1 2 3 0 0 0 1\n4 5 6 0 0 0 1\n", expected);
     std::string binary = pcd_header("binary", 1, 2);
     for (const float x : {1.0f, 4.0f}) {
-      for (int i = 0; i < 3; ++i) binary += bytes_of(x + static_cast<float>(i));
+      for (int i = 0; i < 3; ++i) binary += raw_bytes(x + static_cast<float>(i));
       binary += std::string(16, 'n');
     }
     require_points(binary, expected);
@@ -82,42 +84,44 @@ TEST_SUITE("unit") {
   TEST_CASE("points that are not finite are skipped and counted") {
     require_points(ply_header("ascii", 4) + "0 nan 0 0\n0 1 2 3\n0 0 inf 0\n0 0 0 1e300\n",
                    {{1, 2, 3}}, 3);
-    CHECK(message_of(ply_header("ascii", 1) + "0 nan 0 0\n") ==
+    CHECK(cloud_message(ply_header("ascii", 1) + "0 nan 0 0\n") ==
           "f.ply: has no point with finite coordinates among 1");
   }
 
   TEST_CASE("a cloud that is cut off, goes on or is malformed is refused by line") {
-    CHECK(message_of("") == "f.ply: expected points in a file of PLY or PCD");
-    CHECK(message_of("ply\nformat ascii 1.0\n") == "f.ply: ends before end_header");
-    CHECK(message_of(ply_header("ascii", 2) + "0 1 2 3\n") == "f.ply: ends after 1 of 2 points");
-    CHECK(message_of(ply_header("ascii", 1) + "0 1 2\n") == "f.ply:10: expected 4 numbers, got 3");
-    CHECK(message_of(ply_header("ascii", 1) + "0 1 2 x\n") ==
+    CHECK(cloud_message("") == "f.ply: expected points in a file of PLY or PCD");
+    CHECK(cloud_message("ply\nformat ascii 1.0\n") == "f.ply: ends before end_header");
+    CHECK(cloud_message(ply_header("ascii", 2) + "0 1 2 3\n") == "f.ply: ends after 1 of 2 points");
+    CHECK(cloud_message(ply_header("ascii", 1) + "0 1 2\n") ==
+          "f.ply:10: expected 4 numbers, got 3");
+    CHECK(cloud_message(ply_header("ascii", 1) + "0 1 2 x\n") ==
           "f.ply:10: expected a number, got \"x\"");
-    CHECK(message_of(ply_header("ascii", 1) + "0 1 2 3\n4\n") ==
+    CHECK(cloud_message(ply_header("ascii", 1) + "0 1 2 3\n4\n") ==
           "f.ply:11: expected nothing after 1 points");
-    CHECK(message_of(binary_ply(false).substr(0, 200)).find("points after the header, got") !=
+    CHECK(cloud_message(binary_ply(false).substr(0, 200)).find("points after the header, got") !=
           std::string::npos);
     const std::string truncated = pcd_header("binary", 2, 1) + std::string(30, '\0');
-    CHECK(message_of(truncated) == "f.ply: expected 56 bytes of 2 points after the header, got 30");
-    CHECK(message_of("VERSION 0.7\nFIELDS x\nbad line\n") ==
+    CHECK(cloud_message(truncated) ==
+          "f.ply: expected 56 bytes of 2 points after the header, got 30");
+    CHECK(cloud_message("VERSION 0.7\nFIELDS x\nbad line\n") ==
           "f.ply:3: expected a header of PCD, got \"bad\"");
-    CHECK(message_of("VERSION 0.5\nFIELDS x\nDATA ascii\n") ==
+    CHECK(cloud_message("VERSION 0.5\nFIELDS x\nDATA ascii\n") ==
           "f.ply:3: expected PCD of version .7, got 0.5");
   }
 
   TEST_CASE("a cloud of more points than memory is meant to hold is refused before it is read") {
-    CHECK(message_of(ply_header("ascii", 10'000'000)) ==
+    CHECK(cloud_message(ply_header("ascii", 10'000'000)) ==
           "f.ply:4: expected at most 4000000, got 10000000");
-    CHECK(message_of(pcd_header("binary", 4000, 2500)) ==
+    CHECK(cloud_message(pcd_header("binary", 4000, 2500)) ==
           "f.ply:11: expected at most 4000000 points, got 10000000");
-    CHECK(message_of(pcd_header("binary_compressed", 1, 1))
+    CHECK(cloud_message(pcd_header("binary_compressed", 1, 1))
               .starts_with("f.ply:11: expected the data ascii or binary"));
   }
 
   TEST_CASE("a cloud needs each of x, y and z once, as floating point") {
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n";
     const auto with = [&](const std::string& properties) {
-      return message_of(head + properties + "end_header\n1 2 3\n");
+      return cloud_message(head + properties + "end_header\n1 2 3\n");
     };
     CHECK(with("property float y\n") == "f.ply: expected one field z of floating point");
     CHECK(with("property int y\nproperty float z\n") ==

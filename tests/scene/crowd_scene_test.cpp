@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
+
 #include "support/support.h"
 
 #include <doctest/doctest.h>
@@ -50,7 +51,7 @@ S shape_of(const Scene& scene) {
   return std::get<S>(scene.obstacles.at(0).shapes.at(0));
 }
 
-bool has(const std::string& text, const std::string& part) {
+bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
@@ -61,7 +62,7 @@ TEST_SUITE("unit") {
     CHECK(shape_of<PointCloud>(cloud).parts->list().size() == 2);
     CHECK(shape_of<PointCloud>(cloud).radius == 0.005);
     REQUIRE(cloud.warnings.size() == 1);
-    CHECK(has(cloud.warnings[0], "1 of 3 points are not finite and left out"));
+    CHECK(contains(cloud.warnings[0], "1 of 3 points are not finite and left out"));
     const Scene mesh =
         files.require("name: m, type: mesh, file: mesh.obj, scale: 2, position: [0, 0, 1]");
     CHECK(shape_of<Mesh>(mesh).parts->list().at(0).area() == doctest::Approx(2));
@@ -72,7 +73,7 @@ TEST_SUITE("unit") {
     const Files files;
     const Scene scene = files.require("name: m, type: mesh, file: large.obj");
     REQUIRE(scene.warnings.size() == 1);
-    CHECK(has(scene.warnings[0], "is 1000 m long; one in millimetres needs scale: 0.001"));
+    CHECK(contains(scene.warnings[0], "is 1000 m long; one in millimetres needs scale: 0.001"));
     CHECK(files.require("name: m, type: mesh, file: large.obj, scale: 0.001").warnings.empty());
   }
 
@@ -81,16 +82,16 @@ TEST_SUITE("unit") {
     const auto of_mesh = [&](const std::string& file) {
       return files.message_of("name: m, type: mesh, file: " + file);
     };
-    CHECK(has(of_mesh("none.stl"), "none.stl: there is no such file"));
-    CHECK(has(of_mesh("empty.obj"), "empty.obj: is empty"));
-    CHECK(has(of_mesh("cloud.xyz"), "expected a file named .stl, .obj, .dae or .ply"));
-    CHECK(has(of_mesh("[1]"), "expected the path of a file"));
-    CHECK(has(files.message_of("name: c, type: points, file: none.pcd, radius: 1"),
-              "none.pcd: cannot be read"));
-    CHECK(has(files.message_of("name: c, type: points, file: cloud.ply"), "radius"));
-    CHECK(has(files.message_of("name: o, type: octree, file: cloud.ply"), "OctoMap 1"));
-    CHECK(has(files.message_of("name: o, type: octree, file: map.bt, unknown: maybe"),
-              "expected free or occupied"));
+    CHECK(contains(of_mesh("none.stl"), "none.stl: there is no such file"));
+    CHECK(contains(of_mesh("empty.obj"), "empty.obj: is empty"));
+    CHECK(contains(of_mesh("cloud.xyz"), "expected a file named .stl, .obj, .dae or .ply"));
+    CHECK(contains(of_mesh("[1]"), "expected the path of a file"));
+    CHECK(contains(files.message_of("name: c, type: points, file: none.pcd, radius: 1"),
+                   "none.pcd: cannot be read"));
+    CHECK(contains(files.message_of("name: c, type: points, file: cloud.ply"), "radius"));
+    CHECK(contains(files.message_of("name: o, type: octree, file: cloud.ply"), "OctoMap 1"));
+    CHECK(contains(files.message_of("name: o, type: octree, file: map.bt, unknown: maybe"),
+                   "expected free or occupied"));
   }
 
   TEST_CASE("points, triangles and cubes as lists are read back from text to the same") {
@@ -110,27 +111,30 @@ TEST_SUITE("unit") {
 
   TEST_CASE("lists of the wrong length and keys of other types are refused") {
     const Files files;
-    CHECK(has(files.message_of("name: a, type: points, radius: 1, points: [1, 2]"),
-              "expected 3 numbers for each of the parts, got 2"));
-    CHECK(has(files.message_of("name: a, type: mesh, triangles: []"), "got 0"));
-    CHECK(has(files.message_of("name: a, type: octree, cubes: [0, 0, 0, -1]"), "edges above 0"));
-    CHECK(has(files.message_of("name: a, type: mesh, points: [1, 2, 3]"), "unknown key"));
-    CHECK(has(files.message_of("name: a, type: points, radius: 1, points: [1, 2, .inf]"),
-              "finite"));
+    CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [1, 2]"),
+                   "expected 3 numbers for each of the parts, got 2"));
+    CHECK(contains(files.message_of("name: a, type: mesh, triangles: []"), "got 0"));
+    CHECK(
+        contains(files.message_of("name: a, type: octree, cubes: [0, 0, 0, -1]"), "edges above 0"));
+    CHECK(contains(files.message_of("name: a, type: mesh, points: [1, 2, 3]"), "unknown key"));
+    CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [1, 2, .inf]"),
+                   "finite"));
   }
 }
 
 Obstacle ball(const std::string& name) { return {name, {Sphere{Vec3::Zero(), 0.1}}}; }
 
 Scene with_cloud() {
-  const auto points = std::make_shared<Parts<CloudPoint>>(
-      std::vector<CloudPoint>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  const auto points =
+      std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
   Scene scene{"s", {}};
   REQUIRE(scene.add({"cloud", {PointCloud{{}, points, 0.1}}}).has_value());
   return scene;
 }
 
-std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
+std::string edit_message(const Result<void>& result) {
+  return result ? "" : result.error().message;
+}
 
 TEST_SUITE("unit") {
   TEST_CASE("obstacles are added, moved and removed by name") {
@@ -147,13 +151,13 @@ TEST_SUITE("unit") {
   TEST_CASE("names that are unknown or taken are errors that name them") {
     Scene scene = with_cloud();
     const std::string unknown = "obstacle \"x\": there is none of this name in scene \"s\"";
-    CHECK(message_of(scene.remove("x")) == unknown);
-    CHECK(message_of(scene.move("x", {})) == unknown);
-    CHECK(message_of(scene.replace_points("x", 0, {})) == unknown);
-    CHECK(message_of(scene.add(ball("cloud"))) ==
+    CHECK(edit_message(scene.remove("x")) == unknown);
+    CHECK(edit_message(scene.move("x", {})) == unknown);
+    CHECK(edit_message(scene.replace_points("x", 0, {})) == unknown);
+    CHECK(edit_message(scene.add(ball("cloud"))) ==
           "obstacle \"cloud\": expected a name of its own, there is one of this name");
-    CHECK(message_of(scene.add(ball(""))) == "obstacle \"\": expected a name");
-    CHECK(message_of(scene.add({"e", {}})) == "obstacle \"e\": expected a shape");
+    CHECK(edit_message(scene.add(ball(""))) == "obstacle \"\": expected a name");
+    CHECK(edit_message(scene.add({"e", {}})) == "obstacle \"e\": expected a shape");
   }
 
   TEST_CASE("points are replaced in this scene, not in a copy of it") {
@@ -175,11 +179,11 @@ TEST_SUITE("unit") {
     REQUIRE(scene.add(ball("ball")).has_value());
     const std::vector<CloudPoint> two = {{1, 1, 1}, {2, 2, 2}};
     const std::vector<CloudPoint> wrong = {{0, 0, std::numeric_limits<float>::quiet_NaN()}};
-    CHECK(message_of(scene.replace_points("cloud", 2, two)) ==
+    CHECK(edit_message(scene.replace_points("cloud", 2, two)) ==
           "obstacle \"cloud\": expected points 2 to 4 to be among its 3");
-    CHECK(message_of(scene.replace_points("cloud", 0, wrong)) ==
+    CHECK(edit_message(scene.replace_points("cloud", 0, wrong)) ==
           "obstacle \"cloud\": expected finite coordinates");
-    CHECK(message_of(scene.replace_points("ball", 0, two)) ==
+    CHECK(edit_message(scene.replace_points("ball", 0, two)) ==
           "obstacle \"ball\": expected one cloud of points");
   }
 }

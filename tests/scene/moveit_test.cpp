@@ -205,7 +205,8 @@ collision_objects:
     CHECK(object_failure("meshes: [{vertices: []}], mesh_poses: [{position: [0, 0, 0]}]") ==
           "f:2: key collision_objects[0].meshes[0]: expected a mesh with a triangle that has an "
           "area");
-    CHECK(object_failure("meshes: [{" + triangle + "[[0, 0, 0]]}], mesh_poses: [{position: [0, 0, "
+    CHECK(object_failure("meshes: [{" + triangle +
+                         "[[0, 0, 0]]}], mesh_poses: [{position: [0, 0, "
                          "0]}]")
               .find("expected the index of one of 1 vertices, got 1") != std::string::npos);
     CHECK(object_failure("planes: [{coef: [0, 0, 1, 0]}]")
@@ -231,14 +232,13 @@ collision_objects:
     CHECK(object_failure("primitives: [{type: cube, dimensions: [1, 1, 1]}], " + kPose) ==
           "f:2: key collision_objects[0].primitives[0].type: expected box, sphere or cylinder, got "
           "\"cube\"");
-    CHECK(
-        object_failure("primitives: [{type: sphere, dimensions: [1]}]") ==
-        "f:2: key collision_objects[0]: object \"x\": expected one pose per shape, got 1 primitives "
-        "and 0 poses");
-    CHECK(
-        object_failure("primitives: []") ==
-        "f:2: key collision_objects[0]: object \"x\": expected at least one primitive, mesh or "
-        "plane");
+    CHECK(object_failure("primitives: [{type: sphere, dimensions: [1]}]") ==
+          "f:2: key collision_objects[0]: object \"x\": expected one pose per shape, got 1 "
+          "primitives "
+          "and 0 poses");
+    CHECK(object_failure("primitives: []") ==
+          "f:2: key collision_objects[0]: object \"x\": expected at least one primitive, mesh or "
+          "plane");
     CHECK(object_failure("colour: red").find("f:2: key collision_objects[0].colour: unknown key") ==
           0);
     CHECK(failure_of("collision_objects: [{id: \"\"}]", read_moveit_objects) ==

@@ -13,13 +13,14 @@ namespace {
 
 using internal::parse_octree;
 
-std::string header(bool is_binary, const std::string& id = "OcTree", const char* res = "0.1") {
+std::string octree_header(bool is_binary, const std::string& id = "OcTree",
+                          const char* res = "0.1") {
   return fmt::format("# Octomap OcTree {}file\n# a comment\nid {}\nsize 3\nres {}\ndata\n",
                      is_binary ? "binary " : "", id, res);
 }
 
 /// Two bits per child, the first child in the lowest ones.
-std::string node(std::initializer_list<unsigned> kinds) {
+std::string child_bits(std::initializer_list<unsigned> kinds) {
   unsigned bits = 0, i = 0;
   for (const unsigned kind : kinds) bits |= kind << (2 * i++);
   return {static_cast<char>(bits), static_cast<char>(bits >> 8)};
@@ -39,7 +40,7 @@ std::vector<Cube> cubes_of(const std::string& bytes, bool is_unknown_occupied = 
   return *cubes;
 }
 
-std::string message_of(const std::string& bytes) {
+std::string octree_message(const std::string& bytes) {
   const auto cubes = parse_octree(bytes, false, "m.bt");
   return cubes ? "" : cubes.error().message;
 }
@@ -53,10 +54,10 @@ double volume_of(const std::vector<Cube>& cubes) {
 TEST_SUITE("unit") {
   TEST_CASE("occupied leaves of a binary octree are cubes where OctoMap has them") {
     // The root is 0.1 m * 2^16 wide; its last child holds all positive coordinates.
-    const std::string tree = node({kOccupied, kFree, kUnknown, kUnknown, kUnknown, kUnknown,
-                                   kUnknown, kInner}) +
-                             node({kUnknown, kOccupied});
-    const std::vector<Cube> cubes = cubes_of(header(true) + tree);
+    const std::string tree =
+        child_bits({kOccupied, kFree, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kInner}) +
+        child_bits({kUnknown, kOccupied});
+    const std::vector<Cube> cubes = cubes_of(octree_header(true) + tree);
     REQUIRE(cubes.size() == 2);
     CHECK(cubes[0].center.isApprox(Vec3::Constant(-1638.4)));
     CHECK(cubes[0].half_extent == doctest::Approx(1638.4));
@@ -66,40 +67,41 @@ TEST_SUITE("unit") {
 
   TEST_CASE("leaves with log odds are occupied from one half on, with colours or without") {
     const std::string plain = full_node(1, 0b10000001) + full_node(0, 0) + full_node(-0.1f, 0);
-    CHECK(cubes_of(header(false) + plain).size() == 1);
+    CHECK(cubes_of(octree_header(false) + plain).size() == 1);
     const std::string colored =
         full_node(1, 0b11, "rgb") + full_node(2, 0, "rgb") + full_node(3, 0, "rgb");
-    CHECK(cubes_of(header(false, "ColorOcTree") + colored).size() == 2);
+    CHECK(cubes_of(octree_header(false, "ColorOcTree") + colored).size() == 2);
   }
 
   TEST_CASE("unknown space is occupied by choice, within the box of what is known") {
     // Known are two of the eight children of a cube; the box around them holds all eight.
-    const std::string inner = node({kFree, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown,
-                                    kUnknown, kOccupied});
+    const std::string inner =
+        child_bits({kFree, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kOccupied});
     const std::string tree =
-        node({kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kInner}) +
+        child_bits({kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kInner}) +
         inner;
     const double cell = std::pow(2 * 819.2, 3);
-    CHECK(volume_of(cubes_of(header(true) + tree)) == doctest::Approx(cell));
-    CHECK(volume_of(cubes_of(header(true) + tree, true)) == doctest::Approx(7 * cell));
+    CHECK(volume_of(cubes_of(octree_header(true) + tree)) == doctest::Approx(cell));
+    CHECK(volume_of(cubes_of(octree_header(true) + tree, true)) == doctest::Approx(7 * cell));
   }
 
   TEST_CASE("octrees of other versions and types, and malformed ones are refused") {
-    CHECK(message_of("# Octomap 2 file\n").starts_with("m.bt: expected a file of OctoMap 1"));
-    CHECK(message_of("").starts_with("m.bt: expected a file of OctoMap 1"));
-    CHECK(message_of(header(true, "CountingOcTree")) ==
+    CHECK(octree_message("# Octomap 2 file\n").starts_with("m.bt: expected a file of OctoMap 1"));
+    CHECK(octree_message("").starts_with("m.bt: expected a file of OctoMap 1"));
+    CHECK(octree_message(octree_header(true, "CountingOcTree")) ==
           "m.bt: expected the id OcTree or ColorOcTree, got \"CountingOcTree\"");
-    CHECK(message_of("# Octomap OcTree file\nid OcTree\nres 0.1\n") ==
+    CHECK(octree_message("# Octomap OcTree file\nid OcTree\nres 0.1\n") ==
           "m.bt: expected a header of OctoMap, which ends with data");
-    CHECK(message_of(header(true, "OcTree", "0")) ==
+    CHECK(octree_message(octree_header(true, "OcTree", "0")) ==
           "m.bt: expected a resolution of 0.0001 to 100 m, got 0");
-    CHECK(message_of(header(true)) == "m.bt: has no occupied leaf");
-    CHECK(message_of(header(true) + "x") == "m.bt: ends within its tree");
-    CHECK(message_of(header(true) + node({kOccupied}) + "x") ==
+    CHECK(octree_message(octree_header(true)) == "m.bt: has no occupied leaf");
+    CHECK(octree_message(octree_header(true) + "x") == "m.bt: ends within its tree");
+    CHECK(octree_message(octree_header(true) + child_bits({kOccupied}) + "x") ==
           "m.bt: expected no more than the tree, got 1 bytes more");
     std::string deep;
-    for (int i = 0; i < 17; ++i) deep += node({kInner});
-    CHECK(message_of(header(true) + deep) == "m.bt: expected a tree of at most 16 levels");
+    for (int i = 0; i < 17; ++i) deep += child_bits({kInner});
+    CHECK(octree_message(octree_header(true) + deep) ==
+          "m.bt: expected a tree of at most 16 levels");
   }
 }
 

@@ -140,7 +140,8 @@ TEST_SUITE("unit") {
     CHECK(refused("7") == "f:1: key [0]: expected a map, got 7");
     CHECK(refused("{name: x}") == "f:1: key [0]: expected the key type, which is missing");
     CHECK(refused("{name: x, type: cone}") ==
-          "f:1: key [0].type: expected sphere, box, cylinder, capsule, points, mesh or octree, got \"cone\"");
+          "f:1: key [0].type: expected sphere, box, cylinder, capsule, points, mesh or octree, got "
+          "\"cone\"");
     CHECK(refused(sphere + "radius: 1}") ==
           "f:1: key [0]: expected the key position, which is missing");
     CHECK(refused(sphere + "position: [0, 0], radius: 1}") ==
