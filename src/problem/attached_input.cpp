@@ -72,7 +72,9 @@ class AttachedReader {
     if (type.is_text() && type.text() == "mesh") {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      object.shapes.push_back(read_shape(input, spelling));
+      // Of points and the like, which cannot be attached.
+      std::vector<std::string> warnings;
+      object.shapes.push_back(read_shape(input, spelling, warnings));
     }
   }
 
