@@ -14,6 +14,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <variant>
@@ -62,6 +63,73 @@ Obstacle& find(Scene& scene, const std::string& name) {
   raise_invalid(fmt::format("scene '{}': there is no obstacle '{}'", scene.name, name));
 }
 
+/// A 2-D array with three columns.
+Array to_triples(const py::object& value, const std::string& what) {
+  Array array = to_numbers(value, what);
+  if (array.ndim() == 2 && array.shape(1) == 3) return array;
+  raise_invalid(fmt::format("{}: expected an array of shape (n, 3)", what));
+}
+
+std::size_t add_points(Scene& scene, const std::string& name, const py::object& points,
+                       double radius, const py::object& position, const py::object& quat_xyzw) {
+  check_size("radius", radius);
+  const Array array = to_triples(points, "points");
+  const auto rows = array.unchecked<2>();
+  std::vector<CloudPoint> finite;
+  finite.reserve(static_cast<std::size_t>(rows.shape(0)));
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    CloudPoint p;
+    for (py::ssize_t axis = 0; axis < 3; ++axis) {
+      p[static_cast<std::size_t>(axis)] = static_cast<float>(rows(i, axis));
+    }
+    if (std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) finite.push_back(p);
+  }
+  if (finite.empty()) raise_invalid("points: expected one at least that is finite");
+  const std::size_t left_out = static_cast<std::size_t>(rows.shape(0)) - finite.size();
+  const auto parts = std::make_shared<Parts<CloudPoint>>(std::move(finite));
+  add(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
+  return left_out;
+}
+
+void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
+              const py::object& triangles, const py::object& position,
+              const py::object& quat_xyzw) {
+  const Array points = to_triples(vertices, "vertices"), faces = to_triples(triangles, "triangles");
+  const auto corners = points.unchecked<2>(), indices = faces.unchecked<2>();
+  const auto corner = [&](py::ssize_t face, py::ssize_t k) {
+    const double index = indices(face, k);
+    if (!(index >= 0 && index < static_cast<double>(corners.shape(0)))) {
+      raise_invalid(fmt::format("triangles: expected indices of {} vertices, got {}",
+                                corners.shape(0), index));
+    }
+    const auto i = static_cast<py::ssize_t>(index);
+    const Vec3 p(corners(i, 0), corners(i, 1), corners(i, 2));
+    if (!p.allFinite()) raise_invalid("vertices: expected finite coordinates");
+    return p;
+  };
+  std::vector<Triangle> list;
+  for (py::ssize_t i = 0; i < indices.shape(0); ++i) {
+    const Triangle triangle{corner(i, 0), corner(i, 1), corner(i, 2)};
+    if (triangle.area() > 0) list.push_back(triangle);
+  }
+  if (list.empty()) raise_invalid("triangles: expected one at least that has an area");
+  const auto parts = std::make_shared<Parts<Triangle>>(std::move(list));
+  add(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
+}
+
+void replace_points(Scene& scene, const std::string& name, std::size_t first,
+                    const py::object& points) {
+  const Array array = to_triples(points, "points");
+  const auto rows = array.unchecked<2>();
+  std::vector<CloudPoint> list(static_cast<std::size_t>(rows.shape(0)));
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    list[static_cast<std::size_t>(i)] = {static_cast<float>(rows(i, 0)),
+                                         static_cast<float>(rows(i, 1)),
+                                         static_cast<float>(rows(i, 2))};
+  }
+  unwrap(scene.replace_points(name, first, list));
+}
+
 /// Where a shape was put: its pose, or its middle if it has none.
 Transform place_of(const Shape& shape) {
   return std::visit(
@@ -94,8 +162,9 @@ void bind_edits(SceneClass& scene) {
         std::erase_if(self.obstacles, [&](const Obstacle& body) { return body.name == name; });
       },
       py::arg("name"), "Removes an obstacle; mneme.Error if there is none of this name.");
-  scene.def("move", &move, py::arg("name"), py::arg("position"),
-            py::arg("quat_xyzw") = py::none(),
+  scene.def("replace_points", &replace_points, py::arg("name"), py::arg("first"), py::arg("points"),
+            "Replaces points of a cloud, from the one at index first on. points: shape (n, 3).");
+  scene.def("move", &move, py::arg("name"), py::arg("position"), py::arg("quat_xyzw") = py::none(),
             "Moves an obstacle as a whole, so that its first shape is where add_box or its like\n"
             "would put it; without quat_xyzw it is not turned.");
   const auto copy = [](const Scene& self) { return self; };
@@ -146,6 +215,16 @@ void bind_shapes(SceneClass& scene) {
       },
       py::arg("name"), py::arg("a"), py::arg("b"), py::arg("radius"),
       "Adds all points within radius of the segment from a to b, shape (3,), metres.");
+  scene.def("add_points", &add_points, py::arg("name"), py::arg("points"), py::arg("radius"),
+            py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
+            "Adds balls about points, shape (n, 3), metres, in a frame at position. Rows that are\n"
+            "not finite are left out; their number is returned.");
+  scene.def(
+      "add_mesh", &add_mesh, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
+      py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
+      "Adds the surface of triangles: vertices, shape (n, 3), metres, in a frame at position;\n"
+      "triangles, shape (m, 3), indices of vertices. What lies wholly inside is not in\n"
+      "contact.");
 }
 
 }  // namespace

@@ -96,6 +96,23 @@ class Scene:
     def add_capsule(
         self, name: str, a: npt.ArrayLike, b: npt.ArrayLike, radius: float
     ) -> None: ...
+    def add_points(
+        self,
+        name: str,
+        points: npt.ArrayLike,
+        radius: float,
+        position: npt.ArrayLike = ...,
+        quat_xyzw: Optional[npt.ArrayLike] = None,
+    ) -> int: ...
+    def add_mesh(
+        self,
+        name: str,
+        vertices: npt.ArrayLike,
+        triangles: npt.ArrayLike,
+        position: npt.ArrayLike = ...,
+        quat_xyzw: Optional[npt.ArrayLike] = None,
+    ) -> None: ...
+    def replace_points(self, name: str, first: int, points: npt.ArrayLike) -> None: ...
     def remove(self, name: str) -> None: ...
     def move(
         self, name: str, position: npt.ArrayLike, quat_xyzw: Optional[npt.ArrayLike] = None

@@ -189,3 +189,35 @@ def test_what_a_robot_carries_is_checked(robot):
     assert raised(robot.detach, "cup")[0] == "invalid"
     assert raised(robot.attach, "hand", cup)[0] == "invalid"
     assert raised(robot.attach, "link_8", mneme.Scene())[0] == "invalid"
+
+
+def test_points_and_meshes_are_added_from_arrays(robot):
+    scene = mneme.Scene()
+    points = np.full((1000, 3), [2.0, 0.5, 0.0])
+    points[7, 1] = np.nan
+    assert scene.add_points("scan", points, radius=0.05) == 1
+    corners = [[2, -1, -1], [3, -1, 1], [2.5, 1, 0]]
+    scene.add_mesh("sheet", corners, [[0, 1, 2]], position=[0, 3, 0])
+    assert scene.obstacle_names == ["scan", "sheet"]
+    straight = np.zeros(8)
+    checker = mneme.CollisionChecker(robot, scene)
+    assert checker.is_valid(straight)
+    scene.replace_points("scan", 0, [[2.0, 0.0, 0.0]])
+    touching = mneme.CollisionChecker(robot, scene)
+    assert not touching.is_valid(straight)
+    assert [c.other for c in touching.contacts(straight)] == ["scan"]
+    assert checker.is_valid(straight)
+
+
+def test_wrong_points_and_meshes_are_errors():
+    scene = mneme.Scene()
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    for add in (lambda: scene.add_points("a", [[1, 2]], 0.1),
+                lambda: scene.add_points("a", [[1, 2, np.nan]], 0.1),
+                lambda: scene.add_points("a", [[1, 2, 3]], 0),
+                lambda: scene.add_mesh("a", corners, [[0, 1, 3]]),
+                lambda: scene.add_mesh("a", corners, [[0, 1, 1]]),
+                lambda: scene.add_mesh("a", [[0, 0, np.inf], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+                lambda: scene.replace_points("none", 0, [[1, 2, 3]])):
+        assert raised(add)[0] == "invalid"
+    assert len(scene) == 0

@@ -4,6 +4,7 @@
 
 #include "base/installation.h"
 #include "covering/cover_robot.h"
+#include "geometry/solids.h"
 
 #include <fmt/format.h>
 
@@ -109,6 +110,9 @@ class CoverShape {
 
   void operator()(const Sphere& sphere) const { object_.spheres.push_back(sphere); }
   void operator()(const Capsule& capsule) const { object_.capsules.push_back(capsule); }
+  /// Refused before.
+  template <class Part>
+  void operator()(const Crowd<Part>& /*crowd*/) const {}
   void operator()(const Box& box) const {
     const double size = box.half_extents.maxCoeff();
     add(box.pose, cover_within(settings_, size, [&](double excess) {
@@ -187,6 +191,12 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
     if (!is_usable(shape)) {
       return tl::unexpected(refusal(
           object, fmt::format("has a {} that is not finite or without size", shape_name(shape))));
+    }
+    if (internal::is_crowd(shape)) {
+      return tl::unexpected(refusal(
+          object, fmt::format("has the shape {}; expected a sphere, box, cylinder or capsule, or "
+                              "a mesh in a file",
+                              shape_name(shape))));
     }
     std::visit(CoverShape(settings, covered), shape);
   }

@@ -72,8 +72,9 @@ class AttachedReader {
     if (type.is_text() && type.text() == "mesh") {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      std::vector<std::string> none;  // only crowds have warnings, and those are refused
-      object.shapes.push_back(read_shape(input, spelling, none));
+      // Of points and the like, which cannot be attached.
+      std::vector<std::string> warnings;
+      object.shapes.push_back(read_shape(input, spelling, warnings));
     }
   }
 

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Scenes that change while checkers of them come and go.
+#include "collision/random_worlds.h"
+#include "geometry/random_crowds.h"
+
+#include <optional>
+
+namespace mneme::test {
+namespace {
+
+/// The same obstacles with parts of their own, of which nothing is kept.
+Scene afresh(const Scene& scene) {
+  Scene copy = scene;
+  for (Obstacle& obstacle : copy.obstacles) {
+    for (Shape& shape : obstacle.shapes) {
+      auto* cloud = std::get_if<PointCloud>(&shape);
+      if (cloud == nullptr) continue;
+      cloud->parts = std::make_shared<Parts<CloudPoint>>(cloud->parts->list());
+    }
+  }
+  return copy;
+}
+
+std::vector<CloudPoint> random_points(std::uint32_t count, Rng& rng) {
+  std::vector<CloudPoint> points;
+  const Vec3 middle = random_vector(rng, 0.8);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f p = (middle + random_vector(rng, 0.3)).cast<float>();
+    points.push_back({p.x(), p.y(), p.z()});
+  }
+  return points;
+}
+
+void edit(Scene& scene, int number, Rng& rng) {
+  const std::string name = "added" + std::to_string(number);
+  const std::uint32_t kind = rng.index(8);
+  if (scene.obstacles.size() < 3 || kind == 0) {
+    const Shape shape = transformed(random_pose(rng, 1.0), random_cloud(rng));
+    REQUIRE(scene.add({name, {shape}}).has_value());
+  } else if (kind == 1) {
+    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.5), small_box(rng))}}).has_value());
+  }
+  const std::uint32_t count = static_cast<std::uint32_t>(scene.obstacles.size());
+  const Obstacle& obstacle = scene.obstacles[rng.index(count)];
+  const std::string chosen = obstacle.name;
+  if (count > 8 && kind == 2) {
+    REQUIRE(scene.remove(chosen).has_value());
+  } else if (kind == 3) {
+    REQUIRE(scene.move(chosen, random_pose(rng, 0.2)).has_value());
+  } else if (const auto* cloud = std::get_if<PointCloud>(&obstacle.shapes[0])) {
+    const auto size = static_cast<std::uint32_t>(cloud->parts->list().size());
+    const std::uint32_t first = rng.index(size), most = std::min(size - first, 100u);
+    const std::vector<CloudPoint> points = random_points(rng.index(most) + 1, rng);
+    REQUIRE(scene.replace_points(chosen, first, points).has_value());
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a scene that was edited again and again is checked as one made afresh") {
+    Rng rng(311);
+    const Robot robot = random_robot(rng);
+    Scene scene{"edited", {}};
+    std::optional<CollisionChecker> kept;
+    std::vector<std::uint8_t> kept_says;
+    const std::vector<float> rows = random_states(robot, 100, rng);
+    int in_contact = 0;
+    for (int i = 0; i < rounds(30); ++i) {
+      INFO("seed 311, edit " << i);
+      edit(scene, i, rng);
+      const auto checker = require_checker(robot, scene);
+      const auto says = check_all(checker, rows);
+      REQUIRE(says == check_all(require_checker(robot, afresh(scene)), rows));
+      in_contact += static_cast<int>(std::ranges::count(says, std::uint8_t{0}));
+      // A checker that is still there must not see edits.
+      if (kept) REQUIRE(check_all(*kept, rows) == kept_says);
+      if (i % 3 == 0) {
+        kept = checker;
+        kept_says = says;
+      } else {
+        kept.reset();
+      }
+    }
+    CHECK(in_contact > 100);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
