@@ -168,14 +168,21 @@ void print_memory(const Problem& problem, const GlSampler& gl) {
   }
 }
 
-void print_path(const Robot& robot, const Path& path) {
+void print_path(const PathMeasures& measures, const Path& path) {
   if (path.empty()) return;
-  fmt::print("path        {} configurations, length {:.4f}\n", path.size(),
-             path_length(robot, path));
+  std::string clearance;
+  if (measures.clearance) {
+    clearance = fmt::format(", least clearance {:.1f} mm at {} and {}",
+                            1e3 * measures.clearance->distance, measures.clearance->link,
+                            measures.clearance->obstacle);
+  }
+  fmt::print("path        {} configurations, length {:.4f} (straight {:.4f}){}\n", path.size(),
+             measures.length, measures.straight, printable(clearance));
   for (const Configuration& q : path) fmt::print("  {:.6f}\n", fmt::join(q, ","));
 }
 
-void print_result(const LoadedPlan& loaded, const SolveResult& result) {
+void print_result(const LoadedPlan& loaded, const SolveResult& result,
+                  const PathMeasures& measures) {
   const PlanResult& plan = result.plan;
   fmt::print("{}: {}, sampler {}, seed {}, {}\n", to_string(plan.status), result.planner,
              result.sampler, result.seed, to_string(result.isa));
@@ -197,7 +204,7 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
     fmt::print("remembered  {} samplers in {:.3f} ms\n", result.remembered.rows,
                1e3 * result.remembered.time_s);
   }
-  print_path(loaded.problem.robot, plan.path);
+  print_path(measures, plan.path);
 }
 
 Result<ExitCode> run_plan(const PlanOptions& options) {
@@ -215,10 +222,11 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   const Result<SolveResult> result = solve(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
 
+  const PathMeasures measures = measure_path(loaded->problem, result->plan.path);
   if (options.is_json) {
-    fmt::print("{}\n", to_json(loaded->problem, *result, loaded->load_time_s));
+    fmt::print("{}\n", to_json(loaded->problem, *result, loaded->load_time_s, &measures));
   } else {
-    print_result(*loaded, *result);
+    print_result(*loaded, *result, measures);
   }
   if (!result->plan.is_solved()) print_error(result->plan.message);
   if (!result->remembered.failure.empty()) {
@@ -252,6 +260,26 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
   add_settings(command, settings.plan);
   add_memory_settings(command, settings.memory);
   add_settings(command, settings.learn);
+}
+
+std::vector<FlagGroup> help_groups() {
+  return {
+      {"Usual", {"help", "help-all", "robot", "start", "goal", "timeout", "seed"}, {}},
+      {"Robot", {"srdf", "group", "package-path"}, {}},
+      {"Memory",
+       {"db", "kind", "lambda", "sigma", "remember-after"},
+       {"similarity", "max-matches", "drop-invalid-means", "retrieve-after", "first-components",
+        "component-growth", "max-gap", "db-memory"}},
+      {"Learning",
+       {"learn-budget"},
+       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range",
+        "learn-resolution", "merge-cliques"}},
+      {"Planner",
+       {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin"},
+       {"max-nodes", "verify", "resolution", "anchor", "anchor-sigma", "walk", "walk-after",
+        "neighbours", "goal-bias", "ompl-defaults", "isa"}},
+      {"Output", {"view", "svg", "trace", "json"}, {}},
+  };
 }
 
 /// Flags that only make sense together.
@@ -289,6 +317,7 @@ void add_plan(CLI::App& program, Action& action) {
   command->add_option("--trace", options->files.trace,
                       "write what the page shows as JSON, for 'mneme view' and other programs");
   add_json(*command, options->is_json);
+  group_flags(*command, help_groups());
   command->callback([command, options, &action] {
     options->has_sampler = command->count("--sampler") > 0;
     if (options->settings.learn_budget_s > 0 && options->db.empty()) {

@@ -3,12 +3,12 @@
 
 #include "command_line.h"
 
+#include "mneme/base.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <numeric>
-#include <string_view>
 #include <utility>
 
 namespace mneme::app {
@@ -48,31 +48,6 @@ void append(const CLI::App& command, const std::string& words,
   }
 }
 
-/// Levenshtein's distance: insertions, deletions and replacements of characters.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
-/// "; did you mean ...?" if one of `names` is close to `word`.
-std::string suggestion(std::string_view word, const std::vector<std::string>& names) {
-  const auto is_closer = [&](const std::string& a, const std::string& b) {
-    return edit_distance(word, a) < edit_distance(word, b);
-  };
-  const auto nearest = std::min_element(names.begin(), names.end(), is_closer);
-  if (nearest == names.end() || edit_distance(word, *nearest) > 1 + word.size() / 3) return "";
-  return fmt::format("; did you mean '{}'?", *nearest);
-}
-
 std::vector<std::string> subcommand_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
@@ -104,7 +79,7 @@ std::optional<Complaint> unknown_command(const CLI::App& program,
     const std::vector<std::string> names = subcommand_names(*command);
     if (names.empty() || word.starts_with('-')) return std::nullopt;
     if (std::find(names.begin(), names.end(), word) == names.end()) {
-      const std::string close = suggestion(word, names);
+      const std::string close = did_you_mean(word, names);
       return Complaint{command, fmt::format("unknown subcommand '{}'{}", word,
                                             close.empty() ? fmt::format("; expected one of: {}",
                                                                         fmt::join(names, ", "))
@@ -140,7 +115,7 @@ std::optional<std::string> unexpected_argument(const CLI::App& command) {
   if (word == words.end()) word = words.begin();
   const std::string flag = word->substr(0, word->find('='));
   return fmt::format("unexpected argument '{}'{}", *word,
-                     flag.starts_with("--") ? suggestion(flag, flag_names(command)) : "");
+                     flag.starts_with("--") ? did_you_mean(flag, flag_names(command)) : "");
 }
 
 }  // namespace mneme::app

@@ -60,6 +60,7 @@ void add_robot(CLI::App& program, Action& action);
 void add_scene(CLI::App& program, Action& action);
 void add_bench(CLI::App& program, Action& action);
 void add_view(CLI::App& program, Action& action);
+void add_serve(CLI::App& program, Action& action);
 void add_doctor(CLI::App& program, Action& action);
 void add_completion(CLI::App& program, Action& action);
 void add_manual(CLI::App& program, Action& action);

@@ -37,6 +37,7 @@ void set_up(CLI::App& program, Action& action) {
   program.name("mneme");
   program.formatter(make_help_formatter());
   program.set_version_flag("--version", fmt::format("mneme {}", version()));
+  program.set_help_all_flag("--help-all", "Print this help message with all flags and exit");
   program.footer(kExamples);
   add_demo(program, action);
   add_plan(program, action);
@@ -46,6 +47,7 @@ void set_up(CLI::App& program, Action& action) {
   add_scene(program, action);
   add_bench(program, action);
   add_view(program, action);
+  add_serve(program, action);
   add_doctor(program, action);
   add_completion(program, action);
   add_manual(program, action);

@@ -18,8 +18,27 @@ namespace {
 constexpr std::size_t kFlagColumn = 30;
 constexpr std::size_t kHelpWidth = 100;
 
+/// Ends the names of the groups of flags that --help leaves out.
+constexpr std::string_view kMore = ", more";
+
 class WrappingFormatter : public CLI::Formatter {
  public:
+  std::string make_groups(const CLI::App* app, CLI::AppFormatMode mode) const override {
+    bool is_whole = true;
+    std::string text;
+    for (const std::string& group : app->get_groups()) {
+      const std::vector<const CLI::Option*> flags =
+          app->get_options([&](const CLI::Option* option) {
+            return option->get_group() == group && option->nonpositional();
+          });
+      if (group.empty() || flags.empty()) continue;
+      const bool is_left_out = mode != CLI::AppFormatMode::All && group.ends_with(kMore);
+      is_whole &= !is_left_out;
+      if (!is_left_out) text += make_group(group, false, flags) + "\n";
+    }
+    return is_whole ? text : text + "More flags: --help-all\n\n";
+  }
+
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     // CLI11 shows the value that a negated flag stands for.
     return CLI::detail::find_and_replace(CLI::Formatter::make_option_name(option, is_positional),
@@ -88,7 +107,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::strin
   const auto read = [=, &value](const std::string& text) {
     if (std::find(names.begin(), names.end(), text) == names.end()) {
       throw CLI::ValidationError(
-          flag, fmt::format("unknown {} '{}': expected one of {}", what, text, list));
+          flag, fmt::format("unknown {} '{}': expected one of {}{}", what, text, list,
+                            did_you_mean(text, names)));
     }
     value = text;
   };
@@ -169,6 +189,19 @@ void add_json(CLI::App& app, bool& is_json) {
 void add_jobs(CLI::App& app, int& jobs) {
   jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   add_number(app, "--jobs", jobs, 1, 4096, "threads");
+}
+
+void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups) {
+  const std::string rest = fmt::format("Others{}", kMore);
+  for (CLI::Option* option : command.get_options()) {
+    if (option->nonpositional() && option->get_group() == "Options") option->group(rest);
+  }
+  for (const FlagGroup& group : groups) {
+    for (const std::string& name : group.usual) command.get_option("--" + name)->group(group.heading);
+    for (const std::string& name : group.more) {
+      command.get_option("--" + name)->group(fmt::format("{}{}", group.heading, kMore));
+    }
+  }
 }
 
 std::shared_ptr<CLI::Formatter> make_help_formatter() {

@@ -135,7 +135,17 @@ void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.
 void add_jobs(CLI::App& app, int& jobs);
 
-/// Help whose descriptions are wrapped to the width of a terminal.
+/// Flags that stand together in the help.
+struct FlagGroup {
+  std::string heading;
+  std::vector<std::string> usual;  ///< names without dashes: what --help shows
+  std::vector<std::string> more;   ///< what --help-all shows besides
+};
+/// Sorts the flags of `command` into groups; those that none names stand last, under --help-all.
+void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups);
+
+/// Help whose descriptions are wrapped to the width of a terminal. --help leaves out what
+/// group_flags() put under --help-all.
 [[nodiscard]] std::shared_ptr<CLI::Formatter> make_help_formatter();
 
 }  // namespace mneme::app

@@ -189,7 +189,10 @@ void bind_pipeline(py::module_& module) {
   bind_answer(type);
   bind_numbers(type);
   type.def(
-          "to_json", [](const Plan& self) { return to_json(self.problem, self.result, 0); },
+          "to_json", [](const Plan& self) {
+            const PathMeasures measures = measure_path(self.problem, self.result.plan.path);
+            return to_json(self.problem, self.result, 0, &measures);
+          },
           "The text that `mneme plan --json` prints.")
       .def("to_svg", &svg_of, "A picture of a planar robot's plan, as SVG text.")
       .def("to_trace", &trace_of,

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/problem.h"
 #include "mneme/scene.h"
 
 #include "arrays.h"
@@ -203,6 +204,9 @@ void bind_scene(py::module_& module) {
   scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
       "Text that Scene.parse reads back to the same scene.");
+  scene.def(
+      "to_compact_json", [](const Scene& self) { return to_compact_json({self, ""}); },
+      "Text of a compact file with this scene, and without start and goal.");
   scene.def("__len__", [](const Scene& self) { return self.obstacles.size(); });
   scene.def("__repr__", [](const Scene& self) {
     return fmt::format("<mneme.Scene '{}', {} obstacles>", self.name, self.obstacles.size());

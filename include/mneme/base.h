@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -61,6 +62,10 @@ using Result = tl::expected<T, Error>;
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
+
+/// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or without
+/// underscores; otherwise nothing.
+[[nodiscard]] std::string did_you_mean(std::string_view word, std::span<const std::string> names);
 
 /// Receives one line of log text without a line break. Called from the thread that works.
 using LogCallback = std::function<void(std::string_view line)>;

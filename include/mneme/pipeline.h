@@ -164,6 +164,7 @@ struct SamplerEntry {
 /// "gl" (Algorithm 1), "uniform", "halton"; baselines on the same memory: "pooled",
 /// "nearest_scenes", "cvae"; OMPL's samplers of valid states.
 [[nodiscard]] std::span<const SamplerEntry> samplers();
+/// Of those that some planner takes: OMPL's only where its planners are.
 [[nodiscard]] std::vector<std::string> sampler_names();
 /// Error: an unknown name; the message lists those there are.
 [[nodiscard]] Result<const SamplerEntry*> find_sampler(std::string_view name);

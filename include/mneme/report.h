@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,10 +19,26 @@
 
 namespace mneme {
 
+/// The nearest that a moving link comes to an obstacle.
+struct LeastClearance {
+  double distance = 0;  ///< metres between the surfaces
+  std::string link;
+  std::string obstacle;
+};
+
+struct PathMeasures {
+  double length = 0;    ///< path_length()
+  double straight = 0;  ///< L2 joint distance of its ends: no path between them is shorter
+  std::optional<LeastClearance> clearance;  ///< nothing without obstacles
+};
+/// Looks at exact distances along `path` at the planners' resolution, and sixteen times finer where
+/// they are least. Some 10 us a state.
+[[nodiscard]] PathMeasures measure_path(const Problem& problem, const Path& path);
+
 /// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database
-/// took.
+/// took. Without `measures` the keys of its clearance are missing, which cost more than all others.
 [[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result,
-                                  double load_time_s);
+                                  double load_time_s, const PathMeasures* measures = nullptr);
 
 /// A planar picture in the manner of the paper's figures; metres, y upwards.
 struct PlanarPicture {

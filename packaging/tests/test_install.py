@@ -42,6 +42,26 @@ def test_another_project_finds_and_links_the_library(installed, tmp_path):
     assert re.match(r"\d+\.\d+\.\d+ .*planar/threaded_b2.yaml", printed)
 
 
+def compile_readme(folder, packages):
+    """Runs the README's line for whoever builds without CMake."""
+    readme = (SOURCE / "README.md").read_text()
+    program = re.search(r"^```cpp\n(.*?)^```", readme, re.MULTILINE | re.DOTALL).group(1)
+    (folder / "first_plan.cpp").write_text(program)
+    line = re.search(r"^g\+\+ .*pkg-config.*$", readme, re.MULTILINE).group(0)
+    run(["sh", "-c", line], cwd=folder, env=environment(PKG_CONFIG_PATH=str(packages)))
+    assert subprocess.run([folder / "first_plan"], cwd=folder, timeout=60).returncode == 1  # there is no memory
+
+
+def test_pkg_config_finds_the_built_library(tmp_path):
+    compile_readme(tmp_path, BUILD)
+
+
+def test_pkg_config_finds_the_installed_library(installed, tmp_path):
+    compile_readme(tmp_path, installed / "lib/pkgconfig")
+    for path in (installed / "lib/pkgconfig").glob("*.pc"):
+        assert str(SOURCE) not in path.read_text()
+
+
 def test_no_file_of_the_library_names_this_tree(installed):
     for path in (installed / "lib/cmake/mneme").glob("*.cmake"):
         assert str(SOURCE) not in path.read_text(), path

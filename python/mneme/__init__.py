@@ -39,11 +39,14 @@ from ._mneme import (
     similarity_error,
 )
 from ._bench import Benchmark, bench
+from ._client import Busy, Client, RemotePlan
 from ._view import view
 
 __all__ = [
     "Benchmark",
     "BenchmarkRow",
+    "Busy",
+    "Client",
     "CollisionChecker",
     "Database",
     "Error",
@@ -52,6 +55,7 @@ __all__ = [
     "Plan",
     "Primitive",
     "Problem",
+    "RemotePlan",
     "Robot",
     "Scene",
     "__version__",

@@ -100,6 +100,7 @@ class Scene:
     ) -> None: ...
     def copy(self) -> Scene: ...
     def allow(self, link: str, obstacle: str) -> None: ...
+    def to_compact_json(self) -> str: ...
     def to_yaml(self) -> str: ...
     def __len__(self) -> int: ...
 
@@ -322,6 +323,68 @@ class Plan:
     def to_row(self, set: str = "") -> BenchmarkRow: ...
     def view(self, path: PathLike) -> PathLike: ...
     def _repr_html_(self) -> str: ...
+
+class Busy(Exception):
+    retry_after_s: float
+
+class RemotePlan:
+    answer: dict[str, Any]
+    is_solved: bool
+    status: str
+    message: str
+    path: Floats
+    path_length: float
+    total_time_s: float
+    planning_time_s: float
+    retrieval_time_s: float
+    learning_time_s: float
+    simplification_time_s: float
+    verification_time_s: float
+    iterations: int
+    states_checked: int
+    motions_checked: int
+    remembered: int
+    planner: str
+    sampler: str
+    seed: int
+    isa: str
+    def to_json(self) -> str: ...
+    def to_trace(self) -> str: ...
+
+class Client:
+    def __init__(
+        self,
+        url: str = "http://127.0.0.1:7890",
+        token: Optional[str] = None,
+        timeout_s: float = 120.0,
+        patience_s: float = 30.0,
+    ) -> None: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> Client: ...
+    def __exit__(self, *_: object) -> None: ...
+    def plan(
+        self,
+        problem: Optional[Problem] = None,
+        *,
+        scene: Union[Scene, str, None] = None,
+        start: Optional[npt.ArrayLike] = None,
+        goals: Optional[npt.ArrayLike] = None,
+        trace: bool = False,
+        clearance: bool = False,
+        remember: bool = True,
+        **settings: Any,
+    ) -> RemotePlan: ...
+    def check(
+        self, configurations: npt.ArrayLike, scene: Union[Scene, str, None] = None, margin: float = 0.0
+    ) -> list[dict[str, Any]]: ...
+    def put_scene(
+        self, id: str, scene: Union[Scene, dict[str, Any]], frame: Optional[str] = None
+    ) -> list[str]: ...
+    def edit_scene(
+        self, id: str, remove: Sequence[str] = (), scene: Union[Scene, dict[str, Any], None] = None
+    ) -> list[str]: ...
+    def delete_scene(self, id: str) -> None: ...
+    def health(self) -> dict[str, Any]: ...
 
 def plan(
     problem: Problem,

@@ -4,6 +4,7 @@
 #include "mneme/benchmark.h"
 
 #include "base/text_file.h"
+#include "pipeline/settings_input.h"
 #include "scene/input.h"
 #include "scene/yaml.h"
 
@@ -17,14 +18,7 @@
 namespace mneme {
 namespace {
 
-/// All settings of solve(), as visit_settings tells them.
-template <class Settings, class Visitor>
-void visit_all_settings(Settings& settings, const Visitor& visitor) {
-  visit_settings(settings, visitor);
-  visit_settings(settings.plan, visitor);
-  visit_settings(settings.memory, visitor);
-  visit_settings(settings.learn, visitor);
-}
+using internal::visit_all_settings;
 
 using SettingTexts = std::vector<std::pair<std::string, std::string>>;
 
@@ -43,46 +37,8 @@ SettingTexts all_texts(const SolveSettings& settings) {
 }
 
 using internal::Input;
+using internal::SettingsReader;
 namespace fs = std::filesystem;
-
-/// Reads each of its settings that `map` has.
-class SettingsReader {
- public:
-  explicit SettingsReader(const Input& map) : map_(map) {}
-
-  template <class T>
-  void operator()(std::string_view name, T& value, SettingValue<T> least, SettingValue<T> most,
-                  std::string_view) const {
-    using Value = SettingValue<T>;
-    const auto input = map_.find(name);
-    if (!input) return;
-    if constexpr (std::is_same_v<Value, bool>) {
-      value = input->boolean();
-    } else {
-      const double number = input->number();
-      // Written so that a NaN is out of range.
-      const bool is_inside =
-          number >= static_cast<double>(least) && number <= static_cast<double>(most);
-      constexpr bool kIsWhole = std::is_integral_v<Value>;
-      const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
-      if (!is_inside || !is_whole) {
-        input->fail_expecting(
-            fmt::format("{} from {} to {}", kIsWhole ? "a whole number" : "a number", least, most));
-      }
-      value = to<Value>(number);
-    }
-  }
-
- private:
-  /// A cast of a number that T cannot hold would be undefined.
-  template <class T>
-  static T to(double number) {
-    if (!(number > -1e18 && number < 1e18)) return T{};
-    return static_cast<T>(number);
-  }
-
-  const Input& map_;
-};
 
 /// A list of texts, or a single one.
 std::vector<std::string> read_texts(const Input& input) {

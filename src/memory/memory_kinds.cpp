@@ -3,6 +3,7 @@
 #include "mneme/memory.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -22,13 +23,15 @@ constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kWholePaths, &
 std::span<const MemoryKind* const> memory_kinds() { return internal::kMemoryKinds; }
 
 Result<const MemoryKind*> find_memory_kind(std::string_view name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const MemoryKind* kind : memory_kinds()) {
     if (kind->name == name) return kind;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", kind->name);
+    known.emplace_back(kind->name);
   }
-  return fail(ErrorCode::invalid,
-              fmt::format("there is no kind of memory '{}'; expected one of: {}", name, known));
+  return fail(ErrorCode::invalid, fmt::format("there is no kind of memory '{}'; expected one of: "
+                                              "{}{}",
+                                              name, fmt::join(known, ", "),
+                                              did_you_mean(name, known)));
 }
 
 const MemoryKind* memory_kind_of(std::string_view version) {

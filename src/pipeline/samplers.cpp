@@ -67,7 +67,11 @@ std::span<const SamplerEntry> samplers() { return kSamplers; }
 
 std::vector<std::string> sampler_names() {
   std::vector<std::string> names;
-  for (const SamplerEntry& sampler : kSamplers) names.emplace_back(sampler.name);
+  const bool can_draw_valid_states =
+      std::ranges::any_of(planners(), &PlannerEntry::draws_valid_states);
+  for (const SamplerEntry& sampler : kSamplers) {
+    if (can_draw_valid_states || !sampler.draws_valid_states) names.emplace_back(sampler.name);
+  }
   return names;
 }
 
@@ -75,11 +79,10 @@ Result<const SamplerEntry*> find_sampler(std::string_view name) {
   const auto found = std::ranges::find(kSamplers, name, &SamplerEntry::name);
   if (found != kSamplers.end()) return &*found;
   std::string known;
-  for (const SamplerEntry& entry : kSamplers) {
-    known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  }
-  return fail(ErrorCode::invalid,
-              "unknown sampler '" + std::string(name) + "': expected one of " + known);
+  const std::vector<std::string> names = sampler_names();
+  for (const std::string& entry : names) known += (known.empty() ? "" : ", ") + entry;
+  return fail(ErrorCode::invalid, "unknown sampler '" + std::string(name) +
+                                      "': expected one of " + known + did_you_mean(name, names));
 }
 
 }  // namespace mneme

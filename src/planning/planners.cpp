@@ -55,8 +55,9 @@ Result<const PlannerEntry*> find_planner(std::string_view name) {
         ErrorCode::unsupported,
         std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
   }
-  return fail(ErrorCode::invalid,
-              "unknown planner '" + std::string(name) + "': expected one of " + known);
+  return fail(ErrorCode::invalid, "unknown planner '" + std::string(name) +
+                                      "': expected one of " + known +
+                                      did_you_mean(name, planner_names()));
 }
 
 PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChecker& checker,

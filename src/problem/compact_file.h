@@ -18,14 +18,6 @@ namespace mneme::internal {
 /// The value of `json`, with lines; `source` names it in messages. Throws InputFailure.
 [[nodiscard]] InputValue parse_json(std::string_view json, const std::string& source);
 
-/// Number of letters to insert, delete or replace to make `b` of `a`, whatever their case.
-[[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
-
-/// The `count` names that take the least edits to `name`, nearest first.
-[[nodiscard]] std::vector<std::string> close_names(const std::string& name,
-                                                   std::vector<std::string> names,
-                                                   std::size_t count);
-
 /// FILE.json and NAME of "FILE.json#NAME"; without a file of that extension, nothing.
 struct CompactAddress {
   std::string path;

@@ -21,8 +21,20 @@ namespace {
 
 using internal::Input;
 
+/// A robot is what people try first.
+void refuse_xml(std::string_view text, const std::string& path) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos || text[begin] != '<') return;
+  throw internal::InputFailure{
+      {ErrorCode::invalid,
+       fmt::format("{}: this is XML, such as a robot's URDF; expected a problem: a YAML file that "
+                   "names robot, scene, start and goal",
+                   path)}};
+}
+
 Problem read_problem_file(const std::string& path, const ProblemOptions& options) {
   const auto text = internal::value_or_throw(internal::read_text_file(path));
+  refuse_xml(text, path);
   const internal::InputValue value = internal::parse_yaml(text, path);
   const Input input(value, path);
   if (internal::is_moveit_request(input)) {

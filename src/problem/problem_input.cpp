@@ -22,6 +22,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kTolerance = 1e-9;
+constexpr std::size_t kShownJoints = 3;
 
 bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
 
@@ -108,6 +109,9 @@ bool fix_joints(ProblemRobot& robot, RobotOptions& options,
     }
   }
   if (!left_aside.empty()) {
+    const std::size_t rest = left_aside.size() - std::min(left_aside.size(), kShownJoints);
+    left_aside.resize(left_aside.size() - rest);
+    if (rest > 0) left_aside.push_back(fmt::format("and {} more", rest));
     robot.warnings.push_back(place.place(fmt::format(
         "left aside for robot {}: {}", robot.robot.name(), fmt::join(left_aside, ", "))));
   }
@@ -229,7 +233,11 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
 }
 
 Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
-  ProblemRobot robot = read_robot(input.header, input.directory, options);
+  return read_problem_of(read_robot(input.header, input.directory, options), input, options);
+}
+
+Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
+                        const ProblemOptions& options) {
   check_robot_facts(input.problem, robot.robot);
   Scene scene = moved(read_frame(input.header, robot.robot), input.scene);
   std::vector<AttachedObject> attached =

@@ -182,6 +182,12 @@ std::size_t retrieved_count(const GlSampler& gl) {
   return count;
 }
 
+void add_clearance(Json& json, const LeastClearance& clearance) {
+  json["least_clearance"] = clearance.distance;
+  json["nearest_link"] = clearance.link;
+  json["nearest_obstacle"] = clearance.obstacle;
+}
+
 void add_times(Json& json, const SolveResult& result, double load_time_s) {
   json["total_time_s"] = result.total_time_s;
   json["planning_time_s"] = result.planning_time_s;
@@ -204,7 +210,8 @@ Json to_json(const std::vector<Improved>& improvements) {
 
 }  // namespace
 
-std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s) {
+std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
+                    const PathMeasures* measures) {
   Json json;
   json["problem"] = problem.name;
   json["robot"] = problem.robot.name();
@@ -212,7 +219,10 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["solved"] = result.plan.is_solved();
   if (!result.plan.is_solved()) json["message"] = result.plan.message;
   json["path"] = result.plan.path;
-  json["path_length"] = path_length(problem.robot, result.plan.path);
+  const Path& path = result.plan.path;
+  json["path_length"] = path_length(problem.robot, path);
+  json["straight_length"] = path.empty() ? 0 : problem.robot.distance(path.front(), path.back());
+  if (measures != nullptr && measures->clearance) add_clearance(json, *measures->clearance);
   add_times(json, result, load_time_s);
   if (!result.improvements.empty()) json["improvements"] = to_json(result.improvements);
   json["iterations"] = result.plan.iterations;

@@ -120,8 +120,12 @@ void XmlReader::check_children(const XmlElement& element,
     if (!contains(single, name) && !contains(repeated, name)) {
       std::vector<std::string_view> known(single);
       known.insert(known.end(), repeated);
-      note(child->GetLineNum(), fmt::format("unknown element <{}> in <{}>; expected one of: {}",
-                                            name, element.Name(), fmt::join(known, ", ")));
+      const bool is_xacro = name.starts_with("xacro:");
+      note(child->GetLineNum(),
+           fmt::format("unknown element <{}> in <{}>; expected {}{}", name, element.Name(),
+                       is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf"
+                                : "one of: ",
+                       fmt::join(is_xacro ? std::vector<std::string_view>() : known, ", ")));
     }
     if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
       note(child->GetLineNum(),

@@ -78,8 +78,9 @@ Input Input::child(const InputValue& value, std::string_view key) const {
 void Input::allow_keys(const std::vector<std::string_view>& keys) const {
   for (const auto& [key, input] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-      input.fail(ErrorCode::parse,
-                 fmt::format("unknown key, expected one of {}", fmt::join(keys, ", ")));
+      const std::vector<std::string> names(keys.begin(), keys.end());
+      input.fail(ErrorCode::parse, fmt::format("unknown key, expected one of {}{}",
+                                               fmt::join(keys, ", "), did_you_mean(key, names)));
     }
   }
 }

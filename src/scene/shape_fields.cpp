@@ -28,7 +28,10 @@ class ShapeReader {
   template <std::size_t kIndex = 0>
   Shape read_one_of(const Input& type, const std::string& name) const {
     if constexpr (kIndex == std::variant_size_v<Shape>) {
-      type.fail_expecting("sphere, box, cylinder or capsule");
+      const bool is_flat = name == "circle" || name == "disc" || name == "disk";
+      type.fail_expecting(is_flat ? "sphere, box, cylinder or capsule; circles of a planar scene "
+                                    "stand under its key circles, as name: [x, y, radius]"
+                                  : "sphere, box, cylinder or capsule");
     } else {
       const std::variant_alternative_t<kIndex, Shape> shape;
       return name == shape_name(shape) ? read(shape) : read_one_of<kIndex + 1>(type, name);

@@ -44,13 +44,27 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("help shows each setting's sentence, default and range") {
-    const ProgramRun run = run_program({"plan", "--help"});
+    const ProgramRun run = run_program({"plan", "--help-all"});
     CHECK(has_text(run.out, "--lambda"));
     CHECK(has_text(run.out, "probability of drawing from the retrieved samplers"));
     CHECK(has_text(run.out, "(default 0.05; 0 to 1)"));
     CHECK(has_text(run.out, "--no-simplify"));
     CHECK(has_text(run.out, "--starts-per-link"));
     CHECK(has_text(run.out, "--max-gap"));
+  }
+
+  TEST_CASE("the help of plan shows what is usual, in groups, and says where the rest is") {
+    const std::string usual = run_program({"plan", "--help"}).out;
+    for (const char* heading : {"Usual:", "Memory:", "Planner:", "Output:", "--timeout", "--db ",
+                                "--planner", "More flags: --help-all"}) {
+      CHECK_MESSAGE(has_text(usual, heading), heading);
+    }
+    CHECK_FALSE(has_text(usual, "--goal-bias"));
+    CHECK_FALSE(has_text(usual, "Others"));
+    const std::string all = run_program({"plan", "--help-all"}).out;
+    CHECK(has_text(all, "Planner, more:"));
+    CHECK(has_text(all, "--goal-bias"));
+    CHECK_FALSE(has_text(all, "More flags"));
   }
 
   TEST_CASE("a wrong command line is a usage error with a suggestion") {
@@ -64,6 +78,9 @@ TEST_SUITE("unit") {
         {{"db"}, 2, {"subcommand is required", "see 'mneme db --help'"}},
         {{"--bogus"}, 2, {"--bogus"}},
         {{"plan", "p.yaml", "--timout", "1"}, 2, {"--timout", "did you mean '--timeout'?"}},
+        {{"plan", "p.yaml", "--planner", "RRTConnect"}, 2, {"did you mean 'rrt_connect'?"}},
+        {{"plan", "p.yaml", "--sampler", "haltn"}, 2, {"did you mean 'halton'?"}},
+        {{"plan", source_file("robots/ur5.urdf")}, 1, {"this is XML", "expected a problem"}},
         {{"plan"}, 2, {"PROBLEM is required", "see 'mneme plan --help'"}},
         {{"plan", "a.yaml", "b.yaml"}, 2, {"b.yaml"}},
     });

@@ -23,6 +23,7 @@ TEST_SUITE("unit") {
       CHECK(found.error().message.find("expected one of rrt_connect, rrt, prm") !=
             std::string::npos);
     }
+    CHECK(find_planner("RRTConnect").error().message.ends_with("did you mean 'rrt_connect'?"));
     CHECK(find_planner("ompl:RRTConnect").error().code == ErrorCode::unsupported);
   }
 

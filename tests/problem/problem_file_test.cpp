@@ -106,6 +106,15 @@ TEST_SUITE("unit") {
           "fixed joint), wheel (no such joint)");
   }
 
+  TEST_CASE("of many values that are left aside the first are named") {
+    const Lifter lifter;
+    const auto read = lifter.read(
+        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {a: 0, b: 0, c: 0, d: 0, e: 0}");
+    REQUIRE(read.has_value());
+    REQUIRE(read->warnings.size() == 1);
+    CHECK(read->warnings[0].ends_with("b (no such joint), c (no such joint), and 2 more"));
+  }
+
   TEST_CASE("joints and fixed values of the caller stand for those of the file") {
     const Lifter lifter;
     ProblemOptions options;

@@ -38,6 +38,7 @@ TEST_SUITE("unit") {
                                      {"solved", true},
                                      {"path", {{0.0, 0.0, 0.0}, {0.3, 0.4, 0.0}}},
                                      {"path_length", json.at("path_length")},
+                                     {"straight_length", json.at("straight_length")},
                                      {"total_time_s", 2.0},
                                      {"planning_time_s", 1.0},
                                      {"retrieval_time_s", 0.25},
@@ -60,6 +61,34 @@ TEST_SUITE("unit") {
                                      {"isa", to_string(Isa::scalar)}};
     CHECK(json == expected);
     CHECK(json.at("path_length").get<double>() == doctest::Approx(0.5));
+  }
+
+  TEST_CASE("the measures of a path are its length, that of its ends, and where it is nearest") {
+    Problem problem = test::gap_problem();
+    const Path path = {{0, 0, 0}, {0.6, 0, 0}, {0.3, 0.4, 0}};
+    problem.scene = make_circle_scene("one", {{2.0, 2.0, 0.1}, {2.5, 2.5, 0.1}});
+    const PathMeasures measures = measure_path(problem, path);
+    CHECK(measures.length == doctest::Approx(0.6 + 0.5));
+    CHECK(measures.straight == doctest::Approx(0.5));
+    REQUIRE(measures.clearance.has_value());
+    CHECK(measures.clearance->obstacle == "circle_1");
+    // No state of a hundred between is nearer by more than the refined step allows.
+    double least = 1e9;
+    for (const Configuration& q : {path[0], path[1], path[2]}) {
+      const PathMeasures one = measure_path(problem, {q});
+      least = std::min(least, one.clearance->distance);
+    }
+    CHECK(measures.clearance->distance <= least);
+    CHECK(measures.clearance->distance > 0);
+
+    const auto json =
+        nlohmann::json::parse(to_json(problem, solved_result(), 0, &measures));
+    CHECK(json.at("least_clearance") == measures.clearance->distance);
+    CHECK(json.at("nearest_link") == measures.clearance->link);
+    CHECK(json.at("nearest_obstacle") == "circle_1");
+    problem.scene.obstacles.clear();
+    CHECK_FALSE(measure_path(problem, path).clearance.has_value());
+    CHECK(measure_path(problem, {}).length == 0);
   }
 
   TEST_CASE("JSON of a failure says why, and has an empty path") {

@@ -225,6 +225,8 @@ TEST_SUITE("unit") {
         {"</robot>", "</robot><robot/>", 18, "more than one <robot>"},
         {"</robot>", "<model/></robot>", 18,
          "unknown element <model> in <robot>; expected one of: link,"},
+        {"</robot>", "<xacro:property name=\"x\"/></robot>", 18,
+         "expected URDF, which xacro writes: xacro FILE.xacro > FILE.urdf"},
         {"<link name=\"base\"/>", "<link/>", 2, "<link>: attribute 'name' is missing"},
         {"<link name=\"base\"/>", "<link name=\"\"/>", 2, "<link>: 'name' is empty"},
         {"</robot>", "<link name=\"tool\"/></robot>", 18, "link 'tool' is defined twice"},

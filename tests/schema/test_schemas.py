@@ -253,9 +253,9 @@ def test_neither_takes_what_is_wrong(name, path, to, tmp_path):
 
 
 def test_a_suite_may_have_every_setting_of_plan():
-    help_text = mneme("plan", "--help")
+    help_text = mneme("plan", "--help-all")
     flags = set(re.findall(r"^  (?:-\w,)?--([a-z-]+)", help_text, re.MULTILINE))
-    others = {"help", "robot", "srdf", "group", "package-path", "start", "goal", "db", "db-memory", "planner",
+    others = {"help", "help-all", "robot", "srdf", "group", "package-path", "start", "goal", "db", "db-memory", "planner",
               "sampler", "seed", "kind", "isa", "view", "svg", "trace", "json"}
     assert others <= flags
     definitions = SCHEMAS["suite"]["$defs"]

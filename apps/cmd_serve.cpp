@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme serve: plans for many clients over HTTP.
+#include "commands.h"
+
+#ifdef MNEME_WITH_SERVICE
+#include "mneme/service.h"
+
+#include "console.h"
+#include "files.h"
+#include "inputs.h"
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <utility>
+#include <pthread.h>
+#include <signal.h>
+
+namespace mneme::app {
+namespace {
+
+constexpr std::size_t kMostTokenBytes = 4096;
+constexpr int kMebibyte = 20;  // as a power of two
+
+struct ServeOptions {
+  std::string robot;
+  RobotOptions robot_options;
+  std::string db;
+  DatabaseSettings kept;
+  std::string token_file;
+  int body_mib = 16;
+  ServiceSettings service;
+};
+
+/// The file's first line. An empty token would let everybody in.
+Result<std::string> read_token(const std::string& path) {
+  if (path.empty()) return "";
+  const auto text = read_file(path, kMostTokenBytes);
+  if (!text) return tl::unexpected(text.error());
+  std::string token = text->substr(0, text->find_first_of("\r\n"));
+  if (token.empty()) {
+    return fail(ErrorCode::invalid, fmt::format("'{}': expected a token in its first line", path));
+  }
+  return token;
+}
+
+Result<std::shared_ptr<Database>> open_database(const ServeOptions& options, const Robot& robot) {
+  if (options.db.empty()) return std::shared_ptr<Database>();
+  SolveSettings settings;
+  settings.remember_after = options.service.remember_after;
+  return open_memory(options.db, robot, settings, options.kept).map([](Database database) {
+    return std::make_shared<Database>(std::move(database));
+  });
+}
+
+/// Of this thread and those that it starts: they come to wait_for_signal() alone.
+void hold_signals(sigset_t& signals) {
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+/// A second signal ends the program.
+void wait_for_signal(const sigset_t& signals) {
+  int number = 0;
+  sigwait(&signals, &number);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
+Result<ExitCode> run_serve(const ServeOptions& options) {
+  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+  if (!robot) return tl::unexpected(robot.error());
+  const auto database = open_database(options, *robot);
+  if (!database) return tl::unexpected(database.error());
+  ServiceSettings settings = options.service;
+  settings.body_bytes = static_cast<std::size_t>(options.body_mib) << kMebibyte;
+  const auto token = read_token(options.token_file);
+  if (!token) return tl::unexpected(token.error());
+  settings.token = *token;
+
+  sigset_t signals;
+  hold_signals(signals);
+  auto service = Service::start(*robot, *database, settings);
+  if (!service) return tl::unexpected(service.error());
+  fmt::print("serving {} at {}\n", robot->name(), service->address());
+  std::fflush(stdout);
+  wait_for_signal(signals);
+  service->stop();
+  return ExitCode::done;
+}
+
+void add_limits(CLI::App& command, ServeOptions& options) {
+  ServiceSettings& service = options.service;
+  add_number(command, "--queue", service.queue, 0, 100000,
+             "requests that may wait for a thread; more are told to try again");
+  add_number(command, "--connections", service.connections, 1, 10000, "clients at a time");
+  add_number(command, "--longest-plan", service.longest_plan_s, 0.001, 1e6,
+             "most seconds that a request may set as its time limit");
+  add_number(command, "--most-obstacles", service.obstacles, 1, 10000000, "in a scene");
+  add_number(command, "--most-scenes", service.scenes, 0, 1000000, "that are kept for clients");
+  add_number(command, "--most-nodes", service.nodes, 1, ~std::uint64_t{0},
+             "of a plan, which bounds memory");
+  add_number(command, "--longest-body", options.body_mib, 1, 1024, "MiB of a request");
+}
+
+}  // namespace
+
+void add_serve(CLI::App& program, Action& action) {
+  CLI::App* command = program.add_subcommand("serve", "Plan for many clients over HTTP");
+  command->footer("Example:\n  mneme serve --robot fetch --db fetch.db --remember-after 3000");
+  const auto options = std::make_shared<ServeOptions>();
+  command->add_option("--robot", options->robot, "a URDF file or a name")->required();
+  add_robot_flags(*command, options->robot_options);
+  command->add_option("--db", options->db, "memory: an SQLite file or postgresql://...");
+  add_database_memory(*command, options->kept);
+  add_number(*command, "--remember-after", options->service.remember_after, 0, 1000000000,
+             "insert what solved problems teach that took at least this many iterations")
+      ->needs("--db");
+  command->add_option("--listen", options->service.listen,
+                      "HOST:PORT, where port 0 is any that is free, or unix:PATH (default "
+                      "127.0.0.1:7890); addresses that other machines reach need --token-file");
+  command->add_option("--token-file", options->token_file,
+                      "file whose first line clients must send as Authorization: Bearer TOKEN");
+  add_number(*command, "--threads", options->service.threads, 0, 4096,
+             "plans at a time; 0: one per hardware thread");
+  add_limits(*command, *options);
+  add_isa(*command);
+  command->callback([options, &action] { action = [options] { return run_serve(*options); }; });
+}
+
+}  // namespace mneme::app
+#else
+
+namespace mneme::app {
+void add_serve(CLI::App&, Action&) {}
+}  // namespace mneme::app
+#endif

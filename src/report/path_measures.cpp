@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/report.h"
+
+#include "base/as_index.h"
+#include "check/link_distances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mneme {
+namespace {
+
+using internal::Clearance;
+
+/// Radians of L2 joint distance between states that are looked at, and how often the interval on
+/// either side of the nearest of them is divided then.
+constexpr double kStep = 1.0 / 32;
+constexpr double kPlanarStep = 0.02;
+constexpr int kRefinement = 16;
+
+class ClearanceSearch {
+ public:
+  explicit ClearanceSearch(const Problem& problem)
+      : robot_(problem.robot),
+        links_(problem.robot),
+        obstacles_(internal::obstacle_shapes(problem.scene)) {}
+
+  [[nodiscard]] Clearance along(const Path& path) {
+    if (obstacles_.empty() || path.empty()) return nearest_;
+    look(path.front(), path.front(), 0);
+    const double step = robot_.is_planar() ? kPlanarStep : kStep;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const int count =
+          std::max(1, static_cast<int>(std::ceil(robot_.distance(path[i - 1], path[i]) / step)));
+      for (int k = 1; k <= count; ++k) {
+        if (look(path[i - 1], path[i], static_cast<double>(k) / count)) half_ = 1.0 / count;
+      }
+    }
+    refine();
+    return nearest_;
+  }
+
+ private:
+  /// True if it is the nearest so far.
+  bool look(const Configuration& from, const Configuration& to, double fraction) {
+    Configuration q = from;
+    const Configuration delta = robot_.difference(from, to);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
+    const auto found =
+        internal::find_clearance(links_, links_.posed(robot_.link_poses(q)), obstacles_);
+    if (!(found.distance < nearest_.distance)) return false;
+    nearest_ = found;
+    from_ = from, to_ = to, fraction_ = fraction;
+    return true;
+  }
+
+  void refine() {
+    if (from_.empty()) return;
+    const Configuration from = from_, to = to_;
+    const double middle = fraction_;
+    for (int k = -kRefinement; k <= kRefinement; ++k) {
+      look(from, to, std::clamp(middle + half_ * k / kRefinement, 0.0, 1.0));
+    }
+  }
+
+  const Robot& robot_;
+  internal::LinkDistances links_;
+  std::vector<internal::ObstacleShape> obstacles_;
+  Clearance nearest_{std::numeric_limits<double>::infinity(), -1, -1};
+  Configuration from_, to_;
+  double fraction_ = 0;
+  double half_ = 0;  ///< of the motion: the interval between two states
+};
+
+}  // namespace
+
+PathMeasures measure_path(const Problem& problem, const Path& path) {
+  PathMeasures measures;
+  if (path.empty()) return measures;
+  measures.length = path_length(problem.robot, path);
+  measures.straight = problem.robot.distance(path.front(), path.back());
+  const Clearance clearance = ClearanceSearch(problem).along(path);
+  if (clearance.link < 0) return measures;
+  measures.clearance = {clearance.distance,
+                        problem.robot.links()[internal::as_index(clearance.link)].name,
+                        problem.scene.obstacles[internal::as_index(clearance.obstacle)].name};
+  return measures;
+}
+
+}  // namespace mneme

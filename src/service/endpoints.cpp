@@ -1,0 +1,271 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/endpoints.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Answer answer(const Json& json, int status = 200) {
+  // Names come from clients and files and may hold any bytes; JSON must be UTF-8.
+  return {status, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+}
+
+std::string_view name_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::io:
+      return "io";
+    case ErrorCode::parse:
+      return "parse";
+    case ErrorCode::unsupported:
+      return "unsupported";
+    case ErrorCode::invalid:
+      return "invalid";
+    case ErrorCode::wrong_robot:
+      return "wrong_robot";
+    case ErrorCode::corrupt:
+      return "corrupt";
+  }
+  return "invalid";
+}
+
+bool is_of_client(ErrorCode code) {
+  return code == ErrorCode::parse || code == ErrorCode::unsupported || code == ErrorCode::invalid;
+}
+
+Answer no_scene(const std::string& id) {
+  return refusal(404, "not_found", fmt::format("there is no scene \"{}\"", id));
+}
+
+/// No turn was had: the line is full, or the client or the service is about to be gone.
+Answer no_turn(bool is_cancelled) {
+  if (is_cancelled) return refusal(503, "cancelled", "the service stops, or the client has gone");
+  Answer busy = refusal(503, "busy", "too many requests wait already: try again soon");
+  busy.may_retry = true;
+  return busy;
+}
+
+std::size_t retrieved_count(const GlSampler& gl) {
+  std::size_t count = 0;
+  for (const PrimitiveRetrieval& retrieval : gl.primitives) count += retrieval.matches.size();
+  return count;
+}
+
+Json scene_json(const std::string& id, const Scene& scene) {
+  Json names = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
+  return {{"id", id}, {"obstacles", names}};
+}
+
+Json contacts_json(const std::vector<Contact>& contacts) {
+  Json list = Json::array();
+  for (const Contact& contact : contacts) {
+    list.push_back({{"link", contact.link},
+                    {"other", contact.other},
+                    {"is_self", contact.is_self},
+                    {"distance", contact.distance}});
+  }
+  return list;
+}
+
+Json state_json(const CollisionChecker& checker, const Configuration& q) {
+  if (const auto violation = checker.robot().describe_violation(q, "configuration")) {
+    return {{"valid", false}, {"message", *violation}, {"contacts", Json::array()}};
+  }
+  const bool is_valid = checker.is_valid(std::span<const double>(q));
+  Json json = {{"valid", is_valid}};
+  json["contacts"] = is_valid ? Json::array() : contacts_json(checker.contacts(q));
+  return json;
+}
+
+}  // namespace
+
+Answer refusal(int status, std::string_view code, std::string_view message) {
+  return answer({{"error", {{"code", code}, {"message", message}}}}, status);
+}
+
+Answer refusal(const Error& error) {
+  return refusal(is_of_client(error.code) ? 400 : 500, name_of(error.code), error.message);
+}
+
+Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
+                     const ServiceSettings& settings)
+    : robot_(robot),
+      database_(std::move(database)),
+      settings_(settings),
+      scenes_(settings.scenes),
+      queue_(settings.threads, settings.queue) {
+  // What is computed of a robot once, so that the first client does not wait for it.
+  static_cast<void>(CollisionChecker::make(robot_, {}));
+}
+
+RequestContext Endpoints::context() const {
+  return {robot_, scenes_, settings_, database_ != nullptr};
+}
+
+void Endpoints::set_memory_failure(const std::string& failure) {
+  const std::lock_guard lock(mutex_);
+  memory_failure_ = failure;
+}
+
+void Endpoints::refresh_memory() {
+  if (database_ == nullptr) return;
+  const auto refreshed = database_->refresh();
+  set_memory_failure(refreshed ? "" : refreshed.error().message);
+}
+
+Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& request) {
+  std::unique_lock<std::mutex> exclusive;
+  const auto planner = find_planner(request.settings.planner);
+  if (planner && (*planner)->is_exclusive) exclusive = std::unique_lock(exclusive_);
+  Result<SolveResult> result = solve(request.problem, database_.get(), request.settings);
+  if (result) return Outcome{*std::move(result), ""};
+  const Error error = result.error();
+  if (database_ == nullptr || is_of_client(error.code)) return tl::unexpected(error);
+  set_memory_failure(error.message);
+  return solve(request.problem, nullptr, request.settings).map([&](SolveResult without) {
+    return Outcome{std::move(without), error.message};
+  });
+}
+
+std::string Endpoints::keep_trace(std::shared_ptr<const TracedPlan> plan) {
+  const std::lock_guard lock(mutex_);
+  traces_[++last_trace_] = std::move(plan);
+  while (traces_.size() > static_cast<std::size_t>(settings_.traces)) {
+    traces_.erase(traces_.begin());
+  }
+  return std::to_string(last_trace_);
+}
+
+Answer Endpoints::plan(const std::string& body, int socket) {
+  Result<PlanRequest> request = read_plan_request(body, context());
+  if (!request) return refusal(request.error());
+  const ClientWatch::Watched client(watch_, socket);
+  std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  if (!turn) return no_turn(client.is_cancelled());
+
+  request->settings.plan.cancel = &client.is_cancelled();
+  if (request->may_remember) request->settings.remember_after = settings_.remember_after;
+  const auto traced = request->wants_trace ? std::make_shared<TracedPlan>() : nullptr;
+  if (traced != nullptr) request->settings.plan.observer = &traced->recorder;
+  const Result<Outcome> outcome = solve_remembering(*request);
+  if (!outcome) return refusal(outcome.error());
+  const SolveResult& result = outcome->result;
+  std::optional<PathMeasures> measures;
+  if (request->wants_clearance) measures = measure_path(request->problem, result.plan.path);
+  turn.reset();
+
+  metrics_.add_plan(to_string(result.plan.status), retrieved_count(result.gl),
+                    result.remembered.rows);
+  if (!result.remembered.failure.empty()) set_memory_failure(result.remembered.failure);
+  std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
+  if (traced == nullptr && outcome->memory_failure.empty()) return {200, std::move(text)};
+  Json json = Json::parse(text);
+  if (!outcome->memory_failure.empty()) json["memory_failure"] = outcome->memory_failure;
+  if (traced != nullptr) {
+    traced->problem = std::move(request->problem);
+    traced->result = result;
+    json["id"] = keep_trace(traced);
+  }
+  return answer(json);
+}
+
+Answer Endpoints::check(const std::string& body, int socket) {
+  const Result<CheckRequest> request = read_check_request(body, context());
+  if (!request) return refusal(request.error());
+  const auto checker =
+      CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
+  if (!checker) return refusal(checker.error());
+  const ClientWatch::Watched client(watch_, socket);
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  Json states = Json::array();
+  for (const Configuration& q : request->configurations) {
+    if (!turn || client.is_cancelled()) return no_turn(client.is_cancelled());
+    states.push_back(state_json(*checker, q));
+  }
+  return answer({{"states", states}});
+}
+
+Answer Endpoints::put_scene(const std::string& id, const std::string& body) {
+  Result<Scene> scene = read_scene_request(body, id, context());
+  if (!scene) return refusal(scene.error());
+  const auto kept = scenes_.put(id, *std::move(scene));
+  return kept ? answer(scene_json(id, **kept)) : refusal(kept.error());
+}
+
+Answer Endpoints::patch_scene(const std::string& id, const std::string& body) {
+  const auto kept = scenes_.change(
+      id, [&](const Scene& scene) { return edit_scene(body, scene, context()); });
+  if (!kept) return refusal(kept.error());
+  return *kept == nullptr ? no_scene(id) : answer(scene_json(id, **kept));
+}
+
+Answer Endpoints::delete_scene(const std::string& id) {
+  if (!scenes_.remove(id)) return no_scene(id);
+  return answer({{"id", id}});
+}
+
+Answer Endpoints::scene(const std::string& id) const {
+  const SceneStore::Kept scene = scenes_.find(id);
+  return scene == nullptr ? no_scene(id) : answer(scene_json(id, *scene));
+}
+
+Answer Endpoints::trace(const std::string& id, int socket) {
+  std::uint64_t number = 0;
+  std::from_chars(id.data(), id.data() + id.size(), number);
+  std::shared_ptr<const TracedPlan> plan;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = traces_.find(number);
+    if (found != traces_.end()) plan = found->second;
+  }
+  if (plan == nullptr) {
+    return refusal(404, "not_found",
+                   fmt::format("there is no trace {}: traces of the last {} plans that were asked "
+                               "for one are kept",
+                               id, settings_.traces));
+  }
+  const ClientWatch::Watched client(watch_, socket);
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  if (!turn) return no_turn(client.is_cancelled());
+  const auto trace = make_trace(plan->problem, plan->result, &plan->recorder, 0);
+  return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
+}
+
+Answer Endpoints::health() const {
+  std::string failure;
+  {
+    const std::lock_guard lock(mutex_);
+    failure = memory_failure_;
+  }
+  Json joints = Json::array();
+  for (int i = 0; i < robot_.joint_count(); ++i) joints.push_back(robot_.group_joint(i).name);
+  Json json = {{"status", is_stopping_ ? "stopping" : failure.empty() ? "ok" : "degraded"},
+               {"version", version()},
+               {"robot", robot_.name()},
+               {"joints", joints},
+               {"uptime_s", uptime_.elapsed_s()},
+               {"memory", nullptr}};
+  if (database_ != nullptr) {
+    json["memory"] = {{"rows", database_->size()}};
+    if (!failure.empty()) json["memory"]["failure"] = failure;
+  }
+  return answer(json);
+}
+
+Answer Endpoints::metrics_text(int connections) const {
+  const std::string text =
+      metrics_.text({database_ == nullptr ? 0 : database_->size(), settings_.threads,
+                     queue_.waiting(), connections, scenes_.count()});
+  return {200, text, "text/plain; version=0.0.4"};
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Counts and latencies of a service, as Prometheus reads them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mneme::internal {
+
+/// What a service is at one moment.
+struct ServiceGauges {
+  std::int64_t memory_rows = 0;
+  int threads = 0;
+  int waiting = 0;
+  int connections = 0;
+  std::size_t scenes = 0;
+};
+
+/// All of it is safe from any thread.
+class Metrics {
+ public:
+  /// `endpoint` is a path of the documents, such as "/v1/scenes/{id}".
+  void add_request(std::string_view endpoint, int status, double seconds);
+  /// `status` is a PlanStatus in words. `retrieved`: samplers that memory gave.
+  void add_plan(std::string_view status, std::size_t retrieved, int remembered);
+
+  /// Prometheus' text format.
+  [[nodiscard]] std::string text(const ServiceGauges& gauges) const;
+
+ private:
+  /// The last latencies, whose quantiles are told.
+  struct Latencies {
+    static constexpr std::size_t kKept = 1024;
+    std::vector<float> last;
+    std::size_t next = 0;
+    std::uint64_t count = 0;
+    double sum_s = 0;
+    void add(double seconds);
+  };
+
+  mutable std::mutex mutex_;
+  std::map<std::pair<std::string, int>, std::uint64_t, std::less<>> requests_;
+  std::map<std::string, Latencies, std::less<>> latencies_;
+  std::map<std::string, std::uint64_t, std::less<>> plans_;
+  std::uint64_t hits_ = 0, retrieved_ = 0, remembered_ = 0;
+};
+
+}  // namespace mneme::internal

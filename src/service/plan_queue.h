@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Who may plan now: so many at a time, so many more in line, and nobody else.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+namespace mneme::internal {
+
+/// First come, first served. All of it is safe from any thread.
+class PlanQueue {
+ public:
+  PlanQueue(int threads, int longest_line) : free_(threads), longest_line_(longest_line) {}
+  PlanQueue(const PlanQueue&) = delete;
+  PlanQueue& operator=(const PlanQueue&) = delete;
+
+  /// One of the threads, until it is destroyed.
+  class Turn {
+   public:
+    explicit Turn(PlanQueue& queue) : queue_(&queue) {}
+    Turn(Turn&& other) noexcept : queue_(other.queue_) { other.queue_ = nullptr; }
+    Turn& operator=(Turn&&) = delete;
+    ~Turn() {
+      if (queue_ != nullptr) queue_->give_back();
+    }
+
+   private:
+    PlanQueue* queue_;
+  };
+
+  /// Waits in line. Nothing if the line is full, or once `is_cancelled`.
+  [[nodiscard]] std::optional<Turn> wait_for_turn(const std::atomic<bool>& is_cancelled);
+  [[nodiscard]] int waiting() const;
+
+ private:
+  struct Waiter {
+    std::condition_variable wake;
+    bool has_turn = false;
+  };
+  void give_back();
+
+  mutable std::mutex mutex_;
+  std::deque<Waiter*> line_;
+  int free_;
+  int longest_line_;
+};
+
+}  // namespace mneme::internal

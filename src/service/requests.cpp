@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/requests.h"
+
+#include "pipeline/settings_input.h"
+#include "problem/compact_file.h"
+#include "problem/problem_input.h"
+#include "scene/scene_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::size_t kMostConfigurations = 100000;
+
+const std::string kSource = "request";
+
+/// What `read` makes of the JSON text `body`.
+template <class Read>
+auto read_body(std::string_view body, Read&& read) {
+  return without_throwing([&] {
+    const InputValue value = parse_json(body, kSource);
+    return read(Input(value, kSource));
+  });
+}
+
+bool read_switch(const Input& input, std::string_view key, bool otherwise) {
+  const auto found = input.find(key);
+  return found ? found->boolean() : otherwise;
+}
+
+void check_robot(const Input& input, const Robot& robot) {
+  if (const auto named = input.find("robot"); named && named->text() != robot.name()) {
+    named->fail(ErrorCode::invalid, fmt::format("expected {}, the robot of this service, got "
+                                                "\"{}\"",
+                                                robot.name(), named->text()));
+  }
+  const auto joints = input.find("joints");
+  if (!joints) return;
+  const std::vector<Input> names = joints->items();
+  bool is_same = static_cast<int>(names.size()) == robot.joint_count();
+  std::string expected;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const std::string& name = robot.group_joint(i).name;
+    is_same = is_same && names[static_cast<std::size_t>(i)].text() == name;
+    expected += (i == 0 ? "" : ", ") + name;
+  }
+  if (!is_same) {
+    joints->fail(ErrorCode::invalid,
+                 fmt::format("expected the joints that this service plans for, [{}]", expected));
+  }
+}
+
+void check_count(const Input& input, const Scene& scene, const RequestContext& context) {
+  std::size_t shapes = 0;
+  for (const Obstacle& obstacle : scene.obstacles) shapes += obstacle.shapes.size();
+  if (shapes <= static_cast<std::size_t>(context.limits.obstacles)) return;
+  input.fail(ErrorCode::invalid, fmt::format("expected at most {} obstacles, got {}",
+                                             context.limits.obstacles, shapes));
+}
+
+/// The obstacles of the keys `circles` and `obstacles`, in the frame that `input` names.
+Scene read_framed_scene(const Input& input, const std::string& name,
+                        const RequestContext& context) {
+  SceneBuilder builder;
+  if (const auto circles = input.find("circles")) read_circles(*circles, builder);
+  if (const auto obstacles = input.find("obstacles")) {
+    read_obstacles(*obstacles, kCompactSpelling, builder);
+  }
+  Scene scene = builder.take(name);
+  check_count(input, scene, context);
+  return scene;
+}
+
+Scene find_scene(const Input& id, const RequestContext& context) {
+  const SceneStore::Kept scene = context.scenes.find(id.text());
+  if (scene == nullptr) {
+    id.fail(ErrorCode::invalid,
+            fmt::format("there is no scene \"{}\"; PUT /v1/scenes/ID makes one", id.text()));
+  }
+  return *scene;
+}
+
+/// Of a request that may name a scene or hold one. Obstacles stay in the frame that it names.
+Scene read_scene_of_request(const Input& input, const std::string& name,
+                            const RequestContext& context) {
+  const auto id = input.find("scene");
+  if (!id) return read_framed_scene(input, name, context);
+  for (const char* key : {"obstacles", "circles", "frame"}) {
+    if (const auto other = input.find(key)) {
+      other->fail(ErrorCode::invalid, "expected no such key beside scene, which has its own");
+    }
+  }
+  return find_scene(*id, context);
+}
+
+void check_setting_names(const Input& settings, const SolveSettings& all) {
+  std::vector<std::string_view> names = {"planner", "sampler", "kind"};
+  visit_all_settings(all, [&](const char* name, const auto&, auto, auto, std::string_view) {
+    const std::string_view key = name;
+    if (key != "learn-budget" && key != "remember-after") names.push_back(key);
+  });
+  settings.allow_keys(names);
+}
+
+template <class Entry>
+std::string checked_name(const Input& input, const Result<Entry>& entry) {
+  if (!entry) input.fail(entry.error().code, entry.error().message);
+  return input.text();
+}
+
+void read_names(const Input& input, SolveSettings& settings) {
+  if (const auto planner = input.find("planner")) {
+    settings.planner = checked_name(*planner, find_planner(planner->text()));
+  }
+  if (const auto sampler = input.find("sampler")) {
+    settings.sampler = checked_name(*sampler, find_sampler(sampler->text()));
+  }
+  if (const auto kind = input.find("kind")) {
+    settings.memory.kind = checked_name(*kind, find_memory_kind(kind->text()));
+  }
+}
+
+void check_limits(const Input& input, const SolveSettings& settings,
+                  const ServiceSettings& limits) {
+  if (settings.plan.timeout_s > limits.longest_plan_s) {
+    input.at("timeout").fail(ErrorCode::invalid,
+                             fmt::format("expected at most {}, the limit of this service",
+                                         limits.longest_plan_s));
+  }
+  if (settings.plan.max_nodes > limits.nodes) {
+    input.at("max-nodes")
+        .fail(ErrorCode::invalid,
+              fmt::format("expected at most {}, the limit of this service", limits.nodes));
+  }
+}
+
+SolveSettings read_settings(const Input& request, const RequestContext& context) {
+  SolveSettings settings;
+  settings.sampler = context.has_memory ? "gl" : "uniform";
+  settings.plan.timeout_s = std::min(settings.plan.timeout_s, context.limits.longest_plan_s);
+  settings.plan.max_nodes = context.limits.nodes;
+  const auto input = request.find("settings");
+  if (!input) return settings;
+  check_setting_names(*input, settings);
+  visit_all_settings(settings, SettingsReader(*input));
+  read_names(*input, settings);
+  check_limits(*input, settings, context.limits);
+  return settings;
+}
+
+PlanRequest read_plan(const Input& input, const RequestContext& context) {
+  input.allow_keys({"name", "index", "robot", "joints", "links", "joint_limits", "frame", "scene",
+                    "obstacles", "circles", "start", "goal", "goals", "settings", "clearance",
+                    "trace", "remember"});
+  check_robot(input, context.robot);
+  const auto named = input.find("name");
+  const std::string name = named ? named->text() : kSource;
+  PlanRequest request{
+      read_problem_of({"", context.robot, {}},
+                      {input, input, name, "", read_scene_of_request(input, name, context)}),
+      read_settings(input, context)};
+  request.wants_clearance = read_switch(input, "clearance", false);
+  request.wants_trace = read_switch(input, "trace", false);
+  request.may_remember = read_switch(input, "remember", true);
+  return request;
+}
+
+CheckRequest read_check(const Input& input, const RequestContext& context) {
+  input.allow_keys(
+      {"robot", "joints", "frame", "scene", "obstacles", "circles", "configurations", "margin"});
+  check_robot(input, context.robot);
+  CheckRequest request;
+  request.scene = read_scene_of_request(input, kSource, context);
+  if (!input.find("scene")) {
+    request.scene = moved(read_frame(input, context.robot), std::move(request.scene));
+  }
+  const Input configurations = input.at("configurations");
+  for (const Input& q : configurations.items()) request.configurations.push_back(q.numbers());
+  if (request.configurations.size() > kMostConfigurations) {
+    configurations.fail(ErrorCode::invalid,
+                        fmt::format("expected at most {} configurations", kMostConfigurations));
+  }
+  if (const auto margin = input.find("margin")) request.margin = margin->finite_number();
+  return request;
+}
+
+void remove_obstacle(const Input& name, Scene& scene) {
+  const std::size_t removed =
+      std::erase_if(scene.obstacles, [wanted = name.text()](const Obstacle& obstacle) {
+        return obstacle.name == wanted;
+      });
+  if (removed == 0) {
+    name.fail(ErrorCode::invalid,
+              fmt::format("expected the name of an obstacle of the scene, got \"{}\"",
+                          name.text()));
+  }
+}
+
+void set_obstacle(Obstacle obstacle, Scene& scene) {
+  const auto found = std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name);
+  if (found == scene.obstacles.end()) {
+    scene.obstacles.push_back(std::move(obstacle));
+  } else {
+    *found = std::move(obstacle);
+  }
+}
+
+}  // namespace
+
+Result<PlanRequest> read_plan_request(std::string_view body, const RequestContext& context) {
+  return read_body(body, [&](const Input& input) { return read_plan(input, context); });
+}
+
+Result<CheckRequest> read_check_request(std::string_view body, const RequestContext& context) {
+  return read_body(body, [&](const Input& input) { return read_check(input, context); });
+}
+
+Result<Scene> read_scene_request(std::string_view body, const std::string& id,
+                                 const RequestContext& context) {
+  return read_body(body, [&](const Input& input) {
+    input.allow_keys({"frame", "obstacles", "circles"});
+    return moved(read_frame(input, context.robot), read_framed_scene(input, id, context));
+  });
+}
+
+Result<Scene> edit_scene(std::string_view body, const Scene& scene,
+                         const RequestContext& context) {
+  return read_body(body, [&](const Input& input) {
+    input.allow_keys({"frame", "remove", "obstacles", "circles"});
+    Scene edited = scene;
+    if (const auto names = input.find("remove")) {
+      for (const Input& name : names->items()) remove_obstacle(name, edited);
+    }
+    Scene added = moved(read_frame(input, context.robot),
+                        read_framed_scene(input, scene.name, context));
+    for (Obstacle& obstacle : added.obstacles) set_obstacle(std::move(obstacle), edited);
+    check_count(input, edited, context);
+    return edited;
+  });
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/scene_store.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace mneme::internal {
+
+SceneStore::Kept SceneStore::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = scenes_.find(id);
+  return found == scenes_.end() ? nullptr : found->second;
+}
+
+Result<SceneStore::Kept> SceneStore::put(const std::string& id, Scene scene) {
+  auto kept = std::make_shared<const Scene>(std::move(scene));
+  const std::lock_guard editing(editing_);
+  const std::lock_guard lock(mutex_);
+  if (scenes_.size() >= most_ && !scenes_.contains(id)) {
+    return fail(ErrorCode::invalid,
+                fmt::format("there are {} scenes already, the most that this server keeps: delete "
+                            "one first",
+                            scenes_.size()));
+  }
+  scenes_[id] = kept;
+  return kept;
+}
+
+Result<SceneStore::Kept> SceneStore::change(
+    const std::string& id, const std::function<Result<Scene>(const Scene&)>& edit) {
+  const std::lock_guard editing(editing_);
+  const Kept before = find(id);
+  if (before == nullptr) return before;
+  Result<Scene> edited = edit(*before);
+  if (!edited) return tl::unexpected(edited.error());
+  auto kept = std::make_shared<const Scene>(*std::move(edited));
+  const std::lock_guard lock(mutex_);
+  // It may have been removed meanwhile.
+  const auto found = scenes_.find(id);
+  if (found == scenes_.end()) return Kept();
+  found->second = kept;
+  return kept;
+}
+
+bool SceneStore::remove(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  return scenes_.erase(id) > 0;
+}
+
+std::size_t SceneStore::count() const {
+  const std::lock_guard lock(mutex_);
+  return scenes_.size();
+}
+
+}  // namespace mneme::internal

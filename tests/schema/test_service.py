@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""`mneme serve` answers what docs/schema/service.openapi.json says, and takes what it allows."""
+import http.client
+import json
+import re
+import signal
+import subprocess
+
+import pytest
+
+from test_schemas import PLANAR, PROGRAM, SOURCE, STORE, jsonschema, yaml
+
+OPENAPI = json.loads((SOURCE / "docs/schema/service.openapi.json").read_text())
+
+
+def complaints(schema, value):
+    """Of a schema in the OpenAPI file, which may refer to others there and beside it."""
+    store = {**STORE, "openapi": OPENAPI}
+    resolver = jsonschema.RefResolver("openapi", OPENAPI, store=store)
+    validator = jsonschema.Draft202012Validator(schema, resolver=resolver)
+    return [f"{error.json_path}: {error.message[:300]}" for error in validator.iter_errors(value)]
+
+
+def operation(method, path):
+    for pattern, methods in OPENAPI["paths"].items():
+        if re.fullmatch(re.sub(r"\{\w+\}", "[^/]+", pattern), path):
+            return methods[method.lower()]
+    raise AssertionError(f"{path} is not documented")
+
+
+class Service:
+    def __init__(self, *flags):
+        command = [PROGRAM, "serve", "--robot", "planar8", "--listen", "127.0.0.1:0", *map(str, flags)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        self.port = int(line.rsplit(":", 1)[1])
+        self.headers = {"Content-Type": "application/json"}
+
+    def ask(self, method, path, body=None, status=200):
+        """The answer, which is as documented; the body is as documented exactly if it is taken."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=100)
+        connection.request(method, path, None if body is None else json.dumps(body), self.headers)
+        response = connection.getresponse()
+        text = response.read().decode()
+        assert response.status == status, text
+        documented = operation(method, path)
+        answer = documented["responses"][str(status)]["content"]
+        if "text/plain" in answer:
+            return text
+        value = json.loads(text)
+        assert complaints(answer["application/json"]["schema"], value) == []
+        if body is not None:
+            wrong = complaints(documented["requestBody"]["content"]["application/json"]["schema"], body)
+            assert bool(wrong) == (status == 400), (body, wrong)
+        return value
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        assert self.process.wait(timeout=60) == 0
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    memory = tmp_path_factory.mktemp("service") / "memory.db"
+    started = Service("--db", memory, "--remember-after", 0)
+    if started.process.poll() is not None:
+        pytest.skip("this mneme has no subcommand serve")
+    yield started
+    started.stop()
+
+
+def question():
+    problem = yaml.safe_load((PLANAR / "scenario1.yaml").read_text())
+    scene = problem["scene"]
+    if isinstance(scene, str):
+        scene = yaml.safe_load((PLANAR / scene).read_text())
+    circles = scene["circles"]
+    return {"circles": list(circles.values()) if isinstance(circles, dict) else circles,
+            "start": problem["start"], "goal": problem["goal"]}
+
+
+def test_the_file_holds_schemas():
+    for schema in OPENAPI["components"]["schemas"].values():
+        jsonschema.Draft202012Validator.check_schema(schema)
+
+
+def test_plans_are_as_documented(service):
+    answer = service.ask("POST", "/v1/plan", {**question(), "trace": True, "clearance": True,
+                                              "settings": {"seed": 3, "lambda": 0.5, "planner": "rrt_connect"}})
+    assert answer["solved"] and answer["least_clearance"] > 0 and answer["remembered"] > 0
+    service.ask("GET", f"/v1/plans/{answer['id']}/trace")
+    service.ask("GET", "/v1/plans/99/trace", status=404)
+    hopeless = service.ask("POST", "/v1/plan", {**question(), "settings": {"max-iterations": 1}})
+    assert hopeless["status"] == "iteration_limit"
+
+
+def test_scenes_are_as_documented(service):
+    ball = {"name": "ball", "type": "sphere", "p": [20, 0, 0], "radius": 1}
+    service.ask("PUT", "/v1/scenes/cell", {"circles": question()["circles"]})
+    edited = service.ask("PATCH", "/v1/scenes/cell", {"remove": ["circle_1"], "obstacles": [ball]})
+    assert edited["obstacles"] == ["circle_2", "ball"]
+    assert service.ask("GET", "/v1/scenes/cell") == edited
+    plan = {"scene": "cell", "start": question()["start"], "goals": [question()["goal"]]}
+    assert service.ask("POST", "/v1/plan", plan)["solved"]
+    service.ask("PATCH", "/v1/scenes/none", {}, status=404)
+    service.ask("DELETE", "/v1/scenes/cell")
+    service.ask("GET", "/v1/scenes/cell", status=404)
+
+
+def test_checks_health_and_metrics_are_as_documented(service):
+    states = service.ask("POST", "/v1/check", {"circles": [[4, 0, 1]], "configurations": [[0] * 8, [1] * 8, [0]]})
+    assert [state["valid"] for state in states["states"]] == [False, False, False]
+    assert service.ask("GET", "/healthz")["status"] == "ok"
+    assert "mneme_memory_rows" in service.ask("GET", "/metrics")
+
+
+@pytest.mark.parametrize("path, change", [
+    ("/v1/plan", {"start": None}), ("/v1/plan", {"goals": [[0] * 8]}), ("/v1/plan", {"scene": "cell"}),
+    ("/v1/plan", {"gaol": 1}), ("/v1/plan", {"clearance": "yes"}), ("/v1/plan", {"circles": [[1, 2]]}),
+    ("/v1/plan", {"settings": {"lambda": 2}}), ("/v1/plan", {"settings": {"remember-after": 1}}),
+    ("/v1/plan", {"settings": {"lamda": 1}}), ("/v1/plan", {"obstacles": [{"name": "a", "type": "cone"}]}),
+    ("/v1/check", {"configurations": 1}), ("/v1/check", {"configurations": [[0] * 8], "gaol": 1})])
+def test_what_is_not_documented_is_refused(service, path, change):
+    body = {**question(), **change} if path == "/v1/plan" else change
+    service.ask("POST", path, {key: value for key, value in body.items() if value is not None}, status=400)
+
+
+def test_what_was_answered_as_remembered_survives_a_killed_service(tmp_path):
+    memory = tmp_path / "memory.db"
+    killed = Service("--db", memory, "--remember-after", 0)
+    rows = sum(killed.ask("POST", "/v1/plan", {**question(), "settings": {"seed": seed}})["remembered"]
+               for seed in range(5))
+    killed.process.kill()
+    killed.process.wait(timeout=60)
+    assert rows > 0
+    left = Service("--db", memory)
+    assert left.ask("GET", "/healthz")["memory"]["rows"] == rows
+    left.stop()
+
+
+def test_two_services_share_one_memory(tmp_path):
+    memory = tmp_path / "memory.db"
+    teacher = Service("--db", memory, "--remember-after", 0)
+    pupil = Service("--db", memory)
+    rows = teacher.ask("POST", "/v1/plan", question())["remembered"]
+    assert rows > 0
+    while pupil.ask("GET", "/healthz")["memory"]["rows"] < rows:
+        pass  # it looks once a second
+    teacher.stop()
+    pupil.stop()
+
+
+def test_a_token_is_asked_for(tmp_path):
+    (tmp_path / "token").write_text("secret\n")
+    service = Service("--token-file", tmp_path / "token")
+    service.ask("GET", "/metrics", status=401)
+    service.headers["Authorization"] = "Bearer secret"
+    service.ask("GET", "/metrics")
+    service.stop()
+
+
+@pytest.mark.parametrize("flags, words", [
+    (("--listen", "0.0.0.0:0"), "other machines reach"), (("--listen", "nowhere"), "expected HOST:PORT"),
+    (("--token-file", "/dev/null"), "expected a token"), (("--robot", "nobody"), "nobody"),
+    (("--remember-after", "1"), "--db")])
+def test_a_wrong_command_line_is_refused(flags, words):
+    robot = () if "--robot" in flags else ("--robot", "planar8")
+    done = subprocess.run([PROGRAM, "serve", *robot, *flags], capture_output=True, text=True, timeout=60)
+    assert done.returncode in (1, 2) and words in done.stderr

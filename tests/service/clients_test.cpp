@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "service/service_fixture.h"
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <thread>
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace mneme::test {
+namespace {
+
+/// A client that says what it likes.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    REQUIRE(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  }
+  explicit RawClient(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, path.size());
+    REQUIRE(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+  ~RawClient() { close(socket_); }
+
+  void say(const std::string& text) const {
+    REQUIRE(send(socket_, text.data(), text.size(), MSG_NOSIGNAL) ==
+            static_cast<ssize_t>(text.size()));
+  }
+  void post(const std::string& path, const Json& body) const {
+    const std::string text = body.dump();
+    say(fmt::format("POST {} HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+                    "Content-Length: {}\r\n\r\n{}",
+                    path, text.size(), text));
+  }
+  /// All until the service closes the connection, or until `end` has come.
+  [[nodiscard]] std::string hear(const std::string& end = "\377") const {
+    std::string text;
+    char buffer[4096];
+    while (text.find(end) == std::string::npos) {
+      const ssize_t count = recv(socket_, buffer, sizeof buffer, 0);
+      if (count <= 0) break;
+      text.append(buffer, static_cast<std::size_t>(count));
+    }
+    return text;
+  }
+
+ private:
+  int socket_;
+};
+
+std::string metrics(const RunningService& running) { return running.client()->Get("/metrics")->body; }
+
+bool has(const RunningService& running, const std::string& line) {
+  return metrics(running).find(line + "\n") != std::string::npos;
+}
+
+/// Waits for what must come, however slow the machine is.
+bool comes_true(const std::function<bool()>& is_true) {
+  for (int i = 0; i < 4000; ++i) {
+    if (is_true()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+ServiceSettings one_thread(int queue) {
+  ServiceSettings settings;
+  settings.threads = 1;
+  settings.queue = queue;
+  return settings;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("once a client is gone its plan stops, and the next one has its turn") {
+    const RunningService running(one_thread(1));
+    {
+      const RawClient leaving(running.port());
+      leaving.post("/v1/plan", endless_question());
+      const RawClient waiting(running.port());
+      waiting.post("/v1/plan", endless_question());
+      REQUIRE(comes_true([&] { return has(running, "mneme_waiting 1"); }));
+    }
+    CHECK(comes_true([&] { return has(running, "mneme_plans_total{status=\"cancelled\"} 1"); }));
+    CHECK(post(*running.client(), "/v1/plan", question()).body["solved"] == true);
+  }
+
+  TEST_CASE("a full line sends clients away for a while") {
+    const RunningService running(one_thread(0));
+    const RawClient planning(running.port());
+    planning.post("/v1/plan", endless_question());
+    Reply reply;
+    const auto is_busy = [&] {
+      reply = post(*running.client(), "/v1/check", {{"configurations", Json::array()}});
+      return reply.status == 503;
+    };
+    REQUIRE(comes_true(is_busy));
+    CHECK(reply.body["error"]["code"] == "busy");
+    CHECK(reply.headers.find("Retry-After")->second == "1");
+  }
+
+  TEST_CASE("slow and silent clients are cut, and cost nobody else") {
+    ServiceSettings settings = one_thread(4);
+    settings.request_timeout_s = 0.3;
+    settings.idle_timeout_s = 0.3;
+    settings.connections = 5;
+    const RunningService running(settings);
+    const RawClient silent(running.port());
+    const RawClient slow(running.port());
+    slow.say("POST /v1/plan HTTP/1.1\r\nContent-Le");
+    const RawClient half(running.port());
+    half.say("POST /v1/plan HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{");
+    CHECK(post(*running.client(), "/v1/plan", question()).status == 200);
+    CHECK(silent.hear().empty());
+    CHECK(slow.hear().find("200 OK") == std::string::npos);
+    CHECK(half.hear().find("200 OK") == std::string::npos);
+  }
+
+  TEST_CASE("more connections than may be are told so") {
+    ServiceSettings settings;
+    settings.connections = 1;
+    const RunningService running(settings);
+    const RawClient first(running.port());
+    first.say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    CHECK(first.hear("uptime").find("200 OK") != std::string::npos);
+    const std::string told = RawClient(running.port()).hear();
+    CHECK(told.find("503 Service Unavailable") != std::string::npos);
+    CHECK(told.find("too many connections: try again soon\"}}") != std::string::npos);
+  }
+
+  TEST_CASE("noise is refused, and the service goes on") {
+    const RunningService running;
+    for (const std::string& noise :
+         {std::string("\r\n\r\n"), std::string("GET\r\n\r\n"), std::string(100000, 'x'),
+          "GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n",
+          std::string("POST /v1/plan HTTP/1.1\r\nContent-Type: application/json\r\n"
+                      "Content-Length: -1\r\n\r\n{}"),
+          std::string("POST /v1/plan HTTP/1.1\r\nContent-Type: application/json\r\n"
+                      "Transfer-Encoding: chunked\r\n\r\nzz\r\n")}) {
+      const RawClient client(running.port());
+      client.say(noise);
+      client.say("\r\nConnection: close\r\n\r\n");
+    }
+    CHECK(post(*running.client(), "/v1/plan", question()).status == 200);
+  }
+
+  TEST_CASE("a service that stops answers what runs as cancelled") {
+    RunningService running(one_thread(4));
+    const RawClient planning(running.port());
+    planning.post("/v1/plan", endless_question());
+    const RawClient waiting(running.port());
+    waiting.post("/v1/plan", endless_question());
+    REQUIRE(comes_true([&] { return has(running, "mneme_waiting 1"); }));
+    const Stopwatch stopwatch;
+    running.service.stop();
+    CHECK(stopwatch.elapsed_s() < 20);  // the plans would have gone on for 50 s
+    // Either of them may have come first.
+    const std::string heard = planning.hear() + waiting.hear();
+    CHECK(heard.find("\"status\": \"cancelled\"") != std::string::npos);
+    CHECK(heard.find("503 ") != std::string::npos);
+    CHECK_FALSE(bool(running.client()->Get("/healthz")));
+  }
+
+  TEST_CASE("a socket file is for its owner, and is there as long as the service") {
+    const TemporaryDirectory files;
+    const std::string path = files / "socket";
+    ServiceSettings settings;
+    settings.listen = "unix:" + path;
+    for (int round = 0; round < 2; ++round) {
+      auto service = Service::start(planar8(), nullptr, settings);
+      REQUIRE(service.has_value());
+      CHECK(service->address() == settings.listen);
+      using std::filesystem::perms;
+      CHECK((std::filesystem::status(path).permissions() & (perms::group_all | perms::others_all)) ==
+            perms::none);
+      CHECK_FALSE(Service::start(planar8(), nullptr, settings).has_value());
+      const RawClient client(path);
+      client.say("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+      CHECK(client.hear().find("\"status\":\"ok\"") != std::string::npos);
+      service->stop();
+      CHECK_FALSE(std::filesystem::exists(path));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "service/service_fixture.h"
+
+#include <filesystem>
+
+namespace mneme::test {
+namespace {
+
+void check_refused(const Reply& reply, int status, const std::string& part) {
+  INFO(reply.body.dump());
+  CHECK(reply.status == status);
+  REQUIRE(reply.body.contains("error"));
+  CHECK_MESSAGE(reply.body["error"]["message"].get<std::string>().find(part) != std::string::npos,
+                part);
+}
+
+Json with(const std::string& key, const Json& value) {
+  Json body = question();
+  body[key] = value;
+  return body;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("what is wrong with a request is said in words") {
+    const RunningService running;
+    const auto client = running.client();
+    const auto refused = [&](const Json& body, const std::string& part) {
+      check_refused(post(*client, "/v1/plan", body), 400, part);
+    };
+    refused(with("robot", "/etc/passwd"), "expected planar8, the robot of this service");
+    refused(with("joints", {"a"}), "expected the joints that this service plans for");
+    refused(with("scene", "x"), "expected no such key beside scene");
+    refused({{"start", {0}}, {"goal", {0}}, {"scene", "../x"}}, "there is no scene");
+    refused(with("gaol", 1), "did you mean 'goal'?");
+    refused(with("goal", {0}), "expected either goal or goals");
+    refused(with("frame", "moon"), "expected a link of robot planar8");
+    refused(with("settings", {{"lamda", 1}}), "did you mean 'lambda'?");
+    refused(with("settings", {{"lambda", 2}}), "expected a number from 0 to 1");
+    refused(with("settings", {{"planner", "RRTConnect"}}), "did you mean 'rrt_connect'?");
+    refused(with("settings", {{"timeout", 1e5}}), "expected at most 60");
+    refused(with("settings", {{"max-nodes", 1e9}}), "expected at most 1000000");
+    refused(with("settings", {{"remember-after", 1}}), "unknown key");
+    refused(with("circles", {{1, 2}}), "x, y, radius");
+    refused(with("trace", 1), "key trace");
+    refused(Json::array(), "expected a map");
+    check_refused(reply_of(client->Post("/v1/plan", "{\n\"start\": [0,\n", "application/json")), 400,
+                  "request:");
+    check_refused(post(*client, "/v1/check", {{"configurations", {"a"}}}), 400,
+                  "key configurations");
+    // Start and goal that are in contact are an answer, not a refusal.
+    const Reply reply = post(*client, "/v1/plan", with("start", {0.0}));
+    CHECK(reply.status == 200);
+    CHECK(reply.body["status"] == "invalid_start");
+  }
+
+  TEST_CASE("there is nothing but what is documented, and no file of the machine") {
+    const RunningService running;
+    const auto client = running.client();
+    for (const char* path : {"/", "/v1", "/v1/plans/1/trace", "/v1/scenes/none", "/etc/passwd",
+                             "/v1/scenes/../../etc/passwd", "/v1/scenes/%2e%2e%2fetc", "//etc/passwd"}) {
+      INFO(path);
+      CHECK(reply_of(client->Get(path)).status == 404);
+    }
+    CHECK(reply_of(client->Delete("/v1/plan")).status == 404);
+  }
+
+  TEST_CASE("bodies and scenes have limits") {
+    ServiceSettings settings;
+    settings.body_bytes = 20000;
+    settings.obstacles = 3;
+    settings.scenes = 1;
+    const RunningService running(settings);
+    const auto long_body = running.client()->Post("/v1/plan", std::string(30000, ' '),
+                                                  "application/json");
+    // The connection may be cut while the body is still sent.
+    if (long_body) CHECK(long_body->status == 413);
+    const auto client = running.client();
+    Json circles = {{20, 0, 1}, {20, 3, 1}, {20, 6, 1}};
+    CHECK(reply_of(client->Put("/v1/scenes/a", Json{{"circles", circles}}.dump(), "application/json"))
+              .status == 200);
+    check_refused(reply_of(client->Put("/v1/scenes/b", "{}", "application/json")), 400,
+                  "there are 1 scenes already");
+    check_refused(reply_of(client->Patch("/v1/scenes/a", R"({"circles": {"d": [20, 9, 1]}})",
+                                         "application/json")),
+                  400, "expected at most 3 obstacles, got 4");
+    circles.push_back({20, 9, 1});
+    check_refused(post(*client, "/v1/plan", with("circles", circles)), 400,
+                  "expected at most 3 obstacles, got 4");
+  }
+
+  TEST_CASE("only JSON is taken, so that no page of another origin can send it unasked") {
+    const RunningService running;
+    for (const char* type : {"text/plain", "application/x-www-form-urlencoded"}) {
+      check_refused(reply_of(running.client()->Post("/v1/plan", question().dump(), type)), 415,
+                    "application/json");
+    }
+    check_refused(reply_of(running.client()->Post("/v1/plan", {{"Content-Encoding", "gzip"}}, "x",
+                                                  "application/json")),
+                  415, "not compressed");
+  }
+
+  TEST_CASE("with a token only those who know it are answered, but for the health") {
+    ServiceSettings settings;
+    settings.token = "secret";
+    const RunningService running(settings);
+    const auto get = [&](const std::string& value) {
+      const httplib::Headers headers = {{"Authorization", value}};
+      return running.client()->Get("/metrics", headers)->status;
+    };
+    for (const char* wrong : {"", "secret", "Bearer", "Bearer secre", "Bearer secret2"}) {
+      CHECK_MESSAGE(get(wrong) == 401, wrong);
+    }
+    CHECK(get("Bearer secret") == 200);
+    CHECK(reply_of(running.client()->Get("/healthz")).body["status"] == "ok");
+  }
+
+  TEST_CASE("addresses that cannot be listened at are refused") {
+    const auto failure = [](const std::string& where, const std::string& token = "") {
+      ServiceSettings settings;
+      settings.listen = where;
+      settings.token = token;
+      const auto started = Service::start(planar8(), nullptr, settings);
+      return started ? "" : started.error().message;
+    };
+    for (const char* where : {"", "7890", "localhost", "127.0.0.1:", "127.0.0.1:x", "h:123456"}) {
+      CHECK_MESSAGE(failure(where).find("expected HOST:PORT") != std::string::npos, where);
+    }
+    CHECK(failure("0.0.0.0:0").find("other machines reach") != std::string::npos);
+    CHECK(failure("0.0.0.0:0", "secret").empty());
+    CHECK(failure("unix:").find("expected unix:PATH") != std::string::npos);
+    CHECK(failure("unix:/no/such/folder/socket").find("cannot listen") != std::string::npos);
+    const TemporaryDirectory files;
+    write_file(files / "kept", "text");
+    CHECK(failure("unix:" + files / "kept").find("not a socket") != std::string::npos);
+    CHECK(read_file(files / "kept") == "text");
+
+    const RunningService running;
+    CHECK(failure(fmt::format("127.0.0.1:{}", running.port())).find("cannot listen") !=
+          std::string::npos);
+    ServiceSettings settings;
+    settings.remember_after = 1;
+    CHECK_FALSE(Service::start(planar8(), nullptr, settings).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

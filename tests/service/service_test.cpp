@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "service/service_fixture.h"
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("flow") {
+  TEST_CASE("a plan over HTTP is the plan of the same problem in this process") {
+    const RunningService running;
+    const auto client = running.client();
+    Json body = question();
+    body["settings"] = {{"seed", 7}, {"max-iterations", 100000}};
+    const Reply reply = post(*client, "/v1/plan", body);
+    REQUIRE_MESSAGE(reply.status == 200, reply.body.dump());
+
+    const auto problem = load_problem(source_file("scenes/planar/scenario1.yaml"));
+    SolveSettings settings;
+    settings.sampler = "uniform";
+    settings.plan.seed = 7;
+    settings.plan.max_iterations = 100000;
+    const auto result = solve(*problem, nullptr, settings);
+    CHECK(reply.body["path"].get<Path>() == result->plan.path);
+    Json keys = Json::parse(to_json(*problem, *result, 0));
+    for (const auto& [key, value] : keys.items()) CHECK_MESSAGE(reply.body.contains(key), key);
+    CHECK(reply.body.size() == keys.size());
+  }
+
+  TEST_CASE("a scene that was uploaded is planned in, edited and removed") {
+    const RunningService running;
+    const auto client = running.client();
+    Json body = question();
+    const Json scene = {{"circles", body["circles"]}, {"obstacles", body["obstacles"]}};
+    Json upload = Json::object();
+    for (const auto& [key, value] : scene.items()) {
+      if (!value.is_null()) upload[key] = value;
+    }
+    const Reply put =
+        reply_of(client->Put("/v1/scenes/cell", upload.dump(), "application/json"));
+    REQUIRE_MESSAGE(put.status == 200, put.body.dump());
+    const std::size_t count = put.body["obstacles"].size();
+    CHECK(count > 0);
+
+    const Json inside = {{"start", body["start"]}, {"goals", body["goals"]}, {"scene", "cell"}};
+    const Json path = post(*client, "/v1/plan", inside).body["path"];
+    CHECK(path == post(*client, "/v1/plan", body).body["path"]);
+
+    const Json edit = {{"remove", {put.body["obstacles"][0]}},
+                       {"obstacles", {{{"name", "new"}, {"type", "sphere"}, {"p", {20, 0, 0}},
+                                       {"radius", 0.1}}}}};
+    const Reply patched =
+        reply_of(client->Patch("/v1/scenes/cell", edit.dump(), "application/json"));
+    REQUIRE_MESSAGE(patched.status == 200, patched.body.dump());
+    CHECK(patched.body["obstacles"].size() == count);
+    CHECK(patched.body["obstacles"].back() == "new");
+    CHECK(reply_of(client->Get("/v1/scenes/cell")).body == patched.body);
+
+    CHECK(reply_of(client->Delete("/v1/scenes/cell")).status == 200);
+    CHECK(reply_of(client->Delete("/v1/scenes/cell")).status == 404);
+    CHECK(post(*client, "/v1/plan", inside).status == 400);
+  }
+
+  TEST_CASE("configurations are checked, and contacts named") {
+    const RunningService running;
+    const auto client = running.client();
+    Json body = {{"circles", {{4, 0, 0.5}}},
+                 {"configurations",
+                  {std::vector<double>(8, 0.0), {1.5, 0, 0, 0, 0, 0, 0, 0}, {0, 9, 0, 0, 0, 0, 0, 0}}}};
+    const Reply reply = post(*client, "/v1/check", body);
+    REQUIRE_MESSAGE(reply.status == 200, reply.body.dump());
+    const Json& states = reply.body["states"];
+    REQUIRE(states.size() == 3);
+    CHECK(states[0]["valid"] == false);
+    CHECK(states[0]["contacts"][0]["other"] == "circle_1");
+    CHECK(states[1]["valid"] == true);
+    CHECK(states[2]["valid"] == false);
+    CHECK(states[2].contains("message"));
+  }
+
+  TEST_CASE("a trace is kept for whoever asks for one") {
+    ServiceSettings settings;
+    settings.traces = 1;
+    const RunningService running(settings);
+    const auto client = running.client();
+    Json body = question();
+    CHECK_FALSE(post(*client, "/v1/plan", body).body.contains("id"));
+    body["trace"] = true;
+    body["clearance"] = true;
+    const Reply plan = post(*client, "/v1/plan", body);
+    CHECK(plan.body.contains("least_clearance"));
+    const std::string path = "/v1/plans/" + plan.body["id"].get<std::string>() + "/trace";
+    CHECK(reply_of(client->Get(path)).body["format"] == "mneme-trace");
+    post(*client, "/v1/plan", body);
+    CHECK(reply_of(client->Get(path)).status == 404);
+  }
+
+  TEST_CASE("plans that were hard are remembered, and metrics count them") {
+    const TemporaryDirectory files;
+    auto opened = Database::open(files / "m.db", make_space(planar8()), OpenMode::create);
+    REQUIRE(opened.has_value());
+    const auto database = std::make_shared<Database>(*std::move(opened));
+    ServiceSettings settings;
+    settings.remember_after = 0;
+    const RunningService running(settings, database);
+    const auto client = running.client();
+    Json body = question();
+    body["settings"] = {{"sampler", "gl"}};
+    const Reply reply = post(*client, "/v1/plan", body);
+    CHECK(reply.body["remembered"].get<int>() > 0);
+    CHECK(database->size() == reply.body["remembered"].get<int>());
+    CHECK(reply_of(client->Get("/healthz")).body["memory"]["rows"] == database->size());
+    body["remember"] = false;
+    CHECK(post(*client, "/v1/plan", body).body["remembered"] == 0);
+
+    const std::string text = client->Get("/metrics")->body;
+    for (const std::string& line :
+         {std::string("mneme_requests_total{path=\"/v1/plan\",status=\"200\"} 2"),
+          std::string("mneme_plans_total{status=\"solved\"} 2"),
+          fmt::format("mneme_memory_rows {}", database->size()),
+          std::string("mneme_request_seconds_count{path=\"/v1/plan\"} 2"),
+          std::string("mneme_request_seconds{path=\"/v1/plan\",quantile=\"0.99\"}")}) {
+      CHECK_MESSAGE(text.find(line) != std::string::npos, text);
+    }
+  }
+
+  TEST_CASE("many clients at once get the answers that each would get alone") {
+    const RunningService running;
+    std::vector<Json> expected;
+    for (int seed = 0; seed < 4; ++seed) {
+      Json body = question();
+      body["settings"] = {{"seed", seed}, {"max-iterations", 100000}};
+      expected.push_back(post(*running.client(), "/v1/plan", body).body["path"]);
+    }
+    std::atomic<int> wrong = 0;
+    std::vector<std::thread> clients;
+    for (int i = 0; i < 8; ++i) {
+      clients.emplace_back([&, i, body = question()]() mutable {
+        const auto client = running.client();
+        for (int k = 0; k < 10; ++k) {
+          const int seed = (i + k) % 4;
+          body["settings"] = {{"seed", seed}, {"max-iterations", 100000}};
+          const auto reply = client->Post("/v1/plan", body.dump(), "application/json");
+          const bool is_right = reply && reply->status == 200 &&
+                                Json::parse(reply->body)["path"] ==
+                                    expected[static_cast<std::size_t>(seed)];
+          wrong += is_right ? 0 : 1;
+        }
+      });
+    }
+    for (std::thread& client : clients) client.join();
+    CHECK(wrong == 0);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
