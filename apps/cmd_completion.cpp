@@ -107,6 +107,51 @@ fi
   return script;
 }
 
+/// `text` as one word of fish.
+std::string fish_word(std::string_view text) {
+  std::string word = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') word += '\\';
+    word += c;
+  }
+  return word + "'";
+}
+
+std::string fish_flag(const FlagDescription& flag) {
+  std::string text;
+  for (const std::string& name : flag.names) {
+    text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+  }
+  return text + (flag.value.empty() ? "" : " -r");
+}
+
+std::string fish_completion(const Commands& commands) {
+  std::string script = "# fish completion for mneme\nfunction __mneme_at\n  set -l command\n"
+                       "  for word in (commandline -opc)[2..-1]\n"
+                       "    switch (string trim \"$command $word\")\n      case";
+  for (const CommandDescription& command : commands) {
+    if (!command.words.empty()) script += " " + fish_word(command.words);
+  }
+  script += "\n        set command (string trim \"$command $word\")\n    end\n  end\n"
+            "  test \"$command\" = \"$argv[1]\"\nend\n";
+  for (const CommandDescription& command : commands) {
+    const std::string head =
+        fmt::format("complete -c mneme -n {}", fish_word("__mneme_at '" + command.words + "'"));
+    for (const auto& [name, sentence] : command.subcommands) {
+      script += fmt::format("{} -f -a {} -d {}\n", head, name, fish_word(sentence));
+    }
+    for (const FlagDescription& flag : command.flags) {
+      script += fmt::format("{}{} -d {}\n", head, fish_flag(flag), fish_word(flag.sentence));
+    }
+  }
+  return script;
+}
+
+std::string completion(const std::string& shell, const Commands& commands) {
+  if (shell == "bash") return bash_completion(commands);
+  return shell == "zsh" ? zsh_completion(commands) : fish_completion(commands);
+}
+
 }  // namespace
 
 void add_completion(CLI::App& program, Action& action) {
@@ -115,11 +160,10 @@ void add_completion(CLI::App& program, Action& action) {
   command->footer(
       "Example:\n  mneme completion bash > ~/.local/share/bash-completion/completions/mneme");
   const auto shell = std::make_shared<std::string>();
-  add_choice(*command, "SHELL", "shell", *shell, {"bash", "zsh"}, "shell")->required();
+  add_choice(*command, "SHELL", "shell", *shell, {"bash", "zsh", "fish"}, "shell")->required();
   command->callback([shell, &program, &action] {
     action = [shell, &program]() -> Result<ExitCode> {
-      const Commands commands = describe_commands(program);
-      fmt::print("{}", *shell == "bash" ? bash_completion(commands) : zsh_completion(commands));
+      fmt::print("{}", completion(*shell, describe_commands(program)));
       return ExitCode::done;
     };
   });

@@ -9,6 +9,7 @@
 #include "bench_output.h"
 #include "commands.h"
 #include "console.h"
+#include "demo_finding.h"
 #include "files.h"
 #include "inputs.h"
 #include "learning_run.h"
@@ -239,7 +240,7 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   const std::string report = options.out + "/report.html";
   ReportOptions page;
   page.title = "mneme: the planar arm, planned from memory";
-  page.introduction = introduction(*memory);
+  page.introduction = describe_finding(results->rows) + introduction(*memory);
   page.pictures = results->pictures;
   page.by_problem = true;
   const Result<void> written =

@@ -29,6 +29,14 @@ if set, messages have no colours
 .TP
 .I $XDG_CACHE_HOME/mneme
 spheres that cover the meshes of robots; may be removed
+.SH SEE ALSO
+.BR sqlite3 (1),
+.BR psql (1),
+.BR xacro (1),
+.BR check_urdf (1)
+.PP
+The documents that came with the source, README.md first, and the schemas of all files in
+.IR share/mneme/schema .
 )";
 
 /// Text that troff prints as it is.

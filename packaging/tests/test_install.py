@@ -28,6 +28,7 @@ def test_manual_and_completions_are_there(installed):
     assert (installed / "share/man/man1/mneme.1").read_text().startswith(".TH MNEME 1")
     assert "_mneme" in (installed / "share/bash-completion/completions/mneme").read_text()
     assert (installed / "share/zsh/vendor-completions/_mneme").read_text().startswith("#compdef")
+    assert "complete -c mneme" in (installed / "share/fish/vendor_completions.d/mneme.fish").read_text()
 
 
 def test_another_project_finds_and_links_the_library(installed, tmp_path):

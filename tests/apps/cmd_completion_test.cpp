@@ -40,12 +40,25 @@ TEST_SUITE("flow") {
     CHECK(read_file(files / "_mneme").starts_with("#compdef mneme\n"));
     CHECK(std::system(("zsh -n " + (files / "_mneme")).c_str()) == 0);
   }
+
+  TEST_CASE("fish is told subcommands and flags, in words that it reads") {
+    const TemporaryDirectory files;
+    write_file(files / "mneme.fish", run_program({"completion", "fish"}).out);
+    const std::string script = read_file(files / "mneme.fish");
+    CHECK(has_text(script, R"(complete -c mneme -n '__mneme_at \'db\'' -f -a info -d ')"));
+    CHECK(has_text(script, R"(complete -c mneme -n '__mneme_at \'plan\'' -l timeout -r -d ')"));
+    if (std::system("command -v fish >/dev/null") != 0) {
+      MESSAGE("skipped in part: there is no fish");
+      return;
+    }
+    CHECK(std::system(("fish -n " + (files / "mneme.fish")).c_str()) == 0);
+  }
 }
 
 TEST_SUITE("unit") {
   TEST_CASE("shells that are not known are refused") {
     check_bad_inputs({{{"completion"}, 2, {"SHELL is required"}},
-                      {{"completion", "fish"}, 2, {"unknown shell 'fish'", "bash, zsh"}}});
+                      {{"completion", "csh"}, 2, {"unknown shell 'csh'", "bash, zsh, fish"}}});
   }
 }
 
