@@ -26,7 +26,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
 KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")
 SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits)/|"
-                    r"(assert|dlfcn|errno|fcntl|glob|limits|malloc|math|poll|pthread|pwd|sched|signal|stddef|stdint|"
+                    r"(assert|dlfcn|errno|fcntl|glob|limits|malloc|math|netdb|poll|pthread|pwd|sched|signal|stddef|stdint|"
                     r"stdio|stdlib|string|termios|time|unistd)\.h$")
 OWN, MNEME, OTHER, THIRD_PARTY, STANDARD = range(5)
 BLOCKS = ("own header", '"mneme/..."', 'other "..."', "third party <...>", "standard library and system <...>")

@@ -136,9 +136,10 @@ Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& reque
   });
 }
 
-std::string Endpoints::keep_trace(std::shared_ptr<const TracedPlan> plan) {
+std::string Endpoints::keep_trace(TracedPlan plan) {
+  auto kept = std::make_shared<const TracedPlan>(std::move(plan));
   const std::lock_guard lock(mutex_);
-  traces_[++last_trace_] = std::move(plan);
+  traces_[++last_trace_] = std::move(kept);
   while (traces_.size() > static_cast<std::size_t>(settings_.traces)) {
     traces_.erase(traces_.begin());
   }
@@ -154,8 +155,8 @@ Answer Endpoints::plan(const std::string& body, int socket) {
 
   request->settings.plan.cancel = &client.is_cancelled();
   if (request->may_remember) request->settings.remember_after = settings_.remember_after;
-  const auto traced = request->wants_trace ? std::make_shared<TracedPlan>() : nullptr;
-  if (traced != nullptr) request->settings.plan.observer = &traced->recorder;
+  PlanRecorder recorder;
+  if (request->wants_trace) request->settings.plan.observer = &recorder;
   const Result<Outcome> outcome = solve_remembering(*request);
   if (!outcome) return refusal(outcome.error());
   const SolveResult& result = outcome->result;
@@ -167,13 +168,11 @@ Answer Endpoints::plan(const std::string& body, int socket) {
                     result.remembered.rows);
   if (!result.remembered.failure.empty()) set_memory_failure(result.remembered.failure);
   std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
-  if (traced == nullptr && outcome->memory_failure.empty()) return {200, std::move(text)};
+  if (!request->wants_trace && outcome->memory_failure.empty()) return {200, std::move(text)};
   Json json = Json::parse(text);
   if (!outcome->memory_failure.empty()) json["memory_failure"] = outcome->memory_failure;
-  if (traced != nullptr) {
-    traced->problem = std::move(request->problem);
-    traced->result = result;
-    json["id"] = keep_trace(traced);
+  if (request->wants_trace) {
+    json["id"] = keep_trace({std::move(request->problem), result, std::move(recorder)});
   }
   return answer(json);
 }

@@ -69,7 +69,7 @@ class Endpoints {
   };
   [[nodiscard]] RequestContext context() const;
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
-  [[nodiscard]] std::string keep_trace(std::shared_ptr<const TracedPlan> plan);
+  [[nodiscard]] std::string keep_trace(TracedPlan plan);
   void set_memory_failure(const std::string& failure);
 
   Robot robot_;

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <netdb.h>
 #include <cerrno>
 #include <cstring>
 #include <memory>
 #include <string_view>
 #include <utility>
 #include <arpa/inet.h>
-#include <netdb.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "demo_finding.h"
-
 #include "apps/run_program.h"
 
 namespace mneme::test {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "base/close_names.h"
-
 #include "support/support.h"
 
 #include <doctest/doctest.h>
