@@ -185,9 +185,10 @@ Answer Endpoints::check(const std::string& body, int socket) {
   if (!checker) return refusal(checker.error());
   const ClientWatch::Watched client(watch_, socket);
   const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  if (!turn) return no_turn(client.is_cancelled());
   Json states = Json::array();
   for (const Configuration& q : request->configurations) {
-    if (!turn || client.is_cancelled()) return no_turn(client.is_cancelled());
+    if (client.is_cancelled()) return no_turn(true);
     states.push_back(state_json(*checker, q));
   }
   return answer({{"states", states}});
