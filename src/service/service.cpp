@@ -53,6 +53,13 @@ void respond(Response& response, Answer answer) {
   response.set_content(std::move(answer.body), answer.type);
 }
 
+/// The body of the request was not read: what comes after the head is no next request.
+void respond_and_close(Response& response, Answer answer) {
+  HttpServer::connection().close_after_answer();
+  response.set_header("Connection", "close");
+  respond(response, std::move(answer));
+}
+
 /// Why a request is not even looked at.
 std::optional<Answer> refuse_head(const Request& request, const std::string& token) {
   const bool is_free = token.empty() || request.path == "/healthz";
@@ -165,22 +172,20 @@ class Service::State {
     server_.set_pre_routing_handler([this](const Request& request, Response& response) {
       auto refused = refuse_head(request, settings_.token);
       if (!refused) return HttpServer::HandlerResponse::Unhandled;
-      // The body stays unread: what comes after it is no request.
-      HttpServer::connection().close_after_answer();
       endpoints_.metrics().add_request("refused", refused->status, 0);
-      respond(response, *std::move(refused));
+      respond_and_close(response, *std::move(refused));
       return HttpServer::HandlerResponse::Handled;
     });
     // What httplib refuses by itself has no body yet.
     server_.set_error_handler([this](const Request& request, Response& response) {
       if (!response.body.empty()) return;
-      HttpServer::connection().close_after_answer();
       endpoints_.metrics().add_request("refused", response.status, 0);
-      const bool is_known = response.status == 404;
-      respond(response,
-              refusal(response.status, is_known ? "not_found" : "refused",
-                      is_known ? fmt::format("there is no {} {}", request.method, request.path)
-                               : "the request cannot be read, or is beyond a limit"));
+      const bool is_missing = response.status == 404;
+      const std::string message =
+          is_missing ? fmt::format("there is no {} {}", request.method, request.path)
+                     : "the request cannot be read, or is beyond a limit";
+      respond_and_close(response, refusal(response.status, is_missing ? "not_found" : "refused",
+                                          message));
     });
     server_.set_exception_handler(
         [](const Request&, Response& response, const std::exception_ptr&) {
