@@ -12,8 +12,10 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace mneme::test {
 
@@ -31,23 +33,21 @@ inline Json question(const std::string& name = "scenario1") {
   return body;
 }
 
-/// A goal that a ring of circles keeps out of reach, and no time limit that a test would wait for.
+/// Circles around the base leave the first link two windows, and no way from one to the other: it is
+/// planned until somebody ends it.
 inline Json endless_question() {
-  Json body = question();
-  body.erase("obstacles");
-  Json ring = Json::array();
+  Json circles = Json::array();
   for (int i = 0; i < 24; ++i) {
     const double angle = 2 * kPi * i / 24;
-    ring.push_back({9.5 * std::cos(angle), 9.5 * std::sin(angle), 0.1});
+    const bool is_window = i == 0 || i == 6;
+    if (!is_window) circles.push_back({0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1});
   }
-  ring.push_back({4, 0.5, 0.3});
-  body["circles"] = ring;
-  body["start"] = std::vector<double>(8, 0.0);
-  body["start"][0] = 1.0;
-  body["start"][1] = 1.0;
-  body["goals"] = {std::vector<double>(8, 0.0)};
-  body["settings"] = {{"planner", "prm"}, {"sampler", "uniform"}, {"timeout", 50}};
-  return body;
+  std::vector<double> start(8, 0.0), goal(8, 0.0);
+  goal[0] = kPi / 2;
+  return {{"circles", circles},
+          {"start", start},
+          {"goal", goal},
+          {"settings", {{"planner", "prm"}, {"timeout", 50}}}};
 }
 
 inline ServiceSettings loopback(ServiceSettings settings = {}) {
