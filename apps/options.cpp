@@ -23,20 +23,29 @@ constexpr std::string_view kMore = ", more";
 
 class WrappingFormatter : public CLI::Formatter {
  public:
-  std::string make_groups(const CLI::App* app, CLI::AppFormatMode mode) const override {
-    bool is_whole = true;
-    std::string text;
-    for (const std::string& group : app->get_groups()) {
-      const std::vector<const CLI::Option*> flags =
-          app->get_options([&](const CLI::Option* option) {
-            return option->get_group() == group && option->nonpositional();
-          });
-      if (group.empty() || flags.empty()) continue;
-      const bool is_left_out = mode != CLI::AppFormatMode::All && group.ends_with(kMore);
-      is_whole &= !is_left_out;
-      if (!is_left_out) text += make_group(group, false, flags) + "\n";
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    is_whole_ = mode != CLI::AppFormatMode::Normal;
+    std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+    // CLI11 puts empty lines between groups, also where one was left out.
+    while (text.find("\n\n\n") != std::string::npos) {
+      text = CLI::detail::find_and_replace(text, "\n\n\n", "\n\n");
     }
-    return is_whole ? text : text + "More flags: --help-all\n\n";
+    return text;
+  }
+
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (!is_whole_ && group.ends_with(kMore)) return "";
+    return CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+  }
+
+  std::string make_footer(const CLI::App* app) const override {
+    const std::vector<std::string> groups = app->get_groups();
+    const bool is_whole = is_whole_ || std::ranges::none_of(groups, [](const std::string& group) {
+                            return group.ends_with(kMore);
+                          });
+    return (is_whole ? "" : "More flags: --help-all\n\n") + CLI::Formatter::make_footer(app);
   }
 
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
@@ -57,6 +66,9 @@ class WrappingFormatter : public CLI::Formatter {
     }
     return wrapped;
   }
+
+ private:
+  mutable bool is_whole_ = true;  ///< the help that is being made leaves nothing out
 };
 
 }  // namespace
