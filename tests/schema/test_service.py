@@ -87,7 +87,7 @@ def test_the_file_holds_schemas():
 
 def test_plans_are_as_documented(service):
     answer = service.ask("POST", "/v1/plan", {**question(), "trace": True, "clearance": True,
-                                              "settings": {"seed": 3, "lambda": 0.5, "planner": "rrt_connect"}})
+                                              "settings": {"seed": 3, "lambda": 0.5, "kind": "paths"}})
     assert answer["solved"] and answer["least_clearance"] > 0 and answer["remembered"] > 0
     service.ask("GET", f"/v1/plans/{answer['id']}/trace")
     service.ask("GET", "/v1/plans/99/trace", status=404)
@@ -129,7 +129,7 @@ def test_what_is_not_documented_is_refused(service, path, change):
 def test_what_was_answered_as_remembered_survives_a_killed_service(tmp_path):
     memory = tmp_path / "memory.db"
     killed = Service("--db", memory, "--remember-after", 0)
-    rows = sum(killed.ask("POST", "/v1/plan", {**question(), "settings": {"seed": seed}})["remembered"]
+    rows = sum(killed.ask("POST", "/v1/plan", {**question(), "settings": {"seed": seed, "kind": "paths"}})["remembered"]
                for seed in range(5))
     killed.process.kill()
     killed.process.wait(timeout=60)
@@ -143,7 +143,7 @@ def test_two_services_share_one_memory(tmp_path):
     memory = tmp_path / "memory.db"
     teacher = Service("--db", memory, "--remember-after", 0)
     pupil = Service("--db", memory)
-    rows = teacher.ask("POST", "/v1/plan", question())["remembered"]
+    rows = teacher.ask("POST", "/v1/plan", {**question(), "settings": {"kind": "paths"}})["remembered"]
     assert rows > 0
     while pupil.ask("GET", "/healthz")["memory"]["rows"] < rows:
         pass  # it looks once a second

@@ -86,7 +86,7 @@ TEST_SUITE("flow") {
                                          "application/json")),
                   400, "expected at most 3 obstacles, got 4");
     circles.push_back({20, 9, 1});
-    check_refused(post(*client, "/v1/plan", with("circles", circles)), 400,
+    check_refused(post(*client, "/v1/check", {{"circles", circles}, {"configurations", Json::array()}}), 400,
                   "expected at most 3 obstacles, got 4");
   }
 

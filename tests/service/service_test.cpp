@@ -107,7 +107,7 @@ TEST_SUITE("flow") {
     const RunningService running(settings, database);
     const auto client = running.client();
     Json body = question();
-    body["settings"] = {{"sampler", "gl"}};
+    body["settings"] = {{"kind", "paths"}};
     const Reply reply = post(*client, "/v1/plan", body);
     CHECK(reply.body["remembered"].get<int>() > 0);
     CHECK(database->size() == reply.body["remembered"].get<int>());
