@@ -60,7 +60,8 @@ namespace mneme {
 std::string did_you_mean(std::string_view word, std::span<const std::string> names) {
   const std::string wanted = internal::letters_of(word);
   const std::string* nearest = nullptr;
-  int least = 2 + static_cast<int>(wanted.size() / 3);
+  const auto letters = static_cast<int>(wanted.size());
+  int least = std::min(letters, 2 + letters / 3);
   for (const std::string& name : names) {
     const int distance = internal::edit_distance(wanted, internal::letters_of(name));
     if (distance >= least) continue;

@@ -35,6 +35,7 @@ TEST_SUITE("unit") {
     CHECK(did_you_mean("rt", names) == "; did you mean 'rrt'?");
     CHECK(did_you_mean("bit_star", names).empty());
     CHECK(did_you_mean("", names).empty());
+    CHECK(did_you_mean("c", std::vector<std::string>{"a"}).empty());
     CHECK(did_you_mean("rrt", {}).empty());
   }
 }

@@ -218,7 +218,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("anything but a map of the known keys is refused") {
     CHECK(read_scene_text("circle: []").error().message ==
-          "f:1: key circle: unknown key, expected one of name, circles, obstacles, allow");
+          "f:1: key circle: unknown key, expected one of name, circles, obstacles, allow; did you "
+          "mean 'circles'?");
     CHECK(read_scene_text("").error().message == "f:1: expected a map, got nothing");
     CHECK(read_scene_text("just text").error().message == "f:1: expected a map, got \"just text\"");
     CHECK(read_scene_text("circles: 3").error().message ==
