@@ -148,7 +148,7 @@ void bind_shapes(SceneClass& scene) {
       "Adds all points within radius of the segment from a to b, shape (3,), metres.");
 }
 
-void bind_text(py::class_<Scene, std::shared_ptr<Scene>>& scene) {
+void bind_text(SceneClass& scene) {
   scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
       "Text that Scene.parse reads back to the same scene.");
