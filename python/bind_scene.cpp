@@ -227,6 +227,15 @@ void bind_shapes(SceneClass& scene) {
       "contact.");
 }
 
+void bind_text(SceneClass& scene) {
+  scene.def(
+      "to_yaml", [](const Scene& self) { return to_yaml(self); },
+      "Text that Scene.parse reads back to the same scene.");
+  scene.def(
+      "to_compact_json", [](const Scene& self) { return to_compact_json({self, ""}); },
+      "Text of a compact file with this scene, and without start and goal.");
+}
+
 }  // namespace
 
 void bind_scene(py::module_& module) {
@@ -280,12 +289,7 @@ void bind_scene(py::module_& module) {
       py::arg("link"), py::arg("obstacle"),
       "Lets a link, or an object attached to one, touch an obstacle: they are not checked against "
       "each other.");
-  scene.def(
-      "to_yaml", [](const Scene& self) { return to_yaml(self); },
-      "Text that Scene.parse reads back to the same scene.");
-  scene.def(
-      "to_compact_json", [](const Scene& self) { return to_compact_json({self, ""}); },
-      "Text of a compact file with this scene, and without start and goal.");
+  bind_text(scene);
   scene.def("__len__", [](const Scene& self) { return self.obstacles.size(); });
   scene.def("__repr__", [](const Scene& self) {
     return fmt::format("<mneme.Scene '{}', {} obstacles>", self.name, self.obstacles.size());

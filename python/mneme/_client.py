@@ -17,7 +17,11 @@ class Busy(Exception):
 
     def __init__(self, message, retry_after_s):
         super().__init__(message)
-        self.retry_after_s = retry_after_s
+        self._retry_after_s = retry_after_s
+
+    @property
+    def retry_after_s(self):
+        return self._retry_after_s
 
 
 class _UnixConnection(http.client.HTTPConnection):
@@ -35,33 +39,46 @@ class RemotePlan:
     """What Client.plan() brings: the attributes of a Plan by the same names, as far as they travel."""
 
     def __init__(self, answer, client):
-        self.answer = answer  #: all keys of `mneme plan --json`
+        self._answer = answer
         self._client = client
-        self.is_solved = answer["solved"]
-        self.message = answer.get("message", "")
-        self.path = np.array(answer["path"], dtype=float)
-        if not len(self.path):
-            self.path = np.empty((0, 0))
 
-    def __getattr__(self, name):
-        try:
-            return self.__dict__["answer"][name]
-        except KeyError:
-            raise AttributeError(f"a remote plan has no '{name}'") from None
+    @property
+    def answer(self):
+        """All keys of `mneme plan --json`."""
+        return self._answer
+
+    @property
+    def is_solved(self):
+        return self._answer["solved"]
+
+    @property
+    def message(self):
+        return self._answer.get("message", "")
+
+    @property
+    def path(self):
+        rows = self._answer["path"]
+        return np.array(rows, dtype=float) if rows else np.empty((0, 0))
 
     def to_json(self):
         """The text that `mneme plan --json` prints."""
-        return json.dumps(self.answer, indent=2)
+        return json.dumps(self._answer, indent=2)
 
     def to_trace(self):
         """The plan as geometry, JSON that `mneme view` shows; of a plan with trace=True."""
-        if "id" not in self.answer:
+        if "id" not in self._answer:
             raise ValueError("this plan was not asked for a trace: plan(..., trace=True)")
-        return json.dumps(self._client._ask("GET", f"/v1/plans/{self.answer['id']}/trace"))
+        return json.dumps(self._client._ask("GET", f"/v1/plans/{self._answer['id']}/trace"))
 
     def __repr__(self):
         return (f"<mneme.RemotePlan {self.status}, {len(self.path)} configurations, "
                 f"{1e3 * self.planning_time_s:.3f} ms>")
+
+
+for _name in ("status", "path_length", "total_time_s", "planning_time_s", "retrieval_time_s", "learning_time_s",
+              "simplification_time_s", "verification_time_s", "iterations", "states_checked", "motions_checked",
+              "remembered", "planner", "sampler", "seed", "isa"):
+    setattr(RemotePlan, _name, property(lambda self, name=_name: self._answer[name]))
 
 
 def _scene_keys(scene):

@@ -66,7 +66,7 @@ def test_scenes_are_kept_and_edited(client, problem):
 
 
 def test_checks_and_health(client):
-    scene = mneme.Scene.from_circles("one", [[4, 0, 0.5]])
+    scene = mneme.Scene.from_circles([[4, 0, 0.5]])
     free, touching = client.check([[1.5] + [0] * 7, [0] * 8], scene)
     assert free["valid"] and touching["contacts"][0]["other"] == "circle_1"
     assert client.health()["robot"] == "planar8"

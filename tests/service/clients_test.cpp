@@ -122,7 +122,11 @@ TEST_SUITE("flow") {
     slow.say("POST /v1/plan HTTP/1.1\r\nContent-Le");
     const RawClient half(running.port());
     half.say("POST /v1/plan HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{");
-    CHECK(post(*running.client(), "/v1/plan", question()).status == 200);
+    // On a slow machine this client may be too slow itself.
+    CHECK(comes_true([&] {
+      const auto reply = running.client()->Post("/v1/plan", question().dump(), "application/json");
+      return reply && reply->status == 200;
+    }));
     CHECK(silent.hear().empty());
     CHECK(slow.hear().find("200 OK") == std::string::npos);
     CHECK(half.hear().find("200 OK") == std::string::npos);
@@ -166,10 +170,11 @@ TEST_SUITE("flow") {
     const Stopwatch stopwatch;
     running.service.stop();
     CHECK(stopwatch.elapsed_s() < 20);  // the plans would have gone on for 50 s
-    // Either of them may have come first.
-    const std::string heard = planning.hear() + waiting.hear();
-    CHECK(heard.find("\"status\": \"cancelled\"") != std::string::npos);
-    CHECK(heard.find("503 ") != std::string::npos);
+    // Either may have come first, and the other one still have had its turn for a moment.
+    const std::string heard = planning.hear(), other = waiting.hear();
+    CHECK((heard + other).find("\"status\": \"cancelled\"") != std::string::npos);
+    CHECK(heard.find("\"cancelled\"") != std::string::npos);
+    CHECK(other.find("\"cancelled\"") != std::string::npos);
     CHECK_FALSE(bool(running.client()->Get("/healthz")));
   }
 
