@@ -12,6 +12,7 @@
 #include "inputs.h"
 #include "options.h"
 #include "problem_primitives.h"
+#include "trajectory_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -100,6 +101,7 @@ struct PlanOptions {
   std::string db;
   DatabaseSettings kept;
   PlanFiles files;
+  TrajectoryOptions trajectory;
   bool has_sampler = false;
   bool is_json = false;
   SolveSettings settings;
@@ -108,6 +110,7 @@ struct PlanOptions {
 struct LoadedPlan {
   Problem problem;
   std::optional<Database> database;
+  RateLimits limits;  ///< of a trajectory, if one is wanted
   double load_time_s = 0;
 };
 
@@ -121,8 +124,11 @@ Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, c
 /// Before anything is planned: a memory and a problem are worth more than a picture.
 Result<void> check_files(const PlanOptions& options, const Problem& problem) {
   std::vector<ReadFile> inputs = robot_files(problem.robot_path, options.robot_options.srdf_path);
-  inputs.insert(inputs.end(), {{"the problem", options.problem}, {"the memory", options.db}});
-  const std::array outputs = {options.files.svg, options.files.view, options.files.trace};
+  inputs.insert(inputs.end(), {{"the problem", options.problem},
+                               {"the memory", options.db},
+                               {"the file of limits", options.trajectory.limits}});
+  const std::array outputs = {options.files.svg, options.files.view, options.files.trace,
+                              options.trajectory.file};
   return check_outputs(outputs, inputs);
 }
 
@@ -137,10 +143,17 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   if (auto checked = check_files(options, *problem); !checked) {
     return tl::unexpected(checked.error());
   }
+  Result<RateLimits> limits;
+  if (options.trajectory.is_wanted()) {
+    limits = find_rate_limits(problem->robot, options.trajectory.settings,
+                              options.trajectory.limits);
+  }
+  if (!limits) return tl::unexpected(limits.error());
   Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(*problem), std::move(*database), elapsed.count()};
+  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits),
+                    elapsed.count()};
 }
 
 void print_memory(const Problem& problem, const GlSampler& gl) {
@@ -200,6 +213,34 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result) {
   print_path(loaded.problem.robot, plan.path);
 }
 
+/// Nothing if none is wanted, or if there is no path.
+Result<std::optional<Trajectory>> time_path(const PlanOptions& options, const LoadedPlan& loaded,
+                                            const SolveSettings& settings, const Path& path) {
+  if (!options.trajectory.is_wanted()) return std::nullopt;
+  if (path.empty()) {
+    print_note(fmt::format("'{}' was not written: there is no path", options.trajectory.file));
+    return std::nullopt;
+  }
+  return make_trajectory(loaded.problem, settings, path, loaded.limits, options.trajectory.settings)
+      .map([](Trajectory timed) { return std::optional(std::move(timed)); });
+}
+
+void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const SolveResult& result,
+                  const std::optional<Trajectory>& trajectory) {
+  if (options.is_json) {
+    const auto duration_s =
+        trajectory ? std::optional(trajectory->duration_s()) : std::nullopt;
+    fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, duration_s));
+  } else {
+    print_result(loaded, result);
+    if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());
+  }
+  if (!result.plan.is_solved()) print_error(result.plan.message);
+  if (!result.remembered.failure.empty()) {
+    print_note("the path was not remembered: " + result.remembered.failure);
+  }
+}
+
 Result<ExitCode> run_plan(const PlanOptions& options) {
   Result<LoadedPlan> loaded = load(options);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -215,14 +256,12 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   const Result<SolveResult> result = solve(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
 
-  if (options.is_json) {
-    fmt::print("{}\n", to_json(loaded->problem, *result, loaded->load_time_s));
-  } else {
-    print_result(*loaded, *result);
-  }
-  if (!result->plan.is_solved()) print_error(result->plan.message);
-  if (!result->remembered.failure.empty()) {
-    print_note("the path was not remembered: " + result->remembered.failure);
+  const auto trajectory = time_path(options, *loaded, settings, result->plan.path);
+  if (!trajectory) return tl::unexpected(trajectory.error());
+  print_answer(options, *loaded, *result, *trajectory);
+  if (*trajectory) {
+    auto sent = write_trajectory(options.trajectory, loaded->problem.robot, **trajectory);
+    if (!sent) return tl::unexpected(sent.error());
   }
   const Result<void> written =
       write_plan_files(options.files, loaded->problem, *result, recorder, loaded->load_time_s);
@@ -288,6 +327,7 @@ void add_plan(CLI::App& program, Action& action) {
   command->add_option("--svg", options->files.svg, "write a picture of a planar robot's plan");
   command->add_option("--trace", options->files.trace,
                       "write what the page shows as JSON, for 'mneme view' and other programs");
+  add_trajectory_flags(*command, options->trajectory);
   add_json(*command, options->is_json);
   command->callback([command, options, &action] {
     options->has_sampler = command->count("--sampler") > 0;

@@ -61,7 +61,8 @@ void add_settings_list(CLI::App& program, Action& action) {
       print_json({{{"group", "plan"}, {"settings", settings_of<PlanSettings>()}},
                   {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
                   {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
-                  {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}}});
+                  {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
+                  {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}}});
       return ExitCode::done;
     };
   });

@@ -89,6 +89,46 @@ py::list primitives_of(const Plan& plan) {
   return rows;
 }
 
+/// A trajectory that is sampled already.
+struct TimedPlan {
+  Robot robot;
+  std::vector<Trajectory::Point> points;
+
+  [[nodiscard]] py::array_t<double> rows(std::vector<double> Trajectory::Point::*quantity) const {
+    Path values;
+    for (const Trajectory::Point& point : points) values.push_back(point.*quantity);
+    return to_array(values, robot.joint_count());
+  }
+};
+
+TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& limits,
+                    const py::kwargs& arguments) {
+  TrajectorySettings timing;
+  py::kwargs all(arguments);
+  if (!dt.is_none()) all["dt"] = dt;
+  Keywords keywords("trajectory", all);
+  keywords.apply(timing);
+  keywords.finish();
+  if (!plan.result.plan.is_solved()) {
+    raise_invalid("trajectory: there is no path: " + plan.result.plan.message);
+  }
+  const std::string file =
+      limits.is_none() ? ""
+                       : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
+  const py::gil_scoped_release released;
+  const Robot& robot = plan.problem.robot;
+  const Trajectory timed =
+      unwrap(make_trajectory(plan.problem, plan.settings, plan.result.plan.path,
+                             unwrap(find_rate_limits(robot, timing, file)), timing));
+  return {robot, unwrap(timed.sample(timing.dt))};
+}
+
+py::array_t<double> times_of(const TimedPlan& timed) {
+  std::vector<double> times;
+  for (const Trajectory::Point& point : timed.points) times.push_back(point.time_s);
+  return to_array(times);
+}
+
 std::string svg_of(const Plan& plan) {
   return unwrap(to_svg(make_picture(plan.problem, plan.result)));
 }
@@ -172,6 +212,42 @@ void bind_numbers(py::class_<Plan>& type) {
           "isa", [](const Plan& self) { return std::string(to_string(self.result.isa)); });
 }
 
+std::string trajectory_help() {
+  return "The time-optimal motion along the path, with its corners rounded, sampled every dt "
+         "seconds.\n\nlimits: a file of limits of velocity and acceleration, YAML as MoveIt's\n"
+         "joint_limits.yaml; default: those of the URDF.\n\n" +
+         describe_keywords<TrajectorySettings>();
+}
+
+void bind_trajectory(py::module_& module) {
+  using Point = Trajectory::Point;
+  py::class_<TimedPlan>(module, "Trajectory",
+                        "A motion in time, from rest to rest, sampled: n points. Continuous joints "
+                        "do not wrap.")
+      .def_property_readonly(
+          "duration", [](const TimedPlan& self) { return self.points.back().time_s; }, "Seconds.")
+      .def_property_readonly("times", &times_of, "Shape (n,), seconds; the last is the duration.")
+      .def_property_readonly(
+          "positions", [](const TimedPlan& self) { return self.rows(&Point::position); },
+          "Shape (n, joint_count), radians and metres.")
+      .def_property_readonly(
+          "velocities", [](const TimedPlan& self) { return self.rows(&Point::velocity); },
+          "Shape (n, joint_count), per second.")
+      .def_property_readonly(
+          "accelerations", [](const TimedPlan& self) { return self.rows(&Point::acceleration); },
+          "Shape (n, joint_count), per second squared; from each time on.")
+      .def("to_csv", [](const TimedPlan& self) { return to_csv(self.robot, self.points); },
+           "What `mneme plan --trajectory FILE.csv` writes.")
+      .def("to_yaml", [](const TimedPlan& self) { return to_yaml(self.robot, self.points); },
+           "The same of FILE.yaml, in the shape of trajectory_msgs/JointTrajectory.")
+      .def("to_json", [](const TimedPlan& self) { return to_json(self.robot, self.points); },
+           "The same of FILE.json.")
+      .def("__repr__", [](const TimedPlan& self) {
+        return fmt::format("<mneme.Trajectory: {:.3f} s, {} points>", self.points.back().time_s,
+                           self.points.size());
+      });
+}
+
 std::string plan_help() {
   return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
          "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
@@ -185,10 +261,13 @@ std::string plan_help() {
 }  // namespace
 
 void bind_pipeline(py::module_& module) {
+  bind_trajectory(module);
   py::class_<Plan> type(module, "Plan", "What came out of plan(). Times in seconds.");
   bind_answer(type);
   bind_numbers(type);
-  type.def(
+  type.def("trajectory", &time_plan, py::arg("dt") = py::none(), py::kw_only(),
+           py::arg("limits") = py::none(), trajectory_help().c_str())
+      .def(
           "to_json", [](const Plan& self) { return to_json(self.problem, self.result, 0); },
           "The text that `mneme plan --json` prints.")
       .def("to_svg", &svg_of, "A picture of a planar robot's plan, as SVG text.")

@@ -14,6 +14,7 @@
 #include "mneme/collision.h"
 #include "mneme/sampling.h"
 #include "mneme/path.h"
+#include "mneme/trajectory.h"
 #include "mneme/planning.h"
 #include "mneme/primitive.h"
 #include "mneme/store.h"

@@ -8,6 +8,7 @@
 #include "mneme/memory.h"
 #include "mneme/planning.h"
 #include "mneme/problem.h"
+#include "mneme/trajectory.h"
 
 #include <cstdint>
 #include <memory>
@@ -152,6 +153,14 @@ struct SolveResult {
 /// of range; a scene that cannot be checked or decomposed; a database of another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
+
+/// The time-optimal motion along a path that solve() found for that problem with those settings:
+/// corners are rounded where that passes the verification of paths. Errors: those of
+/// parameterize().
+[[nodiscard]] Result<Trajectory> make_trajectory(const Problem& problem,
+                                                 const SolveSettings& settings, const Path& path,
+                                                 const RateLimits& limits,
+                                                 const TrajectorySettings& timing = {});
 
 /// A source of configurations by name. To add one: a row in src/pipeline/samplers.cpp.
 struct SamplerEntry {

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,9 +20,9 @@
 namespace mneme {
 
 /// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database
-/// took.
+/// took; `duration_s` is that of the motion, if there is a trajectory.
 [[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result,
-                                  double load_time_s);
+                                  double load_time_s, std::optional<double> duration_s = {});
 
 /// A planar picture in the manner of the paper's figures; metres, y upwards.
 struct PlanarPicture {

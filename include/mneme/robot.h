@@ -37,6 +37,8 @@ struct Joint {
   Vec3 axis = Vec3::UnitX();   ///< unit vector in the joint frame
   double lower = 0;            ///< radians or metres; -pi for continuous joints
   double upper = 0;            ///< radians or metres; +pi for continuous joints
+  double velocity = 1;         ///< its limit, >= 0: rad/s or m/s; 1 of a URDF that gives none
+  std::optional<double> acceleration;  ///< its limit, >= 0: rad/s^2 or m/s^2, if the URDF gives one
   double fixed_value = 0;      ///< the value of a movable joint outside the planning group
   std::optional<Mimic> mimic;  ///< then the joint is in no group and has no value of its own
 };
@@ -110,7 +112,8 @@ class Robot {
   /// What was left aside or clamped, such as names in the SRDF that the model lacks.
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
-  /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count.
+  /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count,
+  /// nor do limits of velocity and acceleration.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
   /// The same for copies of a robot and for no other one, for as long as one of them lives.
   [[nodiscard]] std::weak_ptr<const void> identity() const { return model_; }

@@ -60,6 +60,44 @@ def test_json_is_that_of_the_command_line(problem):
     assert keys["iterations"] == plan.iterations
 
 
+def test_a_trajectory_is_arrays_over_time(problem, tmp_path):
+    plan = mneme.plan(problem)
+    motion = plan.trajectory(0.02)
+    assert motion.positions.shape == motion.velocities.shape == motion.accelerations.shape
+    assert motion.positions.shape == (len(motion.times), 8) and motion.positions.dtype == np.float64
+    np.testing.assert_allclose(np.diff(motion.times)[:-1], 0.02)
+    assert motion.times[0] == 0 and motion.times[-1] == motion.duration > 0
+    np.testing.assert_allclose(motion.positions[0], plan.path[0])
+    turn = (motion.positions[-1] - plan.path[-1]) / (2 * np.pi)
+    np.testing.assert_allclose(turn, np.round(turn), atol=1e-9)
+    assert np.all(np.abs(motion.velocities) <= 1 + 1e-6)
+    assert np.all(np.abs(motion.accelerations) <= 1 + 1e-6)
+    steps = np.diff(motion.positions, axis=0)
+    assert np.all(np.abs(steps) <= 0.02 * (1 + 1e-6))
+
+    slow = plan.trajectory(velocity_scale=0.5, acceleration_scale=0.25)
+    assert slow.duration == pytest.approx(2 * motion.duration)
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("joint_limits: {joint_1: {max_velocity: 0.01}}")
+    assert plan.trajectory(limits=limits).duration > motion.duration
+    assert motion.to_csv().startswith("time,joint_1.position,")
+    assert json.loads(motion.to_json())["times"] == list(motion.times)
+    assert "joint_names:" in motion.to_yaml()
+
+
+def test_a_trajectory_needs_a_path_and_settings_in_range(problem, blocked):
+    code, message = raised(mneme.plan(blocked, max_iterations=50).trajectory)
+    assert code == "invalid" and "there is no path" in message
+    plan = mneme.plan(problem)
+    for settings in ({"dt": 0}, {"dt": float("nan")}, {"velocity_scale": 0}, {"velocity_scale": 1.1},
+                     {"acceleration_scale": -1}, {"path_tolerance": -1}):
+        code, message = raised(plan.trajectory, **settings)
+        assert code == "invalid" and f"{next(iter(settings))}=" in message
+    assert raised(plan.trajectory, limits="/nowhere.yaml")[0] == "io"
+    with pytest.raises(TypeError, match="velocity_scale"):
+        plan.trajectory(velocity_scal=1)
+
+
 def test_a_no_is_a_status(problem, blocked):
     plan = mneme.plan(blocked, max_iterations=50)
     assert plan.status == "iteration_limit" and not plan.is_solved

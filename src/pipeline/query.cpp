@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/query.h"
 
+#include "base/check_ranges.h"
 #include "store/row_check.h"
 
 #include <fmt/format.h>
@@ -11,28 +12,6 @@
 
 namespace mneme::internal {
 namespace {
-
-/// The first setting that is not within its declared range.
-template <class Settings>
-Result<void> check_ranges(const Settings& settings) {
-  std::string problem;
-  const auto check = [&](const char* name, const auto& value, auto least, auto most) {
-    // Written so that a value that is not a number fails too.
-    if (problem.empty() && !(value >= least && value <= most)) {
-      problem = fmt::format("setting '{}' is {}: expected {} to {}", name, value, least, most);
-    }
-  };
-  visit_settings(settings, [&](const char* name, const auto& value, auto least, auto most,
-                               const char*) {
-    if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
-      if (value) check(name, *value, least, most);
-    } else {
-      check(name, value, least, most);
-    }
-  });
-  if (!problem.empty()) return fail(ErrorCode::invalid, problem);
-  return {};
-}
 
 Result<void> check_settings(const SolveSettings& settings) {
   for (const auto& checked : {check_ranges(settings), check_ranges(settings.plan),

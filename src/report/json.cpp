@@ -204,7 +204,8 @@ Json to_json(const std::vector<Improved>& improvements) {
 
 }  // namespace
 
-std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s) {
+std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
+                    std::optional<double> duration_s) {
   Json json;
   json["problem"] = problem.name;
   json["robot"] = problem.robot.name();
@@ -213,6 +214,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   if (!result.plan.is_solved()) json["message"] = result.plan.message;
   json["path"] = result.plan.path;
   json["path_length"] = path_length(problem.robot, result.plan.path);
+  if (duration_s) json["duration_s"] = *duration_s;
   add_times(json, result, load_time_s);
   if (!result.improvements.empty()) json["improvements"] = to_json(result.improvements);
   json["iterations"] = result.plan.iterations;

@@ -108,6 +108,7 @@ class UrdfReader {
   void read_joint(const XmlElement& element);
   JointType read_type(const XmlElement& element);
   void read_motion(const XmlElement& element, Joint& joint);
+  void read_rates(const XmlElement& limit, Joint& joint);
   void read_mimic(const XmlElement& element, Joint& joint);
   void connect_joints();
   int find_link(const XmlElement& joint, const char* end);
@@ -199,12 +200,22 @@ void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
     xml_.text(*axis, "xyz");
     joint.axis = xml_.vector(*axis, "xyz", joint.axis);
   }
-  if (joint.type == JointType::continuous) return;
-  const XmlElement* limit = xml_.required_child(element, "limit");
+  const bool is_continuous = joint.type == JointType::continuous;
+  const XmlElement* limit = is_continuous ? element.FirstChildElement("limit")
+                                          : xml_.required_child(element, "limit");
   if (limit == nullptr) return;
   xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
+  read_rates(*limit, joint);
+  if (is_continuous) return;
   joint.lower = xml_.number(*limit, "lower");
   joint.upper = xml_.number(*limit, "upper");
+}
+
+void UrdfReader::read_rates(const XmlElement& limit, Joint& joint) {
+  if (limit.Attribute("velocity")) joint.velocity = xml_.non_negative_number(limit, "velocity");
+  if (limit.Attribute("acceleration")) {
+    joint.acceleration = xml_.non_negative_number(limit, "acceleration");
+  }
 }
 
 void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {

@@ -146,8 +146,10 @@ std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
   if (joint.type != JointType::continuous) {
     text += fmt::format("lower=\"{}\" upper=\"{}\" ", joint.lower, joint.upper);
   }
-  // Readers want an effort and a velocity where there are limits; mneme uses neither.
-  text += "effort=\"1\" velocity=\"1\"/>\n";
+  // Readers want an effort where there are limits; mneme does not use it.
+  text += fmt::format("effort=\"1\" velocity=\"{}\"", joint.velocity);
+  if (joint.acceleration) text += fmt::format(" acceleration=\"{}\"", *joint.acceleration);
+  text += "/>\n";
   if (joint.mimic) {
     const Joint& leader = parts.joints[internal::as_index(joint.mimic->joint)];
     text += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
@@ -223,8 +225,8 @@ std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reas
 
 namespace {
 
-// check_urdf wants an effort and a velocity where there are limits; mneme uses neither.
-constexpr std::string_view kUnusedLimits = R"(effort="1" velocity="1")";
+// check_urdf wants an effort where there are limits; mneme does not use it.
+constexpr std::string_view kRates = R"(effort="1" velocity="1")";
 
 std::string link_element(std::size_t number, double length, double radius) {
   return fmt::format(R"(  <link name="link_{}">
@@ -251,7 +253,7 @@ std::string joint_element(std::size_t number, double previous_length) {
   </joint>
 )",
                      number, is_first ? "continuous" : "revolute", parent, number, previous_length,
-                     is_first ? "" : limits, kUnusedLimits);
+                     is_first ? "" : limits, kRates);
 }
 
 bool is_positive(double value) { return std::isfinite(value) && value > 0; }

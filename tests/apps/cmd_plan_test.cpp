@@ -58,6 +58,62 @@ TEST_SUITE("flow") {
     CHECK(planar8().distance(path.back(), kGoal) < 1e-6);
   }
 
+  TEST_CASE("a trajectory is written in the format of the file's ending, and its duration is told") {
+    const PlanarFiles files;
+    const std::vector<std::string> command = {"plan", files.problem(), "--json", "--trajectory"};
+    const auto run_with = [&](const std::string& file, const std::vector<std::string>& more = {}) {
+      std::vector<std::string> words = command;
+      words.push_back(files / file);
+      words.insert(words.end(), more.begin(), more.end());
+      const ProgramRun run = run_program(words);
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      return Json::parse(run.out);
+    };
+    const double duration = run_with("m.csv")["duration_s"];
+    CHECK(duration > 1);
+    const std::string csv = read_file(files / "m.csv");
+    CHECK(csv.starts_with("time,joint_1.position,joint_2.position,"));
+    CHECK(std::ranges::count(csv, '\n') == 2 + std::ceil(duration / 0.01 - 1e-6));
+    run_with("m.yaml");
+    CHECK(has_text(read_file(files / "m.yaml"), "joint_names:\n- joint_1\n"));
+    write_file(files / "limits.yaml", "joint_limits: {joint_1: {max_velocity: 0.1}}");
+    const Json slow = run_with("m.json", {"--velocity-scale", "0.5", "--dt", "0.1",
+                                          "--joint-limits", files / "limits.yaml"});
+    CHECK(slow["duration_s"] > 2 * duration);
+    const Json motion = Json::parse(read_file(files / "m.json"));
+    CHECK(motion["duration_s"] == slow["duration_s"]);
+    CHECK(motion["times"][1] == 0.1);
+    const ProgramRun told = run_program({"plan", files.problem(), "--trajectory", files / "m.csv"});
+    CHECK(has_text(told.out, "\nmotion      "));
+    const ProgramRun none = run_program(
+        {"plan", files.problem(), "--max-iterations", "1", "--trajectory", files / "none.csv"});
+    CHECK(none.exit_code == 3);
+    CHECK(has_text(none.err, "none.csv' was not written: there is no path"));
+    CHECK_FALSE(std::filesystem::exists(files / "none.csv"));
+  }
+
+  TEST_CASE("flags of trajectories that are wrong are refused before anything is planned") {
+    const PlanarFiles files;
+    const std::string problem = files.problem(), csv = files / "m.csv";
+    write_file(files / "bad.yaml", "joint_limits: {joint_1: {max_velocity: -1}}");
+    check_bad_inputs(
+        {{{"plan", problem, "--trajectory", "m.txt"}, 2, {"'m.txt'", "expected .csv, .json"}},
+         {{"plan", problem, "--trajectory", csv, "--velocity-scale", "0"}, 2, {"0.001 to 1"}},
+         {{"plan", problem, "--trajectory", csv, "--velocity-scale", "2"}, 2, {"--velocity-scale"}},
+         {{"plan", problem, "--trajectory", csv, "--acceleration-scale", "nan"}, 2, {"nan"}},
+         {{"plan", problem, "--trajectory", csv, "--dt", "0"}, 2, {"--dt"}},
+         {{"plan", problem, "--trajectory", csv, "--dt", "-1"}, 2, {"--dt"}},
+         {{"plan", problem, "--trajectory", csv, "--path-tolerance", "-1"}, 2, {"-1"}},
+         {{"plan", problem, "--dt", "0.1"}, 2, {"--dt", "--trajectory"}},
+         {{"plan", problem, "--joint-limits", csv}, 2, {"--joint-limits", "--trajectory"}},
+         {{"plan", problem, "--trajectory", csv, "--joint-limits", files / "bad.yaml"},
+          1,
+          {"bad.yaml:1", "max_velocity", "above 0"}},
+         {{"plan", problem, "--trajectory", csv, "--joint-limits", "/nowhere"}, 1, {"/nowhere"}},
+         {{"plan", problem, "--trajectory", problem}, 1, {"the problem"}},
+         {{"plan", problem, "--trajectory", "/nowhere/m.csv"}, 1, {"/nowhere/m.csv"}}});
+  }
+
   TEST_CASE("the words for people name status, times, memory and path") {
     const PlanarFiles files;
     const ProgramRun run = run_program({"plan", files.problem(), "--db", files.database()});

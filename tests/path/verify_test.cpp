@@ -109,6 +109,29 @@ TEST_SUITE("unit") {
     CHECK(invalid_motion(make_checker(bump), {{-0.5, 0, clear}, {0.5, 0, clear}}) == -1);
   }
 
+  TEST_CASE("a curve is free if it keeps the margin, and however far it is off its chords") {
+    const CollisionChecker checker = make_checker(table());
+    CheckCounters counters;
+    const std::vector<float> still(3, 0.0f);
+    for (const Verification verification : {Verification::states, Verification::motions}) {
+      const MotionVerifier verifier(checker, verification);
+      const auto is_free_at = [&](double lowest, double bow) {
+        const auto z = static_cast<float>(lowest);
+        const std::vector<float> states = {-1, 0, z + 1, 0, 0, z, 1, 0, z + 1};
+        const std::vector<float> off = {0, 0, static_cast<float>(bow)};
+        return verifier.is_curve_free(states, off, counters);
+      };
+      CHECK(is_free_at(0.1 + 2 * kVerificationMargin, 0));
+      CHECK_FALSE(is_free_at(0.1 + 0.4 * kVerificationMargin, 0));
+      CHECK_FALSE(is_free_at(0.1 - kVerificationMargin, 0));
+      CHECK(is_free_at(0.1 + 0.03, 0.01));
+      CHECK_FALSE(is_free_at(0.1 + 0.009, 0.01));
+      CHECK_FALSE(is_free_at(0.1 + 0.009, -0.01));
+    }
+    const MotionVerifier nothing(checker, Verification::none);
+    CHECK(nothing.is_curve_free(std::vector<float>{0, 0, -1, 1, 0, -1}, still, counters));
+  }
+
   TEST_CASE("work is counted") {
     const CollisionChecker checker = make_checker(table());
     CheckCounters counters;

@@ -111,6 +111,22 @@ TEST_SUITE("unit") {
     CHECK(robot.group_joint(0).axis == Vec3::UnitX());
   }
 
+  TEST_CASE("limits of velocity and acceleration are read, and do not count for the hash") {
+    const Robot plain = require_parsed(kArm);
+    CHECK(plain.group_joint(0).velocity == 1);
+    CHECK_FALSE(plain.group_joint(0).acceleration.has_value());
+    const Robot fast =
+        require_parsed(replaced(R"(velocity="1")", R"(velocity="2.5" acceleration="7")"));
+    CHECK(fast.group_joint(0).velocity == 2.5);
+    CHECK(fast.group_joint(0).acceleration == 7);
+    CHECK(fast.hash() == plain.hash());
+    CHECK(require_parsed(replaced(R"( velocity="1")", "")).group_joint(0).velocity == 1);
+    std::string turning = replaced(R"(lower="-1" upper="1.5" effort="1" velocity="1")",
+                                   R"(velocity="3")");
+    turning.replace(turning.find("revolute"), 8, "continuous");
+    CHECK(require_parsed(turning).group_joint(0).velocity == 3);
+  }
+
   TEST_CASE("what has no influence on motion is ignored") {
     const Robot plain = require_parsed(kArm);
     const std::string link_extras =
@@ -164,6 +180,10 @@ TEST_SUITE("unit") {
         {"upper=\"1.5\"", "", 16, "joint 'turn': <limit>: attribute 'upper' is missing"},
         {"<limit lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>", "", 11,
          "joint 'turn': <joint>: the element <limit> is missing"},
+        {"velocity=\"1\"", "velocity=\"-1\"", 16, "joint 'turn': <limit>: velocity is -1"},
+        {"velocity=\"1\"", "velocity=\"nan\"", 16, "joint 'turn': <limit>: velocity is 'nan'"},
+        {"velocity=\"1\"", "velocity=\"fast\"", 16, "<limit>: velocity is 'fast'"},
+        {"velocity=\"1\"", "acceleration=\"-1\"", 16, "<limit>: acceleration is -1"},
         {"xyz=\"0 1 0\"", "xyz=\"0 1e-10 0\"", 11, "joint 'turn': its axis"},
         {"xyz=\"0 1 0\"", "xyz=\"0 1 1 0\"", 15, "joint 'turn': <axis>: xyz is '0 1 1 0'"},
         {"xyz=\"0 1 0\"", "", 15, "<axis>: attribute 'xyz' is missing"},

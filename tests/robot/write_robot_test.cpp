@@ -86,6 +86,8 @@ Robot::Parts random_parts(Rng& rng) {
     joint.axis = random_vector(rng);
     joint.lower = rng.uniform(-3, 0);
     joint.upper = rng.uniform(0, 3);
+    joint.velocity = rng.uniform(0, 5);
+    if (rng.index(2) == 0) joint.acceleration = rng.uniform(0, 5);
   }
   for (Link& link : parts.links) {
     link.spheres.push_back({random_vector(rng), rng.uniform()});
@@ -152,7 +154,13 @@ TEST_SUITE("law") {
       const Robot::Parts parts = random_parts(rng);
       const auto read = parse_robot(to_urdf(parts), "text");
       REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-      CHECK(read->hash() == test::require_robot(parts).hash());
+      const Robot robot = test::require_robot(parts);
+      CHECK(read->hash() == robot.hash());
+      for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+        if (robot.joints()[j].type == JointType::fixed) continue;
+        CHECK(read->joints()[j].velocity == robot.joints()[j].velocity);
+        CHECK(read->joints()[j].acceleration == robot.joints()[j].acceleration);
+      }
     }
     const auto planar = read_robot(test::source_file("robots/planar8.urdf"));
     REQUIRE(planar.has_value());

@@ -105,6 +105,16 @@ def test_traces_fit(tmp_path, problem):
     assert complaints("trace", {key: value[key] for key in value if key != "waypoints"})
 
 
+def test_trajectories_fit(tmp_path):
+    trajectory = tmp_path / "motion.json"
+    output = mneme("plan", PLANAR / "scenario1.yaml", "--trajectory", trajectory, "--json")
+    assert complaints("plan", json.loads(output)) == []
+    value = json.loads(trajectory.read_text())
+    assert complaints("trajectory", value) == []
+    assert value["duration_s"] == value["times"][-1] == json.loads(output)["duration_s"]
+    assert complaints("trajectory", {key: value[key] for key in value if key != "times"})
+
+
 def test_exported_rows_fit(memory, tmp_path):
     exported = tmp_path / "memory.jsonl"
     mneme("db", "export", memory, exported)

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory_file.h"
+
+#include "files.h"
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace mneme::app {
+namespace {
+
+struct Format {
+  std::string_view ending;
+  std::string (*write)(const Robot&, std::span<const Trajectory::Point>);
+};
+constexpr std::array<Format, 4> kFormats = {
+    {{".csv", &to_csv}, {".json", &to_json}, {".yaml", &to_yaml}, {".yml", &to_yaml}}};
+
+/// Null if there is no such format.
+const Format* find_format(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  const auto found = std::ranges::find(kFormats, ending, &Format::ending);
+  return found == kFormats.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
+  const auto read = [&options](const std::string& file) {
+    if (find_format(file) == nullptr) {
+      throw CLI::ValidationError(
+          "--trajectory", fmt::format("'{}' ends in no format: expected .csv, .json or .yaml", file));
+    }
+    options.file = file;
+  };
+  CLI::Option* trajectory = add_text(
+      command, "--trajectory", read,
+      "write the motion in time, rounded corners and all: .csv, .json, or .yaml in the shape of "
+      "trajectory_msgs/JointTrajectory");
+  trajectory->type_name("FILE");
+  command
+      .add_option("--joint-limits", options.limits,
+                  "limits of velocity and acceleration, YAML as MoveIt's joint_limits.yaml "
+                  "(default: those of the URDF)")
+      ->type_name("FILE");
+  add_settings(command, options.settings);
+  for (CLI::Option* option : command.get_options([](const CLI::Option* candidate) {
+         bool is_of_trajectory = candidate->check_name("--joint-limits");
+         TrajectorySettings names;
+         visit_settings(names, [&](const char* name, const auto&, auto, auto, const char*) {
+           is_of_trajectory |= candidate->check_name(fmt::format("--{}", name));
+         });
+         return is_of_trajectory;
+       })) {
+    option->needs(trajectory);
+  }
+}
+
+Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
+                              const Trajectory& trajectory) {
+  return trajectory.sample(options.settings.dt).and_then([&](const auto& points) {
+    return write_file(options.file, find_format(options.file)->write(robot, points));
+  });
+}
+
+}  // namespace mneme::app

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The flags of a plan that is to be executed, and the file it is written to.
+#pragma once
+
+#include "mneme/pipeline.h"
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+
+namespace mneme::app {
+
+struct TrajectoryOptions {
+  std::string file;    ///< its ending says the format; empty if none is wanted
+  std::string limits;  ///< YAML; empty if those of the URDF are to count
+  TrajectorySettings settings;
+
+  [[nodiscard]] bool is_wanted() const { return !file.empty(); }
+};
+
+/// The flags --trajectory and --joint-limits, and those of the settings, which need the first.
+void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options);
+
+/// Writes it, in the format of the file's ending, sampled at `dt`.
+[[nodiscard]] Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
+                                            const Trajectory& trajectory);
+
+}  // namespace mneme::app

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
+namespace mneme {
+
+Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& settings,
+                                   const Path& path, const RateLimits& limits,
+                                   const TrajectorySettings& timing) {
+  const auto checker =
+      CollisionChecker::make(problem.robot, problem.scene,
+                             {settings.resolution, settings.margin, settings.isa});
+  if (!checker) return tl::unexpected(checker.error());
+  // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.
+  const Verification wanted = settings.plan.verification();
+  const MotionVerifier verifier(*checker,
+                                wanted == Verification::none ? Verification::states : wanted);
+  return parameterize(problem.robot, path, limits, timing, &verifier);
+}
+
+}  // namespace mneme

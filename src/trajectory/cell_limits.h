@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What limits on joints mean for the squared path speeds at the ends of a cell.
+#pragma once
+
+#include <vector>
+
+namespace mneme::internal {
+
+/// Pairs (a, b), both >= 0, of squared path speeds at begin and end of a cell. (0, 0) is always
+/// among them, and with any pair all on the way to it, because all limits are convex.
+class CellLimits {
+ public:
+  /// The greatest value of each.
+  CellLimits(double most_begin, double most_end) : most_begin_(most_begin), most_end_(most_end) {}
+  /// |at_begin a + at_end b| <= bound, which is above 0.
+  void add(double at_begin, double at_end, double bound);
+
+  struct Pair {
+    double begin = 0, end = 0;
+  };
+  /// The pair of greatest `begin` among those whose end is at most `most_end`: the linear program
+  /// of the analysis' backward pass.
+  [[nodiscard]] Pair greatest_begin(double most_end) const;
+  /// The greatest end, at most `most_end`, that goes with `begin`, which must go with some end.
+  [[nodiscard]] double greatest_end(double begin, double most_end) const;
+
+ private:
+  struct Strip {
+    double at_begin = 0, at_end = 0, bound = 0;
+  };
+  /// A bound on `begin` as a line over `end`.
+  struct Line {
+    double value = 0, slope = 0;
+  };
+  struct Range {
+    Line least, most;
+  };
+  [[nodiscard]] Range begins(double end) const;
+  [[nodiscard]] double shrink_to_feasible(double end) const;
+
+  double most_begin_, most_end_;
+  std::vector<Strip> strips_;
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/trajectory.h"
+
+#include "scene/yaml.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdint>
+
+namespace mneme {
+namespace {
+
+using Point = Trajectory::Point;
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
+  return names;
+}
+
+/// A name in quotes if a reader of CSV would misunderstand it otherwise.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string yaml_time(double time_s) {
+  const auto nanoseconds = static_cast<std::int64_t>(std::llround(time_s * 1e9));
+  return fmt::format("{{sec: {}, nanosec: {}}}", nanoseconds / 1'000'000'000,
+                     nanoseconds % 1'000'000'000);
+}
+
+}  // namespace
+
+std::string to_csv(const Robot& robot, std::span<const Point> points) {
+  std::string text = "time";
+  for (const char* quantity : {"position", "velocity", "acceleration"}) {
+    for (const std::string& name : joint_names(robot)) {
+      text += "," + csv_field(fmt::format("{}.{}", name, quantity));
+    }
+  }
+  for (const Point& point : points) {
+    text += fmt::format("\n{},{},{},{}", point.time_s, fmt::join(point.position, ","),
+                        fmt::join(point.velocity, ","), fmt::join(point.acceleration, ","));
+  }
+  return text + "\n";
+}
+
+std::string to_yaml(const Robot& robot, std::span<const Point> points) {
+  std::string text = "header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: ''\njoint_names:\n";
+  for (const std::string& name : joint_names(robot)) {
+    text += fmt::format("- {}\n", internal::yaml_string(name));
+  }
+  text += "points:\n";
+  for (const Point& point : points) {
+    text += fmt::format(
+        "- positions: {}\n  velocities: {}\n  accelerations: {}\n  effort: []\n"
+        "  time_from_start: {}\n",
+        internal::yaml_numbers(point.position), internal::yaml_numbers(point.velocity),
+        internal::yaml_numbers(point.acceleration), yaml_time(point.time_s));
+  }
+  return text;
+}
+
+std::string to_json(const Robot& robot, std::span<const Point> points) {
+  Json json = {{"format", "mneme-trajectory"}, {"version", 1}};
+  json["robot"] = robot.name();
+  json["joints"] = joint_names(robot);
+  json["duration_s"] = points.empty() ? 0.0 : points.back().time_s;
+  for (const char* key : {"times", "positions", "velocities", "accelerations"}) {
+    json[key] = Json::array();
+  }
+  for (const Point& point : points) {
+    json["times"].push_back(point.time_s);
+    json["positions"].push_back(point.position);
+    json["velocities"].push_back(point.velocity);
+    json["accelerations"].push_back(point.acceleration);
+  }
+  // Names come from files and may hold any bytes; JSON must be UTF-8.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mneme

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Trajectories of random paths, or along the paths of given problems, looked at by other code.
+/// Succeeds if nothing was wrong with any of them.
+#include "mneme/benchmark.h"
+#include "mneme/pipeline.h"
+
+#include "trajectory/dense_profile.h"
+#include "trajectory/empty_scene.h"
+#include "trajectory/trajectory_flaws.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+#include <time.h>
+
+namespace mneme::soak {
+namespace {
+
+struct Options {
+  std::vector<std::string> robots = {"planar8", "fetch", "panda", "ur5"};
+  int paths = 1000;
+  std::uint64_t seed = 1;
+  std::vector<std::string> problems;
+  ProblemOptions robot;  ///< of the problems
+  double most_slower = 1.05;
+};
+
+/// What came of many trajectories.
+struct Tally {
+  std::vector<double> ratios;   ///< of the durations to those that brute force finds
+  std::vector<double> times_s;  ///< of the processor, corners and their verification included
+  std::vector<double> durations_s;
+  int flawed = 0;
+};
+
+double cpu_time_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+void note_flaw(Tally& tally, const std::string& name, const std::string& flaw) {
+  ++tally.flawed;
+  fmt::print("  WRONG: {}: {}\n", name, flaw);
+}
+
+/// Times the path, and looks at what came out.
+std::optional<Trajectory> time_path(const Robot& robot, const Path& path, const RateLimits& limits,
+                                    const TrajectorySettings& settings,
+                                    const MotionVerifier& verifier, bool is_compared,
+                                    const std::string& name, Tally& tally) {
+  constexpr int kBruteForce = 1000;
+  const double begin_s = cpu_time_s();
+  const auto motion = parameterize(robot, path, limits, settings, &verifier);
+  tally.times_s.push_back(cpu_time_s() - begin_s);
+  if (!motion) {
+    note_flaw(tally, name, motion.error().message);
+    return std::nullopt;
+  }
+  tally.durations_s.push_back(motion->duration_s());
+  if (auto flaw = test::trajectory_flaw(robot, path, limits, settings.path_tolerance, *motion)) {
+    note_flaw(tally, name, *flaw);
+  }
+  if (is_compared && motion->duration_s() > 0) {
+    const auto rounded =
+        internal::round_corners(robot, path, settings.path_tolerance, &verifier);
+    tally.ratios.push_back(motion->duration_s() /
+                           test::dense_duration(rounded, limits, kBruteForce));
+  }
+  return *motion;
+}
+
+void print_head() {
+  fmt::print("{:24} {:>8} {:>7} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "paths", "wrong",
+             "s, p50", "us, p50", "us, p95", "us, p99", "slower", "compared");
+}
+
+void print_tally(const std::string& name, const Tally& tally) {
+  const auto time_us = [&](double share) { return 1e6 * quantile(tally.times_s, share); };
+  fmt::print("{:24} {:8} {:7} {:8.2f} {:9.1f} {:9.1f} {:9.1f} {:9.4f} {:9}\n", name,
+             tally.times_s.size(), tally.flawed, quantile(tally.durations_s, 0.5), time_us(0.5),
+             time_us(0.95), time_us(0.99), quantile(tally.ratios, 1), tally.ratios.size());
+  std::fflush(stdout);
+}
+
+/// Random paths of a robot alone, with limits and tolerances of all sizes.
+Tally time_random_paths(const Robot& robot, const Options& options) {
+  constexpr int kComparedOnceIn = 20;
+  const test::EmptyScene empty(robot);
+  Tally tally;
+  for (int i = 0; i < options.paths; ++i) {
+    Rng rng(derive_seed(options.seed, static_cast<std::uint64_t>(i)));
+    const Path path = test::random_path(robot, rng);
+    const RateLimits limits = test::random_limits(robot, rng);
+    TrajectorySettings settings;
+    settings.path_tolerance = std::pow(10, rng.uniform(-4, 0));
+    time_path(robot, path, limits, settings, empty.verifier(), i % kComparedOnceIn == 0,
+              fmt::format("{} {}", robot.name(), i), tally);
+  }
+  return tally;
+}
+
+/// The first contact of a motion: by the kernels at states as close as those of verification, and in
+/// double precision by other code at states as close as those of planning.
+std::optional<std::string> find_contact(const CollisionChecker& checker,
+                                        const Trajectory& motion) {
+  constexpr double kAccuracy = 1e-5;  // of the kernels, metres
+  const double step = checker.resolution() / kVerificationRefinement;
+  double travelled = checker.resolution(), dt = 0;
+  for (double time_s = 0; time_s < motion.duration_s(); time_s += dt) {
+    const Trajectory::Point point = motion.at(time_s);
+    const double speed = std::sqrt(std::inner_product(
+        point.velocity.begin(), point.velocity.end(), point.velocity.begin(), 0.0));
+    dt = std::clamp(step / std::max(speed, 1e-6), 1e-4, 2e-2);
+    travelled += dt * speed;
+    if (!checker.is_valid(std::span<const double>(point.position))) {
+      return fmt::format("contact at {} s", time_s);
+    }
+    if (travelled < checker.resolution()) continue;
+    travelled = 0;
+    for (const Contact& contact : checker.contacts(point.position)) {
+      if (contact.distance > -kAccuracy) continue;
+      return fmt::format("at {} s {} touches {} by {}", time_s, contact.link, contact.other,
+                         contact.distance);
+    }
+  }
+  return std::nullopt;
+}
+
+/// Plans with uniform samples, and follows what is found.
+Result<void> time_problem(const Problem& problem, const Options& options, Tally& tally) {
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  settings.plan.seed = options.seed;
+  const auto result = solve(problem, nullptr, settings);
+  if (!result) return tl::unexpected(result.error());
+  if (!result->plan.is_solved()) return {};
+  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+  if (!checker) return tl::unexpected(checker.error());
+  const auto limits = find_rate_limits(problem.robot);
+  if (!limits) return tl::unexpected(limits.error());
+  const MotionVerifier verifier(*checker);
+  const auto motion = time_path(problem.robot, result->plan.path, *limits, {}, verifier, true,
+                                problem.name, tally);
+  if (!motion) return {};
+  if (auto contact = find_contact(*checker, *motion)) note_flaw(tally, problem.name, *contact);
+  return {};
+}
+
+Result<void> time_problems(const std::string& where, const Options& options, Tally& tally) {
+  const auto loaded = load_bench_problems({{where, "", ""}}, options.robot, [](const auto&) {});
+  if (!loaded) return tl::unexpected(loaded.error());
+  for (const LoadedProblem& problem : *loaded) {
+    if (auto done = time_problem(problem.problem, options, tally); !done) return done;
+  }
+  return {};
+}
+
+bool is_good(const Tally& tally, const Options& options) {
+  return tally.flawed == 0 && quantile(tally.ratios, 1) <= options.most_slower;
+}
+
+bool run(const Options& options) {
+  bool has_passed = true;
+  const auto fail_with = [&](const Error& error) {
+    fmt::print(stderr, "soak_trajectories: {}\n", error.message);
+    has_passed = false;
+  };
+  print_head();
+  if (!options.problems.empty()) {
+    Tally tally;
+    for (const std::string& where : options.problems) {
+      if (auto done = time_problems(where, options, tally); !done) fail_with(done.error());
+    }
+    print_tally("problems", tally);
+    return has_passed && is_good(tally, options);
+  }
+  for (const std::string& name : options.robots) {
+    const auto robot =
+        find_robot(name).and_then([](const std::string& path) { return load_robot(path); });
+    if (!robot) {
+      fail_with(robot.error());
+      continue;
+    }
+    const Tally tally = time_random_paths(*robot, options);
+    print_tally(name, tally);
+    has_passed = has_passed && is_good(tally, options);
+  }
+  return has_passed;
+}
+
+}  // namespace
+}  // namespace mneme::soak
+
+int main(int argc, char** argv) {
+  mneme::soak::Options options;
+  CLI::App app("Times random paths, or the paths of problems, and looks at the trajectories.");
+  app.add_option("--robots", options.robots, "names of robots")->delimiter(',');
+  app.add_option("--paths", options.paths, "random paths for each robot")
+      ->check(CLI::Range(1, 100000000));
+  app.add_option("--seed", options.seed, "seed of everything");
+  app.add_option("--problems", options.problems, "what mneme bench run takes, to be planned and timed");
+  app.add_option("--robot", options.robot.robot_path, "URDF of the problems");
+  app.add_option("--srdf", options.robot.robot.srdf_path, "its SRDF");
+  app.add_option("--most-slower", options.most_slower,
+                 "greatest duration, as a multiple of what brute force finds");
+  CLI11_PARSE(app, argc, argv);
+  return mneme::soak::run(options) ? 0 : 1;
+}

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/trajectory.h"
+
+#include "robot/small_robots.h"
+
+namespace mneme::test {
+namespace {
+
+/// Two joints of a group and a finger that follows the second twice as fast.
+Robot hand(const std::string& first = R"(velocity="2" acceleration="3")",
+           const std::string& finger = R"(velocity="1")") {
+  const auto joint = [](const std::string& name, int child, const std::string& limit,
+                        const std::string& more = "") {
+    return "<joint name=\"" + name + "\" type=\"revolute\"><parent link=\"l" +
+           std::to_string(child - 1) + "\"/><child link=\"l" + std::to_string(child) +
+           "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" " + limit + "/>" + more +
+           "</joint>";
+  };
+  const auto robot = parse_robot(
+      R"(<robot name="hand"><link name="l0"/><link name="l1"/><link name="l2"/><link name="l3"/>)" +
+          joint("a", 1, first) + joint("b", 2, R"(effort="1")") +
+          joint("finger", 3, finger, R"(<mimic joint="b" multiplier="-2"/>)") + "</robot>",
+      "hand.urdf");
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  return *robot;
+}
+
+RateLimits require_limits(const Robot& robot, const TrajectorySettings& settings = {},
+                          const std::string& yaml = "") {
+  const TemporaryDirectory directory;
+  const std::string file = yaml.empty() ? "" : directory / "limits.yaml";
+  if (!yaml.empty()) write_file(file, yaml);
+  const auto limits = find_rate_limits(robot, settings, file);
+  REQUIRE_MESSAGE(limits.has_value(), (limits ? "" : limits.error().message));
+  return *limits;
+}
+
+Error refusal(const Robot& robot, const TrajectorySettings& settings, const std::string& yaml) {
+  const TemporaryDirectory directory;
+  if (!yaml.empty()) write_file(directory / "limits.yaml", yaml);
+  const auto limits =
+      find_rate_limits(robot, settings, yaml.empty() ? "" : directory / "limits.yaml");
+  REQUIRE_MESSAGE(!limits.has_value(), yaml);
+  return limits.error();
+}
+
+using Rates = std::vector<double>;
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("limits are those of the URDF, of followers too, and else the defaults") {
+    const RateLimits limits = require_limits(hand());
+    CHECK(limits.velocity == Rates{2, 0.5});
+    CHECK(limits.acceleration == Rates{3, 1});
+    TrajectorySettings settings;
+    settings.acceleration_limit = 7;
+    CHECK(require_limits(hand(), settings).acceleration == Rates{3, 7});
+  }
+
+  TEST_CASE("scales multiply them") {
+    TrajectorySettings settings;
+    settings.velocity_scale = 0.5;
+    settings.acceleration_scale = 0.1;
+    const RateLimits limits = require_limits(hand(), settings);
+    CHECK(limits.velocity == Rates{1, 0.25});
+    CHECK(limits.acceleration[0] == doctest::Approx(0.3));
+    CHECK(limits.acceleration[1] == doctest::Approx(0.1));
+  }
+
+  TEST_CASE("a file of limits in MoveIt's form goes before the URDF") {
+    const RateLimits limits = require_limits(hand(), {}, R"(
+default_velocity_scaling_factor: 0.1
+default_acceleration_scaling_factor: 0.1
+joint_limits:
+  a: {has_velocity_limits: true, max_velocity: 1.5, has_acceleration_limits: false, max_acceleration: 9}
+  b: {max_velocity: 4, max_acceleration: 5, has_jerk_limits: false, has_position_limits: false}
+  finger: {has_velocity_limits: true, max_velocity: 6, has_acceleration_limits: true, max_acceleration: 8}
+)");
+    CHECK(limits.velocity == Rates{1.5, 3});
+    CHECK(limits.acceleration == Rates{3, 4});
+  }
+
+  TEST_CASE("a limit beyond all reason counts as none") {
+    CHECK(require_limits(hand(R"(velocity="1e17")")).velocity[0] == 1e6);
+  }
+
+  TEST_CASE("files that cannot be used exactly are refused at their line") {
+    struct Case {
+      std::string yaml, part;
+      ErrorCode code = ErrorCode::parse;
+    };
+    for (const Case& c : std::vector<Case>{
+             {"joint_limits:\n  a: {max_velocity: -1}", ":2: key joint_limits.a.max_velocity"},
+             {"joint_limits:\n  a: {max_velocity: 0}", "expected a number above 0, got 0"},
+             {"joint_limits:\n  a: {max_velocity: .nan}", "expected a finite number"},
+             {"joint_limits:\n  a: {max_acceleration: fast}", "expected a number, got \"fast\""},
+             {"joint_limits:\n  a: {has_velocity_limits: true}", "the key max_velocity"},
+             {"joint_limits:\n  a: {velocity: 1}", "unknown key"},
+             {"limits: {}", "unknown key"},
+             {"a: 1", "unknown key"},
+             {"default_velocity_scaling_factor: 1", "the key joint_limits"},
+             {"joint_limits: {elbow: {max_velocity: 1}}", "robot 'hand' has no such joint",
+              ErrorCode::invalid},
+             {"joint_limits: {a: {has_jerk_limits: true, max_jerk: 1}}", "limits of jerk",
+              ErrorCode::unsupported},
+             {"joint_limits: {a: {has_position_limits: true}}", "limits of positions",
+              ErrorCode::unsupported}}) {
+      const Error error = refusal(hand(), {}, c.yaml);
+      CHECK_MESSAGE(contains(error.message, c.part), error.message);
+      CHECK(contains(error.message, "limits.yaml"));
+      CHECK(error.code == c.code);
+    }
+    const auto missing = find_rate_limits(hand(), {}, "/nowhere/limits.yaml");
+    REQUIRE_FALSE(missing.has_value());
+    CHECK(missing.error().code == ErrorCode::io);
+  }
+
+  TEST_CASE("a joint that may not move at all is named") {
+    const Error still = refusal(hand(R"(velocity="0")"), {}, "");
+    CHECK(contains(still.message, "joint 'a': its limit of velocity is 0"));
+    CHECK(contains(refusal(hand("", R"(velocity="0")"), {}, "").message, "joint 'b'"));
+    CHECK(contains(refusal(hand(R"(velocity="1" acceleration="0")"), {}, "").message,
+                   "joint 'a': its limit of acceleration is 0"));
+    CHECK(require_limits(hand(R"(velocity="0")"), {}, "joint_limits: {a: {max_velocity: 1}}")
+              .velocity[0] == 1);
+  }
+
+  TEST_CASE("scales out of range are refused") {
+    for (const double bad : {0.0, -1.0, 1.5, std::nan("")}) {
+      TrajectorySettings slow, lazy;
+      slow.velocity_scale = bad;
+      lazy.acceleration_scale = bad;
+      CHECK(contains(refusal(hand(), slow, "").message, "'velocity-scale'"));
+      CHECK(contains(refusal(hand(), lazy, "").message, "'acceleration-scale'"));
+    }
+  }
+}
+
+}  // namespace mneme::test

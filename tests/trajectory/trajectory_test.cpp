@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/trajectory.h"
+
+#include "planning/small_worlds.h"
+#include "robot/small_robots.h"
+#include "trajectory/empty_scene.h"
+#include "trajectory/trajectory_flaws.h"
+
+namespace mneme::test {
+namespace {
+
+Trajectory require_timed(const EmptyScene& empty, const Path& path, const RateLimits& limits,
+                         double tolerance = 0.1) {
+  TrajectorySettings settings;
+  settings.path_tolerance = tolerance;
+  auto timed = parameterize(empty.robot(), path, limits, settings, &empty.verifier());
+  REQUIRE_MESSAGE(timed.has_value(), (timed ? "" : timed.error().message));
+  return *std::move(timed);
+}
+
+const Path kTurn = {{-1, 0, 1}, {1, 0, 1}, {1, 1, 1}};
+const RateLimits kOnes = {{1, 1, 1}, {1, 1, 1}};
+
+std::string refusal(const Path& path, const RateLimits& limits, double tolerance = 0.1) {
+  TrajectorySettings settings;
+  settings.path_tolerance = tolerance;
+  const auto timed = parameterize(gantry(), path, limits, settings, nullptr);
+  REQUIRE_FALSE(timed.has_value());
+  CHECK(timed.error().code == ErrorCode::invalid);
+  return timed.error().message;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a rounded corner is faster than a stop, and a wider one faster still") {
+    const EmptyScene empty(gantry());
+    const double stop = require_timed(empty, kTurn, kOnes, 0).duration_s();
+    const double tight = require_timed(empty, kTurn, kOnes, 0.01).duration_s();
+    const double wide = require_timed(empty, kTurn, kOnes, 0.1).duration_s();
+    CHECK(stop == doctest::Approx(3 + 2));
+    CHECK(tight < stop - 0.05);
+    CHECK(wide < tight - 0.1);
+  }
+
+  TEST_CASE("samples lie dt apart and end at rest where the path ends") {
+    const EmptyScene empty(gantry());
+    const Trajectory motion = require_timed(empty, kTurn, kOnes);
+    const auto points = motion.sample(0.01).value();
+    REQUIRE(points.size() > 2);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      CHECK(points[i].time_s == doctest::Approx(0.01 * static_cast<double>(i)));
+    }
+    const Trajectory::Point &first = points.front(), &last = points.back();
+    CHECK(last.time_s == motion.duration_s());
+    CHECK(last.time_s - points[points.size() - 2].time_s <= 0.01 * (1 + 1e-9));
+    CHECK(first.position == kTurn.front());
+    CHECK(first.velocity == Configuration(3, 0.0));
+    CHECK(largest(first.acceleration) > 0.9);
+    CHECK(distance_to({kTurn.back()}, last.position) < 1e-12);
+    CHECK(last.velocity == Configuration(3, 0.0));
+    CHECK(last.acceleration == Configuration(3, 0.0));
+  }
+
+  TEST_CASE("steps that fit into the duration do not leave one of length 0") {
+    const EmptyScene empty(gantry());
+    const Trajectory motion = require_timed(empty, {{0, 0, 0}, {1, 0, 0}}, kOnes);
+    CHECK(motion.duration_s() == doctest::Approx(2));
+    CHECK(motion.sample(0.1).value().size() == 21);
+    CHECK(motion.sample(1000).value().size() == 2);
+  }
+
+  TEST_CASE("a path of one configuration is a trajectory of one point") {
+    const EmptyScene empty(gantry());
+    for (const Path& path : {Path{{1, 1, 1}}, Path{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}) {
+      const Trajectory motion = require_timed(empty, path, kOnes);
+      CHECK(motion.duration_s() == 0);
+      const auto points = motion.sample(0.01).value();
+      REQUIRE(points.size() == 1);
+      CHECK(points[0].position == Configuration{1, 1, 1});
+    }
+  }
+
+  TEST_CASE("doubled waypoints change nothing") {
+    const EmptyScene empty(gantry());
+    const Path doubled = {kTurn[0], kTurn[0], kTurn[1], kTurn[1], kTurn[2], kTurn[2]};
+    CHECK(require_timed(empty, doubled, kOnes).duration_s() ==
+          require_timed(empty, kTurn, kOnes).duration_s());
+  }
+
+  TEST_CASE("what cannot be timed is refused with its reason") {
+    CHECK(contains(refusal({}, kOnes), "without configurations"));
+    CHECK(contains(refusal({{0, 0, 0}, {0, NAN, 0}}, kOnes), "waypoint 2: joint 'joint_2'"));
+    CHECK(contains(refusal({{0, 0}}, kOnes), "waypoint 1: there are 2 values"));
+    CHECK(contains(refusal({{0, 0, 5}}, kOnes), "outside its limits"));
+    CHECK(contains(refusal(kTurn, {{1, 1}, {1, 1, 1}}), "2 limits of velocity"));
+    CHECK(contains(refusal(kTurn, {{1, 1, 1}, {1, 1, 1, 1}}), "4 limits of acceleration"));
+    for (const double bad : std::vector<double>{0, -1, NAN, INFINITY, 1e-9, 1e9}) {
+      CHECK(contains(refusal(kTurn, {{1, bad, 1}, {1, 1, 1}}),
+                     "joint 'joint_2': its limit of velocity"));
+      CHECK(contains(refusal(kTurn, {{1, 1, 1}, {1, 1, bad}}),
+                     "joint 'joint_3': its limit of acceleration"));
+    }
+    CHECK(contains(refusal(kTurn, kOnes, -1), "'path-tolerance' is -1"));
+    CHECK(contains(refusal(kTurn, kOnes, NAN), "'path-tolerance' is nan"));
+  }
+
+  TEST_CASE("steps that are no time, or too many, are refused") {
+    const EmptyScene empty(gantry());
+    const Trajectory motion = require_timed(empty, kTurn, kOnes);
+    for (const double bad : std::vector<double>{0, -0.01, NAN, INFINITY}) {
+      const auto points = motion.sample(bad);
+      REQUIRE_FALSE(points.has_value());
+      CHECK(contains(points.error().message, "expected seconds above 0"));
+    }
+    CHECK(contains(motion.sample(1e-9).error().message, "a larger dt gives fewer"));
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("random paths are followed within the limits and the tolerance") {
+    for (const char* name : {"planar8", "panda", "fetch", "ur5"}) {
+      const EmptyScene empty(load_robot(find_robot(name).value()).value());
+      Rng rng(12);
+      for (int i = 0; i < 100; ++i) {
+        const Path path = random_path(empty.robot(), rng);
+        const RateLimits limits = random_limits(empty.robot(), rng);
+        const double tolerance = std::pow(10, rng.uniform(-4, 0));
+        const Trajectory motion = require_timed(empty, path, limits, tolerance);
+        const auto flaw = trajectory_flaw(empty.robot(), path, limits, tolerance, motion);
+        CHECK_MESSAGE(!flaw, name, " ", i, ": ", flaw.value_or(""));
+      }
+    }
+  }
+
+  TEST_CASE("velocity is the slope of position, and acceleration that of velocity") {
+    const EmptyScene empty(planar8());
+    Rng rng(4);
+    for (int i = 0; i < 30; ++i) {
+      CAPTURE(i);
+      const Trajectory motion = require_timed(empty, random_path(empty.robot(), rng),
+                                              {std::vector(8, 1.0), std::vector(8, 2.0)});
+      const double h = 1e-5;
+      for (int k = 0; k < 50; ++k) {
+        const double t = rng.uniform(2 * h, motion.duration_s() - 2 * h);
+        const auto a = motion.at(t - h), b = motion.at(t + h), c = motion.at(t);
+        for (std::size_t j = 0; j < 8; ++j) {
+          CHECK(std::abs((b.position[j] - a.position[j]) / (2 * h) - c.velocity[j]) < 1e-4);
+          // Where acceleration jumps in between, the slope lies between both.
+          const double slope = (b.velocity[j] - a.velocity[j]) / (2 * h);
+          const auto [least, most] = std::minmax({a.acceleration[j], b.acceleration[j]});
+          CHECK(slope >= least - 0.01);
+          CHECK(slope <= most + 0.01);
+        }
+      }
+    }
+  }
+
+  TEST_CASE("twice the velocities and four times the accelerations take half of the time") {
+    const EmptyScene empty(planar8());
+    Rng rng(9);
+    for (int i = 0; i < 30; ++i) {
+      const Path path = random_path(empty.robot(), rng);
+      RateLimits limits = random_limits(empty.robot(), rng);
+      const double once = require_timed(empty, path, limits).duration_s();
+      for (double& velocity : limits.velocity) velocity *= 2;
+      for (double& acceleration : limits.acceleration) acceleration *= 4;
+      CHECK(require_timed(empty, path, limits).duration_s() == doctest::Approx(0.5 * once));
+    }
+  }
+
+  TEST_CASE("a path that is followed backwards takes as long") {
+    const EmptyScene empty(planar8());
+    Rng rng(10);
+    for (int i = 0; i < 30; ++i) {
+      Path path = random_path(empty.robot(), rng);
+      const RateLimits limits = random_limits(empty.robot(), rng);
+      const double forth = require_timed(empty, path, limits).duration_s();
+      std::ranges::reverse(path);
+      CHECK(require_timed(empty, path, limits).duration_s() == doctest::Approx(forth).epsilon(0.02));
+    }
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("what a planner found is swept without contact, in seconds") {
+    for (const World& world : small_worlds()) {
+      CAPTURE(world.name);
+      const CollisionChecker checker = make_checker(world);
+      const auto planned = find_planner("rrt_connect").value();
+      PathFinisher finish(checker, {});
+      const auto sampler = make_uniform_sampler(world.robot);
+      const auto result =
+          planned->plan({checker, world.query, *sampler, PlanSettings{}, finish, ""});
+      REQUIRE(result.has_value());
+      REQUIRE(result->is_solved());
+      const auto limits = find_rate_limits(world.robot);
+      REQUIRE(limits.has_value());
+      const auto motion =
+          parameterize(world.robot, result->path, *limits, {}, &finish.verifier());
+      REQUIRE(motion.has_value());
+      const auto flaw = trajectory_flaw(world.robot, result->path, *limits, 0.1, *motion);
+      CHECK_MESSAGE(!flaw, flaw.value_or(""));
+      for (int i = 0; i <= 300; ++i) {
+        const Configuration q = motion->at(motion->duration_s() * i / 300).position;
+        CHECK(checker.contacts(q).empty());
+      }
+    }
+  }
+}
+
+}  // namespace mneme::test
