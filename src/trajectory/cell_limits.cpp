@@ -40,12 +40,11 @@ double CellLimits::shrink_to_feasible(double end) const {
   }
   for (int i = 0; i < kMaxSteps && end > 0; ++i) {
     const auto [least, most] = begins(end);
-    if (least.value <= most.value) return end;
+    if (least.value <= most.value + kRounding * std::abs(least.value)) break;
     // To where the two lines that contradict each other here meet.
-    const double excess = (least.value - most.value) / (least.slope - most.slope);
-    end = std::max(0.0, end - excess * (1 + kRounding));
+    end = std::max(0.0, end - (least.value - most.value) / (least.slope - most.slope));
   }
-  return 0;
+  return end;
 }
 
 CellLimits::Pair CellLimits::greatest_begin(double most_end) const {
