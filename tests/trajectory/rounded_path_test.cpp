@@ -81,7 +81,7 @@ TEST_SUITE("unit") {
       return round_corners(world.robot, kCorner, 0.1, &verifier);
     };
     const RoundedPath wide = rounded(0.2), tight = rounded(0.012),
-                      closed = rounded(0.5 * kVerificationMargin);
+                      closed = rounded(0.1 * kVerificationMargin);
     REQUIRE(parabolas(wide) == 1);
     REQUIRE(parabolas(tight) == 1);
     CHECK(deviation(kCorner, tight.curves[1]) < 0.3 * deviation(kCorner, wide.curves[1]));
