@@ -328,6 +328,11 @@ class Plan:
     def trajectory(
         self,
         # settings:trajectory
+        dt: float = 0.01,
+        velocity_scale: float = 1.0,
+        acceleration_scale: float = 1.0,
+        acceleration_limit: float = 1.0,
+        path_tolerance: float = 0.1,
         # /settings
         limits: Optional[PathLike] = None,
     ) -> Trajectory: ...
