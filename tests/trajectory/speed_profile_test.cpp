@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/speed_profile.h"
-
 #include "support/support.h"
 #include "trajectory/dense_profile.h"
 #include "trajectory/empty_scene.h"
