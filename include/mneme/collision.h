@@ -127,6 +127,10 @@ class CollisionChecker {
   /// advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;
+  /// Metres that a point of the robot, or one seen from another link, moves at most where joints
+  /// move by `delta` from anywhere between the configurations `from` and `to`.
+  [[nodiscard]] double longest_way(std::span<const float> from, std::span<const float> to,
+                                   std::span<const float> delta) const;
 
   /// Takes a step from the configuration `from`: writes a candidate per jitter, a row each, within
   /// the limits. Candidates may be in contact all the same.

@@ -53,11 +53,11 @@ class MotionVerifier {
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends, CheckCounters& counters) const;
 
-  /// The same of a curve inside of a path, given as states on it, row by row, of which neighbours
-  /// are at most step() apart. It needs the margin everywhere.
-  [[nodiscard]] bool is_curve_free(std::span<const float> states, CheckCounters& counters) const;
-  /// L2 joint distance between two states that are checked, at most.
-  [[nodiscard]] double step() const { return checker_.resolution() / kVerificationRefinement; }
+  /// The same of a curve inside of a path, given as states on it, row by row. Between two of them
+  /// no joint is farther from the straight motion than `bow` says, which adds to the margin that
+  /// it needs everywhere.
+  [[nodiscard]] bool is_curve_free(std::span<const float> states, std::span<const float> bow,
+                                   CheckCounters& counters) const;
 
   /// The first motion of `path` that does not pass, or -1.
   [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;

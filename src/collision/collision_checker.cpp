@@ -314,6 +314,14 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   return t.kernels->is_sweep_free(robot, t.scene_tables, motion, counters.states);
 }
 
+double CollisionChecker::longest_way(std::span<const float> from, std::span<const float> to,
+                                     std::span<const float> delta) const {
+  const internal::RobotTables& robot = tables_->checked_robot->tables;
+  const internal::Reaches reaches =
+      robot.has_far_slides ? internal::find_reaches(robot, from, to) : robot.reaches;
+  return std::max(ways_of(reaches.bodies, delta).back(), ways_of(reaches.pairs, delta).back());
+}
+
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,
                                        const MotionDetail& detail) const {
   const FloatConfiguration a = to_float(from), b = to_float(to);

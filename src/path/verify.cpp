@@ -4,7 +4,9 @@
 
 #include "path/path_conversion.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -43,14 +45,24 @@ bool MotionVerifier::has_one_way(std::span<const float> from, std::span<const fl
   return true;
 }
 
-bool MotionVerifier::is_curve_free(std::span<const float> states, CheckCounters& counters) const {
+bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<const float> bow,
+                                   CheckCounters& counters) const {
   if (verification_ == Verification::none) return true;
-  if (verification_ == Verification::states) {
-    return checker_.are_states_valid(states, counters, kVerificationMargin);
+  std::vector<float> least(states.begin(), states.begin() + std::ssize(bow)), most = least;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    least[i % bow.size()] = std::min(least[i % bow.size()], states[i]);
+    most[i % bow.size()] = std::max(most[i % bow.size()], states[i]);
   }
-  const auto joints = static_cast<std::size_t>(checker_.robot().joint_count());
-  for (std::size_t i = joints; i < states.size(); i += joints) {
-    if (!is_free(states.subspan(i - joints, joints), states.subspan(i, joints), {}, counters)) {
+  const double off = checker_.longest_way(least, most, bow);
+  if (verification_ == Verification::states) {
+    return checker_.is_chain_valid(states, counters,
+                                   {kVerificationRefinement, kVerificationMargin + off});
+  }
+  // What is proven to be free keeps half of the margin.
+  const SweepDetail detail{kVerificationMargin + 2 * off};
+  for (std::size_t i = bow.size(); i < states.size(); i += bow.size()) {
+    const auto from = states.subspan(i - bow.size(), bow.size());
+    if (!checker_.is_sweep_valid(from, states.subspan(i, bow.size()), counters, detail)) {
       return false;
     }
   }

@@ -12,9 +12,9 @@ Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& 
                              {settings.resolution, settings.margin, settings.isa});
   if (!checker) return tl::unexpected(checker.error());
   // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.
-  const bool is_continuous = settings.plan.verification() == Verification::motions;
+  const Verification wanted = settings.plan.verification();
   const MotionVerifier verifier(*checker,
-                                is_continuous ? Verification::motions : Verification::states);
+                                wanted == Verification::none ? Verification::states : wanted);
   return parameterize(problem.robot, path, limits, timing, &verifier);
 }
 

@@ -15,6 +15,9 @@ constexpr double kSamePlace = 1e-6;
 /// A corner that is not free is tried again with this fraction of the tolerance.
 constexpr double kTighter = 0.25;
 constexpr int kAttempts = 3;
+/// Straight motions that a parabola is verified as. They are off it by a hair, of which the margin
+/// takes account.
+constexpr int kChords = 16;
 
 /// A straight motion of the path.
 struct Leg {
@@ -96,18 +99,18 @@ class Corner {
   }
 
   [[nodiscard]] static bool is_free(const Curve& curve, const MotionVerifier& verifier) {
-    // No parabola is longer than its parameter says: its slope lies between two unit vectors.
-    const int steps = std::max(1, static_cast<int>(std::ceil(curve.length / verifier.step())));
-    std::vector<float> states;
-    states.reserve(static_cast<std::size_t>(steps + 1) * curve.begin.size());
-    for (int i = 0; i <= steps; ++i) {
-      const double s = curve.length * i / steps;
+    const double step = curve.length / kChords;
+    std::vector<float> states, bow;
+    for (int i = 0; i <= kChords; ++i) {
       for (std::size_t joint = 0; joint < curve.begin.size(); ++joint) {
-        states.push_back(static_cast<float>(curve.value(joint, s)));
+        states.push_back(static_cast<float>(curve.value(joint, i * step)));
       }
     }
+    for (const double bend : curve.bend) {
+      bow.push_back(static_cast<float>(0.125 * bend * step * step));
+    }
     CheckCounters counters;
-    return verifier.is_curve_free(states, counters);
+    return verifier.is_curve_free(states, bow, counters);
   }
 
   const Leg& in_;

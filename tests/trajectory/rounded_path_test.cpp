@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/rounded_path.h"
-
 #include "planning/small_worlds.h"
 #include "trajectory/empty_scene.h"
 #include "trajectory/trajectory_flaws.h"
@@ -81,7 +80,7 @@ TEST_SUITE("unit") {
       return round_corners(world.robot, kCorner, 0.1, &verifier);
     };
     const RoundedPath wide = rounded(0.2), tight = rounded(0.012),
-                      closed = rounded(0.5 * kVerificationMargin);
+                      closed = rounded(0.1 * kVerificationMargin);
     REQUIRE(parabolas(wide) == 1);
     REQUIRE(parabolas(tight) == 1);
     CHECK(deviation(kCorner, tight.curves[1]) < 0.3 * deviation(kCorner, wide.curves[1]));
