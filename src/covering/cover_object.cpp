@@ -134,9 +134,6 @@ class CoverShape {
           }
         }));
   }
-  /// Refused before.
-  template <class Element>
-  void operator()(const Crowd<Element>&) const {}
 
  private:
   void add(const Transform& pose, std::vector<Sphere> spheres) const {
@@ -161,11 +158,6 @@ Result<std::vector<Sphere>> cover_meshes(const AttachedObject& object,
       });
 }
 
-bool is_crowd(const Shape& shape) {
-  return std::holds_alternative<PointCloud>(shape) || std::holds_alternative<Mesh>(shape) ||
-         std::holds_alternative<Octree>(shape);
-}
-
 bool is_usable(const Shape& shape) {
   const Sphere bound = bounding_sphere(shape);
   return bound.center.allFinite() && std::isfinite(bound.radius) && bound.radius > 0;
@@ -183,11 +175,6 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
   }
   CoveredObject covered;
   for (const Shape& shape : object.shapes) {
-    if (is_crowd(shape)) {
-      return tl::unexpected(refusal(
-          object, fmt::format("has {}; expected spheres, boxes, cylinders, capsules or mesh files",
-                              shape_name(shape))));
-    }
     if (!is_usable(shape)) {
       return tl::unexpected(refusal(
           object, fmt::format("has a {} that is not finite or without size", shape_name(shape))));
