@@ -102,10 +102,6 @@ class CollisionChecker {
   /// receives one 0 or 1 per row.
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) const;
 
-  /// True if all of them are valid with `margin` metres more for links that move; >= 0.
-  [[nodiscard]] bool are_states_valid(std::span<const float> configurations,
-                                      CheckCounters& counters, double margin = 0) const;
-
   /// True if all states of the straight motion after `from`, up to and including `to`, are valid at
   /// the resolution; `from` itself is taken to be valid. Continuous joints take the shorter way
   /// round. States are checked a vector at a time, spread along the motion, coarse to fine.

@@ -184,7 +184,7 @@ def test_what_a_robot_carries_is_checked(robot):
     scene = mneme.Scene.from_circles([[tip[0] + 1, 0.6, 0.2]])
     assert mneme.CollisionChecker(robot, scene).is_valid(np.zeros(8))
     contacts = mneme.CollisionChecker(carrying, scene).contacts(np.zeros(8))
-    assert [c.link for c in contacts] == ["cup"]
+    assert [c["link"] for c in contacts] == ["cup"]
     assert carrying.detach("cup").attached == []
     assert raised(robot.detach, "cup")[0] == "invalid"
     assert raised(robot.attach, "hand", cup)[0] == "invalid"
@@ -205,7 +205,7 @@ def test_points_and_meshes_are_added_from_arrays(robot):
     scene.replace_points("scan", 0, [[2.0, 0.0, 0.0]])
     touching = mneme.CollisionChecker(robot, scene)
     assert not touching.is_valid(straight)
-    assert [c.other for c in touching.contacts(straight)] == ["scan"]
+    assert [c["other"] for c in touching.contacts(straight)] == ["scan"]
     assert checker.is_valid(straight)
 
 

@@ -52,10 +52,6 @@ class Registry {
   std::vector<Entry> entries_;
 };
 
-}  // namespace
-
-namespace {
-
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
   if (robot.attached().empty()) {
     return make_robot_tables(robot).map([&](RobotTables tables) {
@@ -124,7 +120,6 @@ constexpr float kFirstSweep = 0.01f;
 /// Metres that a link moves around the last states that are looked at, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostParts = 1e6f;
-/// Far more halvings than a motion of finite limits needs.
 constexpr float kLeastShare = 1e-6f;
 
 /// How far a motion moves bodies, or brings pairs of them together: the largest last.
@@ -222,19 +217,6 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   }
 }
 
-bool CollisionChecker::are_states_valid(std::span<const float> configurations,
-                                        CheckCounters& counters, double margin) const {
-  const Tables& t = *tables_;
-  const std::size_t count = configurations.size() / internal::as_index(t.space.joint_count());
-  counters.states += count;
-  if (!is_within_reach(configurations)) return false;
-  std::vector<std::uint8_t> is_valid(count);
-  t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
-                          static_cast<int>(count), t.margin + static_cast<float>(margin),
-                          is_valid.data());
-  return std::ranges::find(is_valid, std::uint8_t{0}) == is_valid.end();
-}
-
 bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<const float> to,
                                        CheckCounters& counters, const MotionDetail& detail) const {
   const Tables& t = *tables_;
@@ -299,18 +281,18 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   if (!(longest > 0)) return true;
   const float first = kFirstSweep * *std::ranges::max_element(known.bodies);
   const auto margin = static_cast<float>(detail.margin);
-  internal::SweptMotion motion;
-  motion.from = from.data();
-  motion.delta = delta.data();
-  motion.body_ways = bodies.data();
-  motion.pair_ways = pairs.data();
-  motion.obstacle_margin = t.margin;
-  motion.margin = margin;
-  motion.is_from_start = detail.is_from_start;
-  motion.is_to_goal = detail.is_to_goal;
-  motion.parts = static_cast<int>(std::clamp(0.5f * longest / first, 1.0f, kMostParts));
-  motion.least_half = std::max(std::max(0.5f * margin, kFinestSweep) / longest,
-                               kLeastShare / static_cast<float>(motion.parts));
+  const float parts = std::clamp(0.5f * longest / first, 1.0f, kMostParts);
+  const float finest = std::max(0.5f * margin, kFinestSweep);
+  const internal::SweptMotion motion{from.data(),
+                                     delta.data(),
+                                     bodies.data(),
+                                     pairs.data(),
+                                     t.margin,
+                                     margin,
+                                     detail.is_from_start,
+                                     detail.is_to_goal,
+                                     static_cast<int>(parts),
+                                     std::max(finest / longest, kLeastShare / parts)};
   return t.kernels->is_sweep_free(robot, t.scene_tables, motion, counters.states);
 }
 

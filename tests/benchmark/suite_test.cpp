@@ -162,12 +162,6 @@ settings:
     }
   }
 
-  TEST_CASE("Continuous verification goes with verification only") {
-    const std::string text = failure(
-        std::string(kHead) + "settings:\n  s: {memory: m, continuous: true, verify: false}\n");
-    CHECK(text.find("small.yaml:5: key settings.s: setting 'continuous'") == 0);
-  }
-
   TEST_CASE("The sampler gl needs a memory that the suite declares") {
     CHECK(failure("problems: [a.yaml]\n").find("the sampler gl needs the key memory") !=
           std::string::npos);

@@ -164,7 +164,8 @@ TEST_SUITE("unit") {
         {"points.obj", "v 0 0 0\nv 1 0 0\n", ErrorCode::parse, ""},
         {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ErrorCode::parse, ""},
         {"broken.dae", "<COLLADA><library_geometries>", ErrorCode::parse, ""},
-        {"other.ply", "ply", ErrorCode::unsupported, "expected a file named .stl, .obj or .dae"},
+        {"other.off", "off", ErrorCode::unsupported,
+         "expected a file named .stl, .obj, .dae or .ply"},
     };
     for (const Case& c : cases) {
       if (c.text) write_file(files / c.name, *c.text);

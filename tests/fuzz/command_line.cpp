@@ -14,6 +14,7 @@ namespace {
 struct Program {
   Program() {
     app.formatter(mneme::app::make_help_formatter());
+    app.set_help_all_flag("--help-all");
     for (const auto add :
          {mneme::app::add_demo, mneme::app::add_plan, mneme::app::add_learn, mneme::app::add_db,
           mneme::app::add_robot, mneme::app::add_scene, mneme::app::add_bench, mneme::app::add_view,

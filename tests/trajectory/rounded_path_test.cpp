@@ -72,15 +72,15 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a corner that an obstacle fills is rounded less, or not at all") {
     // The ball of 0.1 m passes the post inside of the corner at this distance on both legs.
-    const auto rounded = [](double gap) {
+    const auto rounded = [](double gap, double tolerance) {
       const Vec3 post(1 - 0.101 - gap, 0.101 + gap, 1);
       const World world{"post", gantry(), {"", {make_ball("post", post, 1e-3)}}, {}};
       const CollisionChecker checker = make_checker(world);
       const MotionVerifier verifier(checker);
-      return round_corners(world.robot, kCorner, 0.1, &verifier);
+      return round_corners(world.robot, kCorner, tolerance, &verifier);
     };
-    const RoundedPath wide = rounded(0.2), tight = rounded(0.012),
-                      closed = rounded(0.1 * kVerificationMargin);
+    const RoundedPath wide = rounded(0.2, 0.1), tight = rounded(0.012, 0.1),
+                      closed = rounded(0.1 * kVerificationMargin, 2);
     REQUIRE(parabolas(wide) == 1);
     REQUIRE(parabolas(tight) == 1);
     CHECK(deviation(kCorner, tight.curves[1]) < 0.3 * deviation(kCorner, wide.curves[1]));
