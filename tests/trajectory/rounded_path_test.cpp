@@ -13,9 +13,8 @@ using internal::round_corners;
 using internal::RoundedPath;
 
 int parabolas(const RoundedPath& path) {
-  return static_cast<int>(std::ranges::count_if(path.curves, [](const Curve& curve) {
-    return !curve.is_straight();
-  }));
+  return static_cast<int>(
+      std::ranges::count_if(path.curves, [](const Curve& curve) { return !curve.is_straight(); }));
 }
 
 int rests(const RoundedPath& path) {
@@ -72,15 +71,14 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a corner that an obstacle fills is rounded less, or not at all") {
     // The ball of 0.1 m passes the post inside of the corner at this distance on both legs.
-    const auto rounded = [](double gap, double tolerance) {
+    const auto rounded = [](double gap) {
       const Vec3 post(1 - 0.101 - gap, 0.101 + gap, 1);
       const World world{"post", gantry(), {"", {make_ball("post", post, 1e-3)}}, {}};
       const CollisionChecker checker = make_checker(world);
       const MotionVerifier verifier(checker);
-      return round_corners(world.robot, kCorner, tolerance, &verifier);
+      return round_corners(world.robot, kCorner, 0.1, &verifier);
     };
-    const RoundedPath wide = rounded(0.2, 0.1), tight = rounded(0.012, 0.1),
-                      closed = rounded(0.1 * kVerificationMargin, 2);
+    const RoundedPath wide = rounded(0.2), tight = rounded(0.012), closed = rounded(-0.05);
     REQUIRE(parabolas(wide) == 1);
     REQUIRE(parabolas(tight) == 1);
     CHECK(deviation(kCorner, tight.curves[1]) < 0.3 * deviation(kCorner, wide.curves[1]));
