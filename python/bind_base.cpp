@@ -12,31 +12,13 @@
 namespace mneme::python {
 namespace {
 
-const char* name_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::io:
-      return "io";
-    case ErrorCode::parse:
-      return "parse";
-    case ErrorCode::unsupported:
-      return "unsupported";
-    case ErrorCode::invalid:
-      return "invalid";
-    case ErrorCode::wrong_robot:
-      return "wrong_robot";
-    case ErrorCode::corrupt:
-      return "corrupt";
-  }
-  return "";
-}
-
 /// mneme.Error. Lives as long as the process, like all static types.
 PyObject* error_type = nullptr;
 
 void raise_in_python(const Error& error) {
   const py::object type = py::reinterpret_borrow<py::object>(error_type);
   const py::object value = type(error.message);
-  value.attr("code") = name_of(error.code);
+  value.attr("code") = to_string(error.code);
   PyErr_SetObject(error_type, value.ptr());
 }
 

@@ -48,6 +48,9 @@ enum class ErrorCode {
   corrupt,      ///< a database or one of its rows is damaged
 };
 
+/// The enumerator's own name, as services and Python report it.
+[[nodiscard]] std::string_view to_string(ErrorCode code);
+
 /// A wrong input: `message` names the file, line or object and says what was expected.
 struct Error {
   ErrorCode code = ErrorCode::invalid;

@@ -10,7 +10,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -121,7 +120,7 @@ class PathFinisher {
   /// does.
   [[nodiscard]] bool has_refused_often() const { return refused_count_ >= kOften; }
   /// Every motion of a path passes it.
-  [[nodiscard]] const MotionVerifier& verifier();
+  [[nodiscard]] const MotionVerifier& verifier() const { return verifier_; }
   /// How the message of a plan without path ends: how many paths were refused, if any.
   [[nodiscard]] std::string describe_refused() const;
   [[nodiscard]] double simplification_time_s() const { return simplification_time_s_; }
@@ -140,7 +139,7 @@ class PathFinisher {
   const CollisionChecker& checker_;
   FinishSettings settings_;
   Stopwatch stopwatch_;
-  std::optional<MotionVerifier> verifier_;  ///< made when it is first wanted
+  MotionVerifier verifier_;
   int refused_count_ = 0;
   std::uint64_t states_ = 0;  ///< looked at until now
   double simplification_time_s_ = 0;

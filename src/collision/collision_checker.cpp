@@ -122,16 +122,27 @@ constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostParts = 1e6f;
 constexpr float kLeastShare = 1e-6f;
 
-/// How far a motion moves bodies, or brings pairs of them together: the largest last.
+/// How far a motion moves each of what `reaches` has a row for.
 std::vector<float> ways_of(std::span<const float> reaches, std::span<const float> delta) {
-  std::vector<float> ways(reaches.size() / delta.size() + 1, 0.0f);
-  for (std::size_t i = 0; i + 1 < ways.size(); ++i) {
+  std::vector<float> ways(reaches.size() / delta.size(), 0.0f);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
     const float* row = reaches.data() + i * delta.size();
     for (std::size_t j = 0; j < delta.size(); ++j) ways[i] += row[j] * std::abs(delta[j]);
-    ways.back() = std::max(ways.back(), ways[i]);
   }
   return ways;
 }
+
+float largest(std::span<const float> values) {
+  return values.empty() ? 0.0f : *std::ranges::max_element(values);
+}
+
+/// Metres.
+struct Ways {
+  std::vector<float> bodies;  ///< how far a motion moves each of them at most
+  std::vector<float> pairs;   ///< how much closer it brings those of each pair at most
+  float longest = 0;
+  float farthest_reach = 0;  ///< that one radian moves a body
+};
 
 }  // namespace
 
@@ -153,6 +164,19 @@ struct CollisionChecker::Tables {
   [[nodiscard]] int count_states(float length, double refinement) const {
     const double wanted = length * refinement / resolution;
     return static_cast<int>(std::min(std::ceil(wanted * (1 - kLengthTolerance)), kMostStates));
+  }
+
+  [[nodiscard]] Ways find_ways(std::span<const float> from, std::span<const float> to,
+                               std::span<const float> delta) const {
+    const internal::RobotTables& tables = checked_robot->tables;
+    const auto with = [&](const internal::Reaches& reaches) {
+      Ways ways{ways_of(reaches.bodies, delta), ways_of(reaches.pairs, delta)};
+      ways.longest = std::max(largest(ways.bodies), largest(ways.pairs));
+      ways.farthest_reach = largest(reaches.bodies);
+      return ways;
+    };
+    return tables.has_far_slides ? with(internal::find_reaches(tables, from, to))
+                                 : with(tables.reaches);
   }
 };
 
@@ -267,41 +291,30 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   if (!is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
-  const internal::RobotTables& robot = t.checked_robot->tables;
   FloatConfiguration end;
   for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-  const std::span<const float> turns(delta.data(), from.size());
-  const internal::Reaches reaches =
-      robot.has_far_slides ? internal::find_reaches(robot, from, {end.data(), from.size()})
-                           : internal::Reaches();
-  const internal::Reaches& known = robot.has_far_slides ? reaches : robot.reaches;
-  const std::vector<float> bodies = ways_of(known.bodies, turns);
-  const std::vector<float> pairs = ways_of(known.pairs, turns);
-  const float longest = std::max(bodies.back(), pairs.back());
-  if (!(longest > 0)) return true;
-  const float first = kFirstSweep * *std::ranges::max_element(known.bodies);
+  const Ways ways = t.find_ways(from, {end.data(), from.size()}, {delta.data(), from.size()});
+  if (!(ways.longest > 0)) return true;
   const auto margin = static_cast<float>(detail.margin);
-  const float parts = std::clamp(0.5f * longest / first, 1.0f, kMostParts);
+  const float first = kFirstSweep * ways.farthest_reach;
+  const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
   const float finest = std::max(0.5f * margin, kFinestSweep);
   const internal::SweptMotion motion{from.data(),
                                      delta.data(),
-                                     bodies.data(),
-                                     pairs.data(),
+                                     ways.bodies.data(),
+                                     ways.pairs.data(),
                                      t.margin,
                                      margin,
                                      detail.is_from_start,
                                      detail.is_to_goal,
                                      static_cast<int>(parts),
-                                     std::max(finest / longest, kLeastShare / parts)};
-  return t.kernels->is_sweep_free(robot, t.scene_tables, motion, counters.states);
+                                     std::max(finest / ways.longest, kLeastShare / parts)};
+  return t.kernels->is_sweep_free(t.checked_robot->tables, t.scene_tables, motion, counters.states);
 }
 
 double CollisionChecker::longest_way(std::span<const float> from, std::span<const float> to,
                                      std::span<const float> delta) const {
-  const internal::RobotTables& robot = tables_->checked_robot->tables;
-  const internal::Reaches reaches =
-      robot.has_far_slides ? internal::find_reaches(robot, from, to) : robot.reaches;
-  return std::max(ways_of(reaches.bodies, delta).back(), ways_of(reaches.pairs, delta).back());
+  return tables_->find_ways(from, to, delta).longest;
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

@@ -101,7 +101,7 @@ class Repair {
 }  // namespace
 
 PathFinisher::PathFinisher(const CollisionChecker& checker, const FinishSettings& settings)
-    : checker_(checker), settings_(settings) {}
+    : checker_(checker), settings_(settings), verifier_(checker, settings.verification) {}
 
 int PathFinisher::operator()(Path& path, CheckCounters& counters) {
   const std::uint64_t states = counters.states;
@@ -127,17 +127,10 @@ int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& coun
   if (const int invalid = verify_or_mend(path, counters); invalid >= 0) return invalid;
   if (!settings_.simplify) return -1;
   // What failed once is not tried again at the same length: waypoints are dropped, no more.
-  Path shorter = is_shortened_first ? shorten(path, 0, &verifier(), counters)
+  Path shorter = is_shortened_first ? shorten(path, 0, &verifier_, counters)
                                     : shorten(path, settings_.patience, nullptr, counters);
   if (verify_or_mend(shorter, counters) < 0) path = std::move(shorter);
   return -1;
-}
-
-const MotionVerifier& PathFinisher::verifier() {
-  if (!verifier_) {
-    verifier_.emplace(checker_, settings_.verification);
-  }
-  return *verifier_;
 }
 
 std::string PathFinisher::describe_refused() const {
@@ -162,7 +155,7 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
 int PathFinisher::verify_or_mend(Path& path, CheckCounters& counters) {
   if (settings_.verification == Verification::none) return -1;
   const double begin_s = stopwatch_.elapsed_s();
-  int invalid = verifier().find_invalid_motion(path, counters);
+  int invalid = verifier_.find_invalid_motion(path, counters);
   if (invalid >= 0) invalid = mend(path, invalid, counters);
   verification_time_s_ += stopwatch_.elapsed_s() - begin_s;
   return invalid;
@@ -171,7 +164,7 @@ int PathFinisher::verify_or_mend(Path& path, CheckCounters& counters) {
 /// -1, or the number of the first motion that fails; then the path is unchanged.
 int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
   const std::function<bool()> must_stop = [this] { return is_over(settings_.timeout_s); };
-  Repair repair(checker_, verifier(), derive_seed(settings_.seed, 2), counters, must_stop);
+  Repair repair(checker_, verifier_, derive_seed(settings_.seed, 2), counters, must_stop);
   Path mended = path;
   std::vector<int> origins(path.size());
   std::iota(origins.begin(), origins.end(), 0);
@@ -184,7 +177,7 @@ int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
     mended.insert(from + 1, checker_.robot().normalized(Configuration(q.begin(), q.end())));
     const int origin = origins[static_cast<std::size_t>(invalid)];
     origins.insert(origins.begin() + invalid, origin);
-    invalid = verifier().find_invalid_motion(mended, counters);
+    invalid = verifier_.find_invalid_motion(mended, counters);
   }
   if (invalid >= 0) return origins[static_cast<std::size_t>(invalid)];
   path = std::move(mended);

@@ -108,8 +108,7 @@ bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> 
     const auto is_same = [&](const std::vector<float>& end) { return std::ranges::equal(q, end); };
     return is_same(start_) || std::ranges::any_of(goals_, is_same);
   };
-  return MotionVerifier(checker_, settings_.verification())
-      .is_free(from, to, {is_end(from), is_end(to)}, counters_);
+  return shorten_and_verify_.verifier().is_free(from, to, {is_end(from), is_end(to)}, counters_);
 }
 
 bool PlannerRun::is_cancelled() const {

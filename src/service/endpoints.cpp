@@ -19,24 +19,6 @@ Answer answer(const Json& json, int status = 200) {
   return {status, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
 }
 
-std::string_view name_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::io:
-      return "io";
-    case ErrorCode::parse:
-      return "parse";
-    case ErrorCode::unsupported:
-      return "unsupported";
-    case ErrorCode::invalid:
-      return "invalid";
-    case ErrorCode::wrong_robot:
-      return "wrong_robot";
-    case ErrorCode::corrupt:
-      return "corrupt";
-  }
-  return "invalid";
-}
-
 bool is_of_client(ErrorCode code) {
   return code == ErrorCode::parse || code == ErrorCode::unsupported || code == ErrorCode::invalid;
 }
@@ -93,7 +75,7 @@ Answer refusal(int status, std::string_view code, std::string_view message) {
 }
 
 Answer refusal(const Error& error) {
-  return refusal(is_of_client(error.code) ? 400 : 500, name_of(error.code), error.message);
+  return refusal(is_of_client(error.code) ? 400 : 500, to_string(error.code), error.message);
 }
 
 Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,

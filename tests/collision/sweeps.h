@@ -8,6 +8,8 @@
 
 #include "collision/random_worlds.h"
 
+#include <doctest/doctest.h>
+
 namespace mneme::test {
 
 /// Metres by which what passes may overlap between two states.
@@ -39,5 +41,20 @@ inline double deepest_contact(const CollisionChecker& checker, const Configurati
   }
   return deepest;
 }
+
+/// What sweeps were compared with a dense row of states.
+struct SweepTally {
+  int free = 0, blocked = 0;
+  int refused = 0;  ///< of those blocked, without any contact found
+
+  void compare(const CollisionChecker& checker, const Configuration& from, const Configuration& to,
+               int states) {
+    const double deepest = deepest_contact(checker, from, to, states);
+    const bool is_free = is_swept_free(checker, from, to);
+    ++(is_free ? free : blocked);
+    if (is_free) CHECK(deepest <= kSweepTolerance);
+    refused += deepest == 0 && !is_free ? 1 : 0;
+  }
+};
 
 }  // namespace mneme::test

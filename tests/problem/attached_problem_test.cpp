@@ -18,6 +18,15 @@ using Names = std::vector<std::string>;
 class Files {
  public:
   Files() { write_file(directory_ / "lifter.urdf", kLiftUrdf); }
+  /// The link, which has no shape in kLiftUrdf, is a ball.
+  explicit Files(const std::string& link) {
+    std::string urdf = kLiftUrdf;
+    const std::string name = "<link name=\"" + link + "\"", bare = name + "/>";
+    urdf.replace(
+        urdf.find(bare), bare.size(),
+        name + "><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
+    write_file(directory_ / "lifter.urdf", urdf);
+  }
 
   /// A problem of the lifter with a table and a cup, and these keys besides.
   [[nodiscard]] Result<Problem> read(const std::string& keys) const {
@@ -82,25 +91,13 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
   }
 
   TEST_CASE("two links that may touch are not checked against each other") {
-    const Files files;
-    std::string urdf = kLiftUrdf;
-    const std::string bare = "<link name=\"base\"/>";
-    urdf.replace(urdf.find(bare), bare.size(),
-                 "<link name=\"base\"><collision><geometry><sphere radius=\"0.1\"/></geometry>"
-                 "</collision></link>");
-    write_file(files / "lifter.urdf", urdf);
+    const Files files("base");
     CHECK(files.require("").robot.self_pairs().size() == 1);
     CHECK(files.require("allow: [[arm, base]]\n").robot.self_pairs().empty());
   }
 
   TEST_CASE("a link that stands on an obstacle is a note") {
-    const Files files;
-    std::string urdf = kLiftUrdf;
-    const std::string bare = "<link name=\"world\"/>";
-    urdf.replace(urdf.find(bare), bare.size(),
-                 "<link name=\"world\"><collision><geometry><sphere radius=\"0.1\"/></geometry>"
-                 "</collision></link>");
-    write_file(files / "lifter.urdf", urdf);
+    const Files files("world");
     CHECK(files.require("").warnings ==
           Names{"link world touches obstacle table, and no joint of the group moves it: this "
                 "contact is left aside"});

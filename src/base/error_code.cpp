@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/base.h"
+
+namespace mneme {
+
+std::string_view to_string(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::io:
+      return "io";
+    case ErrorCode::parse:
+      return "parse";
+    case ErrorCode::unsupported:
+      return "unsupported";
+    case ErrorCode::invalid:
+      return "invalid";
+    case ErrorCode::wrong_robot:
+      return "wrong_robot";
+    case ErrorCode::corrupt:
+      return "corrupt";
+  }
+  return "invalid";
+}
+
+}  // namespace mneme
