@@ -221,23 +221,25 @@ Result<void> RowFile::flush() {
   return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
 }
 
+nlohmann::ordered_json to_json(const std::vector<BenchmarkRow>& rows) {
+  Json sets = Json::array();
+  for (const SetSummary& summary : summarize_sets(rows)) sets.push_back(to_json(summary));
+  return {{"runs", rows.size()},
+          {"isa", to_string(default_isa())},
+          {"sets", sets},
+          {"invalid", invalid_problems(rows)}};
+}
+
 void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
-  const std::vector<SetSummary> summaries = summarize_sets(rows);
-  const std::vector<std::string> invalid = invalid_problems(rows);
-  if (!is_json) {
-    fmt::print("{}", printable_table(summaries));
-    if (!invalid.empty()) {
-      fmt::print("invalid start or goal, left out: {}\n",
-                 printable(fmt::format("{}", fmt::join(invalid, ", "))));
-    }
+  if (is_json) {
+    print_json(to_json(rows));
     return;
   }
-  Json sets = Json::array();
-  for (const SetSummary& summary : summaries) sets.push_back(to_json(summary));
-  print_json({{"runs", rows.size()},
-              {"isa", to_string(default_isa())},
-              {"sets", sets},
-              {"invalid", invalid}});
+  fmt::print("{}", printable_table(summarize_sets(rows)));
+  if (const auto invalid = invalid_problems(rows); !invalid.empty()) {
+    fmt::print("invalid start or goal, left out: {}\n",
+               printable(fmt::format("{}", fmt::join(invalid, ", "))));
+  }
 }
 
 ExitCode judge_rows(const std::vector<BenchmarkRow>& rows) {

@@ -10,6 +10,8 @@
 #include "commands.h"
 #include "console.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <chrono>
 #include <cstddef>
 #include <fstream>
@@ -52,7 +54,9 @@ class RowFile {
 /// of other settings; what the runs say.
 [[nodiscard]] Result<bool> run_with_progress(BenchPlan& plan, RowFile& file);
 
-/// One summary per set, planner, sampler and setting, as a table or as JSON.
+/// One summary per set, planner, sampler and setting, and the problems that none is of.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<BenchmarkRow>& rows);
+/// The same as a table or as JSON.
 void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json);
 /// Failure, with a message, if a path did not survive the independent check.
 [[nodiscard]] ExitCode judge_rows(const std::vector<BenchmarkRow>& rows);

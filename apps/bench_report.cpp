@@ -22,7 +22,10 @@ struct ReportRun {
   std::vector<std::string> csv_files;
   std::string out = "report.html";
   ReportOptions options;
+  bool is_json = false;
 };
+
+using Json = nlohmann::ordered_json;
 
 struct ExportRun {
   std::vector<std::string> csv_files;
@@ -65,6 +68,30 @@ Result<std::vector<MemoryRow>> memories_beside(const std::vector<std::string>& p
   return all;
 }
 
+Json to_json(const TimeRatio& ratio) {
+  return {{"value", ratio.value},
+          {"low", ratio.low},
+          {"high", ratio.high},
+          {"is_at_least", ratio.is_at_least},
+          {"is_at_most", ratio.is_at_most}};
+}
+
+Json to_json(const std::vector<SeriesRatio>& ratios) {
+  Json all = Json::array();
+  for (const auto& [set, other, reference, ratio] : ratios) {
+    all.push_back({{"set", set},
+                   {"this", other},
+                   {"against", reference},
+                   {"pairs", ratio.pairs},
+                   {"p50", to_json(ratio.p50)},
+                   {"p95", to_json(ratio.p95)},
+                   {"p99", to_json(ratio.p99)},
+                   {"mean", to_json(ratio.mean)},
+                   {"geometric", to_json(ratio.geometric)}});
+  }
+  return all;
+}
+
 Result<ExitCode> run_report(const ReportRun& run) {
   const auto checked = check_files(std::array{run.out}, run.csv_files);
   if (!checked) return tl::unexpected(checked.error());
@@ -76,10 +103,17 @@ Result<ExitCode> run_report(const ReportRun& run) {
   if (auto written = write_report(run.out, report); !written) {
     return tl::unexpected(written.error());
   }
+  const std::vector<SeriesRatio> ratios = compare_series(*rows, run.options.baseline);
+  if (run.is_json) {
+    Json json = to_json(*rows);
+    json["ratios"] = to_json(ratios);
+    print_json(json);
+    return ExitCode::done;
+  }
   fmt::print("{}: {} with {}\n", run.out, counted(rows->size(), "run", "runs"),
              counted(report.figures.size(), "figure", "figures"));
-  if (const std::string ratios = to_ratio_table(*rows, run.options.baseline); !ratios.empty()) {
-    fmt::print("\nHow much faster, with 95 % intervals:\n{}", ratios);
+  if (!ratios.empty()) {
+    fmt::print("\nHow much faster, with 95 % intervals:\n{}", to_table(ratios));
   }
   return ExitCode::done;
 }
@@ -111,6 +145,7 @@ void add_report(CLI::App& bench, Action& action) {
                       "sampler that the others are compared with (default uniform)");
   command->add_flag("--by-problem", run->options.by_problem,
                     "a figure for each problem instead of one for each set");
+  add_json(*command, run->is_json);
   command->callback([run, &action] { action = [run] { return run_report(*run); }; });
 }
 

@@ -347,11 +347,19 @@ struct PairedRatio {
 [[nodiscard]] PairedRatio compare_runs(std::span<const BenchmarkRow> reference,
                                        std::span<const BenchmarkRow> other);
 
-/// The ratios of every set, and of all sets if there are several, as a table of text. Samplers are
-/// compared with `baseline`, settings with the first one, native planners with OMPL's. Empty if
-/// there is nothing to compare.
-[[nodiscard]] std::string to_ratio_table(std::span<const BenchmarkRow> rows,
-                                         const std::string& baseline);
+/// One sampler, setting or planner beside another one, on the problems of one set.
+struct SeriesRatio {
+  std::string set;        ///< "all" for the sets together
+  std::string other;      ///< such as "rrt_connect, gl, tuned"
+  std::string reference;  ///< what it is compared with, such as "rrt_connect, uniform, tuned"
+  PairedRatio ratio;
+};
+/// The ratios of every set, and of all sets if there are several. Samplers are compared with
+/// `baseline`, settings with the first one, native planners with OMPL's.
+[[nodiscard]] std::vector<SeriesRatio> compare_series(std::span<const BenchmarkRow> rows,
+                                                      const std::string& baseline);
+/// A text table of them; empty without any.
+[[nodiscard]] std::string to_table(std::span<const SeriesRatio> ratios);
 
 struct ReportPicture {
   std::string caption;

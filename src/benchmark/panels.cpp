@@ -159,15 +159,11 @@ std::string series_name(const Series& series) {
 namespace mneme {
 namespace {
 
-constexpr std::size_t kNameColumns = 3;
-using Lines = std::vector<std::vector<std::string>>;
-
-void add_lines(const internal::Panel& panel, const std::string& baseline, Lines& lines) {
+void append_ratios(const internal::Panel& panel, const std::string& baseline,
+                   std::vector<SeriesRatio>& ratios) {
   for (const auto& [kind, other, reference, ratio] : internal::compare_series(panel, baseline)) {
-    lines.push_back({panel.name, internal::series_name(*other), internal::series_name(*reference),
-                     std::to_string(ratio.pairs), internal::format_ratio(ratio.p50),
-                     internal::format_ratio(ratio.p95), internal::format_ratio(ratio.p99),
-                     internal::format_ratio(ratio.mean), internal::format_ratio(ratio.geometric)});
+    ratios.push_back(
+        {panel.name, internal::series_name(*other), internal::series_name(*reference), ratio});
   }
 }
 
@@ -183,14 +179,29 @@ std::vector<BenchmarkRow> pool(std::span<const BenchmarkRow> rows) {
 
 }  // namespace
 
-std::string to_ratio_table(std::span<const BenchmarkRow> rows, const std::string& baseline) {
+std::vector<SeriesRatio> compare_series(std::span<const BenchmarkRow> rows,
+                                        const std::string& baseline) {
   const std::vector<internal::Panel> panels = internal::make_panels(rows, false);
-  Lines lines = {{"set", "this", "against", "pairs", "p50", "p95", "p99", "mean", "geometric"}};
-  for (const internal::Panel& panel : panels) add_lines(panel, baseline, lines);
+  std::vector<SeriesRatio> ratios;
+  for (const internal::Panel& panel : panels) append_ratios(panel, baseline, ratios);
   if (panels.size() > 1) {
-    add_lines(internal::make_panels(pool(rows), false).front(), baseline, lines);
+    append_ratios(internal::make_panels(pool(rows), false).front(), baseline, ratios);
   }
-  return lines.size() == 1 ? "" : internal::text_table(lines, kNameColumns);
+  return ratios;
+}
+
+std::string to_table(std::span<const SeriesRatio> ratios) {
+  if (ratios.empty()) return {};
+  constexpr std::size_t kNameColumns = 3;
+  std::vector<std::vector<std::string>> lines = {
+      {"set", "this", "against", "pairs", "p50", "p95", "p99", "mean", "geometric"}};
+  for (const auto& [set, other, reference, ratio] : ratios) {
+    lines.push_back({set, other, reference, std::to_string(ratio.pairs),
+                     internal::format_ratio(ratio.p50), internal::format_ratio(ratio.p95),
+                     internal::format_ratio(ratio.p99), internal::format_ratio(ratio.mean),
+                     internal::format_ratio(ratio.geometric)});
+  }
+  return internal::text_table(lines, kNameColumns);
 }
 
 }  // namespace mneme

@@ -135,7 +135,7 @@ std::vector<BenchmarkRow> two_sets() {
 
 TEST_SUITE("unit") {
   TEST_CASE("Every set has a line, and all sets together the last one") {
-    const auto lines = test::lines_of(to_ratio_table(two_sets(), "uniform"));
+    const auto lines = test::lines_of(to_table(compare_series(two_sets(), "uniform")));
     REQUIRE(lines.size() == 4);
     CHECK(lines[1].starts_with("cage"));
     CHECK(lines[1].find("2.00 (2.00 to 2.00)") != std::string::npos);
@@ -148,9 +148,9 @@ TEST_SUITE("unit") {
   TEST_CASE("One set has no line for all, and without a baseline there is no table") {
     auto rows = two_sets();
     rows.resize(2);
-    CHECK(test::lines_of(to_ratio_table(rows, "uniform")).size() == 2);
-    CHECK(to_ratio_table(rows, "halton").empty());
-    CHECK(to_ratio_table({}, "uniform").empty());
+    CHECK(test::lines_of(to_table(compare_series(rows, "uniform"))).size() == 2);
+    CHECK(compare_series(rows, "halton").empty());
+    CHECK(compare_series({}, "uniform").empty());
   }
 }
 

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""tools/result_tables.py with a program that answers as `mneme bench report --json` does."""
+import json
+import lzma
+import stat
+import subprocess
+import sys
+
+import pytest
+from tools_of_source import TOOLS
+
+TIMES = {f"{time}_{name}_s": value for time, factor in (("planning", 1), ("total", 2))
+         for name, value in (("p50", 0.0001234 * factor), ("mean", 0.02 * factor), ("p95", 0.2 * factor),
+                             ("p99", 4.0), ("max", 4.0))}
+
+
+def summary(name, setting):
+    return {"set": name, "planner": "rrt_connect", "sampler": "gl", "setting": setting, "solved": 98, "valid": 100,
+            "total": 120, "invalid_paths": 1, "iterations_p50": 12, "states_p50": 345, "simplification_p50_s": 0.001,
+            "path_length_mean": 6.789, **TIMES}
+
+
+def ratio(value, **marks):
+    return {"value": value, "low": 1, "high": 20.06, "is_at_least": False, "is_at_most": False, **marks}
+
+
+ANSWER = {"sets": [summary("cage", "a b"), summary("box", "c"), summary("all", "c")],
+          "ratios": [{"set": "cage", "this": "rrt_connect, gl", "against": "rrt_connect, uniform", "pairs": 100,
+                      "p50": ratio(3.14159), "p95": ratio(2, is_at_least=True),
+                      "p99": ratio(2, is_at_least=True, is_at_most=True), "mean": ratio(5), "geometric": ratio(5)}]}
+
+
+@pytest.fixture(name="source")
+def make_source(tmp_path):
+    """A source tree with one file of rows, and a program beside it that counts how often it is asked."""
+    folder = tmp_path / "bench" / "results"
+    folder.mkdir(parents=True)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "README.md").write_text("nothing measured\n", encoding="utf-8")
+    with lzma.open(folder / "mbm.csv.xz", "wt") as rows:
+        rows.write("problem,machine\n1,\"a, b\"\n")
+    (folder / "mbm.json").write_text(json.dumps({"command": "mneme bench run x", "commit": "abc", "machine": "m"}),
+                                     encoding="utf-8")
+    program = tmp_path / "mneme"
+    program.write_text(f"#!/bin/sh\ngrep -q 'a, b' \"$3\" || exit 9\ncat <<'END'\n{json.dumps(ANSWER)}\nEND\n", encoding="utf-8")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return tmp_path
+
+
+def run(source, *flags):
+    return subprocess.run([sys.executable, "-B", TOOLS / "result_tables.py", source, source / "mneme", *flags],
+                          capture_output=True, text=True, check=False)
+
+
+def written(source, marker):
+    """The lines of docs/a.md between the markers, once they are written."""
+    page = source / "docs" / "a.md"
+    page.write_text(f"before\n<!-- {marker} -->\nold\n<!-- /rows -->\nafter\n", encoding="utf-8")
+    done = run(source)
+    assert done.returncode == 0, done.stderr
+    lines = page.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "before" and lines[-1] == "after"
+    return [line for line in lines[2:-2] if line]
+
+
+def test_rows_become_a_line_each_with_failures_marked(source):
+    lines = written(source, "rows mbm by=set,setting show=solved,bad,p50,mean,p95,p99,length,states")
+    assert lines[0] == "| set | setting | solved | bad paths | p50 ms | mean ms | p95 ms | p99 ms | mean length | states p50 |"
+    assert lines[2] == "| cage | a b | 98 of 100 | 1 | 0.12 | >20.0 | 200 | >4000 | 6.79 | 345 |"
+    assert len(lines) == 6
+    assert lines[-1] == "From `mneme bench run x`, commit abc, m."
+
+
+def test_total_times_and_a_choice_of_rows(source):
+    lines = written(source, "rows mbm by=setting show=p50 time=total where=setting:a_b")
+    assert lines[2:-1] == ["| a b | 0.25 |"]
+
+
+def test_several_files_have_a_line_each_over_all_sets(source):
+    lines = written(source, "rows mbm mbm by=setting show=p50")
+    assert lines[2:-1] == ["| mbm | c | 0.12 |"] * 2
+
+
+def test_ratios_have_intervals_and_bounds(source):
+    lines = written(source, "ratios mbm show=pairs,p50,p95,p99")
+    assert lines[2] == ("| cage | rrt_connect, gl | rrt_connect, uniform | 100 | 3.14 (1 to 20.1) | ≥ 2 (1 to 20.1) | open |")
+
+
+def test_a_stale_document_fails_the_check_and_is_left_alone(source):
+    written(source, "rows mbm by=set show=p50")
+    assert run(source, "--check").returncode == 0
+    page = source / "docs" / "a.md"
+    stale = page.read_text(encoding="utf-8").replace("0.12", "0.11")
+    page.write_text(stale, encoding="utf-8")
+    done = run(source, "--check")
+    assert done.returncode == 1
+    assert "a.md: differs from its rows" in done.stdout
+    assert page.read_text(encoding="utf-8") == stale
+
+
+@pytest.mark.parametrize("marker, message", [
+    ("rows other by=set show=p50", "other.csv.xz: there is no such file of rows"),
+    ("rows mbm by=set", "expected the name of a file of rows and show="),
+    ("rows mbm show=p50 shwo=p95", "'shwo=p95': expected by="),
+    ("rows mbm show=p50 where=set:nowhere", "no rows are meant")])
+def test_mistakes_name_document_and_word(source, marker, message):
+    (source / "docs" / "a.md").write_text(f"<!-- {marker} -->\n<!-- /rows -->\n", encoding="utf-8")
+    done = run(source)
+    assert done.returncode == 1
+    assert "docs/a.md" in done.stderr and message in done.stderr
+
+
+def test_rows_are_added_with_what_made_them(source):
+    rows = source / "new.csv"
+    rows.write_text("problem,machine\n1,\"a, b\"\n", encoding="utf-8")
+    assert run(source, "--add", "new", rows, "--command", "c", "--commit", "r", "--note", "n").returncode == 0
+    folder = source / "bench" / "results"
+    assert lzma.open(folder / "new.csv.xz", "rt").read() == rows.read_text(encoding="utf-8")
+    assert json.loads((folder / "new.json").read_text(encoding="utf-8")) == {
+        "command": "c", "commit": "r", "machine": "a, b", "note": "n"}

@@ -1,0 +1,237 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes the tables of measured figures in documents from the rows in bench/results.
+
+usage: result_tables.py SOURCE_DIRECTORY MNEME [--check]
+       result_tables.py SOURCE_DIRECTORY MNEME --add NAME ROWS.csv --command TEXT --commit REV [--note TEXT]
+
+bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which command, of which commit. MNEME, which has
+`bench report`, summarises them. Documents have tables between markers:
+
+  <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
+  <!-- ratios NAME show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
+  <!-- /rows -->
+
+Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
+bad, p50, mean, p95, p99, max, iterations, states, length, simplification; of ratios: pairs, p50, p95, p99, mean, geometric. In
+VALUE of where _ stands for a space. With --check nothing is written: it fails if something would be.
+"""
+import argparse
+import csv
+import json
+import lzma
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+                    re.DOTALL | re.MULTILINE)
+PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
+TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
+          "simplification": "simplification p50 ms"}
+RATIO_NAMES = ("set", "this", "against")
+
+
+class Mistake(Exception):
+    """What a document or a file of rows says that cannot be followed."""
+
+
+class Results:
+    """Summaries of the files in bench/results, each made once."""
+
+    def __init__(self, folder, mneme):
+        self.folder, self.mneme, self.known = folder, mneme, {}
+
+    def origin(self, name):
+        try:
+            return json.loads((self.folder / f"{name}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError) as problem:
+            raise Mistake(f"{self.folder / name}.json: {problem}") from problem
+
+    def summary(self, name, baseline="uniform"):
+        if (name, baseline) not in self.known:
+            self.known[name, baseline] = self._summarise(name, baseline)
+        return self.known[name, baseline]
+
+    def _summarise(self, name, baseline):
+        packed = self.folder / f"{name}.csv.xz"
+        if not packed.exists():
+            raise Mistake(f"{packed}: there is no such file of rows")
+        with tempfile.TemporaryDirectory() as scratch:
+            rows = pathlib.Path(scratch, "rows.csv")
+            with lzma.open(packed) as source, rows.open("wb") as target:
+                shutil.copyfileobj(source, target)
+            run = subprocess.run([self.mneme, "bench", "report", str(rows), "--json", "--baseline", baseline,
+                                  "--output", str(pathlib.Path(scratch, "report.html"))],
+                                 capture_output=True, text=True, check=False)
+        if run.returncode != 0:
+            raise Mistake(f"{packed}: {run.stderr.strip()}")
+        return json.loads(run.stdout)
+
+
+def milliseconds(seconds):
+    """Three significant digits, or two decimals."""
+    value = seconds * 1e3
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}" if value >= 10 else f"{value:.2f}"
+
+
+def cell(summary, column, time):
+    if column in PERCENT:
+        rank = max(1, -(-PERCENT[column] * summary["valid"] // 100))
+        return (">" if rank > summary["solved"] else "") + milliseconds(summary[f"{time}_{column}_s"])
+    if column == "mean":
+        return (">" if summary["solved"] < summary["valid"] else "") + milliseconds(summary[f"{time}_mean_s"])
+    if column == "solved":
+        return f"{summary['solved']} of {summary['valid']}"
+    if column == "length":
+        return f"{summary['path_length_mean']:.2f}"
+    if column == "simplification":
+        return milliseconds(summary["simplification_p50_s"])
+    keys = {"bad": "invalid_paths", "iterations": "iterations_p50", "states": "states_p50"}
+    return str(summary[keys.get(column, column)])
+
+
+def ratio_cell(ratio):
+    if ratio["is_at_least"] and ratio["is_at_most"]:
+        return "open"
+    mark = "≥ " if ratio["is_at_least"] else "≤ " if ratio["is_at_most"] else ""
+    return f"{mark}{ratio['value']:.3g} ({ratio['low']:.3g} to {ratio['high']:.3g})"
+
+
+def parse(words):
+    """Names, and what is said of columns."""
+    names, options, where = [], {}, []
+    for word in words.split():
+        key, equals, value = word.partition("=")
+        if not equals:
+            names.append(word)
+        elif key == "where":
+            where.append(value.split(":", 1))
+        elif key in ("by", "show", "time", "baseline"):
+            options[key] = value.split(",") if key in ("by", "show") else value
+        else:
+            raise Mistake(f"'{word}': expected by=, show=, time=, baseline= or where=")
+    if not names or "show" not in options:
+        raise Mistake(f"'{words}': expected the name of a file of rows and show=")
+    return names, options, where
+
+
+def is_meant(line, where):
+    return all(line[key].replace(" ", "_") == value.replace(" ", "_") for key, value in where)
+
+
+def together(summary):
+    sets = summary["sets"]
+    return [line for line in sets if line["set"] == "all"] or sets
+
+
+def row_lines(results, names, options, where):
+    time = options.get("time", "planning")
+    lines = []
+    for name in names:
+        summary = results.summary(name)
+        meant = [s for s in (together(summary) if len(names) > 1 else summary["sets"]) if is_meant(s, where)]
+        head = [name] if len(names) > 1 else []
+        lines += [head + [s[column] for column in options.get("by", [])] +
+                  [cell(s, column, time) for column in options["show"]] for s in meant]
+    unit = {column: f"{column} ms" for column in (*PERCENT, "mean")}
+    titles = [""] * (len(names) > 1) + options.get("by", []) + [
+        unit.get(column, TITLES.get(column, column)) for column in options["show"]]
+    return titles, lines
+
+
+def ratio_lines(results, names, options, where):
+    lines = []
+    for name in names:
+        ratios = results.summary(name, options.get("baseline", "uniform"))["ratios"]
+        lines += [[ratio[column] for column in RATIO_NAMES] +
+                  [str(ratio["pairs"]) if column == "pairs" else ratio_cell(ratio[column]) for column in options["show"]]
+                  for ratio in ratios if is_meant(ratio, where)]
+    return [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
+
+
+def said_of(results, names):
+    """By which commands the rows came to be."""
+    said = []
+    for origin in dict.fromkeys(json.dumps(results.origin(name), sort_keys=True) for name in names):
+        origin = json.loads(origin)
+        said.append(f"`{origin['command']}`, commit {origin['commit']}, {origin['machine']}"
+                    + (f"; {origin['note']}" if origin.get("note") else ""))
+    return "From " + "; ".join(said) + ".\n"
+
+
+def block(results, kind, words):
+    names, options, where = parse(words)
+    titles, lines = (row_lines if kind == "rows" else ratio_lines)(results, names, options, where)
+    if not lines:
+        raise Mistake(f"'{words}': no rows are meant")
+    rule = ["---"] * len(titles)
+    text = "".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |\n" for line in (titles, rule, *lines))
+    return f"\n{text}\n{said_of(results, names)}"
+
+
+def documents(source):
+    return [source / "README.md", *sorted((source / "docs").glob("*.md"))]
+
+
+def rewrite(source, results, is_check):
+    stale = []
+    for path in documents(source):
+        text = path.read_text(encoding="utf-8")
+        try:
+            new = MARKED.sub(lambda m: m["open"] + block(results, m["kind"], m["words"]) + m["close"], text)
+        except Mistake as mistake:
+            raise Mistake(f"{path.relative_to(source)}: {mistake}") from mistake
+        if new != text:
+            stale.append(path)
+            if not is_check:
+                path.write_text(new, encoding="utf-8")
+    return stale
+
+
+def machine_of(rows):
+    with rows.open(encoding="utf-8", newline="") as lines:
+        return next(csv.DictReader(lines))["machine"]
+
+
+def add(folder, args):
+    rows = pathlib.Path(args.add[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    with rows.open("rb") as source, lzma.open(folder / f"{args.add[0]}.csv.xz", "wb", preset=9) as target:
+        shutil.copyfileobj(source, target)
+    origin = {"command": args.command, "commit": args.commit, "machine": machine_of(rows)}
+    if args.note:
+        origin["note"] = args.note
+    (folder / f"{args.add[0]}.json").write_text(json.dumps(origin, indent=2) + "\n", encoding="utf-8")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("mneme")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--add", nargs=2, metavar=("NAME", "ROWS"))
+    parser.add_argument("--command", default="")
+    parser.add_argument("--commit", default="")
+    parser.add_argument("--note", default="")
+    args = parser.parse_args()
+    folder = args.source / "bench" / "results"
+    if args.add:
+        if not args.command or not args.commit:
+            parser.error("--add needs --command and --commit")
+        add(folder, args)
+    stale = rewrite(args.source, Results(folder, args.mneme), args.check)
+    for path in stale:
+        print(f"{path}: {'differs from its rows' if args.check else 'written'}")
+    return 1 if args.check and stale else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except Mistake as mistake:
+        sys.exit(f"result_tables: {mistake}")
