@@ -221,7 +221,7 @@ Result<void> RowFile::flush() {
   return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
 }
 
-nlohmann::ordered_json to_json(const std::vector<BenchmarkRow>& rows) {
+nlohmann::ordered_json summary_json(const std::vector<BenchmarkRow>& rows) {
   Json sets = Json::array();
   for (const SetSummary& summary : summarize_sets(rows)) sets.push_back(to_json(summary));
   return {{"runs", rows.size()},
@@ -232,7 +232,7 @@ nlohmann::ordered_json to_json(const std::vector<BenchmarkRow>& rows) {
 
 void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
   if (is_json) {
-    print_json(to_json(rows));
+    print_json(summary_json(rows));
     return;
   }
   fmt::print("{}", printable_table(summarize_sets(rows)));

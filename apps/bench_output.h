@@ -55,7 +55,7 @@ class RowFile {
 [[nodiscard]] Result<bool> run_with_progress(BenchPlan& plan, RowFile& file);
 
 /// One summary per set, planner, sampler and setting, and the problems that none is of.
-[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<BenchmarkRow>& rows);
+[[nodiscard]] nlohmann::ordered_json summary_json(const std::vector<BenchmarkRow>& rows);
 /// The same as a table or as JSON.
 void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json);
 /// Failure, with a message, if a path did not survive the independent check.

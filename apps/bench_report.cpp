@@ -105,7 +105,7 @@ Result<ExitCode> run_report(const ReportRun& run) {
   }
   const std::vector<SeriesRatio> ratios = compare_series(*rows, run.options.baseline);
   if (run.is_json) {
-    Json json = to_json(*rows);
+    Json json = summary_json(*rows);
     json["ratios"] = to_json(ratios);
     print_json(json);
     return ExitCode::done;

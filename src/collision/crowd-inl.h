@@ -33,18 +33,6 @@ HWY_INLINE V3 into_crowd(const CrowdRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
 }
 
-HWY_INLINE unsigned bits_of(M mask) {
-  uint8_t bytes[8];
-  hn::StoreMaskBits(Tag(), mask, bytes);
-  if constexpr (kLanes == 16) return bytes[0] | unsigned{bytes[1]} << 8;
-  return bytes[0] & ((1u << kLanes) - 1);
-}
-
-HWY_INLINE M mask_of(unsigned bits) {
-  const uint8_t bytes[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
-  return hn::LoadMaskBits(Tag(), bytes);
-}
-
 /// A bit for each lane in which a part may be closer to `p` than `reach`.
 HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
   const Tag d;

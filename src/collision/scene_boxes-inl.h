@@ -19,8 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-inline constexpr int kLanes = HWY_LANES(float);
-
 /// Where a body is in any lane: three coordinates, in arrays that hold a whole vector.
 struct Extent {
   static constexpr int kSize = kLanes < 4 ? 4 : kLanes;
@@ -52,10 +50,7 @@ HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent
     const M both = hn::And(is_below, is_above);
     overlap = axis == 0 ? both : hn::And(overlap, both);
   }
-  uint8_t bytes[8];
-  hn::StoreMaskBits(d, overlap, bytes);
-  if constexpr (kLanes == 16) return bytes[0] | unsigned{bytes[1]} << 8;
-  return bytes[0] & ((1u << kLanes) - 1);
+  return bits_of(overlap);
 }
 
 /// Squared distance from the box around an obstacle.

@@ -19,8 +19,6 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int kLanes = HWY_LANES(float);
-
 /// The query, one vector per joint, and which joints wrap.
 class Query {
  public:

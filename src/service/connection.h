@@ -4,7 +4,7 @@
 /// The bytes of one client: deadlines for all of a request, and answers in one piece.
 #pragma once
 
-#include <httplib.h>
+#include "service/cpp_httplib.h"
 
 #include <chrono>
 #include <cstddef>

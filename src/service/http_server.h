@@ -5,9 +5,8 @@
 #pragma once
 
 #include "service/connection.h"
+#include "service/cpp_httplib.h"
 #include "service/listener.h"
-
-#include <httplib.h>
 
 #include <atomic>
 #include <functional>

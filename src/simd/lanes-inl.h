@@ -11,6 +11,7 @@
 #endif
 
 #include <cstddef>
+#include <cstdint>
 
 #include "hwy/highway.h"
 
@@ -22,6 +23,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::ScalableTag<float>;
 using V = hn::Vec<Tag>;
 using M = hn::Mask<Tag>;
+
+inline constexpr int kLanes = HWY_LANES(float);
 
 HWY_INLINE V splat(float x) { return hn::Set(Tag(), x); }
 
@@ -58,6 +61,19 @@ HWY_INLINE V3 cross(const V3& a, const V3& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 HWY_INLINE V clamp01(V x) { return hn::Min(hn::Max(x, hn::Zero(Tag())), splat(1.0f)); }
+
+/// A bit per lane.
+HWY_INLINE unsigned bits_of(M mask) {
+  uint8_t bytes[8];
+  hn::StoreMaskBits(Tag(), mask, bytes);
+  if constexpr (kLanes == 16) return bytes[0] | unsigned{bytes[1]} << 8;
+  return bytes[0] & ((1u << kLanes) - 1);
+}
+
+HWY_INLINE M mask_of(unsigned bits) {
+  const uint8_t bytes[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
+  return hn::LoadMaskBits(Tag(), bytes);
+}
 
 #if HWY_TARGET == HWY_SCALAR
 

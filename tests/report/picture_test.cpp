@@ -6,6 +6,8 @@
 #include "report/picture.h"
 #include "report/report_support.h"
 
+#include <set>
+
 namespace mneme::internal {
 namespace {
 

@@ -6,10 +6,10 @@
 
 #include "mneme/service.h"
 
+#include "service/cpp_httplib.h"
 #include "support/support.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
