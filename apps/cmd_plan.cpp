@@ -147,15 +147,14 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   }
   Result<RateLimits> limits;
   if (options.trajectory.is_wanted()) {
-    limits = find_rate_limits(problem->robot, options.trajectory.settings,
-                              options.trajectory.limits);
+    limits =
+        find_rate_limits(problem->robot, options.trajectory.settings, options.trajectory.limits);
   }
   if (!limits) return tl::unexpected(limits.error());
   Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits),
-                    elapsed.count()};
+  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits), elapsed.count()};
 }
 
 void print_memory(const Problem& problem, const GlSampler& gl) {
@@ -187,9 +186,9 @@ void print_path(const PathMeasures& measures, const Path& path) {
   if (path.empty()) return;
   std::string clearance;
   if (measures.clearance) {
-    clearance = fmt::format(", least clearance {:.1f} mm at {} and {}",
-                            1e3 * measures.clearance->distance, measures.clearance->link,
-                            measures.clearance->obstacle);
+    clearance =
+        fmt::format(", least clearance {:.1f} mm at {} and {}", 1e3 * measures.clearance->distance,
+                    measures.clearance->link, measures.clearance->obstacle);
   }
   fmt::print("path        {} configurations, length {:.4f} (straight {:.4f}){}\n", path.size(),
              measures.length, measures.straight, printable(clearance));
@@ -213,7 +212,7 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
   fmt::print("afterwards  simplification {:.3f} ms, verification {:.3f} ms\n",
              1e3 * plan.simplification_time_s, 1e3 * plan.verification_time_s);
   if (result.improvement_time_s > 0) {
-    fmt::print("improved    {} times in {:.3f} ms\n", result.improvements.size(),
+    fmt::print("improved    {} times in {:.3f} ms\n", result.improvements.size() - 1,
                1e3 * result.improvement_time_s);
   }
   fmt::print("in all      {:.3f} ms, after {:.3f} ms of loading\n", 1e3 * result.total_time_s,
@@ -245,8 +244,7 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
   const PathMeasures measures = measure_path(loaded.problem, result.plan.path);
   if (options.is_json) {
     const auto duration_s = trajectory ? std::optional(trajectory->duration_s()) : std::nullopt;
-    fmt::print("{}\n",
-               to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));
+    fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));
   } else {
     print_result(loaded, result, measures);
     if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());
@@ -323,8 +321,8 @@ std::vector<FlagGroup> help_groups() {
         "component-growth", "max-gap", "db-memory"}},
       {"Learning",
        {"learn-budget"},
-       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range",
-        "learn-resolution", "merge-cliques"}},
+       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range", "learn-resolution",
+        "merge-cliques"}},
       {"Planner",
        {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin"},
        {"max-nodes", "verify", "resolution", "anchor", "anchor-sigma", "walk", "walk-after",

@@ -53,10 +53,11 @@ struct BenchmarkRow {
   std::string setting;   ///< the settings' name in a suite; may be empty
   std::string settings;  ///< those that are not the defaults, such as "range=3.55 similarity=3"
   double learning_time_s = 0;
-  std::string isa;      ///< instruction set of the kernels
-  std::string machine;  ///< processor, number of cores and system
-  std::string version;  ///< of mneme and of the compiler
-  std::string started;  ///< UTC, ISO 8601
+  std::string isa;                     ///< instruction set of the kernels
+  std::string machine;                 ///< processor, number of cores and system
+  std::string version;                 ///< of mneme and of the compiler
+  std::string started;                 ///< UTC, ISO 8601
+  std::vector<Improved> improvements;  ///< SolveResult::improvements
 };
 
 /// The row of one call of solve() with `settings`; its path is checked again by `checker` without

@@ -129,9 +129,9 @@ struct Remembered {
   std::string failure;  ///< why nothing could be inserted; the path is found all the same
 };
 
-/// A shorter path, found while improving.
+/// A path to be improved, or a shorter one that improving found.
 struct Improved {
-  double time_s = 0;  ///< since improving began
+  double time_s = 0;  ///< since improving began; 0 for the first path
   double path_length = 0;
 };
 
@@ -139,11 +139,13 @@ struct SolveResult {
   PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
   GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
   Remembered remembered;
-  std::vector<Improved> improvements;  ///< one after the other; the last is the plan's path
+  /// Of paths one after the other, from the one that improving began with to the plan's; empty if
+  /// it did not begin.
+  std::vector<Improved> improvements;
   std::vector<Configuration> goals;  ///< the problem's, and those that its poses were resolved to
   double goal_time_s = 0;            ///< of planning: resolving poses
-  double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< without what follows planning
+  double total_time_s = 0;           ///< solve() from call to return
+  double planning_time_s = 0;        ///< without what follows planning
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
@@ -151,10 +153,11 @@ struct SolveResult {
   Isa isa = Isa::scalar;
 };
 
-/// Resolves goals that are poses, decomposes the scene, retrieves or learns local samplers, synthesizes one sampler, plans,
-/// shortens and verifies. `database` may be null: then samplers that draw from memory draw
-/// uniformly. Errors: an unknown planner or sampler, or two that do not go together; a setting out
-/// of range; a scene that cannot be checked or decomposed; a database of another robot.
+/// Resolves goals that are poses, decomposes the scene, retrieves or learns local samplers,
+/// synthesizes one sampler, plans, shortens and verifies. `database` may be null: then samplers
+/// that draw from memory draw uniformly. Errors: an unknown planner or sampler, or two that do not
+/// go together; a setting out of range; a scene that cannot be checked or decomposed; a database of
+/// another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 

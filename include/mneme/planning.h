@@ -109,7 +109,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "seconds to look for shorter paths once there is one: plans from other seeds, several at a "
         "time, and shortens the best for longer");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
-        "most rounds of improving, of four plans each but for the first; left out, as many as the "
+        "most rounds of improving, of three plans each but for the first; left out, as many as the "
         "time allows; with a seed it makes them repeatable");
   visit("verify", s.verify, false, true,
         "check the final path; motions that fail are mended, or removed and planning goes on");

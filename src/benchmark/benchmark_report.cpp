@@ -69,6 +69,10 @@ constexpr std::string_view kHowToRead =
     "Boxes reach from the first to the third quartile, whiskers to the shortest and the longest "
     "run, dots are runs, crosses time-outs at the limit.</p>\n";
 
+constexpr std::string_view kHowLengthsFall =
+    "<p class=\"note\">Lengths are the mean of what is left of each run's first path while it is "
+    "improved, over the time since improving began, which is no planning time.</p>\n";
+
 constexpr std::string_view kHowToCompare =
     "<p class=\"note\">Ratios above 1 say that the left one is faster, on the same problems and "
     "seeds. p50, p95 and p99 are the ratios of these percentiles, mean that of the arithmetic "
@@ -166,6 +170,11 @@ class ReportWriter {
     const std::string name = fmt::format("{}_{}", index + 1, internal::file_name(panel.name));
     add_figure(name + "_times", internal::box_plot(panel, samplers_));
     add_figure(name + "_solved", internal::solved_curves(panel, samplers_));
+    const std::string lengths = internal::length_curves(panel, samplers_);
+    if (!lengths.empty()) {
+      add_figure(name + "_lengths", lengths);
+      report_.html += kHowLengthsFall;
+    }
     report_.html += internal::time_table(panel);
     const auto comparisons = internal::compare_series(panel, options_.baseline);
     if (comparisons.empty()) return;

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <utility>
@@ -41,6 +42,29 @@ std::optional<CsvRecord> read_csv_record(std::string_view text, std::size_t begi
   return std::nullopt;
 }
 
+std::string to_text(const std::vector<Improved>& improvements) {
+  std::string text;
+  for (const Improved& path : improvements) {
+    text += fmt::format("{}{}:{}", text.empty() ? "" : " ", path.time_s, path.path_length);
+  }
+  return text;
+}
+
+bool read_improvements(std::string_view text, std::vector<Improved>& improvements) {
+  improvements.clear();
+  while (!text.empty()) {
+    const std::string_view pair = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(pair.size() + 1, text.size()));
+    const std::size_t colon = pair.find(':');
+    Improved& path = improvements.emplace_back();
+    if (colon == pair.npos || !read_csv_number(pair.substr(0, colon), path.time_s) ||
+        !read_csv_number(pair.substr(colon + 1), path.path_length)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace mneme::internal
 
 namespace mneme {
@@ -51,10 +75,11 @@ constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeo
                                   PlanStatus::cancelled,       PlanStatus::invalid_start,
                                   PlanStatus::invalid_goal};
 
-/// Files of older versions end before it.
-constexpr std::string_view kFirstNewColumn = ",setting,";
+/// Files of older versions end before one of them.
+constexpr std::array<std::string_view, 2> kFirstNewColumns = {",setting,", ",improvements\n"};
 
 std::string csv_field(const std::string& text) { return internal::escape_csv(text); }
+std::string csv_field(const std::vector<Improved>& all) { return internal::to_text(all); }
 template <class T>
 std::string csv_field(T number) {
   return fmt::format("{}", number);
@@ -102,6 +127,11 @@ class RowReader {
   }
 
   void read(const char*, std::string& value) { value = next(); }
+  void read(const char* name, std::vector<Improved>& value) {
+    const std::string& text = next();
+    if (internal::read_improvements(text, value)) return;
+    note(name, "SECONDS:LENGTH pairs of numbers of 0 or more", text);
+  }
   template <class T>
   void read(const char* name, T& value) {
     const std::string& text = next();
@@ -154,9 +184,11 @@ Result<CsvRuns> parse_csv(std::string_view text, const std::string& source) {
   const auto header = internal::read_csv_record(text, 0);
   if (!header) return runs;
   const std::string columns = csv_header();
-  const std::string old_columns = columns.substr(0, columns.find(kFirstNewColumn)) + "\n";
   const std::string_view first_line = text.substr(0, header->end);
-  if (first_line != columns && first_line != old_columns) {
+  const bool is_old = std::ranges::any_of(kFirstNewColumns, [&](std::string_view column) {
+    return first_line == columns.substr(0, columns.find(column)) + "\n";
+  });
+  if (first_line != columns && !is_old) {
     return fail(ErrorCode::parse, fmt::format("{}:1: expected the columns {}", source,
                                               columns.substr(0, columns.size() - 1)));
   }

@@ -39,6 +39,7 @@ void visit_columns(Row& row, Visitor&& visit) {
   visit("machine", row.machine);
   visit("version", row.version);
   visit("started", row.started);
+  visit("improvements", row.improvements);
 }
 
 /// The fields of one line, and where the next one begins.
@@ -58,5 +59,10 @@ template <class T>
   if (error != std::errc() || stop != end || !(value >= T{0})) return false;
   return !std::floating_point<T> || value <= std::numeric_limits<T>::max();
 }
+
+/// "0:11.2 0.0012:9.8": seconds and path lengths.
+[[nodiscard]] std::string to_text(const std::vector<Improved>& improvements);
+/// False if `text` is not of that form.
+[[nodiscard]] bool read_improvements(std::string_view text, std::vector<Improved>& improvements);
 
 }  // namespace mneme::internal

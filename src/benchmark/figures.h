@@ -61,6 +61,11 @@ inline constexpr int kFigureColors = 8;
 [[nodiscard]] std::string solved_curves(const Panel& panel,
                                         const std::vector<std::string>& samplers);
 
+/// The same of the mean path length while runs improve, as a share of their first paths', on a
+/// logarithmic axis of the time since improving began. Empty if nothing was improved.
+[[nodiscard]] std::string length_curves(const Panel& panel,
+                                        const std::vector<std::string>& samplers);
+
 /// One line per series: solved/valid/total, bad paths, p50, p95, p99, max. The attribute
 /// `data-seconds` of each time has all its digits.
 [[nodiscard]] std::string time_table(const Panel& panel);

@@ -43,6 +43,10 @@ struct Sql {
 void bind(Statement& statement, int parameter, const std::string& text) {
   statement.bind(parameter, std::string_view(text));
 }
+void bind(Statement& statement, int parameter, const std::vector<Improved>& improvements) {
+  const std::string text = internal::to_text(improvements);
+  bind(statement, parameter, text);
+}
 void bind(Statement& statement, int parameter, double number) {
   statement.bind_real(parameter, number);
 }

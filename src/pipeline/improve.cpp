@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/improve.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace mneme::internal {
@@ -9,9 +11,10 @@ namespace {
 
 /// Of so many plans the shortest is shortened: which way round obstacles a path goes decides more
 /// than how long it is shortened, and a rough path tells it.
-constexpr int kPlansPerRound = 4;
-constexpr int kRoughPatience = 4;
-constexpr int kPatience = 80;
+constexpr int kPlansPerRound = 3;
+constexpr int kPatience = 160;
+/// Relative, of lengths.
+constexpr double kLengthRounding = 1e-9;
 
 class Improvement {
  public:
@@ -20,7 +23,14 @@ class Improvement {
         sampler_(sampler),
         best_(result.plan),
         curve_(result.improvements),
-        length_(path_length(query.problem.robot, result.plan.path)) {}
+        length_(path_length(query.problem.robot, result.plan.path)) {
+    curve_.push_back({0, length_});
+    shortest_length_ = std::numeric_limits<double>::infinity();
+    for (const Configuration& goal : query.ends.goals) {
+      const double straight = query.problem.robot.distance(query.ends.start, goal);
+      shortest_length_ = std::min(shortest_length_, straight * (1 + kLengthRounding));
+    }
+  }
 
   void run() {
     const std::uint64_t rounds = query_.settings.plan.improve_rounds.value_or(~std::uint64_t{0});
@@ -34,9 +44,11 @@ class Improvement {
   [[nodiscard]] double remaining_s() const {
     return query_.settings.plan.improve - stopwatch_.elapsed_s();
   }
+  /// Also if there is no shorter path.
   [[nodiscard]] bool is_over() const {
     const std::atomic<bool>* cancel = query_.settings.plan.cancel;
-    return remaining_s() <= 0 || (cancel != nullptr && cancel->load(std::memory_order_relaxed));
+    return remaining_s() <= verification_time_s_ || length_ <= shortest_length_ ||
+           (cancel != nullptr && cancel->load(std::memory_order_relaxed));
   }
   [[nodiscard]] PlanSettings settings_of(std::uint64_t task) const {
     PlanSettings settings = query_.settings.plan;
@@ -54,13 +66,14 @@ class Improvement {
       PlanSettings settings = settings_of(round * kPlansPerRound + static_cast<std::uint64_t>(i));
       settings.verify = false;
       settings.simplify = true;
-      settings.patience = kRoughPatience;
+      settings.patience = 0;
       PathFinisher finisher(query_.checker, settings.finish());
       const auto valid_states = query_.sampler.draws_valid_states ? query_.sampler.name : "";
       auto planned = query_.planner.plan(
           {query_.checker, query_.ends, sampler_, settings, finisher, valid_states});
       if (!planned || !planned->is_solved()) continue;
-      count(*planned);
+      best_.iterations += planned->iterations;
+      count({planned->states_checked, planned->motions_checked});
       const double length = path_length(query_.problem.robot, planned->path);
       if (!shortest.empty() && length >= least) continue;
       shortest = std::move(planned->path);
@@ -69,16 +82,24 @@ class Improvement {
     return shortest;
   }
 
-  /// Takes the path if it is shorter than the best one once it is shortened, and passes.
+  /// Shortens the path; takes it if it is shorter than the best one then, and passes.
   void offer(Path path, std::uint64_t round) {
-    PlanSettings settings = settings_of(round * kPlansPerRound);
-    settings.simplify = true;
-    settings.patience = std::max(kPatience, settings.patience);
-    PathFinisher finisher(query_.checker, settings.finish());
+    const PlanSettings settings = settings_of(round * kPlansPerRound);
+    ShortenEffort effort;
+    effort.patience = std::max(kPatience, settings.patience);
     CheckCounters counters;
+    shorten(query_.checker, path, settings.seed, effort, nullptr, counters,
+            [&] { return is_over(); });
+    if (path_length(query_.problem.robot, path) < length_) verify(std::move(path), counters);
+    count(counters);
+  }
+
+  void verify(Path path, CheckCounters& counters) {
+    FinishSettings settings = query_.settings.plan.finish();
+    settings.simplify = false;
+    PathFinisher finisher(query_.checker, settings);
     const int invalid = finisher(path, counters);
-    best_.states_checked += counters.states;
-    best_.motions_checked += counters.motions;
+    verification_time_s_ = std::max(verification_time_s_, finisher.verification_time_s());
     const double length = path_length(query_.problem.robot, path);
     if (invalid >= 0 || length >= length_) return;
     best_.path = std::move(path);
@@ -86,10 +107,9 @@ class Improvement {
     curve_.push_back({stopwatch_.elapsed_s(), length});
   }
 
-  void count(const PlanResult& planned) {
-    best_.iterations += planned.iterations;
-    best_.states_checked += planned.states_checked;
-    best_.motions_checked += planned.motions_checked;
+  void count(const CheckCounters& counters) {
+    best_.states_checked += counters.states;
+    best_.motions_checked += counters.motions;
   }
 
   /// Of seeds: what planners derive from theirs comes before.
@@ -100,6 +120,8 @@ class Improvement {
   PlanResult& best_;
   std::vector<Improved>& curve_;
   double length_;
+  double shortest_length_ = 0;      ///< that any path can have
+  double verification_time_s_ = 0;  ///< the longest: so much is left for the next one
   Stopwatch stopwatch_;
 };
 

@@ -152,6 +152,16 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("Where paths were improved there is a figure of their lengths, and a sentence on it") {
+    auto rows = test::suite_rows();
+    CHECK(make_benchmark_report(rows, {}, {}).html.find("Lengths are") == std::string::npos);
+    rows[0].improvements = {{0, 10}, {0.001, 5}};
+    const BenchmarkReport report = make_benchmark_report(rows, {}, {});
+    REQUIRE(report.figures.size() == 3);
+    CHECK(report.figures[2].name == "1_scenario_lengths");
+    CHECK(report.html.find("Lengths are") != std::string::npos);
+  }
+
   TEST_CASE("A page has figures and rows for every problem, and the pictures with captions") {
     const std::string html = illustrated_page();
     CHECK(pieces(html, "<table class=\"times\">", "</table>").size() == 2);

@@ -158,6 +158,33 @@ TEST_SUITE("unit") {
     const test::SvgReader svg(solved_curves(make_panels(rows, false)[0], {"gl"}));
     CHECK(svg.count("", "polyline") == 0);
   }
+
+  TEST_CASE("Mean lengths fall at each improvement by its share of the run's first path") {
+    std::vector<BenchmarkRow> rows = {test::run(1), test::run(1), test::run(1),
+                                      test::run(9, false)};
+    rows[0].improvements = {{0, 10}, {0.001, 5}};
+    rows[1].improvements = {{0, 4}, {0.002, 3}, {0.1, 2}};
+    rows[3].improvements = {{0, 4}, {0.0001, 1}};
+    const test::SvgReader svg(length_curves(make_panels(rows, false)[0], {"gl"}));
+    const auto curves = svg.find("color-0", "polyline");
+    REQUIRE(curves.size() == 1);
+    const auto points = points_of(curves[0]);
+    REQUIRE(points.size() == 8);
+    // From 100 % to 75, 62.5 and 50 %: two runs, whatever others do that were not improved.
+    const double fall = points.back().y - points.front().y;
+    CHECK(points[2].y - points[0].y == doctest::Approx(fall / 2).epsilon(0.01));
+    CHECK(points[4].y - points[0].y == doctest::Approx(fall * 3 / 4).epsilon(0.01));
+    CHECK(points[7].x >= points[6].x);
+    CHECK(std::string(svg.find("", "title")[0]->GetText()) ==
+          "rrt_connect, gl: 2 runs, 50.0 % of the first length at the end");
+  }
+
+  TEST_CASE("Where nothing was improved there are no curves of lengths") {
+    std::vector<BenchmarkRow> rows = {test::run(1), test::run(1)};
+    CHECK(length_curves(make_panels(rows, false)[0], {"gl"}).empty());
+    rows[0].improvements = {{0, 10}};
+    CHECK(length_curves(make_panels(rows, false)[0], {"gl"}).empty());
+  }
 }
 
 bool has(const std::string& text, const std::string& part) {

@@ -45,7 +45,10 @@ TEST_SUITE("law") {
   TEST_CASE("the curve of improvements falls and ends at the path that comes back") {
     const Problem problem = planar_problem("threaded_b0");
     const SolveResult result = improved(problem, 6, "rrt_connect");
-    REQUIRE_FALSE(result.improvements.empty());
+    REQUIRE(result.improvements.size() > 1);
+    CHECK(result.improvements.front().time_s == 0);
+    CHECK(result.improvements.front().path_length ==
+          path_length(problem.robot, improved(problem, 0).plan.path));
     for (std::size_t i = 1; i < result.improvements.size(); ++i) {
       CHECK(result.improvements[i].path_length < result.improvements[i - 1].path_length);
       CHECK(result.improvements[i].time_s >= result.improvements[i - 1].time_s);
@@ -66,13 +69,22 @@ TEST_SUITE("unit") {
     CHECK(result.improvement_time_s == 0);
   }
 
+  TEST_CASE("improving ends at once if the path is straight") {
+    Problem problem = planar_problem("threaded_b0");
+    problem.scene.obstacles.clear();
+    const SolveResult result = improved(problem, 3);
+    CHECK(result.plan.path.size() == 2);
+    CHECK(result.improvements.size() == 1);
+    CHECK(result.plan.states_checked == improved(problem, 0).plan.states_checked);
+  }
+
   TEST_CASE("improving ends when its time is up") {
     SolveSettings settings;
     settings.plan.improve = 1e-9;
     const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
     REQUIRE(result.has_value());
     CHECK(result->plan.is_solved());
-    CHECK(result->improvements.size() <= 1);
+    CHECK(result->improvements.size() <= 2);
     settings.plan.improve = -1;
     CHECK(solve(planar_problem("threaded_b0"), nullptr, settings).error().code ==
           ErrorCode::invalid);
