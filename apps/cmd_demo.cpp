@@ -5,6 +5,7 @@
 /// memory.
 #include "mneme/benchmark.h"
 #include "mneme/learning.h"
+#include "mneme/report.h"
 
 #include "bench_output.h"
 #include "commands.h"
@@ -117,6 +118,24 @@ BenchPlan make_plan(const DemoOptions& options, const std::vector<Problem>& prob
   return plan;
 }
 
+/// The page of a plan that was made before, as DIRECTORY/PROBLEM.html: it is planned again.
+Result<std::string> write_page(const DemoOptions& options, const Problem& problem,
+                               Database& database, const SolveSettings& settings) {
+  PlanRecorder recorder;
+  SolveSettings watched = settings;
+  watched.plan.observer = &recorder;
+  const std::string name = problem.name + ".html";
+  return solve(problem, &database, watched)
+      .and_then([&](const SolveResult& result) {
+        return make_trace(problem, result, &recorder, 0);
+      })
+      .and_then([&](const PlanTrace& trace) { return to_page(to_json(trace), name); })
+      .and_then([&](const std::string& page) {
+        return write_file(options.out + "/" + name, page);
+      })
+      .map([&] { return name; });
+}
+
 Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
   PlanarPicture picture;
   picture.problem = &problem;
@@ -128,7 +147,7 @@ Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
     caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples", problem.name,
                           1e3 * result->planning_time_s, result->plan.iterations);
   }
-  return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg}; });
+  return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg, ""}; });
 }
 
 /// The rows of each case on each problem together, in the order of the plan.
@@ -143,7 +162,18 @@ void sort_by_case(std::vector<BenchmarkRow>& rows) {
   std::ranges::stable_sort(rows, {}, position);
 }
 
-Result<DemoResults> run_plan(BenchPlan& plan) {
+/// The settings of a run of the plan.
+SolveSettings settings_of(const BenchPlan& plan, const BenchmarkRow& row) {
+  const auto base = std::ranges::find_if(plan.cases, [&](const BenchCase& c) {
+    return c.settings.planner == row.planner && c.settings.sampler == row.sampler;
+  });
+  SolveSettings settings = base->settings;
+  settings.plan.seed = row.seed;
+  settings.plan.cancel = interrupt_flag();
+  return settings;
+}
+
+Result<DemoResults> run_plan(BenchPlan& plan, const DemoOptions& options, Database& database) {
   DemoResults results;
   std::map<std::string, ReportPicture> pictures;
   Progress progress("planning");
@@ -157,9 +187,13 @@ Result<DemoResults> run_plan(BenchPlan& plan) {
     if (!is_shown) return {};
     const auto problem = std::ranges::find(plan.problems, row.problem,
                                            [](const LoadedProblem& p) { return p.problem.name; });
-    return draw(problem->problem, &result).map([&](ReportPicture picture) {
-      pictures[row.problem] = std::move(picture);
-    });
+    auto picture = draw(problem->problem, &result);
+    if (!picture) return tl::unexpected(picture.error());
+    auto page = write_page(options, problem->problem, database, settings_of(plan, row));
+    if (!page) return tl::unexpected(page.error());
+    picture->page = *std::move(page);
+    pictures[row.problem] = *std::move(picture);
+    return {};
   };
   const Result<bool> is_complete = run_bench(plan, {}, take);
   if (!is_complete) return tl::unexpected(is_complete.error());
@@ -233,7 +267,7 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   if (!memory) return tl::unexpected(memory.error());
   if (memory->summary.is_cancelled) return ExitCode::interrupted;
   BenchPlan plan = make_plan(options, *problems, memory->database);
-  const Result<DemoResults> results = run_plan(plan);
+  const Result<DemoResults> results = run_plan(plan, options, *memory->database);
   if (!results) return tl::unexpected(results.error());
   if (results->is_interrupted) return ExitCode::interrupted;
 

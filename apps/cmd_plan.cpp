@@ -324,7 +324,7 @@ std::vector<FlagGroup> help_groups() {
        {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range", "learn-resolution",
         "merge-cliques"}},
       {"Planner",
-       {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin"},
+       {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin", "threads"},
        {"max-nodes", "verify", "resolution", "anchor", "anchor-sigma", "walk", "walk-after",
         "neighbours", "goal-bias", "ompl-defaults", "isa"}},
       {"Output", {"view", "svg", "trace", "json"}, {}},

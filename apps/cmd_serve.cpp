@@ -102,6 +102,8 @@ void add_limits(CLI::App& command, ServeOptions& options) {
   add_number(command, "--longest-plan", service.longest_plan_s, 0.001, 1e6,
              "most seconds that a request may set as its time limit");
   add_number(command, "--most-obstacles", service.obstacles, 1, 10000000, "in a scene");
+  add_number(command, "--most-points", service.points, 1, 1000000000,
+             "points, triangles and cubes of a scene");
   add_number(command, "--most-scenes", service.scenes, 0, 1000000, "that are kept for clients");
   add_number(command, "--most-nodes", service.nodes, 1, ~std::uint64_t{0},
              "of a plan, which bounds memory");

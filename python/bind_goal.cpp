@@ -120,6 +120,8 @@ void bind_goal(py::module_& module) {
       .def_property_readonly("quat_xyzw", &to_quaternion, "Shape (4,).")
       .def_readonly("cone", &PoseGoal::cone)
       .def_readonly("turn", &PoseGoal::turn)
+      .def("to_json", [](const PoseGoal& self) { return to_json(self); },
+           "Text of the goal as JSON files and requests spell it.")
       .def("__repr__", &describe);
   module.def(
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),

@@ -162,6 +162,12 @@ void bind_problem(py::module_& module) {
           py::arg("robot"),
           "Text of a problem file with the scene inside; robot is written as "
           "given: a name or the path of a URDF.")
+      .def(
+          "to_compact_json",
+          [](const SharedProblem& self, const std::string& robot) {
+            return to_compact_json(self.get(), robot);
+          },
+          py::arg("robot"), "The same as text of a compact file, which is JSON.")
       .def("__repr__", [](const SharedProblem& self) {
         return fmt::format("<mneme.Problem '{}', robot '{}', {} obstacles>", self.rest().name,
                            self.rest().robot.name(), self.scene()->obstacles.size());

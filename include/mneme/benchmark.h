@@ -365,6 +365,7 @@ struct SeriesRatio {
 struct ReportPicture {
   std::string caption;
   std::string svg;
+  std::string page = {};  ///< that opens when it is clicked, relative to the report; empty: none
 };
 struct ReportOptions {
   std::string title = "mneme benchmark";

@@ -41,6 +41,7 @@ struct SolveSettings {
   std::optional<int> remember_after;
   std::optional<double> resolution;
   double margin = 0;
+  int threads = 1;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
   LearnSettings learn;
@@ -91,6 +92,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit(
       "margin", s.margin, 0.0, 10.0,
       "metres that the robot keeps away from obstacles, start and goal included; not from itself");
+  visit("threads", s.threads, 1, 64,
+        "searches at once, from seeds of their own: the one with the fewest iterations wins, so "
+        "that the path depends on their number, but not on timing; not with OMPL's planners");
 }
 
 /// What a problem asks of memory, which is of the robot without what it carries. Refers to it.

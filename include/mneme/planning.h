@@ -166,6 +166,14 @@ struct PlanResult {
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query);
 
+/// Ends a search that another one has beaten. Asked by the thread that plans.
+class SearchLimit {
+ public:
+  virtual ~SearchLimit() = default;
+  /// False if a search that has begun so many iterations must end before the next one.
+  [[nodiscard]] virtual bool may_go_on(std::uint64_t iterations) = 0;
+};
+
 /// One call of a planner. Refers to all of it.
 struct PlanTask {
   const CollisionChecker& checker;
@@ -177,6 +185,8 @@ struct PlanTask {
   std::string_view valid_states = {};
   /// Goals besides those of the query, which a long search takes as they come; null: none.
   GoalSource* further_goals = nullptr;
+  /// Null: none but those of the settings. Planners that do not ask go on to their own end.
+  SearchLimit* limit = nullptr;
 };
 
 /// A planner never throws; allocation of memory counts in its times. Errors: what it needs besides

@@ -81,6 +81,11 @@ struct ProblemOptions {
 /// Text of a compact file with this scene and without start and goal: extract_scene reads it back
 /// to the same.
 [[nodiscard]] std::string to_compact_json(const FramedScene& scene);
+/// Text of a compact file with this problem, which load_problem reads back to the same; `robot` is
+/// written as given.
+[[nodiscard]] std::string to_compact_json(const Problem& problem, const std::string& robot);
+/// The goal as JSON files and requests spell it.
+[[nodiscard]] std::string to_json(const PoseGoal& goal);
 
 /// Names of the problems in a compact file, in order; those without a name have their index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);

@@ -31,6 +31,7 @@ struct ServiceSettings {
   double idle_timeout_s = 60;   ///< until a connection without requests is closed
   std::size_t body_bytes = std::size_t{16} << 20;  ///< longest body of a request
   int obstacles = 10000;        ///< most in a scene
+  int points = 1000000;         ///< most points, triangles and cubes of a scene
   int scenes = 100;             ///< most that are kept
   int traces = 32;              ///< the last plans whose traces are kept
   std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory

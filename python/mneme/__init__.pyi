@@ -146,6 +146,7 @@ class PoseGoal:
     def cone(self) -> float: ...
     @property
     def turn(self) -> float: ...
+    def to_json(self) -> str: ...
 
 def inverse_kinematics(
     robot: Robot,
@@ -204,6 +205,7 @@ class Problem:
     def with_goal(self, goal: npt.ArrayLike) -> Problem: ...
     def with_scene(self, scene: Scene) -> Problem: ...
     def to_yaml(self, robot: str) -> str: ...
+    def to_compact_json(self, robot: str) -> str: ...
 
 class CollisionChecker:
     def __init__(
@@ -458,13 +460,23 @@ class Client:
         problem: Optional[Problem] = None,
         *,
         scene: Union[Scene, str, None] = None,
-        start: Optional[npt.ArrayLike] = None,
-        goals: Optional[npt.ArrayLike] = None,
+        start: Union[npt.ArrayLike, str, dict[str, float], None] = None,
+        goals: Union[npt.ArrayLike, PoseGoal, Sequence[Any], None] = None,
+        attached: Optional[Sequence[dict[str, Any]]] = None,
         trace: bool = False,
         clearance: bool = False,
         remember: bool = True,
         **settings: Any,
     ) -> RemotePlan: ...
+    def inverse_kinematics(
+        self,
+        goals: Union[PoseGoal, Sequence[PoseGoal]],
+        *,
+        near: Optional[npt.ArrayLike] = None,
+        scene: Union[Scene, str, None] = None,
+        margin: float = 0.0,
+        **settings: Any,
+    ) -> Floats: ...
     def check(
         self, configurations: npt.ArrayLike, scene: Union[Scene, str, None] = None, margin: float = 0.0
     ) -> list[dict[str, Any]]: ...
@@ -476,6 +488,7 @@ class Client:
     ) -> list[str]: ...
     def delete_scene(self, id: str) -> None: ...
     def health(self) -> dict[str, Any]: ...
+    def ask(self, method: str, path: str, body: Optional[dict[str, Any]] = None) -> Any: ...
 
 def plan(
     problem: Problem,

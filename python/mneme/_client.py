@@ -9,7 +9,7 @@ import urllib.parse
 
 import numpy as np
 
-from ._mneme import Error
+from ._mneme import Error, PoseGoal
 
 
 class Busy(Exception):
@@ -68,7 +68,7 @@ class RemotePlan:
         """The plan as geometry, JSON that `mneme view` shows; of a plan with trace=True."""
         if "id" not in self._answer:
             raise ValueError("this plan was not asked for a trace: plan(..., trace=True)")
-        return json.dumps(self._client._ask("GET", f"/v1/plans/{self._answer['id']}/trace"))
+        return json.dumps(self._client.ask("GET", f"/v1/plans/{self._answer['id']}/trace"))
 
     def __repr__(self):
         return (f"<mneme.RemotePlan {self.status}, {len(self.path)} configurations, "
@@ -81,10 +81,32 @@ for _name in ("status", "path_length", "total_time_s", "planning_time_s", "retri
     setattr(RemotePlan, _name, property(lambda self, name=_name: self._answer[name]))
 
 
+_SCENE_KEYS = ("circles", "obstacles", "allow")
+
+
 def _scene_keys(scene):
     """A Scene as the keys of a request."""
     compact = json.loads(scene.to_compact_json())["problems"][0]
-    return {key: compact[key] for key in ("circles", "obstacles") if key in compact}
+    return {key: compact[key] for key in _SCENE_KEYS if key in compact}
+
+
+def _configuration(q):
+    """As JSON: values of all joints, by name, or the name of a state."""
+    return q if isinstance(q, (str, dict)) else np.asarray(q, dtype=float).tolist()
+
+
+def _goals(goals):
+    """As a list for JSON: configurations and PoseGoals, one or several."""
+    if isinstance(goals, (PoseGoal, str, dict)):
+        goals = [goals]
+    if not any(isinstance(goal, (PoseGoal, str, dict)) for goal in goals):
+        return np.atleast_2d(np.asarray(goals, dtype=float)).tolist()
+    return [json.loads(goal.to_json()) if isinstance(goal, PoseGoal) else _configuration(goal) for goal in goals]
+
+
+def _settings(settings):
+    """By the names that they have in requests."""
+    return {name.rstrip("_").replace("_", "-"): _plain(value) for name, value in settings.items() if value is not None}
 
 
 def _plain(value):
@@ -124,54 +146,66 @@ class Client:
     def __exit__(self, *_):
         self.close()
 
-    def plan(self, problem=None, *, scene=None, start=None, goals=None, trace=False, clearance=False,
-             remember=True, **settings):
+    def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, trace=False,
+             clearance=False, remember=True, **settings):
         """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
 
-        settings: those of mneme.plan(), by the same names.
+        goals: configurations and PoseGoals. attached: a list of what the robot carries, as problem files spell it
+        in JSON; that of a problem is its robot's. settings: those of mneme.plan(), by the same names.
         """
-        body = {}
-        if problem is not None:
-            start = problem.start if start is None else start
-            goals = problem.goals if goals is None else goals
-            scene = problem.scene if scene is None else scene
-            body["name"] = problem.name
-        if start is None or goals is None:
+        if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
-        body["start"] = np.asarray(start, dtype=float).tolist()
-        body["goals"] = np.atleast_2d(np.asarray(goals, dtype=float)).tolist()
-        body.update(self._place(scene))
-        given = {name.rstrip("_").replace("_", "-"): _plain(value)
-                 for name, value in settings.items() if value is not None}
-        body.update(settings=given, trace=trace, clearance=clearance, remember=remember)
-        return RemotePlan(self._ask("POST", "/v1/plan", body), self)
+        body = {} if problem is None else json.loads(problem.to_compact_json(""))["problems"][0]
+        if scene is not None:
+            body = {key: body[key] for key in body if key not in _SCENE_KEYS}
+            body.update(self._place(scene))
+        if start is not None:
+            body["start"] = _configuration(start)
+        if goals is not None:
+            body["goals"] = _goals(goals)
+        if attached is not None:
+            body["attached"] = list(attached)
+        body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
+        return RemotePlan(self.ask("POST", "/v1/plan", body), self)
+
+    def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
+        """Free configurations that reach any of the PoseGoals, nearest to `near` (zeros) first.
+
+        Shape (k, joint_count); none if k is 0. settings: `seed` and those of mneme.inverse_kinematics().
+        """
+        body = {"goals": _goals(goals), "margin": float(margin), "settings": _settings(settings),
+                **self._place(scene)}
+        if near is not None:
+            body["near"] = _configuration(near)
+        found = [solution["q"] for solution in self.ask("POST", "/v1/ik", body)["solutions"]]
+        return np.array(found, dtype=float) if found else np.empty((0, 0))
 
     def check(self, configurations, scene=None, margin=0.0):
         """A dict per configuration: "valid", and if it is not, "contacts" or a "message"."""
         body = {"configurations": np.atleast_2d(np.asarray(configurations, dtype=float)).tolist(),
                 "margin": float(margin), **self._place(scene)}
-        return self._ask("POST", "/v1/check", body)["states"]
+        return self.ask("POST", "/v1/check", body)["states"]
 
     def put_scene(self, id, scene, frame=None):
         """Uploads a Scene (or a dict of the keys of a compact file); returns the names of its obstacles."""
         body = dict(scene) if isinstance(scene, dict) else _scene_keys(scene)
         if frame is not None:
             body["frame"] = frame
-        return self._ask("PUT", self._scene_path(id), body)["obstacles"]
+        return self.ask("PUT", self._scene_path(id), body)["obstacles"]
 
     def edit_scene(self, id, remove=(), scene=None):
         """Removes obstacles by name, then adds those of `scene`, in the place of others of the same names."""
         body = {"remove": list(remove)}
         if scene is not None:
             body.update(dict(scene) if isinstance(scene, dict) else _scene_keys(scene))
-        return self._ask("PATCH", self._scene_path(id), body)["obstacles"]
+        return self.ask("PATCH", self._scene_path(id), body)["obstacles"]
 
     def delete_scene(self, id):
-        self._ask("DELETE", self._scene_path(id))
+        self.ask("DELETE", self._scene_path(id))
 
     def health(self):
         """A dict with "status", "robot", "joints" and "memory"."""
-        return self._ask("GET", "/healthz")
+        return self.ask("GET", "/healthz")
 
     @staticmethod
     def _scene_path(id):
@@ -183,7 +217,8 @@ class Client:
             return {}
         return {"scene": scene} if isinstance(scene, str) else _scene_keys(scene)
 
-    def _ask(self, method, path, body=None):
+    def ask(self, method, path, body=None):
+        """The answer, parsed, to any request that docs/schema/service.openapi.json describes."""
         deadline = time.monotonic() + self._patience_s
         while True:
             response, answer = self._exchange(method, path, body)

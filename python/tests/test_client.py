@@ -81,3 +81,50 @@ def test_what_is_wrong_is_said(client, problem):
         mneme.Client("127.0.0.1:1")
     hopeless = client.plan(problem, max_iterations=1)
     assert not hopeless.is_solved and hopeless.message and len(hopeless.path) == 0
+
+
+def test_inverse_kinematics_is_that_of_this_process(client, problem):
+    robot = problem.robot
+    goal = mneme.PoseGoal("link_8", [9, 3, 0], position_tolerance=[0.1, 0.1, 0])
+    remote = client.inverse_kinematics(goal, near=problem.start, scene=problem.scene, seed=4, ik_solutions=3)
+    local = mneme.inverse_kinematics(robot, [goal], near=problem.start, scene=problem.scene, seed=4, ik_solutions=3)
+    assert len(local) >= 3 and np.array_equal(remote, local)
+    assert client.inverse_kinematics([mneme.PoseGoal("link_8", [90, 0, 0])]).size == 0
+
+
+def test_goals_may_be_poses(client, problem):
+    goal = mneme.PoseGoal("link_8", [9, 3, 0], position_tolerance=0.5)
+    remote = client.plan(start=problem.start, goals=[goal], scene=problem.scene, seed=3)
+    posed = mneme.Problem(problem.robot, problem.scene, problem.start, pose_goals=[goal])
+    assert np.array_equal(remote.path, mneme.plan(posed, seed=3, sampler="uniform").path)
+    assert np.array_equal(remote.path, client.plan(posed, seed=3).path)
+    assert client.plan(problem, goals=[goal, problem.goals[0]]).is_solved
+
+
+def test_what_the_robot_carries_goes_along(client, problem):
+    rod = mneme.Scene()
+    rod.add_sphere("rod", [1, 0, 0], 0.3)
+    carrying = mneme.Problem(problem.robot.attach("link_8", rod), problem.scene, problem.start, problem.goals)
+    settings = {"seed": 2, "sampler": "uniform", "max_iterations": 1000000, "timeout": 50}
+    local = mneme.plan(carrying, **settings)
+    remote = client.plan(carrying, **settings)
+    assert remote.status == local.status and np.array_equal(remote.path, local.path)
+    named = [{"name": "rod", "link": "link_8", "type": "sphere", "p": [1, 0, 0], "radius": 0.3}]
+    assert client.plan(problem, attached=named, **settings).status == local.status
+
+
+def test_points_travel_as_numbers(client):
+    cloud = mneme.Scene()
+    cloud.add_points("cloud", [[4, 0.1, 0], [4, -0.1, 0]], radius=0.15)
+    stretched, turned = client.check([[0] * 8, [1.5] + [0] * 7], cloud)
+    assert not stretched["valid"] and stretched["contacts"][0]["other"] == "cloud" and turned["valid"]
+
+
+def test_threads_of_a_plan_are_those_of_this_process(client, problem):
+    settings = {"seed": 6, "threads": 2, "sampler": "uniform", "max_iterations": 100000}
+    try:
+        remote = client.plan(problem, **settings)
+    except mneme.Error as refused:
+        assert os.cpu_count() == 1 and "all threads" in str(refused)
+        return
+    assert np.array_equal(remote.path, mneme.plan(problem, **settings).path)

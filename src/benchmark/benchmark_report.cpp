@@ -46,7 +46,7 @@ tbody tr:last-child td { border-bottom: 0; }
 .pictures { display: grid; gap: 20px;
   grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
 figure { margin: 0; }
-figure > svg { display: block; width: 100%; height: auto; }
+figure svg { display: block; width: 100%; height: auto; }
 figcaption { padding-top: 10px; }
 .wide { white-space: normal; overflow-wrap: anywhere; }
 .figure { margin: 0 0 20px; }
@@ -72,6 +72,11 @@ constexpr std::string_view kHowToRead =
 constexpr std::string_view kHowLengthsFall =
     "<p class=\"note\">Lengths are the mean of what is left of each run's first path while it is "
     "improved, over the time since improving began, which is no planning time.</p>\n";
+
+constexpr std::string_view kHowToReadDifficulty =
+    "<p class=\"note\">A dot is a problem and a planner: how hard the problem is without, across, and "
+    "what it takes with, up. Below the line it is faster; open dots have medians that are runs without "
+    "a path, at their limit.</p>\n";
 
 constexpr std::string_view kHowToCompare =
     "<p class=\"note\">Ratios above 1 say that the left one is faster, on the same problems and "
@@ -130,8 +135,12 @@ std::string introduction(const ReportOptions& options) {
   if (options.pictures.empty()) return html;
   html += "<h2>Pictures</h2>\n<div class=\"pictures\">\n";
   for (const ReportPicture& picture : options.pictures) {
-    html += fmt::format("<figure class=\"card\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
-                        picture.svg, escape_markup(picture.caption));
+    const std::string svg = picture.page.empty()
+                                ? picture.svg
+                                : fmt::format("<a href=\"{}\" title=\"Open the plan\">\n{}</a>\n",
+                                              escape_markup(picture.page), picture.svg);
+    html += fmt::format("<figure class=\"card\">\n{}<figcaption>{}</figcaption>\n</figure>\n", svg,
+                        escape_markup(picture.caption));
   }
   return html + "</div>\n<h2>Runs</h2>\n";
 }
@@ -148,6 +157,7 @@ class ReportWriter {
   BenchmarkReport write(std::span<const MemoryRow> memories) {
     std::string& html = report_.html;
     html = summary_line(rows_) + std::string(kHowToRead);
+    if (options_.by_problem) write_difficulty();
     if (panels_.size() > 1) html += contents();
     for (std::size_t i = 0; i < panels_.size(); ++i) write_panel(panels_[i], i);
     if (!memories.empty()) html += "<h2>Memories</h2>\n" + internal::memory_table(memories);
@@ -163,6 +173,18 @@ class ReportWriter {
       html += fmt::format("<a href=\"#panel-{}\">{}</a>", i, escape_markup(panels_[i].name));
     }
     return html + "</nav>\n";
+  }
+
+  /// One figure for each sampler that is compared.
+  void write_difficulty() {
+    for (const std::string& sampler : samplers_) {
+      if (sampler == options_.baseline) continue;
+      const std::string svg = internal::difficulty_figure(panels_, options_.baseline, sampler);
+      if (svg.empty()) continue;
+      report_.html += fmt::format("<h2>{} against difficulty</h2>\n", escape_markup(sampler));
+      add_figure("difficulty_" + internal::file_name(sampler), svg);
+      report_.html += kHowToReadDifficulty;
+    }
   }
 
   void write_panel(const Panel& panel, std::size_t index) {

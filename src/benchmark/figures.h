@@ -66,6 +66,14 @@ inline constexpr int kFigureColors = 8;
 [[nodiscard]] std::string length_curves(const Panel& panel,
                                         const std::vector<std::string>& samplers);
 
+/// An SVG figure: one dot per planner and panel, at its median planning time with `baseline` across
+/// and with `sampler` up, both logarithmic; below the diagonal `sampler` is faster. Medians of runs
+/// without a path stand at their limit, as open dots. Colours tell planners. Empty if no planner ran
+/// with both.
+[[nodiscard]] std::string difficulty_figure(const std::vector<Panel>& panels,
+                                            const std::string& baseline,
+                                            const std::string& sampler);
+
 /// One line per series: solved/valid/total, bad paths, p50, p95, p99, max. The attribute
 /// `data-seconds` of each time has all its digits.
 [[nodiscard]] std::string time_table(const Panel& panel);

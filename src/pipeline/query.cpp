@@ -87,7 +87,14 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
                           kind.name, kind.no_learning_on_a_miss));
 }
 
-Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler) {
+Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler,
+                            const SolveSettings& settings) {
+  if (settings.threads > 1 && planner.is_exclusive) {
+    return fail(ErrorCode::invalid,
+                fmt::format("setting 'threads': planner '{}' searches alone in a process, expected "
+                            "1, got {}",
+                            planner.name, settings.threads));
+  }
   if (planner.draws_valid_states || !sampler.draws_valid_states) return {};
   return fail(ErrorCode::invalid,
               fmt::format("sampler '{}' is for planners that draw valid states, such as ompl:PRM, "
@@ -125,7 +132,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   if (!sampler) return tl::unexpected(sampler.error());
   const auto planner = find_planner(settings.planner);
   if (!planner) return tl::unexpected(planner.error());
-  if (auto checked = check_together(**planner, **sampler); !checked) {
+  if (auto checked = check_together(**planner, **sampler, settings); !checked) {
     return tl::unexpected(checked.error());
   }
   auto request = make_memory_request(

@@ -78,12 +78,25 @@ std::shared_ptr<const Sampler> Recollection::mixed() const {
 }
 
 void Recollection::ask(const Source& source) {
+  marks_.push_back({source.after, gl_.primitives.size(), gl_.mixture});
   auto sampler = source.ask();
   if (!sampler) {
     failure_ = sampler.error();
   } else if (*sampler != nullptr) {
     samplers_.emplace_back(source.lambda, *std::move(sampler));
   }
+}
+
+GlSampler Recollection::take(std::uint64_t draws) {
+  const auto too_late = std::ranges::find_if(marks_, [&](const Mark& mark) {
+    return mark.after > 0 && static_cast<std::uint64_t>(mark.after) >= draws;
+  });
+  if (too_late != marks_.end()) {
+    gl_.primitives.erase(gl_.primitives.begin() + static_cast<std::ptrdiff_t>(too_late->primitives),
+                         gl_.primitives.end());
+    gl_.mixture = too_late->mixture;
+  }
+  return std::move(gl_);
 }
 
 std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind,

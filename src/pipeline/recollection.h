@@ -6,7 +6,9 @@
 
 #include "pipeline/query.h"
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -46,13 +48,21 @@ class Recollection {
 
   /// Why memory could not be asked, until now.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
-  [[nodiscard]] GlSampler take() { return std::move(gl_); }
+  /// What was found for a stream that has drawn so often: other streams may have asked for more.
+  [[nodiscard]] GlSampler take(
+      std::uint64_t draws = std::numeric_limits<std::uint64_t>::max());
 
  private:
   [[nodiscard]] std::shared_ptr<const Sampler> draw(std::vector<Source> sources);
   /// What a planner draws from after so many samples.
   [[nodiscard]] std::shared_ptr<const Sampler> drawn_after(int samples);
   [[nodiscard]] std::shared_ptr<const Sampler> mixed() const;
+  /// How much was known before a source was asked.
+  struct Mark {
+    int after = 0;
+    std::size_t primitives = 0;
+    std::shared_ptr<const GaussianMixture> mixture;
+  };
   void ask(const Source& source);
   /// Adds the components to what was found, and samples them as the kind says; null if there are
   /// none.
@@ -67,6 +77,7 @@ class Recollection {
   std::vector<std::pair<double, std::shared_ptr<const Sampler>>> samplers_;  ///< with lambda
   std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;       ///< by `after`
   GlSampler gl_;
+  std::vector<Mark> marks_;  ///< of the sources that were asked
   std::optional<Error> failure_;
 };
 

@@ -8,6 +8,7 @@
 #include "pipeline/improve.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/query.h"
+#include "pipeline/race.h"
 #include "pipeline/recollection.h"
 #include "pipeline/resolved_goals.h"
 
@@ -47,7 +48,7 @@ Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings&
 }
 
 /// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
-Result<void> plan(const Query& query, GoalSource* further_goals, SolveResult& result) {
+Result<void> plan(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
   const Stopwatch stopwatch;
   internal::Recollection recollection(query, recall);
   const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
@@ -56,17 +57,13 @@ Result<void> plan(const Query& query, GoalSource* further_goals, SolveResult& re
 
   PlanSettings settings = query.settings.plan;
   settings.timeout_s = std::max(0.0, settings.timeout_s - query.stopwatch.elapsed_s());
-  PathFinisher shorten_and_verify(query.checker, settings.finish());
-  const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
-  auto planned = query.planner.plan(
-      {query.checker, query.ends, *sampler, settings, shorten_and_verify, valid_states,
-       further_goals});
-  if (!planned) return tl::unexpected(planned.error());
+  auto raced = internal::race({query, *sampler, settings, further_goals});
+  if (!raced) return tl::unexpected(raced.error());
   if (recollection.failure()) return tl::unexpected(*recollection.failure());
-  result.plan = *std::move(planned);
+  result.plan = std::move(raced->plan);
   result.plan.planning_time_s += recall_time_s;
   improve(query, *sampler, result);
-  result.gl = recollection.take();
+  result.gl = recollection.take(raced->draws);
   return {};
 }
 

@@ -41,7 +41,8 @@ PlannerRun::PlannerRun(const PlanTask& task)
                                                  : kFirstDomainRadius * kFirstDomainRadius),
       further_goals_(task.further_goals),
       work_per_clock_check_(work_per_clock_check(checker_.scene())),
-      stream_(task.sampler.start(settings_.seed)) {
+      stream_(task.sampler.start(settings_.seed)),
+      limit_(task.limit) {
   const Robot& robot = checker_.robot();
   start_ = to_floats(robot.normalized(query_.start));
   for (const Configuration& goal : query_.goals) add_goal(goal);
@@ -77,6 +78,11 @@ int PlannerRun::begin_iterations(int most) {
     }
   }
   if (must_stop()) return 0;
+  if (limit_ != nullptr && !limit_->may_go_on(result_.iterations)) {
+    refuse(PlanStatus::cancelled, "another search was first");
+    is_stopped_ = true;
+    return 0;
+  }
   result_.iterations += count;
   return static_cast<int>(count);
 }

@@ -132,6 +132,7 @@ class PlannerRun {
   std::uint64_t next_goals_ = kGoalPeriod;  ///< in iterations
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
+  SearchLimit* limit_;
   CheckCounters counters_;
   PlanResult result_;
   bool is_stopped_ = false;

@@ -68,6 +68,7 @@ class AttachedReader {
   }
 
   void read_into(const Input& input, const ObstacleSpelling& spelling, AttachedObject& object) {
+    refuse_file(input, spelling);
     const Input type = input.at("type");
     if (type.is_text() && type.text() == "mesh") {
       object.meshes.push_back(read_mesh(input, spelling));

@@ -241,6 +241,13 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
   AllowedContacts contacts(robot.robot, attached, scene);
   read_allowed(input.problem, contacts);
   if (!contacts.link_pairs().empty()) {
+    if (robot.path.empty()) {
+      input.problem.at("allow").fail(
+          ErrorCode::unsupported,
+          fmt::format("expected pairs with an obstacle or an attached object: which links of {} "
+                      "may touch was said when it was loaded",
+                      robot.robot.name()));
+    }
     ProblemOptions allowing = options;
     allowing.robot.allowed_pairs.insert(allowing.robot.allowed_pairs.end(),
                                         contacts.link_pairs().begin(), contacts.link_pairs().end());

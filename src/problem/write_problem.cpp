@@ -19,16 +19,24 @@
 namespace mneme {
 namespace {
 
+/// Those that are not planned for and stand elsewhere than at 0.
+std::vector<Joint> fixed_joints(const Robot& robot) {
+  std::vector<Joint> fixed;
+  for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
+    const Joint& joint = robot.joints()[internal::as_index(i)];
+    const bool is_planned = std::ranges::count(robot.group(), i) > 0;
+    if (!is_planned && !joint.mimic && joint.fixed_value != 0.0) fixed.push_back(joint);
+  }
+  return fixed;
+}
+
 /// The keys `joints` and `fixed_joints`. The robot's SRDF may name other joints, or several groups.
 std::string describe_group(const Robot& robot) {
   std::vector<std::string> planned, fixed;
   for (int i = 0; i < robot.joint_count(); ++i) {
     planned.push_back(internal::yaml_string(robot.group_joint(i).name));
   }
-  for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
-    const Joint& joint = robot.joints()[internal::as_index(i)];
-    const bool is_planned = std::ranges::count(robot.group(), i) > 0;
-    if (is_planned || joint.mimic || joint.fixed_value == 0.0) continue;
+  for (const Joint& joint : fixed_joints(robot)) {
     fixed.push_back(fmt::format("{}: {}", internal::yaml_string(joint.name),
                                 internal::yaml_number(joint.fixed_value)));
   }
@@ -112,28 +120,100 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-}  // namespace
+Json json_of(const Shape& shape) {
+  Json json = {{"type", shape_name(shape)}};
+  for (const internal::ShapeField& field :
+       internal::shape_fields(shape, internal::kCompactSpelling)) {
+    json[std::string(field.key)] = field.is_list ? Json(field.values) : Json(field.values[0]);
+  }
+  return json;
+}
 
-std::string to_compact_json(const FramedScene& framed) {
+Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json_of(const MeshFile& mesh) {
+  const Eigen::Quaterniond q(mesh.pose.rotation);
+  return {{"type", "mesh"},
+          {"file", mesh.path},
+          {"scale", json_of(mesh.scale)},
+          {"p", json_of(mesh.pose.translation)},
+          {"q", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+Json json_of(const AttachedObject& object) {
+  Json shapes = Json::array();
+  for (const Shape& shape : object.shapes) shapes.push_back(json_of(shape));
+  for (const MeshFile& mesh : object.meshes) shapes.push_back(json_of(mesh));
+  return {{"name", object.name},
+          {"link", object.link},
+          {"touch", object.may_touch},
+          {"shapes", std::move(shapes)}};
+}
+
+Json angle_json(double angle) { return angle >= std::numbers::pi ? Json("free") : Json(angle); }
+
+Json json_of(const PoseGoal& goal) {
+  const Eigen::Quaterniond q(goal.pose.rotation);
+  return {{"link", goal.link},
+          {"position", json_of(goal.pose.translation)},
+          {"quat_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+          {"position_tolerance", json_of(goal.position_tolerance)},
+          {"axis", std::string(1, "xyz"[static_cast<int>(goal.axis)])},
+          {"cone", angle_json(goal.cone)},
+          {"turn", angle_json(goal.turn)}};
+}
+
+/// The keys of a problem that say where obstacles are.
+Json json_of(const Scene& scene) {
   Json obstacles = Json::array(), allow = Json::array();
-  for (const Obstacle& obstacle : framed.scene.obstacles) {
+  for (const Obstacle& obstacle : scene.obstacles) {
     for (const Shape& shape : obstacle.shapes) {
-      Json json = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name},
-                   {"type", shape_name(shape)}};
-      for (const internal::ShapeField& field :
-           internal::shape_fields(shape, internal::kCompactSpelling)) {
-        json[std::string(field.key)] = field.is_list ? Json(field.values) : Json(field.values[0]);
-      }
+      Json json = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name}};
+      json.update(json_of(shape));
       obstacles.push_back(std::move(json));
     }
     for (const std::string& link : obstacle.may_touch) allow.push_back({link, obstacle.name});
   }
-  Json file = Json::object();
-  if (!framed.frame.empty()) file["frame"] = framed.frame;
-  Json problem = {{"name", framed.scene.name}, {"obstacles", std::move(obstacles)}};
-  if (!allow.empty()) problem["allow"] = std::move(allow);
+  Json json = {{"obstacles", std::move(obstacles)}};
+  if (!allow.empty()) json["allow"] = std::move(allow);
+  return json;
+}
+
+std::string text_of(Json file, Json problem) {
   file["problems"] = Json::array({std::move(problem)});
   return file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string to_json(const PoseGoal& goal) {
+  return json_of(goal).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string to_compact_json(const FramedScene& framed) {
+  Json file = Json::object();
+  if (!framed.frame.empty()) file["frame"] = framed.frame;
+  Json problem = {{"name", framed.scene.name}};
+  problem.update(json_of(framed.scene));
+  return text_of(std::move(file), std::move(problem));
+}
+
+std::string to_compact_json(const Problem& problem, const std::string& robot) {
+  const Robot& model = problem.robot;
+  Json file = {{"robot", robot}};
+  for (int i = 0; i < model.joint_count(); ++i) file["joints"].push_back(model.group_joint(i).name);
+  for (const Joint& joint : fixed_joints(model)) {
+    file["fixed_joints"][joint.name] = joint.fixed_value;
+  }
+  Json json = {{"name", problem.name}};
+  json.update(json_of(problem.scene));
+  for (const CoveredObject& covered : model.attached()) {
+    json["attached"].push_back(json_of(covered.object));
+  }
+  json["start"] = problem.start;
+  json["goals"] = problem.goals;
+  for (const PoseGoal& goal : problem.pose_goals) json["goals"].push_back(json_of(goal));
+  return text_of(std::move(file), std::move(json));
 }
 
 }  // namespace mneme

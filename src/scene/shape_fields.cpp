@@ -22,6 +22,7 @@ class ShapeReader {
       : input_(input), spelling_(spelling), warnings_(warnings) {}
 
   Shape read() const {
+    refuse_file(input_, spelling_);
     const Input type = input_.at("type");
     return read_one_of(type, type.is_text() ? type.text() : "");
   }
@@ -172,6 +173,13 @@ class DescribeFields {
 };
 
 }  // namespace
+
+void refuse_file(const Input& input, const ObstacleSpelling& spelling) {
+  const auto file = spelling.may_name_files ? std::nullopt : input.find("file");
+  if (!file) return;
+  file->fail(ErrorCode::invalid,
+             "expected numbers, as points, triangles or cubes: no files are read for a request");
+}
 
 Vec3 read_point(const Input& input) {
   const std::vector<double> p = input.finite_numbers(3, "x, y, z in metres");

@@ -26,9 +26,15 @@ struct ObstacleSpelling {
   bool is_scalar_first = false;     ///< order of the quaternion
   bool writes_no_rotation = false;  ///< as a quaternion, instead of leaving it out
   std::span<const std::string_view> naming = kObstacleNaming;  ///< keys besides those of the shape
+  bool may_name_files = true;  ///< of points, meshes and octrees
 };
 inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false, false};
 inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
+/// Of those who may not have files read.
+inline constexpr ObstacleSpelling kRequestSpelling{"p", "q", true, true, kObstacleNaming, false};
+
+/// Throws InputFailure if the shape of `input` is in a file and may not be.
+void refuse_file(const Input& input, const ObstacleSpelling& spelling);
 
 /// Three finite numbers. Throws InputFailure.
 [[nodiscard]] Vec3 read_point(const Input& input);

@@ -132,7 +132,8 @@ Answer Endpoints::plan(const std::string& body, int socket) {
   Result<PlanRequest> request = read_plan_request(body, context());
   if (!request) return refusal(request.error());
   const ClientWatch::Watched client(watch_, socket);
-  std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  std::optional<PlanQueue::Turn> turn =
+      queue_.wait_for_turn(client.is_cancelled(), request->settings.threads);
   if (!turn) return no_turn(client.is_cancelled());
 
   request->settings.plan.cancel = &client.is_cancelled();
@@ -157,6 +158,28 @@ Answer Endpoints::plan(const std::string& body, int socket) {
     json["id"] = keep_trace({std::move(request->problem), result, std::move(recorder)});
   }
   return answer(json);
+}
+
+Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
+  const Result<IkRequest> request = read_ik_request(body, context());
+  if (!request) return refusal(request.error());
+  const Problem& problem = request->problem;
+  const auto checker =
+      CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request->margin});
+  if (!checker) return refusal(checker.error());
+  auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start,
+                                     request->settings, kVerificationMargin);
+  if (!source) return refusal(source.error());
+  const ClientWatch::Watched client(watch_, socket);
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  if (!turn) return no_turn(client.is_cancelled());
+  Json solutions = Json::array();
+  for (const Configuration& q : source->more()) {
+    solutions.push_back({{"q", q}, {"distance", problem.robot.distance(problem.start, q)}});
+  }
+  Json message;
+  if (solutions.empty()) message = source->describe_failure();
+  return answer({{"solutions", std::move(solutions)}, {"message", std::move(message)}});
 }
 
 Answer Endpoints::check(const std::string& body, int socket) {

@@ -40,6 +40,7 @@ class Endpoints {
 
   /// `socket` is that of the client, who may go away.
   [[nodiscard]] Answer plan(const std::string& body, int socket);
+  [[nodiscard]] Answer inverse_kinematics(const std::string& body, int socket);
   [[nodiscard]] Answer check(const std::string& body, int socket);
   [[nodiscard]] Answer put_scene(const std::string& id, const std::string& body);
   [[nodiscard]] Answer patch_scene(const std::string& id, const std::string& body);

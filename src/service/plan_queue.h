@@ -19,30 +19,38 @@ class PlanQueue {
   PlanQueue(const PlanQueue&) = delete;
   PlanQueue& operator=(const PlanQueue&) = delete;
 
-  /// One of the threads, until it is destroyed.
+  /// Some of the threads, until it is destroyed.
   class Turn {
    public:
-    explicit Turn(PlanQueue& queue) : queue_(&queue) {}
-    Turn(Turn&& other) noexcept : queue_(other.queue_) { other.queue_ = nullptr; }
+    Turn(PlanQueue& queue, int threads) : queue_(&queue), threads_(threads) {}
+    Turn(Turn&& other) noexcept : queue_(other.queue_), threads_(other.threads_) {
+      other.queue_ = nullptr;
+    }
     Turn& operator=(Turn&&) = delete;
     ~Turn() {
-      if (queue_ != nullptr) queue_->give_back();
+      if (queue_ != nullptr) queue_->give_back(threads_);
     }
 
    private:
     PlanQueue* queue_;
+    int threads_;
   };
 
-  /// Waits in line. Nothing if the line is full, or once `is_cancelled`.
-  [[nodiscard]] std::optional<Turn> wait_for_turn(const std::atomic<bool>& is_cancelled);
+  /// Waits in line for so many threads, at most all there are. Nothing if the line is full, or once
+  /// `is_cancelled`.
+  [[nodiscard]] std::optional<Turn> wait_for_turn(const std::atomic<bool>& is_cancelled,
+                                                  int threads = 1);
   [[nodiscard]] int waiting() const;
 
  private:
   struct Waiter {
-    std::condition_variable wake;
+    int threads = 1;
+    std::condition_variable wake = {};
     bool has_turn = false;
   };
-  void give_back();
+  void give_back(int threads);
+  /// Gives turns to those who are first in line, as far as threads are free. Under the lock.
+  void serve();
 
   mutable std::mutex mutex_;
   std::deque<Waiter*> line_;

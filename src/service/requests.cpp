@@ -4,8 +4,10 @@
 
 #include "pipeline/settings_input.h"
 #include "problem/compact_file.h"
+#include "problem/goals.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
+#include "scene/shape_fields.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +18,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostConfigurations = 100000;
+/// Inverse kinematics is not interrupted: this many take a second at most.
+constexpr int kMostIkSeeds = 100000;
 
 const std::string kSource = "request";
 
@@ -55,12 +59,30 @@ void check_robot(const Input& input, const Robot& robot) {
   }
 }
 
+/// Points, triangles or cubes of a shape.
+struct CountParts {
+  template <class Part>
+  std::size_t operator()(const Crowd<Part>& crowd) const {
+    return crowd.parts->list().size();
+  }
+  std::size_t operator()(const auto&) const { return 0; }
+};
+
 void check_count(const Input& input, const Scene& scene, const RequestContext& context) {
-  std::size_t shapes = 0;
-  for (const Obstacle& obstacle : scene.obstacles) shapes += obstacle.shapes.size();
-  if (shapes <= static_cast<std::size_t>(context.limits.obstacles)) return;
-  input.fail(ErrorCode::invalid, fmt::format("expected at most {} obstacles, got {}",
-                                             context.limits.obstacles, shapes));
+  std::size_t shapes = 0, parts = 0;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    shapes += obstacle.shapes.size();
+    for (const Shape& shape : obstacle.shapes) parts += std::visit(CountParts(), shape);
+  }
+  if (shapes > static_cast<std::size_t>(context.limits.obstacles)) {
+    input.fail(ErrorCode::invalid, fmt::format("expected at most {} obstacles, got {}",
+                                               context.limits.obstacles, shapes));
+  }
+  if (parts > static_cast<std::size_t>(context.limits.points)) {
+    input.fail(ErrorCode::invalid,
+               fmt::format("expected at most {} points, triangles and cubes, got {}",
+                           context.limits.points, parts));
+  }
 }
 
 /// The obstacles of the keys `circles` and `obstacles`, in the frame that `input` names.
@@ -69,7 +91,7 @@ Scene read_framed_scene(const Input& input, const std::string& name,
   SceneBuilder builder;
   if (const auto circles = input.find("circles")) read_circles(*circles, builder);
   if (const auto obstacles = input.find("obstacles")) {
-    read_obstacles(*obstacles, kCompactSpelling, builder);
+    read_obstacles(*obstacles, kRequestSpelling, builder);
   }
   Scene scene = builder.take(name);
   check_count(input, scene, context);
@@ -83,6 +105,20 @@ Scene find_scene(const Input& id, const RequestContext& context) {
             fmt::format("there is no scene \"{}\"; PUT /v1/scenes/ID makes one", id.text()));
   }
   return *scene;
+}
+
+/// The key `allow`, pairs of a link and an obstacle.
+Scene with_allowed(const Input& input, Scene scene) {
+  if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, scene);
+  return scene;
+}
+
+double read_margin(const Input& input) {
+  const auto margin = input.find("margin");
+  if (!margin) return 0;
+  const double metres = margin->finite_number();
+  if (metres < 0) margin->fail_expecting("metres, 0 or more");
+  return metres;
 }
 
 /// Of a request that may name a scene or hold one. Obstacles stay in the frame that it names.
@@ -125,12 +161,30 @@ void read_names(const Input& input, SolveSettings& settings) {
   }
 }
 
+void check_seeds(const Input& input, const IkSettings& settings) {
+  if (settings.seeds <= kMostIkSeeds) return;
+  input.at("ik-seeds")
+      .fail(ErrorCode::invalid,
+            fmt::format("expected at most {}, the limit of this service", kMostIkSeeds));
+}
+
 void check_limits(const Input& input, const SolveSettings& settings,
                   const ServiceSettings& limits) {
   if (settings.plan.timeout_s > limits.longest_plan_s) {
     input.at("timeout").fail(ErrorCode::invalid,
                              fmt::format("expected at most {}, the limit of this service",
                                          limits.longest_plan_s));
+  }
+  if (settings.plan.improve > limits.longest_plan_s) {
+    input.at("improve").fail(ErrorCode::invalid,
+                             fmt::format("expected at most {}, the limit of this service",
+                                         limits.longest_plan_s));
+  }
+  check_seeds(input, settings.ik);
+  if (settings.threads > limits.threads) {
+    input.at("threads").fail(ErrorCode::invalid,
+                             fmt::format("expected at most {}, all threads of this service",
+                                         limits.threads));
   }
   if (settings.plan.max_nodes > limits.nodes) {
     input.at("max-nodes")
@@ -153,39 +207,89 @@ SolveSettings read_settings(const Input& request, const RequestContext& context)
   return settings;
 }
 
-PlanRequest read_plan(const Input& input, const RequestContext& context) {
-  input.allow_keys({"name", "index", "robot", "joints", "links", "joint_limits", "frame", "scene",
-                    "obstacles", "circles", "start", "goal", "goals", "settings", "clearance",
-                    "trace", "remember"});
+/// A problem of the service's robot, of the keys that compact files have.
+Problem read_problem_of_request(const Input& input, const ProblemOptions& options,
+                                const RequestContext& context) {
   check_robot(input, context.robot);
+  const auto attached = input.find("attached");
+  if (attached && std::ssize(attached->items()) > context.limits.obstacles) {
+    attached->fail(ErrorCode::invalid,
+                   fmt::format("expected at most {} objects", context.limits.obstacles));
+  }
   const auto named = input.find("name");
   const std::string name = named ? named->text() : kSource;
-  PlanRequest request{
-      read_problem_of({"", context.robot, {}},
-                      {input, input, name, "", read_scene_of_request(input, name, context)}),
-      read_settings(input, context)};
+  return read_problem_of({"", context.robot, {}},
+                         {input, input, name, "", read_scene_of_request(input, name, context),
+                          kRequestSpelling},
+                         options);
+}
+
+PlanRequest read_plan(const Input& input, const RequestContext& context) {
+  input.allow_keys({"name", "index", "robot", "joints", "links", "joint_limits", "frame", "scene",
+                    "obstacles", "circles", "attached", "allow", "start", "goal", "goals",
+                    "settings", "clearance", "trace", "remember"});
+  PlanRequest request{read_problem_of_request(input, {}, context), read_settings(input, context)};
   request.wants_clearance = read_switch(input, "clearance", false);
   request.wants_trace = read_switch(input, "trace", false);
   request.may_remember = read_switch(input, "remember", true);
   return request;
 }
 
+/// Where inverse kinematics begins.
+Configuration read_near(const Input& input, const Robot& robot) {
+  const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
+  const auto near = input.find("near");
+  if (!near) return robot.normalized(zero);
+  Configuration q = read_configuration(*near, robot);
+  if (const auto violation = robot.describe_violation(q, "near")) {
+    near->fail(ErrorCode::invalid, *violation);
+  }
+  return q;
+}
+
+IkRequest read_ik(const Input& input, const RequestContext& context) {
+  input.allow_keys({"name", "robot", "joints", "frame", "scene", "obstacles", "circles", "attached",
+                    "allow", "near", "goal", "goals", "margin", "settings"});
+  ProblemOptions options;
+  options.start = read_near(input, context.robot);
+  IkRequest request{read_problem_of_request(input, options, context), {}};
+  if (!request.problem.goals.empty()) {
+    const auto goals = input.find("goals");
+    (goals ? *goals : input.at("goal"))
+        .fail_expecting("poses of links: maps with the keys link and position");
+  }
+  request.margin = read_margin(input);
+  const auto settings = input.find("settings");
+  if (!settings) return request;
+  std::vector<std::string_view> names = {"seed"};
+  visit_settings(request.settings, [&](const char* name, const auto&, auto, auto,
+                                       std::string_view) { names.push_back(name); });
+  settings->allow_keys(names);
+  const SettingsReader read(*settings);
+  visit_settings(request.settings, read);
+  read("seed", request.settings.seed, 0, ~std::uint64_t{0}, "");
+  check_seeds(*settings, request.settings);
+  return request;
+}
+
 CheckRequest read_check(const Input& input, const RequestContext& context) {
   input.allow_keys(
-      {"robot", "joints", "frame", "scene", "obstacles", "circles", "configurations", "margin"});
+      {"robot", "joints", "frame", "scene", "obstacles", "circles", "allow", "configurations",
+       "margin"});
   check_robot(input, context.robot);
   CheckRequest request;
   request.scene = read_scene_of_request(input, kSource, context);
   if (!input.find("scene")) {
     request.scene = moved(read_frame(input, context.robot), std::move(request.scene));
   }
+  request.scene = with_allowed(input, std::move(request.scene));
   const Input configurations = input.at("configurations");
   for (const Input& q : configurations.items()) request.configurations.push_back(q.numbers());
   if (request.configurations.size() > kMostConfigurations) {
     configurations.fail(ErrorCode::invalid,
                         fmt::format("expected at most {} configurations", kMostConfigurations));
   }
-  if (const auto margin = input.find("margin")) request.margin = margin->finite_number();
+  request.margin = read_margin(input);
   return request;
 }
 
@@ -216,6 +320,10 @@ Result<PlanRequest> read_plan_request(std::string_view body, const RequestContex
   return read_body(body, [&](const Input& input) { return read_plan(input, context); });
 }
 
+Result<IkRequest> read_ik_request(std::string_view body, const RequestContext& context) {
+  return read_body(body, [&](const Input& input) { return read_ik(input, context); });
+}
+
 Result<CheckRequest> read_check_request(std::string_view body, const RequestContext& context) {
   return read_body(body, [&](const Input& input) { return read_check(input, context); });
 }
@@ -223,15 +331,16 @@ Result<CheckRequest> read_check_request(std::string_view body, const RequestCont
 Result<Scene> read_scene_request(std::string_view body, const std::string& id,
                                  const RequestContext& context) {
   return read_body(body, [&](const Input& input) {
-    input.allow_keys({"frame", "obstacles", "circles"});
-    return moved(read_frame(input, context.robot), read_framed_scene(input, id, context));
+    input.allow_keys({"frame", "obstacles", "circles", "allow"});
+    Scene scene = moved(read_frame(input, context.robot), read_framed_scene(input, id, context));
+    return with_allowed(input, std::move(scene));
   });
 }
 
 Result<Scene> edit_scene(std::string_view body, const Scene& scene,
                          const RequestContext& context) {
   return read_body(body, [&](const Input& input) {
-    input.allow_keys({"frame", "remove", "obstacles", "circles"});
+    input.allow_keys({"frame", "remove", "obstacles", "circles", "allow"});
     Scene edited = scene;
     if (const auto names = input.find("remove")) {
       for (const Input& name : names->items()) remove_obstacle(name, edited);
@@ -240,7 +349,7 @@ Result<Scene> edit_scene(std::string_view body, const Scene& scene,
                         read_framed_scene(input, scene.name, context));
     for (Obstacle& obstacle : added.obstacles) set_obstacle(std::move(obstacle), edited);
     check_count(input, edited, context);
-    return edited;
+    return with_allowed(input, std::move(edited));
   });
 }
 

@@ -20,7 +20,7 @@ namespace mneme::internal {
 struct RequestContext {
   const Robot& robot;
   const SceneStore& scenes;
-  const ServiceSettings& limits;
+  const ServiceSettings& limits;  ///< with `threads` above 0
   bool has_memory = false;
 };
 
@@ -43,6 +43,14 @@ struct CheckRequest {
 };
 [[nodiscard]] Result<CheckRequest> read_check_request(std::string_view body,
                                                       const RequestContext& context);
+
+struct IkRequest {
+  Problem problem;  ///< its goals are poses, its start is where the search begins
+  IkSettings settings;
+  double margin = 0;
+};
+[[nodiscard]] Result<IkRequest> read_ik_request(std::string_view body,
+                                                const RequestContext& context);
 
 /// A scene that is to be kept under the name `id`.
 [[nodiscard]] Result<Scene> read_scene_request(std::string_view body, const std::string& id,

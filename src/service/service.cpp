@@ -135,6 +135,9 @@ class Service::State {
     server_.Post("/v1/plan", timed("/v1/plan", [this](const Request& request) {
                    return endpoints_.plan(request.body, socket());
                  }));
+    server_.Post("/v1/ik", timed("/v1/ik", [this](const Request& request) {
+                   return endpoints_.inverse_kinematics(request.body, socket());
+                 }));
     server_.Post("/v1/check", timed("/v1/check", [this](const Request& request) {
                    return endpoints_.check(request.body, socket());
                  }));

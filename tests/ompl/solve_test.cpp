@@ -35,6 +35,9 @@ TEST_SUITE("unit") {
     SolveSettings settings = settings_for("RRTConnect");
     settings.lambda = 2;
     check_refused(settings, "'lambda'");
+    settings = settings_for("RRTConnect");
+    settings.threads = 2;
+    check_refused(settings, "'threads'");
   }
 
   TEST_CASE("a start in contact is a status") {

@@ -286,6 +286,48 @@ TEST_SUITE("unit") {
     CHECK(std::get<Capsule>(read->scene.obstacles[2].shapes.at(0)).b == Vec3(0, 1, 0));
   }
 
+  TEST_CASE("a problem that is written as compact JSON reads back, with all that it says") {
+    const TemporaryDirectory directory;
+    const auto urdf = find_robot("panda");
+    REQUIRE(urdf.has_value());
+    ProblemOptions options;
+    options.robot.fixed_values["panda_finger_joint1"] = 0.02;
+    auto loaded = load_robot(*urdf, options.robot);
+    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+    const auto robot = attach(
+        *loaded, {{"rod", "panda_hand", {Box{kPose, {0.1, 0.2, 0.3}}}, {}, {"panda_link7"}}});
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    const auto joints = static_cast<std::size_t>(robot->joint_count());
+    Scene scene = strange_scene().scene;
+    scene.obstacles[0].may_touch = {"panda_hand", "rod"};
+    PoseGoal goal{"panda_hand", kPose, {0.1, 0.2, 0}, Axis::y, 0.5, kPi};
+    const Problem problem{"p 1", *robot, *urdf,  scene, Configuration(joints, 0.1),
+                          {Configuration(joints, -0.2)}, {}, {goal}};
+    write_file(directory / "p.json", to_compact_json(problem, *urdf));
+    const auto read = load_problem(directory / "p.json");
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    CHECK(read->name == "p 1");
+    CHECK(read->start == problem.start);
+    CHECK(read->goals == problem.goals);
+    CHECK(read->robot.hash() == robot->hash());
+    CHECK(read->scene.obstacles.size() == 2);
+    CHECK(read->scene.obstacles[0].may_touch == scene.obstacles[0].may_touch);
+    REQUIRE(read->robot.attached().size() == 1);
+    const AttachedObject& rod = read->robot.attached()[0].object;
+    CHECK(rod.link == "panda_hand");
+    CHECK(rod.may_touch == std::vector<std::string>{"panda_link7"});
+    CHECK((std::get<Box>(rod.shapes.at(0)).pose.rotation - kPose.rotation).norm() < 1e-12);
+    REQUIRE(read->pose_goals.size() == 1);
+    const PoseGoal& same = read->pose_goals[0];
+    CHECK(same.link == goal.link);
+    CHECK((same.pose.rotation - goal.pose.rotation).norm() < 1e-12);
+    CHECK(same.pose.translation == goal.pose.translation);
+    CHECK(same.position_tolerance == goal.position_tolerance);
+    CHECK(same.axis == Axis::y);
+    CHECK(same.cone == 0.5);
+    CHECK(same.turn == kPi);
+  }
+
   TEST_CASE("a scene in the root link's frame names no frame") {
     CHECK(to_compact_json({{"s", {}}, ""}) ==
           "{\n \"problems\": [\n  {\n   \"name\": \"s\",\n   \"obstacles\": []\n  }\n ]\n}\n");

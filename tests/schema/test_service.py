@@ -6,6 +6,7 @@ import json
 import re
 import signal
 import subprocess
+import threading
 
 import pytest
 
@@ -108,6 +109,36 @@ def test_scenes_are_as_documented(service):
     service.ask("GET", "/v1/scenes/cell", status=404)
 
 
+POSE = {"link": "link_8", "position": [9, 3, 0], "position_tolerance": [0.5, 0.5, 0]}
+
+
+def test_goals_that_are_poses_are_as_documented(service):
+    scene = {"circles": question()["circles"]}
+    near = {f"joint_{i}": 0.1 for i in range(1, 9)}
+    found = service.ask("POST", "/v1/ik", {**scene, "goal": POSE, "near": near, "margin": 0.01,
+                                           "settings": {"seed": 2, "ik-solutions": 3}})
+    assert found["solutions"] and found["message"] is None
+    far = service.ask("POST", "/v1/ik", {"goals": [{**POSE, "position": [90, 0, 0]}]})
+    assert not far["solutions"] and "out of reach" in far["message"]
+    start = question()["start"]
+    for goals in ({"goal": POSE}, {"goals": [POSE, question()["goal"]]}):
+        assert service.ask("POST", "/v1/plan", {**scene, "start": start, **goals})["solved"]
+
+
+def test_all_shapes_are_taken_as_numbers(service):
+    at = {"p": [20, 0, 0]}
+    obstacles = [{"name": "a", "type": "sphere", **at, "radius": 1}, {"name": "b", "type": "box", **at, "size": [1, 1, 1]},
+                 {"name": "c", "type": "points", "radius": 0.1, "points": [20, 0, 0, 20, 1, 0], "scale": 2},
+                 {"name": "d", "type": "mesh", "triangles": [20, 0, 0, 20, 1, 0, 20, 0, 1]},
+                 {"body": "e", "type": "octree", "cubes": [20, 0, 0, 0.5]}]
+    assert service.ask("PUT", "/v1/scenes/shapes", {"obstacles": obstacles})["obstacles"] == list("abcde")
+    rod = {"name": "rod", "link": "link_8", "touch": [], "shapes": [{"type": "sphere", **at, "radius": 0.1}]}
+    body = {"scene": "shapes", "start": [0] * 8, "goal": [0.1] * 8, "attached": [rod], "allow": [["rod", "a"]]}
+    assert service.ask("POST", "/v1/plan", body)["status"] == "invalid_start"  # it touches the others
+    service.ask("POST", "/v1/check", {"scene": "shapes", "allow": [["link_8", "a"]], "configurations": [[0] * 8]})
+    service.ask("DELETE", "/v1/scenes/shapes")
+
+
 def test_checks_health_and_metrics_are_as_documented(service):
     states = service.ask("POST", "/v1/check", {"circles": [[4, 0, 1]], "configurations": [[0] * 8, [1] * 8, [0]]})
     assert [state["valid"] for state in states["states"]] == [False, True, False]
@@ -120,6 +151,14 @@ def test_checks_health_and_metrics_are_as_documented(service):
     ("/v1/plan", {"gaol": 1}), ("/v1/plan", {"clearance": "yes"}), ("/v1/plan", {"circles": [[1, 2]]}),
     ("/v1/plan", {"settings": {"lambda": 2}}), ("/v1/plan", {"settings": {"remember-after": 1}}),
     ("/v1/plan", {"settings": {"lamda": 1}}), ("/v1/plan", {"obstacles": [{"name": "a", "type": "cone"}]}),
+    ("/v1/plan", {"settings": {"threads": 0}}), ("/v1/plan", {"attached": [{"name": "a"}]}),
+    ("/v1/plan", {"attached": [{"name": "a", "link": "link_8", "type": "mesh", "file": "/etc/passwd"}]}),
+    ("/v1/plan", {"obstacles": [{"name": "a", "type": "mesh", "file": "package://a/b.stl"}]}),
+    ("/v1/plan", {"obstacles": [{"name": "a", "type": "points", "radius": 1, "points": [1, 2]}]}),
+    ("/v1/ik", {}), ("/v1/ik", {"goal": [0] * 8}), ("/v1/ik", {"goal": POSE, "start": [0] * 8}),
+    ("/v1/ik", {"goal": {**POSE, "position_tolerance": -1}}), ("/v1/ik", {"goal": POSE, "margin": -1}),
+    ("/v1/ik", {"goal": POSE, "settings": {"lambda": 0.5}}), ("/v1/ik", {"goal": POSE, "settings": {"ik-seeds": 0}}),
+    ("/v1/ik", {"goal": POSE, "obstacles": [{"name": "a", "type": "points", "radius": 1, "file": "../a.ply"}]}),
     ("/v1/check", {"configurations": 1}), ("/v1/check", {"configurations": [[0] * 8], "gaol": 1})])
 def test_what_is_not_documented_is_refused(service, path, change):
     body = {**question(), **change} if path == "/v1/plan" else change
@@ -127,16 +166,37 @@ def test_what_is_not_documented_is_refused(service, path, change):
 
 
 def test_what_was_answered_as_remembered_survives_a_killed_service(tmp_path):
+    """Killed while clients plan, several times with one memory: their answers are all that they know of it."""
     memory = tmp_path / "memory.db"
-    killed = Service("--db", memory, "--remember-after", 0)
-    rows = sum(killed.ask("POST", "/v1/plan", {**question(), "settings": {"seed": seed, "kind": "paths"}})["remembered"]
-               for seed in range(5))
-    killed.process.kill()
-    killed.process.wait(timeout=60)
-    assert rows > 0
-    left = Service("--db", memory)
-    assert left.ask("GET", "/healthz")["memory"]["rows"] == rows
-    left.stop()
+    answered = 0
+    for round_number in range(3):
+        killed = Service("--db", memory, "--remember-after", 0)
+        heard = []
+
+        def plan(number):
+            for seed in range(1000):
+                settings = {"seed": 1000 * number + seed, "kind": "paths", "sampler": "uniform", "timeout": 50}
+                try:
+                    heard.append(killed.ask("POST", "/v1/plan", {**question(), "settings": settings})["remembered"])
+                except (OSError, http.client.HTTPException):
+                    return  # it was killed
+
+        clients = [threading.Thread(target=plan, args=(3 * round_number + number,)) for number in range(3)]
+        for client in clients:
+            client.start()
+        while len(heard) < 5:
+            pass
+        killed.process.kill()
+        for client in clients:
+            client.join()
+        killed.process.wait(timeout=60)
+        answered += sum(heard)
+        left = Service("--db", memory)
+        rows = left.ask("GET", "/healthz")["memory"]["rows"]
+        assert rows >= answered > 0, (rows, answered)
+        answered = rows  # with what was kept and not heard of
+        left.stop()
+    assert b"" == subprocess.run([PROGRAM, "db", "verify", memory], capture_output=True, timeout=60, check=True).stderr
 
 
 def test_two_services_share_one_memory(tmp_path):

@@ -41,6 +41,11 @@ TEST_SUITE("flow") {
     refused(with("settings", {{"planner", "RRTConnect"}}), "did you mean 'rrt_connect'?");
     refused(with("settings", {{"timeout", 1e5}}), "expected at most 60");
     refused(with("settings", {{"max-nodes", 1e9}}), "expected at most 1000000");
+    refused(with("settings", {{"improve", 1e5}}), "expected at most 60");
+    refused(with("settings", {{"ik-seeds", 1e8}}), "expected at most 100000");
+    refused(with("settings", {{"threads", 64}}), "all threads of this service");
+    refused(with("goal", {{"link", "moon"}, {"position", {1, 0, 0}}}), "expected either goal or");
+    refused(with("attached", {{{"name", "a"}, {"link", "moon"}}}), "expected a link of robot");
     refused(with("settings", {{"remember-after", 1}}), "unknown key");
     refused(with("circles", {{1, 2}}), "x, y, radius");
     refused(with("trace", 1), "key trace");
@@ -49,6 +54,24 @@ TEST_SUITE("flow") {
                   "request:");
     check_refused(post(*client, "/v1/check", {{"configurations", {"a"}}}), 400,
                   "key configurations");
+    const auto ik_refused = [&](Json body, const std::string& part) {
+      body["circles"] = question().value("circles", Json::array());
+      check_refused(post(*client, "/v1/ik", body), 400, part);
+    };
+    const Json pose = {{"link", "link_8"}, {"position", {1, 0, 0}}};
+    ik_refused({{"near", {0}}}, "expected");
+    ik_refused(Json::object(), "key goal");
+    ik_refused({{"goal", std::vector<double>(8, 0.0)}}, "expected poses of links");
+    ik_refused({{"goals", {pose, std::vector<double>(8, 0.0)}}}, "expected poses of links");
+    ik_refused({{"goal", {{"link", "moon"}, {"position", {1, 0, 0}}}}}, "expected a link of robot");
+    ik_refused({{"goal", pose}, {"near", {0}}}, "near");
+    ik_refused({{"goal", pose}, {"margin", -1}}, "0 or more");
+    ik_refused({{"goal", pose}, {"settings", {{"lambda", 0.5}}}}, "key lambda");
+    ik_refused({{"goal", pose}, {"settings", {{"seed", -1}}}}, "expected a whole number");
+    ik_refused({{"goal", pose}, {"settings", {{"ik-seeds", 1e6}}}}, "expected at most 100000");
+    ik_refused({{"goal", pose}, {"start", {0}}}, "key start");
+    check_refused(post(*client, "/v1/check", {{"configurations", Json::array()}, {"margin", -1}}),
+                  400, "0 or more");
     // Start and goal that are in contact are an answer, not a refusal.
     const Reply reply = post(*client, "/v1/plan", with("start", {0.0}));
     CHECK(reply.status == 200);

@@ -7,12 +7,12 @@
 #include "mneme/service.h"
 
 #include "service/cpp_httplib.h"
+#include "support/planar_circles.h"
 #include "support/support.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,18 +33,12 @@ inline Json question(const std::string& name = "scenario1") {
   return body;
 }
 
-/// Circles around the base leave the first link two windows, and no way from one to the other: it is
-/// planned until somebody ends it.
+/// There is no way: it is planned until somebody ends it.
 inline Json endless_question() {
-  Json circles = Json::array();
-  for (int i = 0; i < 24; ++i) {
-    const double angle = 2 * kPi * i / 24;
-    const bool is_window = i == 0 || i == 6;
-    if (!is_window) circles.push_back({0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1});
-  }
+  const Json file = Json::parse(to_compact_json({ring_with_two_windows(), ""}));
   std::vector<double> start(8, 0.0), goal(8, 0.0);
   goal[0] = kPi / 2;
-  return {{"circles", circles},
+  return {{"obstacles", file["problems"][0]["obstacles"]},
           {"start", start},
           {"goal", goal},
           {"settings", {{"planner", "prm"}, {"timeout", 50}}}};

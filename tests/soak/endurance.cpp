@@ -19,17 +19,6 @@ constexpr int kPlansPerRound = 60;
 
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::int64_t resident_bytes() {
-  std::int64_t total = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> total >> resident;
-  return resident * ::sysconf(_SC_PAGESIZE);
-}
-
-int open_files() {
-  const std::filesystem::directory_iterator all("/proc/self/fd");
-  return static_cast<int>(std::distance(begin(all), end(all)));
-}
-
 SolveSettings settings_of(int plan) {
   SolveSettings settings;
   settings.planner = planners()[static_cast<std::size_t>(plan) % planners().size()].name;
@@ -106,6 +95,17 @@ Value median_of(std::span<const Round> rounds, Value Round::*member) {
 }
 
 }  // namespace
+
+std::int64_t resident_bytes() {
+  std::int64_t total = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * ::sysconf(_SC_PAGESIZE);
+}
+
+int open_files() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return static_cast<int>(std::distance(begin(all), end(all)));
+}
 
 Result<std::vector<Round>> endure(const Robot& robot, const std::string& directory, double seconds,
                                   std::uint64_t seed) {

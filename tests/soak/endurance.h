@@ -21,6 +21,10 @@ struct Round {
   int open_files = 0;    ///< after the round
 };
 
+/// Of this process, now.
+[[nodiscard]] std::int64_t resident_bytes();
+[[nodiscard]] int open_files();
+
 /// Repeats the round for `seconds`, at least three times. A writer inserts what was learned; a
 /// reader, which plans with it, refreshes after each plan. Databases are made in `directory`.
 [[nodiscard]] Result<std::vector<Round>> endure(const Robot& robot, const std::string& directory,

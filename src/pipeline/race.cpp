@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/race.h"
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+/// Iterations of the first search before the others begin: threads cost as much as some ten.
+constexpr std::uint64_t kAlone = 64;
+/// Of seeds: what else derives from the query's is far from it.
+constexpr std::uint64_t kFirstTask = std::uint64_t{1} << 62;
+constexpr int kIndexBits = 8;
+
+/// Counts what streams draw.
+class CountingSampler final : public Sampler {
+ public:
+  CountingSampler(const Sampler& sampler, std::uint64_t& draws)
+      : sampler_(sampler), draws_(draws) {}
+
+  [[nodiscard]] std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
+    return std::make_unique<Stream>(sampler_.start(seed), draws_);
+  }
+
+ private:
+  class Stream final : public SampleStream {
+   public:
+    Stream(std::unique_ptr<SampleStream> stream, std::uint64_t& draws)
+        : stream_(std::move(stream)), draws_(draws) {}
+    Origin next(std::span<float> q) override {
+      ++draws_;
+      return stream_->next(q);
+    }
+    void report(Origin origin, SampleOutcome outcome) override {
+      stream_->report(origin, outcome);
+    }
+
+   private:
+    std::unique_ptr<SampleStream> stream_;
+    std::uint64_t& draws_;
+  };
+
+  const Sampler& sampler_;
+  std::uint64_t& draws_;
+};
+
+Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
+                          const PlanSettings& settings, SearchLimit* limit) {
+  const Query& query = task.query;
+  std::optional<PoseGoalSource> further_goals;
+  if (task.further_goals != nullptr) further_goals = *task.further_goals;
+  PathFinisher shorten_and_verify(query.checker, settings.finish());
+  const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
+  return query.planner.plan({query.checker, query.ends, sampler, settings, shorten_and_verify,
+                             valid_states, further_goals ? &*further_goals : nullptr, limit});
+}
+
+class Race {
+ public:
+  explicit Race(const RaceTask& task) : task_(task) {
+    for (int i = 0; i < task.query.settings.threads; ++i) entrants_.emplace_back(*this, i);
+  }
+
+  Result<RaceResult> run() {
+    run_those_left();
+    threads_.clear();
+    Entrant& first = winner();
+    if (!*first.planned) return tl::unexpected(first.planned->error());
+    RaceResult result{**std::move(first.planned), first.draws};
+    if (task_.settings.observer != nullptr) show(first);
+    return result;
+  }
+
+ private:
+  /// One search. Its thread alone writes to it.
+  class Entrant final : public SearchLimit {
+   public:
+    Entrant(Race& race, int number) : index(number), race_(race) {}
+    bool may_go_on(std::uint64_t iterations) override {
+      if (index == 0 && iterations >= kAlone) race_.start_others();
+      // Whatever it finds from now on takes an iteration more.
+      is_beaten = is_beaten || rank(iterations + 1) > race_.best_.load(std::memory_order_relaxed);
+      return !is_beaten;
+    }
+    /// By iterations since the race began, then by index.
+    [[nodiscard]] std::uint64_t rank(std::uint64_t iterations) const {
+      const std::uint64_t since = index == 0 ? iterations : iterations + kAlone;
+      return (since << kIndexBits) | static_cast<std::uint64_t>(index);
+    }
+    [[nodiscard]] bool has_path() const {
+      return !is_beaten && planned && *planned && (*planned)->is_solved();
+    }
+
+    int index;
+    bool is_beaten = false;  ///< and what it found after that does not count
+    std::uint64_t draws = 0;
+    std::optional<Result<PlanResult>> planned;
+
+   private:
+    Race& race_;
+  };
+
+  [[nodiscard]] PlanSettings settings_of(int index) const {
+    PlanSettings settings = task_.settings;
+    const auto count = static_cast<std::uint64_t>(entrants_.size());
+    settings.max_nodes = std::max(settings.max_nodes / count, std::uint64_t{1});
+    settings.timeout_s = std::max(0.0, settings.timeout_s - stopwatch_.elapsed_s());
+    settings.observer = nullptr;
+    if (index > 0) {
+      settings.seed = derive_seed(settings.seed, kFirstTask + static_cast<std::uint64_t>(index));
+    }
+    return settings;
+  }
+
+  void run(Entrant& entrant) {
+    const CountingSampler sampler(task_.sampler, entrant.draws);
+    entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant);
+    if (!entrant.has_path()) return;
+    const std::uint64_t rank = entrant.rank((*entrant.planned)->iterations);
+    std::uint64_t best = best_.load();
+    while (rank < best && !best_.compare_exchange_weak(best, rank)) {
+    }
+  }
+
+  /// Those that nobody runs yet. Where threads cannot be had one runs them all, one after the
+  /// other, and the same one wins.
+  void run_those_left() {
+    for (std::size_t i = next_++; i < entrants_.size(); i = next_++) {
+      run(entrants_[i]);
+      // The others begin once the first has taken a while, or never.
+      if (i == 0 && !has_started_) return;
+    }
+  }
+
+  /// Called by the first search's thread alone.
+  void start_others() {
+    if (std::exchange(has_started_, true)) return;
+    try {
+      for (std::size_t i = 1; i < entrants_.size(); ++i) {
+        threads_.emplace_back([this] { run_those_left(); });
+      }
+    } catch (const std::system_error&) {
+      return;
+    }
+  }
+
+  [[nodiscard]] Entrant& winner() {
+    Entrant* first = &entrants_.front();
+    for (Entrant& entrant : entrants_) {
+      if (!entrant.has_path()) continue;
+      const bool is_first = !first->has_path() || rank_of(entrant) < rank_of(*first);
+      if (is_first) first = &entrant;
+    }
+    return *first;
+  }
+  [[nodiscard]] static std::uint64_t rank_of(const Entrant& entrant) {
+    return entrant.rank((*entrant.planned)->iterations);
+  }
+
+  void show(const Entrant& entrant) const {
+    PlanSettings settings = settings_of(entrant.index);
+    settings.timeout_s = task_.settings.timeout_s;
+    settings.observer = task_.settings.observer;
+    static_cast<void>(search(task_, task_.sampler, settings, nullptr));
+  }
+
+  const RaceTask& task_;
+  Stopwatch stopwatch_;
+  std::deque<Entrant> entrants_;
+  std::atomic<std::uint64_t> best_ = ~std::uint64_t{0};  ///< rank of those that found a path
+  std::atomic<std::size_t> next_ = 0;
+  bool has_started_ = false;
+  std::vector<std::jthread> threads_;  ///< joined before what they use is gone
+};
+
+}  // namespace
+
+Result<RaceResult> race(const RaceTask& task) {
+  if (task.query.settings.threads > 1) return Race(task).run();
+  return search(task, task.sampler, task.settings, nullptr).map([](PlanResult plan) {
+    return RaceResult{std::move(plan)};
+  });
+}
+
+}  // namespace mneme::internal
