@@ -73,7 +73,7 @@ struct ProblemInput {
 /// Throws InputFailure.
 [[nodiscard]] Problem read_problem(const ProblemInput& input, const ProblemOptions& options);
 /// The same of a robot that is there already: the keys that describe one are not looked at, and
-/// no two of its links can be allowed to touch.
+/// pairs of its links in `allow` are refused.
 [[nodiscard]] Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                                       const ProblemOptions& options = {});
 
