@@ -105,6 +105,13 @@ struct GlSampler {
   std::vector<PrimitiveRetrieval> primitives;
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;
+
+  /// Matches of all primitives.
+  [[nodiscard]] std::size_t retrieved_count() const {
+    std::size_t count = 0;
+    for (const PrimitiveRetrieval& retrieval : primitives) count += retrieval.matches.size();
+    return count;
+  }
 };
 
 /// Algorithm 2, "Create GL-Sampler", for the kinds of memory that the settings or the database say;
@@ -140,7 +147,8 @@ struct SolveResult {
   GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
   Remembered remembered;
   std::vector<Improved> improvements;  ///< one after the other; the last is the plan's path
-  std::vector<Configuration> goals;  ///< the problem's, and those that its poses were resolved to
+  /// The problem's, those that its poses were resolved to at first, and the one that was reached.
+  std::vector<Configuration> goals;
   double goal_time_s = 0;            ///< of planning: resolving poses
   double total_time_s = 0;     ///< solve() from call to return
   double planning_time_s = 0;  ///< without what follows planning
