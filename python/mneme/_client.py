@@ -135,7 +135,7 @@ class Client:
             start = problem.start if start is None else start
             goals = problem.goals if goals is None else goals
             scene = problem.scene if scene is None else scene
-            body["name"] = problem.name
+            body.update(name=problem.name, robot=problem.robot.name, joints=problem.robot.joint_names)
         if start is None or goals is None:
             raise TypeError("plan() takes a problem, or start and goals")
         body["start"] = np.asarray(start, dtype=float).tolist()
@@ -201,15 +201,25 @@ class Client:
         data = None if body is None else json.dumps(body)
         is_kept = self._connection.sock is not None
         try:
-            self._connection.request(method, path, data, self._headers)
-            response = self._connection.getresponse()
-        except (http.client.RemoteDisconnected, BrokenPipeError, ConnectionResetError):
-            self._connection.close()
-            if not is_kept:
-                raise
+            try:
+                return self._send(method, path, data)
+            except (http.client.RemoteDisconnected, BrokenPipeError):
+                if not is_kept:
+                    raise
             # The service closes connections that were idle for long: this one was, before it took the request.
+            self._connection.close()
+            return self._send(method, path, data)
+        except BaseException:
+            # An answer that comes after all must not be taken for that of the next request.
+            self._connection.close()
+            raise
+
+    def _send(self, method, path, data):
+        try:
             self._connection.request(method, path, data, self._headers)
-            response = self._connection.getresponse()
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # A body that is too long is refused before all of it is sent: the answer is there to be read.
+        response = self._connection.getresponse()
         return response, json.loads(response.read())
 
 
