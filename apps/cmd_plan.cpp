@@ -270,16 +270,17 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   const Result<SolveResult> result = solve(loaded->problem, database, settings);
   if (!result) return tl::unexpected(result.error());
 
-  const auto trajectory = time_path(options, *loaded, settings, result->plan.path);
-  if (!trajectory) return tl::unexpected(trajectory.error());
-  print_answer(options, *loaded, *result, *trajectory);
-  if (*trajectory) {
-    auto sent = write_trajectory(options.trajectory, loaded->problem.robot, **trajectory);
-    if (!sent) return tl::unexpected(sent.error());
-  }
+  // There is a path, whatever is wrong with its trajectory: that is said last.
+  const auto timed = time_path(options, *loaded, settings, result->plan.path);
+  print_answer(options, *loaded, *result, timed ? *timed : std::nullopt);
   const Result<void> written =
       write_plan_files(options.files, loaded->problem, *result, recorder, loaded->load_time_s);
   if (!written) return tl::unexpected(written.error());
+  if (!timed) return tl::unexpected(timed.error());
+  if (*timed) {
+    auto sent = write_trajectory(options.trajectory, loaded->problem.robot, **timed);
+    if (!sent) return tl::unexpected(sent.error());
+  }
   return exit_code(result->plan.status);
 }
 

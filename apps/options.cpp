@@ -116,9 +116,6 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
 
 namespace {
 
-/// How far the length of a quaternion may be from 1: less is a matter of printed digits.
-constexpr double kUnitTolerance = 1e-3;
-
 PoseGoal parse_pose(const std::string& flag, const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0) {
@@ -140,12 +137,11 @@ PoseGoal parse_pose(const std::string& flag, const std::string& text) {
     goal.cone = goal.turn = std::numbers::pi;
     return goal;
   }
-  const double length = std::hypot(std::hypot(v[3], v[4]), std::hypot(v[5], v[6]));
-  if (!(std::abs(length - 1) <= kUnitTolerance)) {
-    throw CLI::ValidationError(
-        flag, fmt::format("the quaternion of '{}' has length {:.6g}, expected 1", text, length));
+  const auto rotation = rotation_from_unit_quaternion(std::span(v).subspan<3, 4>());
+  if (!rotation) {
+    throw CLI::ValidationError(flag, fmt::format("'{}': {}", text, rotation.error().message));
   }
-  goal.pose.rotation = rotation_from_quaternion(v[6], v[3], v[4], v[5]);
+  goal.pose.rotation = *rotation;
   return goal;
 }
 

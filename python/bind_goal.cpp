@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 #include "keywords.h"
 
 #include <Eigen/Geometry>
@@ -14,7 +15,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <cmath>
+#include <atomic>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -23,23 +24,20 @@
 namespace mneme::python {
 namespace {
 
-/// How far the length of a quaternion may be from 1: less is a matter of printed digits.
-constexpr double kUnitTolerance = 1e-3;
-
 Eigen::Matrix3d to_rotation(const py::object& quaternion) {
   const std::vector<double> q = to_vector(quaternion, 4, "quat_xyzw");
-  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  if (!(std::abs(length - 1) <= kUnitTolerance)) {
-    raise_invalid(fmt::format("quat_xyzw: expected length 1, got {:.6g}", length));
-  }
-  return rotation_from_quaternion(q[3], q[0], q[1], q[2]);
+  const auto rotation = rotation_from_unit_quaternion(std::span(q).first<4>());
+  if (!rotation) raise_invalid("quat_xyzw: " + rotation.error().message);
+  return *rotation;
 }
 
 Axis to_axis(const std::string& name) {
-  if (name == "x") return Axis::x;
-  if (name == "y") return Axis::y;
-  if (name == "z") return Axis::z;
+  if (const auto axis = parse_axis(name)) return *axis;
   raise_invalid(fmt::format("axis: expected x, y or z, got '{}'", name));
+}
+
+py::array_t<double> point_array(const Vec3& v) {
+  return to_array(std::vector<double>{v.x(), v.y(), v.z()});
 }
 
 PoseGoal make_pose_goal(std::string link, const py::object& position, const py::object& quaternion,
@@ -54,6 +52,8 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
     goal.pose.rotation = to_rotation(quaternion);
     goal.cone = cone;
     goal.turn = turn;
+  } else if (cone != 0 || turn != 0) {
+    raise_invalid("cone, turn: expected quat_xyzw beside them, got none");
   }
   const bool is_number =
       py::isinstance<py::float_>(position_tolerance) || py::isinstance<py::int_>(position_tolerance);
@@ -90,12 +90,13 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
-  const auto search = [&]() -> Result<std::vector<Configuration>> {
-    const py::gil_scoped_release released;
+  std::atomic<bool> cancel = false;
+  settings.is_over = [&] { return cancel.load(); };
+  auto found = run_interruptible(cancel, [&] {
     return PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin)
         .map([](PoseGoalSource source) { return source.more(); });
-  };
-  return to_array(unwrap(search()), robot.joint_count());
+  });
+  return to_array(unwrap(std::move(found)), robot.joint_count());
 }
 
 }  // namespace
@@ -111,13 +112,15 @@ void bind_goal(py::module_& module) {
            "it by turn, radians; pi is any way.")
       .def_readonly("link", &PoseGoal::link)
       .def_property_readonly(
-          "position",
-          [](const PoseGoal& self) {
-            const Vec3& at = self.pose.translation;
-            return to_array(std::vector<double>{at.x(), at.y(), at.z()});
-          },
+          "position", [](const PoseGoal& self) { return point_array(self.pose.translation); },
           "Shape (3,), metres.")
       .def_property_readonly("quat_xyzw", &to_quaternion, "Shape (4,).")
+      .def_property_readonly(
+          "position_tolerance",
+          [](const PoseGoal& self) { return point_array(self.position_tolerance); },
+          "Shape (3,), metres along the axes of the pose.")
+      .def_property_readonly("axis",
+                             [](const PoseGoal& self) { return std::string(to_string(self.axis)); })
       .def_readonly("cone", &PoseGoal::cone)
       .def_readonly("turn", &PoseGoal::turn)
       .def("to_json", [](const PoseGoal& self) { return to_json(self); },

@@ -68,7 +68,8 @@ SharedProblem load(const ProblemArguments& arguments) {
 }
 
 void bind_factories(py::class_<SharedProblem>& problem) {
-  problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene"), py::arg("start"),
+  problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene").none(false),
+              py::arg("start"),
               py::arg("goals") = py::none(), py::arg("name") = "problem", py::kw_only(),
               py::arg("pose_goals") = std::vector<PoseGoal>(),
               "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
@@ -117,7 +118,7 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       [](const SharedProblem& self, const std::shared_ptr<Scene>& scene) {
         return SharedProblem(self.rest(), scene);
       },
-      py::arg("scene"), "The same problem in another scene, which is shared.");
+      py::arg("scene").none(false), "The same problem in another scene, which is shared.");
 }
 
 }  // namespace

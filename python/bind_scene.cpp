@@ -24,10 +24,13 @@ namespace {
 
 using SceneClass = py::class_<Scene, std::shared_ptr<Scene>>;
 
+/// Metres from the origin, as in files.
+constexpr double kFarthest = 1e4;
+
 void check_size(const char* what, double value) {
-  if (value > 0 && value < 1e4) return;
-  raise_invalid(
-      fmt::format("{}: expected metres, more than 0 and less than 10000, got {}", what, value));
+  if (value > 0 && value < kFarthest) return;
+  raise_invalid(fmt::format("{}: expected metres, more than 0 and less than {}, got {}", what,
+                            kFarthest, value));
 }
 
 Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
@@ -47,6 +50,10 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
   const Sphere bounds = bounding_sphere(shape);
   if (!bounds.center.allFinite()) {
     raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
+  }
+  if (!(bounds.center.norm() + bounds.radius <= kFarthest)) {
+    raise_invalid(fmt::format("obstacle '{}': expected a shape within {} m of the origin", name,
+                              kFarthest));
   }
   if (Obstacle* body = scene.find(name)) {
     body->shapes.push_back(shape);
@@ -95,7 +102,8 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
   const auto corners = points.unchecked<2>(), indices = faces.unchecked<2>();
   const auto corner = [&](py::ssize_t face, py::ssize_t k) {
     const double index = indices(face, k);
-    if (!(index >= 0 && index < static_cast<double>(corners.shape(0)))) {
+    if (!(index >= 0 && index < static_cast<double>(corners.shape(0))) ||
+        index != std::floor(index)) {
       raise_invalid(fmt::format("triangles: expected indices of {} vertices, got {}",
                                 corners.shape(0), index));
     }

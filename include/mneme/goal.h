@@ -12,6 +12,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,6 +29,8 @@ struct IkSettings {
   double rotation_tolerance = 1e-3;
   double apart = 0.1;
   std::uint64_t seed = 1;  ///< of the random configurations
+  /// Asked before every 16 seeds: true ends the search with what there is. Empty: nothing does.
+  std::function<bool()> is_over;
 };
 
 /// Declares settings once, as that of PlanSettings does.
@@ -98,7 +101,8 @@ class PoseGoalSource final : public GoalSource {
   /// nearest first; each later one takes a few seeds to the next region in turn.
   [[nodiscard]] std::vector<Configuration> more() override;
   /// Why no call found anything, of each region: out of reach, and how far; not with this rotation;
-  /// only in contact, and with what; no solution from so many seeds.
+  /// only in contact, and with what; no solution from so many seeds. Looks at some more seeds for
+  /// that, unless the search is over.
   [[nodiscard]] std::string describe_failure() const;
 
  private:

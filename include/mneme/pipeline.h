@@ -109,6 +109,13 @@ struct GlSampler {
   std::vector<PrimitiveRetrieval> primitives;
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;
+
+  /// Matches of all primitives.
+  [[nodiscard]] std::size_t retrieved_count() const {
+    std::size_t count = 0;
+    for (const PrimitiveRetrieval& retrieval : primitives) count += retrieval.matches.size();
+    return count;
+  }
 };
 
 /// Algorithm 2, "Create GL-Sampler", for the kinds of memory that the settings or the database say;
@@ -146,7 +153,8 @@ struct SolveResult {
   /// Of paths one after the other, from the one that improving began with to the plan's; empty if
   /// it did not begin.
   std::vector<Improved> improvements;
-  std::vector<Configuration> goals;  ///< the problem's, and those that its poses were resolved to
+  /// The problem's, those that its poses were resolved to at first, and the one that was reached.
+  std::vector<Configuration> goals;
   double goal_time_s = 0;            ///< of planning: resolving poses
   double total_time_s = 0;           ///< solve() from call to return
   double planning_time_s = 0;        ///< without what follows planning

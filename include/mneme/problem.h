@@ -8,13 +8,23 @@
 #include "mneme/scene.h"
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace mneme {
 
 enum class Axis { x, y, z };
+/// The axis of a name; nothing for one that is not x, y or z.
+[[nodiscard]] std::optional<Axis> parse_axis(std::string_view name);
+[[nodiscard]] std::string_view to_string(Axis axis);
+
+/// The rotation of a quaternion x, y, z, w. Error: invalid, if its length is not 1, but for what
+/// printed digits explain.
+[[nodiscard]] Result<Eigen::Matrix3d> rotation_from_unit_quaternion(
+    std::span<const double, 4> xyzw);
 
 /// A region of poses that a link is to reach. Without tolerances it is one pose.
 struct PoseGoal {

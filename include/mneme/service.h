@@ -33,7 +33,7 @@ struct ServiceSettings {
   int obstacles = 10000;        ///< most in a scene
   int points = 1000000;         ///< most points, triangles and cubes of a scene
   int scenes = 100;             ///< most that are kept
-  int traces = 32;              ///< the last plans whose traces are kept
+  int traces = 32;              ///< the last plans whose traces are kept, at least one
   std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory
   /// SolveSettings::remember_after of all plans; needs a database that may be written.
   std::optional<int> remember_after;
@@ -44,7 +44,8 @@ struct ServiceSettings {
 class Service {
  public:
   /// Listens and answers. `database` may be null: then there is no memory. Errors: an address that
-  /// cannot be listened at, or that other machines reach while there is no token.
+  /// cannot be listened at, or that other machines reach while there is no token; settings out of
+  /// range; a machine without threads or descriptors.
   [[nodiscard]] static Result<Service> start(const Robot& robot, std::shared_ptr<Database> database,
                                              const ServiceSettings& settings = {});
   Service(Service&&) noexcept;
@@ -54,7 +55,8 @@ class Service {
   /// As clients name it: "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
   [[nodiscard]] const std::string& address() const;
   /// Takes no more requests, gives those that run half a second, cancels them then, and returns
-  /// once all are answered: within a second.
+  /// once all are answered: within a second, but for what is measured of a path, and traces, which
+  /// are finished.
   void stop();
 
  private:

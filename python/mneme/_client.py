@@ -155,7 +155,10 @@ class Client:
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
-        body = {} if problem is None else json.loads(problem.to_compact_json(""))["problems"][0]
+        body = {}
+        if problem is not None:
+            body = {**json.loads(problem.to_compact_json(""))["problems"][0], "robot": problem.robot.name,
+                    "joints": problem.robot.joint_names}
         if scene is not None:
             body = {key: body[key] for key in body if key not in _SCENE_KEYS}
             body.update(self._place(scene))
@@ -236,15 +239,25 @@ class Client:
         data = None if body is None else json.dumps(body)
         is_kept = self._connection.sock is not None
         try:
-            self._connection.request(method, path, data, self._headers)
-            response = self._connection.getresponse()
-        except (http.client.RemoteDisconnected, BrokenPipeError, ConnectionResetError):
-            self._connection.close()
-            if not is_kept:
-                raise
+            try:
+                return self._send(method, path, data)
+            except (http.client.RemoteDisconnected, BrokenPipeError):
+                if not is_kept:
+                    raise
             # The service closes connections that were idle for long: this one was, before it took the request.
+            self._connection.close()
+            return self._send(method, path, data)
+        except BaseException:
+            # An answer that comes after all must not be taken for that of the next request.
+            self._connection.close()
+            raise
+
+    def _send(self, method, path, data):
+        try:
             self._connection.request(method, path, data, self._headers)
-            response = self._connection.getresponse()
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # A body that is too long is refused before all of it is sent: the answer is there to be read.
+        response = self._connection.getresponse()
         return response, json.loads(response.read())
 
 

@@ -1,10 +1,14 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
 """mneme.Client plans what mneme.plan plans, over HTTP and over a Unix socket."""
+import contextlib
 import json
 import os
 import pathlib
+import socket
+import struct
 import subprocess
+import threading
 
 import numpy as np
 import pytest
@@ -14,20 +18,29 @@ import mneme
 PROGRAM = pathlib.Path(os.environ["MNEME_BUILD"]) / "mneme"
 
 
-@pytest.fixture(scope="module", params=["tcp", "unix"])
-def client(request, tmp_path_factory):
+@contextlib.contextmanager
+def serving(robot, listen, *flags):
     if not PROGRAM.exists():
         pytest.skip("the program was not built")
+    if subprocess.run([PROGRAM, "serve", "--help"], capture_output=True).returncode != 0:
+        pytest.skip("this mneme was built without a service")
+    with subprocess.Popen([PROGRAM, "serve", "--robot", robot, "--listen", listen, *flags],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as service:
+        line = service.stdout.readline()
+        assert " at " in line, service.communicate()
+        try:
+            with mneme.Client(line.split(" at ")[1].strip()) as client:
+                yield client
+        finally:
+            service.terminate()
+        assert service.wait(timeout=60) == 0
+
+
+@pytest.fixture(scope="module", params=["tcp", "unix"])
+def client(request, tmp_path_factory):
     listen = "127.0.0.1:0" if request.param == "tcp" else f"unix:{tmp_path_factory.mktemp('s')}/socket"
-    service = subprocess.Popen([PROGRAM, "serve", "--robot", "planar8", "--listen", listen],
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    line = service.stdout.readline()
-    if not line:
-        pytest.skip("this mneme has no subcommand serve")
-    with mneme.Client(line.split(" at ")[1].strip()) as client:
+    with serving("planar8", listen, "--longest-body", "1") as client:
         yield client
-    service.terminate()
-    assert service.wait(timeout=60) == 0
 
 
 @pytest.fixture(scope="module")
@@ -128,3 +141,103 @@ def test_threads_of_a_plan_are_those_of_this_process(client, problem):
         assert os.cpu_count() == 1 and "all threads" in str(refused)
         return
     assert np.array_equal(remote.path, mneme.plan(problem, **settings).path)
+
+
+def test_a_problem_of_another_robot_is_refused(client, problem):
+    other = mneme.Robot.planar([1.0] * 8, name="other")
+    with pytest.raises(mneme.Error, match="expected planar8, the robot of this service"):
+        client.plan(mneme.Problem(other, problem.scene, problem.start, problem.goals))
+
+
+def test_a_body_that_is_too_long_is_refused_in_words(client):
+    scene = {"circles": [[20, 0, 0.123456789]] * 200000}
+    client.health()
+    for _ in range(3):
+        with pytest.raises(mneme.Error, match="body of at most 1048576 bytes"):
+            client.put_scene("cell", scene)
+    assert client.health()["status"] == "ok"
+
+
+class Scripted:
+    """A service that does to each connection in turn what a function of `script` says."""
+
+    def __init__(self, *script):
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
+        self.requests = 0
+        self._thread = threading.Thread(target=self._run, args=[script])
+        self._thread.start()
+
+    def _run(self, script):
+        for serve in script:
+            connection, _ = self._listener.accept()
+            with connection:
+                serve(self, connection)
+
+    def hear(self, connection):
+        """The head of a request, which has no body."""
+        text = b""
+        while b"\r\n\r\n" not in text:
+            part = connection.recv(4096)
+            if not part:
+                return
+            text += part
+        self.requests += 1
+
+    def answer(self, connection, body=b'{"status": "ok"}', head="200 OK"):
+        self.hear(connection)
+        connection.sendall(f"HTTP/1.1 {head}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body)
+
+    def say_nothing(self, connection):
+        self.hear(connection)
+        connection.recv(1)
+
+    def answer_once_and_close(self, connection):
+        self.answer(connection)
+
+    def answer_once_and_reset(self, connection):
+        self.answer(connection)
+        self.hear(connection)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+
+    def refuse(self, connection):
+        self.answer(connection, b'{"error": {"code": "busy", "message": "too many"}}',
+                    "503 Service Unavailable\r\nRetry-After: 1")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._thread.join(60)
+        self._listener.close()
+        assert not self._thread.is_alive()
+
+
+def test_a_client_goes_on_after_a_timeout():
+    with Scripted(Scripted.say_nothing, Scripted.answer) as service, mneme.Client(service.url, timeout_s=0.2) as client:
+        with pytest.raises(TimeoutError):
+            client.health()
+        client._connection.timeout = 60
+        assert client.health() == {"status": "ok"}
+
+
+def test_a_connection_that_was_idle_for_too_long_is_made_anew():
+    with Scripted(Scripted.answer_once_and_close, Scripted.answer) as service, mneme.Client(service.url) as client:
+        assert client.health() == {"status": "ok"}
+        assert client.health() == {"status": "ok"}
+        assert service.requests == 2
+
+
+def test_a_request_that_was_taken_is_not_sent_again():
+    with Scripted(Scripted.answer_once_and_reset) as service, mneme.Client(service.url) as client:
+        assert client.health() == {"status": "ok"}
+        with pytest.raises(ConnectionResetError):
+            client.health()
+        assert service.requests == 2
+
+
+def test_a_service_that_stays_busy_is_said_to_be():
+    with Scripted(Scripted.refuse) as service, mneme.Client(service.url, patience_s=0) as client:
+        with pytest.raises(mneme.Busy, match="too many") as busy:
+            client.health()
+        assert busy.value.retry_after_s == 1

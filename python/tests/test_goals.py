@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Goals that are poses, and inverse kinematics."""
+import signal
+import threading
+
 import numpy as np
 import pytest
 
@@ -54,9 +57,11 @@ def test_poses_replace_the_goals_of_a_file(tmp_path):
 
 
 @pytest.mark.parametrize("make, message", [
-    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 0]), "expected length 1, got 0"),
-    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 2]), "expected length 1, got 2"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 0]), "length 1, got one of length 0"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 2]), "length 1, got one of length 2"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, axis="w"), "expected x, y or z"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, cone=0.1), "expected quat_xyzw beside"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, turn=0.1), "expected quat_xyzw beside"),
 ])
 def test_poses_that_are_none_are_errors(make, message):
     with pytest.raises(mneme.Error, match=message):
@@ -74,6 +79,21 @@ def test_goals_that_a_robot_cannot_be_asked_for_are_errors(panda, goal, message)
         mneme.inverse_kinematics(panda, [goal])
     with pytest.raises(mneme.Error, match=message):
         mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[goal])
+
+
+def test_a_goal_tells_what_it_is():
+    goal = mneme.PoseGoal("panda_hand", POSITION, TURN, position_tolerance=[0.1, 0, 0.2], axis="x", cone=0.3, turn=0.4)
+    assert (goal.axis, goal.cone, goal.turn) == ("x", 0.3, 0.4)
+    np.testing.assert_array_equal(goal.position_tolerance, [0.1, 0, 0.2])
+
+
+def test_control_c_ends_a_search(panda):
+    far = mneme.PoseGoal("panda_hand", [2, 0, 0.5])
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        mneme.inverse_kinematics(panda, [far], ik_seeds=100000000)
+    timer.join()
 
 
 def test_a_problem_without_any_goal_is_an_error(panda):

@@ -232,3 +232,22 @@ def test_wrong_points_and_meshes_are_errors():
                 lambda: scene.replace_points("none", 0, [[1, 2, 3]])):
         assert raised(add)[0] == "invalid"
     assert len(scene) == 0
+
+
+def test_no_scene_is_a_type_error():
+    robot = mneme.Robot.planar([1.0] * 2)
+    with pytest.raises(TypeError):
+        mneme.Problem(robot, None, [0, 0], [1, 0])
+    problem = mneme.Problem(robot, mneme.Scene(), [0, 0], [1, 0])
+    with pytest.raises(TypeError):
+        problem.with_scene(None)
+
+
+def test_what_files_would_refuse_is_refused():
+    scene = mneme.Scene()
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    with pytest.raises(mneme.Error, match="expected indices of 3 vertices, got 1.7"):
+        scene.add_mesh("mesh", corners, [[0, 1.7, 2]])
+    with pytest.raises(mneme.Error, match="obstacle 'far': expected a shape within 10000 m"):
+        scene.add_sphere("far", [9999.5, 0, 0], 1)
+    assert len(scene) == 0

@@ -153,7 +153,7 @@ class IkSearch {
 
   IkResult search() {
     int futile = 0;
-    while (result_.seeds < settings_.seeds && count() < settings_.solutions) {
+    while (result_.seeds < settings_.seeds && count() < settings_.solutions && !is_over()) {
       const int before = count();
       try_batch();
       futile = count() > before ? 0 : futile + 1;
@@ -173,6 +173,7 @@ class IkSearch {
   static constexpr float kSpread = 0.15f;
 
   [[nodiscard]] int count() const { return static_cast<int>(result_.solutions.size()); }
+  [[nodiscard]] bool is_over() const { return settings_.is_over && settings_.is_over(); }
 
   void try_batch() {
     const bool is_first = result_.seeds == 0;

@@ -19,6 +19,8 @@ using internal::as_index;
 
 /// Of a call for further goals: one batch of the kernel.
 constexpr int kFurtherSeeds = 16;
+/// Of a search that only tells out of reach from a rotation that cannot be.
+constexpr int kSeedsToExplain = 1024;
 
 void sort_by_distance(const Robot& robot, const Configuration& near,
                       std::vector<Configuration>& configurations) {
@@ -116,7 +118,12 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
   any_way.cone = any_way.turn = std::numbers::pi;
   IkSettings settings = settings_;
   settings.solutions = 1;
+  settings.seeds = std::min(settings.seeds, kSeedsToExplain);
   const IkResult moved = region.kinematics.solve(any_way, near_, settings);
+  const bool was_ended = moved.seeds < settings.seeds;
+  if (moved.solutions.empty() && was_ended) {
+    return fmt::format("the search for link '{}' ended after {} seeds", goal.link, first.seeds);
+  }
   if (moved.solutions.empty()) {
     return fmt::format("it is out of reach of link '{}' by {}", goal.link,
                        describe_length(moved.closest.position));

@@ -19,6 +19,9 @@ Result<void> check_settings(const SolveSettings& settings) {
                               check_ranges(settings.ik)}) {
     if (!checked) return checked;
   }
+  if (settings.plan.improve_rounds && settings.plan.improve == 0) {
+    return fail(ErrorCode::invalid, "improve-rounds: expected a time to improve beside it");
+  }
   return {};
 }
 

@@ -3,10 +3,27 @@
 #include "pipeline/resolved_goals.h"
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <utility>
 
 namespace mneme::internal {
+
+namespace {
+
+/// The poses were not looked at for long enough: nothing is known of them.
+PlanResult refuse_unresolved(const Query& query) {
+  const std::atomic<bool>* cancel = query.settings.plan.cancel;
+  PlanResult refused;
+  refused.status =
+      cancel != nullptr && cancel->load() ? PlanStatus::cancelled : PlanStatus::timeout;
+  refused.message = refused.status == PlanStatus::cancelled
+                        ? "cancelled"
+                        : "no configuration for the poses of the goal within the time limit";
+  return refused;
+}
+
+}  // namespace
 
 Result<ResolvedGoals> resolve_goals(Query& query) {
   const Problem& problem = query.problem;
@@ -15,6 +32,7 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
   if (!problem.pose_goals.empty() && has_start) {
     IkSettings settings = query.settings.ik;
     settings.seed = query.settings.plan.seed;
+    settings.is_over = [&query] { return query.is_over(); };
     auto source = PoseGoalSource::make(query.checker, problem.pose_goals, problem.start, settings,
                                        kVerificationMargin);
     if (!source) return tl::unexpected(source.error());
@@ -26,7 +44,11 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
   const bool is_for_want_of_goals =
       resolved.refused && query.ends.goals.empty() &&
       resolved.refused->status == PlanStatus::invalid_goal && resolved.further != nullptr;
-  if (is_for_want_of_goals) resolved.refused->message = resolved.further->describe_failure();
+  if (is_for_want_of_goals && query.is_over()) {
+    resolved.refused = refuse_unresolved(query);
+  } else if (is_for_want_of_goals) {
+    resolved.refused->message = resolved.further->describe_failure();
+  }
   return resolved;
 }
 

@@ -18,8 +18,8 @@ struct ResolvedGoals {
   std::optional<PlanResult> refused;
 };
 
-/// Adds configurations for the problem's poses to the ends of `query`, and checks the ends. Errors:
-/// those of PoseGoalSource::make().
+/// Adds configurations for the problem's poses to the ends of `query`, which it refers to, within
+/// its time limit, and checks the ends. Errors: those of PoseGoalSource::make().
 [[nodiscard]] Result<ResolvedGoals> resolve_goals(Query& query);
 
 }  // namespace mneme::internal

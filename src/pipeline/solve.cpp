@@ -47,6 +47,15 @@ Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings&
   return mixture;
 }
 
+/// The goal that was reached may be one that came while planning.
+void add_reached_goal(const Robot& robot, SolveResult& result) {
+  constexpr double kSame = 1e-6;  // of a path that has been through single precision
+  if (!result.plan.is_solved()) return;
+  const Configuration& end = result.plan.path.back();
+  const auto is_end = [&](const Configuration& goal) { return robot.distance(goal, end) < kSame; };
+  if (std::ranges::none_of(result.goals, is_end)) result.goals.push_back(end);
+}
+
 /// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
 Result<void> plan(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
   const Stopwatch stopwatch;
@@ -62,6 +71,7 @@ Result<void> plan(const Query& query, const PoseGoalSource* further_goals, Solve
   if (recollection.failure()) return tl::unexpected(*recollection.failure());
   result.plan = std::move(raced->plan);
   result.plan.planning_time_s += recall_time_s;
+  if (further_goals != nullptr) add_reached_goal(query.problem.robot, result);
   improve(query, *sampler, result);
   result.gl = recollection.take(raced->draws);
   return {};

@@ -17,9 +17,6 @@
 namespace mneme::internal {
 namespace {
 
-/// How far the length of a goal's quaternion may be from 1: less is a matter of printed digits.
-constexpr double kUnitTolerance = 1e-3;
-
 std::vector<std::string> group_joint_names(const Robot& robot) {
   std::vector<std::string> names;
   for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
@@ -81,15 +78,11 @@ Configuration find_state(const Input& input, const Robot& robot) {
 }
 
 Eigen::Matrix3d read_unit_quaternion(const Input& input) {
-  const std::vector<double> xyzw = input.finite_numbers(4, "a quaternion as x, y, z, w");
-  double square = 0;
-  for (const double value : xyzw) square += value * value;
-  const double length = std::sqrt(square);
-  if (!(std::abs(length - 1) <= kUnitTolerance)) {
-    input.fail(ErrorCode::invalid,
-               fmt::format("expected a quaternion of length 1, got one of length {:.6g}", length));
-  }
-  return rotation_from_quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  const std::vector<double> xyzw =
+      input.finite_numbers(4, "a quaternion as x, y, z, w");
+  const auto rotation = rotation_from_unit_quaternion(std::span(xyzw).first<4>());
+  if (!rotation) input.fail(rotation.error().code, rotation.error().message);
+  return *rotation;
 }
 
 Vec3 read_position_tolerance(const Input& input) {
@@ -104,11 +97,9 @@ double read_angle(const Input& input) {
 }
 
 Axis read_axis(const Input& input) {
-  const std::string name = input.is_text() ? input.text() : "";
-  if (name == "x") return Axis::x;
-  if (name == "y") return Axis::y;
-  if (name == "z") return Axis::z;
-  input.fail_expecting("x, y or z");
+  const auto axis = parse_axis(input.is_text() ? input.text() : "");
+  if (!axis) input.fail_expecting("x, y or z");
+  return *axis;
 }
 
 /// Pose in the root link's frame of any link, where it is at the start.
@@ -206,6 +197,28 @@ Eigen::Matrix3d along_axis(const Eigen::Matrix3d& rotation, Axis axis) {
 }
 
 }  // namespace
+
+std::optional<Axis> parse_axis(std::string_view name) {
+  for (const Axis axis : {Axis::x, Axis::y, Axis::z}) {
+    if (name == to_string(axis)) return axis;
+  }
+  return std::nullopt;
+}
+
+std::string_view to_string(Axis axis) {
+  return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
+}
+
+Result<Eigen::Matrix3d> rotation_from_unit_quaternion(std::span<const double, 4> xyzw) {
+  constexpr double kUnitTolerance = 1e-3;
+  const double length =
+      std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
+  if (!(std::abs(length - 1) <= kUnitTolerance)) {
+    return fail(ErrorCode::invalid,
+                fmt::format("expected a quaternion of length 1, got one of length {:.6g}", length));
+  }
+  return rotation_from_quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+}
 
 PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const double> q) {
   const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(goal.link))];

@@ -200,12 +200,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::size_t retrieved_count(const GlSampler& gl) {
-  std::size_t count = 0;
-  for (const PrimitiveRetrieval& retrieval : gl.primitives) count += retrieval.matches.size();
-  return count;
-}
-
 void add_clearance(Json& json, const LeastClearance& clearance) {
   json["least_clearance"] = clearance.distance;
   json["nearest_link"] = clearance.link;
@@ -258,7 +252,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   const std::string& failure = result.remembered.failure;
   if (!failure.empty()) json["remember_failure"] = failure;
   json["primitives"] = result.gl.primitives.size();
-  json["retrieved"] = retrieved_count(result.gl);
+  json["retrieved"] = result.gl.retrieved_count();
   json["components"] = result.gl.mixture ? result.gl.mixture->component_count() : 0;
   json["sampler"] = result.sampler;
   json["planner"] = result.planner;

@@ -225,7 +225,7 @@ std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reas
 
 namespace {
 
-// check_urdf wants an effort where there are limits; mneme does not use it.
+// Trajectories heed the velocity, radians per second; the effort is there for check_urdf alone.
 constexpr std::string_view kRates = R"(effort="1" velocity="1")";
 
 std::string link_element(std::size_t number, double length, double radius) {

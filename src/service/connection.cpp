@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kBufferBytes = 16384;
 constexpr std::size_t kMostUnsentBytes = std::size_t{1} << 20;
+constexpr double kMostDrainS = 1;
 
 using Clock = std::chrono::steady_clock;
 
@@ -43,6 +44,7 @@ Connection::Connection(int socket, int stop_event, const ConnectionLimits& limit
 
 bool Connection::wait_for_request() {
   request_bytes_ = in_.size() - taken_;
+  most_bytes_ = limits_.head_bytes;
   if (request_bytes_ == 0) {
     std::array<pollfd, 2> sockets = {{{socket_, POLLIN, 0}, {stop_event_, POLLIN, 0}}};
     if (!wait_for_event(sockets, after(limits_.idle_timeout_s))) return false;
@@ -70,9 +72,19 @@ bool Connection::flush() {
   return true;
 }
 
+void Connection::drain() {
+  shutdown(socket_, SHUT_WR);
+  in_.resize(kBufferBytes);
+  const auto deadline = after(std::min(kMostDrainS, limits_.request_timeout_s));
+  std::array<pollfd, 2> sockets = {{{socket_, POLLIN, 0}, {stop_event_, POLLIN, 0}}};
+  while (Clock::now() < deadline && wait_for_event(sockets, deadline) && sockets[1].revents == 0) {
+    if (recv(socket_, in_.data(), in_.size(), MSG_DONTWAIT) <= 0) break;
+  }
+}
+
 bool Connection::receive() {
   // An interim answer, such as 100 Continue, is what the client waits for.
-  if (!flush() || request_bytes_ >= limits_.request_bytes) return false;
+  if (!flush() || request_bytes_ >= most_bytes_) return false;
   in_.resize(kBufferBytes);
   taken_ = 0;
   ssize_t count = recv(socket_, in_.data(), in_.size(), MSG_DONTWAIT);

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -13,6 +15,10 @@ namespace mneme::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Of all configurations of a request: an answer of some 10 MB.
+constexpr std::size_t kMostContacts = 100000;
+constexpr std::chrono::milliseconds kLookForCancel{10};
 
 Answer answer(const Json& json, int status = 200) {
   // Names come from clients and files and may hold any bytes; JSON must be UTF-8.
@@ -35,10 +41,8 @@ Answer no_turn(bool is_cancelled) {
   return busy;
 }
 
-std::size_t retrieved_count(const GlSampler& gl) {
-  std::size_t count = 0;
-  for (const PrimitiveRetrieval& retrieval : gl.primitives) count += retrieval.matches.size();
-  return count;
+Answer refuse_check(const std::string& reason) {
+  return refusal(400, "invalid", reason + ": ask for fewer configurations at a time");
 }
 
 Json scene_json(const std::string& id, const Scene& scene) {
@@ -93,27 +97,36 @@ RequestContext Endpoints::context() const {
   return {robot_, scenes_, settings_, database_ != nullptr};
 }
 
-void Endpoints::set_memory_failure(const std::string& failure) {
+void Endpoints::set_failure(std::string Endpoints::*failure, const std::string& message) {
   const std::lock_guard lock(mutex_);
-  memory_failure_ = failure;
+  this->*failure = message;
 }
 
 void Endpoints::refresh_memory() {
   if (database_ == nullptr) return;
   const auto refreshed = database_->refresh();
-  set_memory_failure(refreshed ? "" : refreshed.error().message);
+  set_failure(&Endpoints::read_failure_, refreshed ? "" : refreshed.error().message);
+}
+
+std::unique_lock<std::timed_mutex> Endpoints::wait_alone(const std::string& planner,
+                                                         const std::atomic<bool>& is_cancelled) {
+  std::unique_lock lock(exclusive_, std::defer_lock);
+  const auto found = find_planner(planner);
+  if (!found || !(*found)->is_exclusive) return lock;
+  while (!is_cancelled && !lock.try_lock_for(kLookForCancel)) continue;
+  return lock;
 }
 
 Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& request) {
-  std::unique_lock<std::mutex> exclusive;
-  const auto planner = find_planner(request.settings.planner);
-  if (planner && (*planner)->is_exclusive) exclusive = std::unique_lock(exclusive_);
+  const Stopwatch stopwatch;
   Result<SolveResult> result = solve(request.problem, database_.get(), request.settings);
   if (result) return Outcome{*std::move(result), ""};
   const Error error = result.error();
   if (database_ == nullptr || is_of_client(error.code)) return tl::unexpected(error);
-  set_memory_failure(error.message);
-  return solve(request.problem, nullptr, request.settings).map([&](SolveResult without) {
+  set_failure(&Endpoints::read_failure_, error.message);
+  SolveSettings settings = request.settings;
+  settings.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
+  return solve(request.problem, nullptr, settings).map([&](SolveResult without) {
     return Outcome{std::move(without), error.message};
   });
 }
@@ -132,6 +145,9 @@ Answer Endpoints::plan(const std::string& body, int socket) {
   Result<PlanRequest> request = read_plan_request(body, context());
   if (!request) return refusal(request.error());
   const ClientWatch::Watched client(watch_, socket);
+  // Before it has a turn, which others could use.
+  const auto alone = wait_alone(request->settings.planner, client.is_cancelled());
+  if (client.is_cancelled()) return no_turn(true);
   std::optional<PlanQueue::Turn> turn =
       queue_.wait_for_turn(client.is_cancelled(), request->settings.threads);
   if (!turn) return no_turn(client.is_cancelled());
@@ -147,9 +163,11 @@ Answer Endpoints::plan(const std::string& body, int socket) {
   if (request->wants_clearance) measures = measure_path(request->problem, result.plan.path);
   turn.reset();
 
-  metrics_.add_plan(to_string(result.plan.status), retrieved_count(result.gl),
+  metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),
                     result.remembered.rows);
-  if (!result.remembered.failure.empty()) set_memory_failure(result.remembered.failure);
+  if (result.remembered.rows > 0 || !result.remembered.failure.empty()) {
+    set_failure(&Endpoints::write_failure_, result.remembered.failure);
+  }
   std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
   if (!request->wants_trace && outcome->memory_failure.empty()) return {200, std::move(text)};
   Json json = Json::parse(text);
@@ -185,16 +203,25 @@ Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
 Answer Endpoints::check(const std::string& body, int socket) {
   const Result<CheckRequest> request = read_check_request(body, context());
   if (!request) return refusal(request.error());
-  const auto checker =
-      CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
-  if (!checker) return refusal(checker.error());
   const ClientWatch::Watched client(watch_, socket);
   const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
   if (!turn) return no_turn(client.is_cancelled());
+  const auto checker =
+      CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
+  if (!checker) return refusal(checker.error());
+  const Stopwatch stopwatch;
   Json states = Json::array();
+  std::size_t contacts = 0;
   for (const Configuration& q : request->configurations) {
     if (client.is_cancelled()) return no_turn(true);
+    if (stopwatch.elapsed_s() > settings_.longest_plan_s) {
+      return refuse_check(fmt::format("it takes more than {} s", settings_.longest_plan_s));
+    }
     states.push_back(state_json(*checker, q));
+    contacts += states.back()["contacts"].size();
+    if (contacts > kMostContacts) {
+      return refuse_check(fmt::format("there are more than {} contacts", kMostContacts));
+    }
   }
   return answer({{"states", states}});
 }
@@ -225,11 +252,12 @@ Answer Endpoints::scene(const std::string& id) const {
 
 Answer Endpoints::trace(const std::string& id, int socket) {
   std::uint64_t number = 0;
-  std::from_chars(id.data(), id.data() + id.size(), number);
+  const char* const end = id.data() + id.size();
+  const bool is_number = std::from_chars(id.data(), end, number).ptr == end;
   std::shared_ptr<const TracedPlan> plan;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = traces_.find(number);
+    const auto found = is_number ? traces_.find(number) : traces_.end();
     if (found != traces_.end()) plan = found->second;
   }
   if (plan == nullptr) {
@@ -245,11 +273,11 @@ Answer Endpoints::trace(const std::string& id, int socket) {
   return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
 }
 
-Answer Endpoints::health() const {
+Answer Endpoints::health(bool may_plan) const {
   std::string failure;
   {
     const std::lock_guard lock(mutex_);
-    failure = memory_failure_;
+    failure = !read_failure_.empty() ? read_failure_ : write_failure_;
   }
   Json joints = Json::array();
   for (int i = 0; i < robot_.joint_count(); ++i) joints.push_back(robot_.group_joint(i).name);
@@ -261,7 +289,7 @@ Answer Endpoints::health() const {
                {"memory", nullptr}};
   if (database_ != nullptr) {
     json["memory"] = {{"rows", database_->size()}};
-    if (!failure.empty()) json["memory"]["failure"] = failure;
+    if (may_plan && !failure.empty()) json["memory"]["failure"] = failure;
   }
   return answer(json);
 }

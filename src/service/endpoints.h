@@ -47,7 +47,8 @@ class Endpoints {
   [[nodiscard]] Answer delete_scene(const std::string& id);
   [[nodiscard]] Answer scene(const std::string& id) const;
   [[nodiscard]] Answer trace(const std::string& id, int socket);
-  [[nodiscard]] Answer health() const;
+  /// What is wrong with memory is told to those who may plan, only that something is to others.
+  [[nodiscard]] Answer health(bool may_plan) const;
   [[nodiscard]] Answer metrics_text(int connections) const;
 
   [[nodiscard]] Metrics& metrics() { return metrics_; }
@@ -69,9 +70,12 @@ class Endpoints {
     std::string memory_failure;  ///< why it planned without memory
   };
   [[nodiscard]] RequestContext context() const;
+  /// Not locked if the planner is not exclusive, or once `is_cancelled`.
+  [[nodiscard]] std::unique_lock<std::timed_mutex> wait_alone(
+      const std::string& planner, const std::atomic<bool>& is_cancelled);
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);
-  void set_memory_failure(const std::string& failure);
+  void set_failure(std::string Endpoints::*failure, const std::string& message);
 
   Robot robot_;
   std::shared_ptr<Database> database_;
@@ -82,9 +86,10 @@ class Endpoints {
   Metrics metrics_;
   Stopwatch uptime_;
   std::atomic<bool> is_stopping_ = false;
-  std::mutex exclusive_;  ///< of planners that run one at a time in a process
+  std::timed_mutex exclusive_;  ///< of planners that run one at a time in a process
   mutable std::mutex mutex_;
-  std::string memory_failure_;  ///< the last one, until memory answers again
+  std::string read_failure_;   ///< the last one, until memory answers again
+  std::string write_failure_;  ///< the last one, until a plan has been remembered again
   std::map<std::uint64_t, std::shared_ptr<const TracedPlan>> traces_;
   std::uint64_t last_trace_ = 0;
 };

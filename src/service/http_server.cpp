@@ -6,7 +6,9 @@
 
 #include <array>
 #include <chrono>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -25,6 +27,9 @@ constexpr std::string_view kTooManyConnections =
     "Content-Type: application/json\r\nContent-Length: 74\r\n\r\n"
     "{\"error\":{\"code\":\"busy\",\"message\":\"too many connections: try again soon\"}}";
 
+/// Answers are whole ones, as RFC 9110, 14.2 allows: httplib would hold one copy per range.
+void ignore_ranges(httplib::Request& request) { request.ranges.clear(); }
+
 }  // namespace
 
 HttpServer::HttpServer(Listener listener, const ConnectionLimits& limits, int most_connections)
@@ -40,8 +45,14 @@ HttpServer::~HttpServer() {
 
 Connection& HttpServer::connection() { return *current_connection; }
 
-void HttpServer::start() {
-  acceptor_ = std::thread([this] { accept_clients(); });
+Result<void> HttpServer::start() {
+  if (stop_event_.number() < 0) return fail(ErrorCode::io, "cannot listen: too many open files");
+  try {
+    acceptor_ = std::thread([this] { accept_clients(); });
+  } catch (const std::system_error& error) {
+    return fail(ErrorCode::io, std::string("cannot listen: no thread to be had: ") + error.what());
+  }
+  return {};
 }
 
 void HttpServer::accept_clients() {
@@ -63,16 +74,25 @@ void HttpServer::accept_clients() {
 void HttpServer::add_client(Descriptor socket) {
   const int on = 1;
   setsockopt(socket.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  if (connection_count_ >= most_connections_) {
-    send(socket.number(), kTooManyConnections.data(), kTooManyConnections.size(),
-         MSG_NOSIGNAL | MSG_DONTWAIT);
-    return;
-  }
-  ++connection_count_;
+  if (connection_count_ < most_connections_ && start_thread(socket)) return;
+  send(socket.number(), kTooManyConnections.data(), kTooManyConnections.size(),
+       MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+bool HttpServer::start_thread(Descriptor& socket) {
   const std::lock_guard lock(mutex_);
   Thread& thread = threads_.emplace_back();
   thread.socket = std::move(socket);
-  thread.thread = std::thread([this, &thread] { serve(thread); });
+  ++connection_count_;
+  try {
+    thread.thread = std::thread([this, &thread] { serve(thread); });
+    return true;
+  } catch (const std::system_error&) {
+    --connection_count_;
+    socket = std::move(thread.socket);
+    threads_.pop_back();
+    return false;
+  }
 }
 
 void HttpServer::serve(Thread& thread) {
@@ -80,12 +100,18 @@ void HttpServer::serve(Thread& thread) {
   current_connection = &connection;
   while (!connection.must_close() && connection.wait_for_request()) {
     bool is_closed_by_client = false;
-    const bool is_answered = process_request(connection, is_stopping_, is_closed_by_client, nullptr);
+    const bool is_answered =
+        process_request(connection, is_stopping_, is_closed_by_client, ignore_ranges);
     const bool is_sent = connection.flush();
     if (!is_answered || !is_sent || is_closed_by_client || is_stopping_) break;
   }
   current_connection = nullptr;
-  shutdown(thread.socket.number(), SHUT_RDWR);
+  if (connection.must_close()) connection.drain();
+  {
+    const std::lock_guard lock(mutex_);
+    shutdown(thread.socket.number(), SHUT_RDWR);
+    thread.socket = Descriptor();
+  }
   --connection_count_;
   thread.is_done = true;
 }
@@ -105,7 +131,7 @@ void HttpServer::stop_accepting() {
   static_cast<void>(!write(stop_event_.number(), &one, sizeof one));
   if (acceptor_.joinable()) acceptor_.join();
   listener_.socket = Descriptor();
-  if (!listener_.socket_file.empty()) unlink(listener_.socket_file.c_str());
+  remove_socket_file(listener_);
 }
 
 void HttpServer::wait(double patience_s) const {
@@ -116,10 +142,13 @@ void HttpServer::wait(double patience_s) const {
 }
 
 void HttpServer::join() {
-  const std::lock_guard lock(mutex_);
-  for (Thread& thread : threads_) shutdown(thread.socket.number(), SHUT_RDWR);
-  for (Thread& thread : threads_) thread.thread.join();
-  threads_.clear();
+  std::list<Thread> threads;
+  {
+    const std::lock_guard lock(mutex_);
+    for (Thread& thread : threads_) shutdown(thread.socket.number(), SHUT_RDWR);
+    threads.swap(threads_);
+  }
+  for (Thread& thread : threads) thread.thread.join();
 }
 
 }  // namespace mneme::internal

@@ -24,7 +24,8 @@ class HttpServer : public httplib::Server {
   HttpServer& operator=(const HttpServer&) = delete;
   ~HttpServer() override;
 
-  void start();
+  /// Errors: io, if the machine has no descriptors or threads left.
+  [[nodiscard]] Result<void> start();
   /// Accepts no more and closes idle connections; those that are answered go on.
   void stop_accepting();
   /// Returns once all connections are closed, or after `patience_s`.
@@ -40,11 +41,13 @@ class HttpServer : public httplib::Server {
  private:
   struct Thread {
     std::thread thread;
-    Descriptor socket;
+    Descriptor socket;  ///< closed by the thread, under mutex_
     std::atomic<bool> is_done = false;
   };
   void accept_clients();
   void add_client(Descriptor socket);
+  /// False if the machine has no thread for it.
+  [[nodiscard]] bool start_thread(Descriptor& socket);
   void serve(Thread& thread);
   void remove_done();
 

@@ -45,28 +45,37 @@ Result<Listener> listen_at_file(const std::string& where) {
   path.copy(address.sun_path, path.size());
   struct stat file {};
   if (stat(path.c_str(), &file) == 0) {
-    const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const bool is_answered = connect(probe.number(), generic(address), sizeof address) == 0;
-    if (is_answered || !S_ISSOCK(file.st_mode)) {
-      return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where,
-                                             is_answered ? "another program does"
-                                                         : "it is a file, not a socket"));
+    if (!S_ISSOCK(file.st_mode)) {
+      return fail(ErrorCode::io,
+                  fmt::format("cannot listen at {}: it is a file, not a socket", where));
     }
+    const Descriptor probe = new_socket(AF_UNIX);
+    const bool is_answered = connect(probe.number(), generic(address), sizeof address) == 0;
+    // A long line of clients that wait is an answer, too.
+    if (is_answered || errno == EAGAIN) {
+      return fail(ErrorCode::io, fmt::format("cannot listen at {}: another program does", where));
+    }
+    if (errno != ECONNREFUSED) return cannot_listen(where);
     unlink(path.c_str());
   }
-  Listener listener{new_socket(AF_UNIX), where, path};
+  Listener listener{new_socket(AF_UNIX), where};
   const int socket = listener.socket.number();
   const mode_t before = umask(0077);
   const bool is_bound = bind(socket, generic(address), sizeof address) == 0;
   umask(before);
-  if (!is_bound || listen(socket, kBacklog) != 0) return cannot_listen(where);
+  if (!is_bound || listen(socket, kBacklog) != 0 || stat(path.c_str(), &file) != 0) {
+    return cannot_listen(where);
+  }
+  listener.socket_file = path;
+  listener.file_number = file.st_ino;
   return listener;
 }
 
+bool is_loopback(const in_addr& address) { return ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET; }
+
 bool is_loopback(const sockaddr* address) {
   if (address->sa_family == AF_INET) {
-    const auto* v4 = reinterpret_cast<const sockaddr_in*>(address);
-    return ntohl(v4->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+    return is_loopback(reinterpret_cast<const sockaddr_in*>(address)->sin_addr);
   }
   const auto* v6 = reinterpret_cast<const sockaddr_in6*>(address);
   return IN6_IS_ADDR_LOOPBACK(&v6->sin6_addr);
@@ -107,7 +116,7 @@ Result<Listener> listen_at_host(const std::string& where, bool may_be_remote) {
                             "address of this machine, such as 127.0.0.1",
                             where));
   }
-  Listener listener{new_socket(found->ai_family), "", ""};
+  Listener listener{new_socket(found->ai_family), ""};
   const int socket = listener.socket.number(), on = 1;
   setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (bind(socket, found->ai_addr, found->ai_addrlen) != 0 || listen(socket, kBacklog) != 0) {
@@ -136,6 +145,25 @@ int Descriptor::release() { return std::exchange(number_, -1); }
 
 Result<Listener> listen_at(const std::string& where, bool may_be_remote) {
   return where.starts_with(kUnix) ? listen_at_file(where) : listen_at_host(where, may_be_remote);
+}
+
+void remove_socket_file(const Listener& listener) {
+  struct stat file {};
+  const bool is_there =
+      !listener.socket_file.empty() && stat(listener.socket_file.c_str(), &file) == 0;
+  if (is_there && file.st_ino == listener.file_number) unlink(listener.socket_file.c_str());
+}
+
+bool is_own_host(const std::string& host, const std::string& address) {
+  const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
+  if (bracket == std::string::npos) return false;
+  const std::string name = host.substr(0, host.find(':', bracket));
+  in_addr v4{};
+  in6_addr v6{};
+  const std::string inner = bracket > 0 ? name.substr(1, bracket - 1) : "";
+  if (inet_pton(AF_INET6, inner.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
+  if (inet_pton(AF_INET, name.c_str(), &v4) == 1) return is_loopback(v4);
+  return strcasecmp(name.c_str(), "localhost") == 0 || address.starts_with("http://" + name + ":");
 }
 
 }  // namespace mneme::internal

@@ -7,6 +7,7 @@
 #include "mneme/base.h"
 
 #include <string>
+#include <sys/types.h>
 
 namespace mneme::internal {
 
@@ -28,11 +29,19 @@ class Descriptor {
 struct Listener {
   Descriptor socket;
   std::string address;      ///< as clients name it
-  std::string socket_file;  ///< to be removed at the end; empty for an address of a network
+  std::string socket_file = {};  ///< to be removed at the end; empty for an address of a network
+  ino_t file_number = 0;         ///< of socket_file
 };
 
 /// Listens at HOST:PORT or unix:PATH. A socket file that nobody listens at is replaced; it is for
 /// its owner alone. `may_be_remote` allows addresses that other machines reach. Errors: invalid, io.
 [[nodiscard]] Result<Listener> listen_at(const std::string& where, bool may_be_remote);
+/// Unless another program has put a file of its own in its place.
+void remove_socket_file(const Listener& listener);
+
+/// True if a client that connected to `address`, a listener's, means this machine by `host`, a
+/// value of the header Host. Any page can give its own name the address of this machine, but sends
+/// that name.
+[[nodiscard]] bool is_own_host(const std::string& host, const std::string& address);
 
 }  // namespace mneme::internal

@@ -22,9 +22,58 @@ void add_single(std::string& text, std::string_view name, std::string_view type,
   fmt::format_to(std::back_inserter(text), "{} {}\n", name, value);
 }
 
+void add_requests(std::string& text, const ServiceCounts& counts) {
+  add_head(text, "mneme_requests_total", "counter", "Requests that were answered.");
+  for (const auto& [key, count] : counts.requests) {
+    fmt::format_to(std::back_inserter(text),
+                   "mneme_requests_total{{path=\"{}\",status=\"{}\"}} {}\n", key.first, key.second,
+                   count);
+  }
+}
+
+void add_latencies(std::string& text, ServiceCounts& counts) {
+  add_head(text, "mneme_request_seconds", "summary",
+           "From the last byte of a request to its answer; quantiles of the last 1024.");
+  const auto out = std::back_inserter(text);
+  for (auto& [path, latencies] : counts.latencies) {
+    std::vector<float>& last = latencies.last;
+    std::ranges::sort(last);
+    for (const double quantile : {0.5, 0.95, 0.99}) {
+      const auto rank = static_cast<std::size_t>(quantile * static_cast<double>(last.size() - 1));
+      fmt::format_to(out, "mneme_request_seconds{{path=\"{}\",quantile=\"{}\"}} {:.6g}\n", path,
+                     quantile, last[rank]);
+    }
+    fmt::format_to(out, "mneme_request_seconds_sum{{path=\"{}\"}} {:.6g}\n", path,
+                   latencies.sum_s);
+    fmt::format_to(out, "mneme_request_seconds_count{{path=\"{}\"}} {}\n", path, latencies.count);
+  }
+}
+
+void add_plans(std::string& text, const ServiceCounts& counts) {
+  add_head(text, "mneme_plans_total", "counter", "Plans by how they ended.");
+  for (const auto& [status, count] : counts.plans) {
+    fmt::format_to(std::back_inserter(text), "mneme_plans_total{{status=\"{}\"}} {}\n", status,
+                   count);
+  }
+  add_single(text, "mneme_memory_hits_total", "counter", "Plans that memory gave samplers.",
+             counts.hits);
+  add_single(text, "mneme_retrieved_total", "counter", "Samplers that memory gave.",
+             counts.retrieved);
+  add_single(text, "mneme_remembered_total", "counter", "Samplers that plans taught.",
+             counts.remembered);
+}
+
+void add_gauges(std::string& text, const ServiceGauges& gauges) {
+  add_single(text, "mneme_memory_rows", "gauge", "Samplers in memory.", gauges.memory_rows);
+  add_single(text, "mneme_threads", "gauge", "Plans that may run at a time.", gauges.threads);
+  add_single(text, "mneme_waiting", "gauge", "Requests that wait for a thread.", gauges.waiting);
+  add_single(text, "mneme_connections", "gauge", "Connections that are open.", gauges.connections);
+  add_single(text, "mneme_scenes", "gauge", "Scenes that are kept.", gauges.scenes);
+}
+
 }  // namespace
 
-void Metrics::Latencies::add(double seconds) {
+void ServiceCounts::Latencies::add(double seconds) {
   if (last.size() < kKept) {
     last.push_back(static_cast<float>(seconds));
   } else {
@@ -37,53 +86,29 @@ void Metrics::Latencies::add(double seconds) {
 
 void Metrics::add_request(std::string_view endpoint, int status, double seconds) {
   const std::lock_guard lock(mutex_);
-  ++requests_[{std::string(endpoint), status}];
-  latencies_[std::string(endpoint)].add(seconds);
+  ++counts_.requests[{std::string(endpoint), status}];
+  counts_.latencies[std::string(endpoint)].add(seconds);
 }
 
 void Metrics::add_plan(std::string_view status, std::size_t retrieved, int remembered) {
   const std::lock_guard lock(mutex_);
-  ++plans_[std::string(status)];
-  hits_ += retrieved > 0 ? 1 : 0;
-  retrieved_ += retrieved;
-  remembered_ += static_cast<std::uint64_t>(remembered);
+  ++counts_.plans[std::string(status)];
+  counts_.hits += retrieved > 0 ? 1 : 0;
+  counts_.retrieved += retrieved;
+  counts_.remembered += static_cast<std::uint64_t>(remembered);
 }
 
 std::string Metrics::text(const ServiceGauges& gauges) const {
-  const std::lock_guard lock(mutex_);
+  // A copy, so that no request waits until all is sorted and printed.
+  ServiceCounts counts = [&] {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+  }();
   std::string text;
-  const auto out = std::back_inserter(text);
-  add_head(text, "mneme_requests_total", "counter", "Requests that were answered.");
-  for (const auto& [key, count] : requests_) {
-    fmt::format_to(out, "mneme_requests_total{{path=\"{}\",status=\"{}\"}} {}\n", key.first,
-                   key.second, count);
-  }
-  add_head(text, "mneme_request_seconds", "summary",
-           "From the last byte of a request to its answer; quantiles of the last 1024.");
-  for (const auto& [path, latencies] : latencies_) {
-    std::vector<float> sorted = latencies.last;
-    std::ranges::sort(sorted);
-    for (const double quantile : {0.5, 0.95, 0.99}) {
-      const auto rank = static_cast<std::size_t>(quantile * static_cast<double>(sorted.size() - 1));
-      fmt::format_to(out, "mneme_request_seconds{{path=\"{}\",quantile=\"{}\"}} {:.6g}\n", path,
-                     quantile, sorted[rank]);
-    }
-    fmt::format_to(out, "mneme_request_seconds_sum{{path=\"{}\"}} {:.6g}\n", path,
-                   latencies.sum_s);
-    fmt::format_to(out, "mneme_request_seconds_count{{path=\"{}\"}} {}\n", path, latencies.count);
-  }
-  add_head(text, "mneme_plans_total", "counter", "Plans by how they ended.");
-  for (const auto& [status, count] : plans_) {
-    fmt::format_to(out, "mneme_plans_total{{status=\"{}\"}} {}\n", status, count);
-  }
-  add_single(text, "mneme_memory_hits_total", "counter", "Plans that memory gave samplers.", hits_);
-  add_single(text, "mneme_retrieved_total", "counter", "Samplers that memory gave.", retrieved_);
-  add_single(text, "mneme_remembered_total", "counter", "Samplers that plans taught.", remembered_);
-  add_single(text, "mneme_memory_rows", "gauge", "Samplers in memory.", gauges.memory_rows);
-  add_single(text, "mneme_threads", "gauge", "Plans that may run at a time.", gauges.threads);
-  add_single(text, "mneme_waiting", "gauge", "Requests that wait for a thread.", gauges.waiting);
-  add_single(text, "mneme_connections", "gauge", "Connections that are open.", gauges.connections);
-  add_single(text, "mneme_scenes", "gauge", "Scenes that are kept.", gauges.scenes);
+  add_requests(text, counts);
+  add_latencies(text, counts);
+  add_plans(text, counts);
+  add_gauges(text, gauges);
   return text;
 }
 

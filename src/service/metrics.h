@@ -25,6 +25,24 @@ struct ServiceGauges {
   std::size_t scenes = 0;
 };
 
+/// What has been counted since a service began.
+struct ServiceCounts {
+  /// The last latencies, whose quantiles are told.
+  struct Latencies {
+    static constexpr std::size_t kKept = 1024;
+    std::vector<float> last;
+    std::size_t next = 0;
+    std::uint64_t count = 0;
+    double sum_s = 0;
+    void add(double seconds);
+  };
+
+  std::map<std::pair<std::string, int>, std::uint64_t, std::less<>> requests;
+  std::map<std::string, Latencies, std::less<>> latencies;
+  std::map<std::string, std::uint64_t, std::less<>> plans;
+  std::uint64_t hits = 0, retrieved = 0, remembered = 0;
+};
+
 /// All of it is safe from any thread.
 class Metrics {
  public:
@@ -37,21 +55,8 @@ class Metrics {
   [[nodiscard]] std::string text(const ServiceGauges& gauges) const;
 
  private:
-  /// The last latencies, whose quantiles are told.
-  struct Latencies {
-    static constexpr std::size_t kKept = 1024;
-    std::vector<float> last;
-    std::size_t next = 0;
-    std::uint64_t count = 0;
-    double sum_s = 0;
-    void add(double seconds);
-  };
-
   mutable std::mutex mutex_;
-  std::map<std::pair<std::string, int>, std::uint64_t, std::less<>> requests_;
-  std::map<std::string, Latencies, std::less<>> latencies_;
-  std::map<std::string, std::uint64_t, std::less<>> plans_;
-  std::uint64_t hits_ = 0, retrieved_ = 0, remembered_ = 0;
+  ServiceCounts counts_;
 };
 
 }  // namespace mneme::internal

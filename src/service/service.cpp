@@ -10,9 +10,12 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstring>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -26,7 +29,6 @@ using internal::refusal;
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
 constexpr double kGrace = 0.5;    ///< seconds for what runs when the service stops
 constexpr double kGoodbye = 0.3;  ///< seconds for the answers to what was cancelled then
 constexpr const char* kNames = "([A-Za-z0-9_.-]{1,64})";
@@ -47,6 +49,11 @@ bool is_same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+bool knows(const std::string& token, const Request& request) {
+  return token.empty() ||
+         is_same_secret(request.get_header_value("Authorization"), "Bearer " + token);
+}
+
 void respond(Response& response, Answer answer) {
   response.status = answer.status;
   if (answer.may_retry) response.set_header("Retry-After", "1");
@@ -60,22 +67,101 @@ void respond_and_close(Response& response, Answer answer) {
   respond(response, std::move(answer));
 }
 
-/// Why a request is not even looked at.
-std::optional<Answer> refuse_head(const Request& request, const std::string& token) {
-  const bool is_free = token.empty() || request.path == "/healthz";
-  if (!is_free && !is_same_secret(request.get_header_value("Authorization"), "Bearer " + token)) {
+bool takes_body(const Request& request) {
+  return request.method == "POST" || request.method == "PUT" || request.method == "PATCH";
+}
+
+bool is_count(std::string_view text) {
+  return !text.empty() && text.size() <= 18 &&
+         text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// Why it is not certain where a request ends: a proxy before the service may see another end, and
+/// what one client sends as a body would be a request of the next (RFC 9112, 6.3 and 11.2).
+std::optional<Answer> refuse_framing(const Request& request) {
+  const auto refuse = [](std::string_view message) { return refusal(400, "invalid", message); };
+  for (const auto& [name, value] : request.headers) {
+    if (name.find_first_of(" \t") != std::string::npos) {
+      return refuse("expected headers as NAME: VALUE, without blanks in the name");
+    }
+  }
+  const std::size_t lengths = request.get_header_value_count("Content-Length");
+  const std::size_t encodings = request.get_header_value_count("Transfer-Encoding");
+  if (lengths + encodings > 1) return refuse("expected one Content-Length or Transfer-Encoding");
+  const std::string length = request.get_header_value("Content-Length");
+  if (lengths > 0 && !is_count(length)) return refuse("Content-Length: expected a whole number");
+  const std::string encoding = request.get_header_value("Transfer-Encoding");
+  if (encodings > 0 && strcasecmp(encoding.c_str(), "chunked") != 0) {
+    return refuse("Transfer-Encoding: expected chunked");
+  }
+  const bool has_none = encodings == 0 && (lengths == 0 || length == "0");
+  // httplib reads a body of known length after DELETE, and leaves it unread after other methods.
+  const bool is_read = takes_body(request) || (request.method == "DELETE" && encodings == 0);
+  if (!is_read && !has_none) return refuse("expected no body");
+  if (takes_body(request) && lengths + encodings == 0) {
+    return refusal(411, "invalid", "expected the header Content-Length");
+  }
+  return std::nullopt;
+}
+
+bool is_json(const std::string& type) {
+  const std::string essence = type.substr(0, type.find_first_of("; \t"));
+  return strcasecmp(essence.c_str(), "application/json") == 0;
+}
+
+/// Why a request to the service at `address` is not even looked at.
+std::optional<Answer> refuse_head(const Request& request, const ServiceSettings& settings,
+                                  const std::string& address) {
+  if (auto refused = refuse_framing(request)) return refused;
+  if (request.path != "/healthz" && !knows(settings.token, request)) {
     return refusal(401, "unauthorized", "expected the header Authorization: Bearer TOKEN");
+  }
+  const bool is_open = settings.token.empty() && address.starts_with("http:") && request.has_header("Host");
+  if (is_open && !internal::is_own_host(request.get_header_value("Host"), address)) {
+    return refusal(403, "forbidden",
+                   fmt::format("expected the header Host to name this machine, as in {}: without a "
+                               "token only its own programs are answered",
+                               address));
+  }
+  const std::string length = request.get_header_value("Content-Length");
+  if (!length.empty() && std::stoull(length) > settings.body_bytes) {
+    return refusal(413, "refused",
+                   fmt::format("expected a body of at most {} bytes", settings.body_bytes));
   }
   if (request.has_header("Content-Encoding")) {
     return refusal(415, "unsupported", "expected a body that is not compressed");
   }
-  const bool has_body =
-      request.method == "POST" || request.method == "PUT" || request.method == "PATCH";
   // Pages of other origins can send forms and plain text without being asked, but no JSON.
-  if (has_body && !request.get_header_value("Content-Type").starts_with("application/json")) {
+  if (takes_body(request) && !is_json(request.get_header_value("Content-Type"))) {
     return refusal(415, "unsupported", "expected the header Content-Type: application/json");
   }
   return std::nullopt;
+}
+
+Result<void> check(const ServiceSettings& settings, bool has_memory) {
+  if (settings.remember_after && !has_memory) {
+    return fail(ErrorCode::invalid, "to remember paths takes a database");
+  }
+  const struct {
+    const char* name;
+    double value, least;
+  } bounds[] = {{"threads", static_cast<double>(settings.threads), 0},
+                {"queue", static_cast<double>(settings.queue), 0},
+                {"connections", static_cast<double>(settings.connections), 1},
+                {"longest_plan_s", settings.longest_plan_s, 1e-3},
+                {"request_timeout_s", settings.request_timeout_s, 1e-3},
+                {"idle_timeout_s", settings.idle_timeout_s, 1e-3},
+                {"obstacles", static_cast<double>(settings.obstacles), 0},
+                {"scenes", static_cast<double>(settings.scenes), 0},
+                {"traces", static_cast<double>(settings.traces), 1},
+                {"refresh_s", settings.refresh_s, 1e-3}};
+  for (const auto& [name, value, least] : bounds) {
+    // Longer times than clocks can tell; written so that a NaN is out of range.
+    if (value >= least && value <= 1e9) continue;
+    return fail(ErrorCode::invalid,
+                fmt::format("{}: expected a number of {} or more, got {}", name, least, value));
+  }
+  return {};
 }
 
 }  // namespace
@@ -87,12 +173,11 @@ class Service::State {
       : settings_(completed(settings)),
         endpoints_(robot, database, settings_),
         server_(std::move(listener),
-                {settings.request_timeout_s, settings.idle_timeout_s,
-                 settings.body_bytes + kHeadBytes},
+                {.request_timeout_s = settings.request_timeout_s,
+                 .idle_timeout_s = settings.idle_timeout_s,
+                 .body_bytes = settings.body_bytes},
                 settings.connections) {
     add_routes();
-    server_.start();
-    if (database != nullptr) refresher_ = std::thread([this] { refresh(); });
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -100,10 +185,21 @@ class Service::State {
 
   [[nodiscard]] const std::string& address() const { return server_.address(); }
 
+  Result<void> start(bool has_memory) {
+    if (has_memory) refresher_ = std::thread([this] { refresh(); });
+    return server_.start();
+  }
+
+  /// Whoever calls it while another one does returns with that one.
   void stop() {
+    std::call_once(stopped_, [this] { stop_once(); });
+  }
+
+ private:
+  void stop_once() {
     {
       const std::lock_guard lock(mutex_);
-      if (std::exchange(is_stopping_, true)) return;
+      is_stopping_ = true;
     }
     wake_.notify_one();
     endpoints_.set_stopping();
@@ -115,7 +211,6 @@ class Service::State {
     if (refresher_.joinable()) refresher_.join();
   }
 
- private:
   using Handler = std::function<Answer(const Request&)>;
 
   /// `endpoint` as metrics name it.
@@ -146,7 +241,9 @@ class Service::State {
                   return endpoints_.trace(request.matches[1], socket());
                 }));
     server_.Get("/healthz",
-                timed("/healthz", [this](const Request&) { return endpoints_.health(); }));
+                timed("/healthz", [this](const Request& request) {
+                  return endpoints_.health(knows(settings_.token, request));
+                }));
     server_.Get("/metrics", timed("/metrics", [this](const Request&) {
                   return endpoints_.metrics_text(server_.connection_count());
                 }));
@@ -173,8 +270,11 @@ class Service::State {
 
   void add_refusals() {
     server_.set_pre_routing_handler([this](const Request& request, Response& response) {
-      auto refused = refuse_head(request, settings_.token);
-      if (!refused) return HttpServer::HandlerResponse::Unhandled;
+      auto refused = refuse_head(request, settings_, address());
+      if (!refused) {
+        HttpServer::connection().expect_body();
+        return HttpServer::HandlerResponse::Unhandled;
+      }
       endpoints_.metrics().add_request("refused", refused->status, 0);
       respond_and_close(response, *std::move(refused));
       return HttpServer::HandlerResponse::Handled;
@@ -183,6 +283,11 @@ class Service::State {
     server_.set_error_handler([this](const Request& request, Response& response) {
       if (!response.body.empty()) return;
       endpoints_.metrics().add_request("refused", response.status, 0);
+      if (response.status == 416) {
+        // It would still be sent once per range: nothing is not.
+        HttpServer::connection().close_after_answer();
+        return;
+      }
       const bool is_missing = response.status == 404;
       const std::string message =
           is_missing ? fmt::format("there is no {} {}", request.method, request.path)
@@ -213,17 +318,27 @@ class Service::State {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool is_stopping_ = false;
+  std::once_flag stopped_;
 };
 
 Result<Service> Service::start(const Robot& robot, std::shared_ptr<Database> database,
                                const ServiceSettings& settings) {
-  if (settings.remember_after && database == nullptr) {
-    return fail(ErrorCode::invalid, "to remember paths takes a database");
+  if (const auto checked = check(settings, database != nullptr); !checked) {
+    return tl::unexpected(checked.error());
   }
   auto listener = internal::listen_at(settings.listen, !settings.token.empty());
   if (!listener) return tl::unexpected(listener.error());
-  return Service(
-      std::make_unique<State>(*std::move(listener), robot, std::move(database), settings));
+  try {
+    const bool has_memory = database != nullptr;
+    auto state =
+        std::make_unique<State>(*std::move(listener), robot, std::move(database), settings);
+    if (const auto started = state->start(has_memory); !started) {
+      return tl::unexpected(started.error());
+    }
+    return Service(std::move(state));
+  } catch (const std::system_error& error) {
+    return fail(ErrorCode::io, std::string("cannot serve: no thread to be had: ") + error.what());
+  }
 }
 
 Service::Service(std::unique_ptr<State> state) : state_(std::move(state)) {}

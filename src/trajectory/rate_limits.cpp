@@ -96,7 +96,8 @@ RateLimits limits_of_group(const Robot& robot, const Rates& rates, double accele
 }
 
 /// Slows joints down for those that follow them.
-void heed_followers(const Robot& robot, const Rates& rates, RateLimits& limits) {
+void heed_followers(const Robot& robot, const Rates& rates, double acceleration,
+                    RateLimits& limits) {
   for (const Joint& joint : robot.joints()) {
     if (!joint.mimic || joint.mimic->multiplier == 0) continue;
     const auto leader = std::ranges::find(robot.group(), joint.mimic->joint);
@@ -105,8 +106,8 @@ void heed_followers(const Robot& robot, const Rates& rates, RateLimits& limits) 
     const double ratio = std::abs(joint.mimic->multiplier);
     const JointRates& own = rates.at(joint.name);
     limits.velocity[i] = std::min(limits.velocity[i], own.velocity / ratio);
-    if (!own.acceleration) continue;
-    limits.acceleration[i] = std::min(limits.acceleration[i], *own.acceleration / ratio);
+    limits.acceleration[i] =
+        std::min(limits.acceleration[i], own.acceleration.value_or(acceleration) / ratio);
   }
 }
 
@@ -152,7 +153,7 @@ Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings
     if (!read) return tl::unexpected(read.error());
   }
   RateLimits limits = internal::limits_of_group(robot, rates, settings.acceleration_limit);
-  internal::heed_followers(robot, rates, limits);
+  internal::heed_followers(robot, rates, settings.acceleration_limit, limits);
   for (double& velocity : limits.velocity) velocity *= settings.velocity_scale;
   for (double& rate : limits.acceleration) rate *= settings.acceleration_scale;
   if (auto checked = internal::check_rate_limits(robot, limits); !checked) {

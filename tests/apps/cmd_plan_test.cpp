@@ -92,6 +92,17 @@ TEST_SUITE("flow") {
     CHECK_FALSE(std::filesystem::exists(files / "none.csv"));
   }
 
+  TEST_CASE("a trajectory that cannot be written costs nothing else") {
+    const PlanarFiles files;
+    const ProgramRun run = run_program(
+        {"plan", files.problem(), "--json", "--svg", files / "plan.svg", "--trajectory",
+         files / "m.csv", "--dt", "0.0001", "--velocity-scale", "0.001"});
+    CHECK(run.exit_code == 1);
+    CHECK_MESSAGE(has_text(run.err, "points"), run.err);
+    CHECK(Json::parse(run.out)["path"].size() >= 2);
+    CHECK(std::filesystem::exists(files / "plan.svg"));
+  }
+
   TEST_CASE("flags of trajectories that are wrong are refused before anything is planned") {
     const PlanarFiles files;
     const std::string problem = files.problem(), csv = files / "m.csv";

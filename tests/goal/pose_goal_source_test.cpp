@@ -7,9 +7,6 @@
 namespace mneme::test {
 namespace {
 
-const std::string kHand = "panda_hand";
-const Configuration kReady = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
-
 CollisionChecker checker_among(const Robot& robot, const Scene& scene) {
   const auto checker = CollisionChecker::make(robot, scene);
   REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
@@ -90,6 +87,41 @@ TEST_SUITE("unit") {
                                         "that rotation: no solution from 2048 seeds, "),
                     failure);
     }
+  }
+
+  TEST_CASE("a search that is over looks no further, and says so") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    PoseGoal unreachable = pose_at(robot, kHand, kReady);
+    unreachable.pose.translation = Vec3(1.5, 0, 0.3);
+    IkSettings settings;
+    settings.seeds = 100000000;
+    int asked = 0;
+    settings.is_over = [&] { return asked++ >= 3; };
+    CHECK(require_kinematics(robot, kHand).solve(unreachable, kReady, settings).seeds == 48);
+    CHECK(require_kinematics(robot, kHand).solve(unreachable, kReady, settings).seeds == 0);
+    asked = 0;
+    PoseGoalSource source = require_source(checker, {unreachable, unreachable}, settings);
+    CHECK(source.more().empty());
+    CHECK(source.describe_failure() ==
+          "goal pose 0: the search for link 'panda_hand' ended after 48 seeds; goal pose 1: the "
+          "search for link 'panda_hand' ended after 0 seeds");
+  }
+
+  TEST_CASE("to say why a goal cannot be reached takes few seeds") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    PoseGoal unreachable = pose_at(robot, kHand, kReady);
+    unreachable.pose.translation = Vec3(1.5, 0, 0.3);
+    IkSettings settings;
+    settings.seeds = 4096;
+    int asked = 0;
+    settings.is_over = [&] { return ++asked < 0; };
+    PoseGoalSource source = require_source(checker, {unreachable}, settings);
+    CHECK(source.more().empty());
+    CHECK(asked == 256);
+    CHECK(source.describe_failure().find("out of reach") != std::string::npos);
+    CHECK(asked <= 256 + 64);
   }
 
   TEST_CASE("an unknown link is an error") {

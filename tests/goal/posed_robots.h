@@ -29,6 +29,9 @@ inline InverseKinematics require_kinematics(const Robot& robot, const std::strin
   return *kinematics;
 }
 
+inline const std::string kHand = "panda_hand";
+inline const Configuration kReady = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
+
 /// Where `link` is at `q`.
 inline PoseGoal pose_at(const Robot& robot, const std::string& link, const Configuration& q) {
   const auto found = std::ranges::find(robot.links(), link, &Link::name);

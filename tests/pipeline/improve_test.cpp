@@ -5,10 +5,8 @@
 namespace mneme::test {
 namespace {
 
-SolveResult improved(const Problem& problem, std::uint64_t rounds,
-                     const char* planner = "rrt_connect") {
+SolveResult improved(const Problem& problem, std::uint64_t rounds) {
   SolveSettings settings;
-  settings.planner = planner;
   settings.plan.timeout_s = 60;
   if (rounds > 0) {
     settings.plan.improve = 1000;
@@ -44,7 +42,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("the curve of improvements falls and ends at the path that comes back") {
     const Problem problem = planar_problem("threaded_b0");
-    const SolveResult result = improved(problem, 6, "rrt_connect");
+    const SolveResult result = improved(problem, 6);
     REQUIRE(result.improvements.size() > 1);
     CHECK(result.improvements.front().time_s == 0);
     CHECK(result.improvements.front().path_length ==
@@ -88,6 +86,14 @@ TEST_SUITE("unit") {
     settings.plan.improve = -1;
     CHECK(solve(planar_problem("threaded_b0"), nullptr, settings).error().code ==
           ErrorCode::invalid);
+  }
+
+  TEST_CASE("rounds of improving without time for any are refused") {
+    SolveSettings settings;
+    settings.plan.improve_rounds = 3;
+    const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
+    REQUIRE_FALSE(result.has_value());
+    CHECK(result.error().message == "improve-rounds: expected a time to improve beside it");
   }
 }
 

@@ -4,14 +4,12 @@
 // Goals that are poses, from problem to path.
 #include "goal/posed_robots.h"
 
+#include <atomic>
 #include <string>
 #include <vector>
 
 namespace mneme::test {
 namespace {
-
-const std::string kHand = "panda_hand";
-const Configuration kReady = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
 
 /// The Panda is to go from one side of a post to the other.
 Problem posed_problem(const Configuration& at) {
@@ -61,6 +59,25 @@ TEST_SUITE("flow") {
     CHECK(first.goals != solve_soundly(problem, settings).goals);
   }
 
+  TEST_CASE("the goal that was reached is among those that are told") {
+    Problem problem = posed_problem({1, 0.3, 0.1, -1.5, 0, 1.9, 0.5});
+    SolveSettings settings;
+    settings.planner = "rrt";
+    settings.plan.timeout_s = 60;
+    settings.ik.solutions = 1;
+    std::size_t later = 0;
+    for (settings.plan.seed = 1; settings.plan.seed <= 8; ++settings.plan.seed) {
+      const SolveResult result = solve_soundly(problem, settings);
+      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      const auto is_end = [&](const Configuration& goal) {
+        return problem.robot.distance(goal, result.plan.path.back()) < 1e-6;
+      };
+      CHECK(std::ranges::any_of(result.goals, is_end));
+      later += result.goals.size() - 1;
+    }
+    CHECK(later > 0);
+  }
+
   TEST_CASE("poses stand beside configurations") {
     Problem problem = posed_problem({1, 0.3, 0.1, -1.5, 0, 1.9, 0.5});
     const Configuration near = {0.1, -0.785, 0, -2.356, 0, 1.571, 0.785};
@@ -82,6 +99,28 @@ TEST_SUITE("unit") {
                       "goal pose: it is out of reach of link 'panda_hand' by 1"),
                   result.plan.message);
     CHECK(result.goals.empty());
+  }
+
+  TEST_CASE("poses are looked at within the time limit, and no longer than wanted") {
+    Problem problem = posed_problem(kReady);
+    problem.pose_goals[0].pose.translation = Vec3(2, 0, 0.5);
+    SolveSettings settings;
+    settings.ik.seeds = 100000000;
+    SUBCASE("out of time") {
+      settings.plan.timeout_s = 0;
+      const SolveResult result = solve_soundly(problem, settings);
+      CHECK(result.plan.status == PlanStatus::timeout);
+      CHECK(result.plan.message.find("within the time limit") != std::string::npos);
+    }
+    SUBCASE("a little time") {
+      settings.plan.timeout_s = 0.01;
+      CHECK(solve_soundly(problem, settings).plan.status == PlanStatus::timeout);
+    }
+    SUBCASE("cancelled") {
+      const std::atomic<bool> cancel = true;
+      settings.plan.cancel = &cancel;
+      CHECK(solve_soundly(problem, settings).plan.status == PlanStatus::cancelled);
+    }
   }
 
   TEST_CASE("a wrong start is told before the pose is looked at") {

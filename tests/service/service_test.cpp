@@ -93,6 +93,10 @@ TEST_SUITE("flow") {
     CHECK(plan.body.contains("least_clearance"));
     const std::string path = "/v1/plans/" + plan.body["id"].get<std::string>() + "/trace";
     CHECK(reply_of(client->Get(path)).body["format"] == "mneme-trace");
+    for (const char* id : {"1abc", "01x", "-1", "1.0", "99999999999999999999999"}) {
+      const auto other = fmt::format("/v1/plans/{}/trace", id);
+      CHECK_MESSAGE(reply_of(client->Get(other)).status == 404, id);
+    }
     post(*client, "/v1/plan", body);
     CHECK(reply_of(client->Get(path)).status == 404);
   }

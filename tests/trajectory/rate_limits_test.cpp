@@ -53,10 +53,10 @@ TEST_SUITE("unit") {
   TEST_CASE("limits are those of the URDF, of followers too, and else the defaults") {
     const RateLimits limits = require_limits(hand());
     CHECK(limits.velocity == Rates{2, 0.5});
-    CHECK(limits.acceleration == Rates{3, 1});
+    CHECK(limits.acceleration == Rates{3, 0.5});
     TrajectorySettings settings;
     settings.acceleration_limit = 7;
-    CHECK(require_limits(hand(), settings).acceleration == Rates{3, 7});
+    CHECK(require_limits(hand(), settings).acceleration == Rates{3, 3.5});
   }
 
   TEST_CASE("scales multiply them") {
@@ -66,7 +66,7 @@ TEST_SUITE("unit") {
     const RateLimits limits = require_limits(hand(), settings);
     CHECK(limits.velocity == Rates{1, 0.25});
     CHECK(limits.acceleration[0] == doctest::Approx(0.3));
-    CHECK(limits.acceleration[1] == doctest::Approx(0.1));
+    CHECK(limits.acceleration[1] == doctest::Approx(0.05));
   }
 
   TEST_CASE("a file of limits in MoveIt's form goes before the URDF") {

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Heads of requests that are not taken, whatever the body.
+#include "service/raw_client.h"
+#include "service/service_fixture.h"
+
+#include <sys/resource.h>
+
+namespace mneme::test {
+namespace {
+
+const std::string kPost =
+    "POST /v1/plan HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n";
+const std::string kGet = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n";
+const std::string kHidden = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+/// Connections that are kept open end soon, so that what is answered too often is told soon.
+ServiceSettings impatient() {
+  ServiceSettings settings;
+  settings.idle_timeout_s = 1;
+  return settings;
+}
+
+/// All that is heard on a connection of its own.
+std::string heard_after(const RunningService& running, const std::string& said) {
+  const RawClient client(running.port());
+  static_cast<void>(client.offer(said));
+  return client.hear();
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("what may be a body or the next request is neither") {
+    const RunningService running(impatient());
+    const std::string length = fmt::format("Content-Length: {}\r\n", kHidden.size());
+    const std::string chunked = "Transfer-Encoding: chunked\r\n";
+    for (const std::string& head :
+         {kGet + length, kGet + chunked,
+          "OPTIONS /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
+          "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
+          "DELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n" + chunked,
+          kPost + "Content-Length: 5\r\n" + chunked, kPost + chunked + chunked,
+          kPost + "Content-Length: 0\r\n" + length, kPost + "Content-Length: abc\r\n",
+          kPost + "Content-Length: +0\r\n", kPost + "Content-Length: 0x0\r\n",
+          kPost + "Content-Length: 18446744073709551616\r\n",
+          kPost + "Content-Length : 0\r\n" + length,
+          kPost + "Transfer-Encoding: gzip, chunked\r\n", kPost + "Transfer-Encoding: identity\r\n",
+          kPost}) {
+      const std::string heard = heard_after(running, head + "\r\n" + kHidden);
+      INFO(head, heard);
+      CHECK(count_answers(heard) == 1);
+      CHECK(heard.starts_with("HTTP/1.1 4"));
+    }
+    // What is sound goes on.
+    const std::string heard = heard_after(
+        running, kGet + "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"
+                        "Content-Length: 2\r\n\r\n{}");
+    CHECK_MESSAGE(heard.starts_with("HTTP/1.1 200"), heard);
+    CHECK_MESSAGE(heard.find("there is no scene") != std::string::npos, heard);
+  }
+
+  TEST_CASE("an answer is sent once, however many ranges of it are asked for") {
+    const RunningService running;
+    const auto ask = [&](const std::string& ranges) {
+      return running.client()->Get("/healthz", httplib::Headers{{"Range", "bytes=" + ranges}});
+    };
+    const auto whole = ask("0-,0-,0-,0-");
+    REQUIRE(bool(whole));
+    CHECK(whole->status == 200);
+    CHECK(Json::parse(whole->body)["status"] == "ok");
+    const auto wrong = ask("0-,0-,0-,5-1");
+    REQUIRE(bool(wrong));
+    CHECK(wrong->status == 416);
+    CHECK(wrong->body.empty());
+  }
+
+  TEST_CASE("a head has a limit of its own, a body the one that is set") {
+    const RunningService running(impatient());
+    std::string head = kGet;
+    while (head.size() < 70000) head += "a: b\r\n";
+    const std::string heard = heard_after(running, head + "\r\n");
+    CHECK_MESSAGE(heard.find("HTTP/1.1 2") == std::string::npos, heard);
+    Json body = question();
+    body["name"] = std::string(1000000, 'n');
+    CHECK(post(*running.client(), "/v1/plan", body).status == 200);
+  }
+
+  TEST_CASE("a page that gives its name this machine's address is not answered") {
+    const auto status_of = [](const RunningService& running, const std::string& host) {
+      return heard_after(running, "GET /healthz HTTP/1.1\r\nHost: " + host +
+                                      "\r\nConnection: close\r\n\r\n")
+          .substr(9, 3);
+    };
+    const RunningService running;
+    for (const char* host : {"localhost", "LocalHost:80", "127.0.0.1", "127.1.2.3:7890", "[::1]:80"}) {
+      CHECK_MESSAGE(status_of(running, host) == "200", host);
+    }
+    for (const char* host : {"evil.example", "evil.example:7890", "127.0.0.1.evil.example",
+                             "localhost.evil", "10.0.0.1", "[::2]", "[::1", "[", ":", "http"}) {
+      CHECK_MESSAGE(status_of(running, host) == "403", host);
+    }
+    ServiceSettings settings;
+    settings.token = "secret";
+    CHECK(status_of(RunningService(settings), "robots.example") == "200");
+  }
+
+  TEST_CASE("JSON is known by the whole name of its type") {
+    const RunningService running;
+    const auto status_of = [&](const char* type) {
+      return running.client()->Post("/v1/plan", question().dump(), type)->status;
+    };
+    CHECK(status_of("Application/JSON; charset=utf-8") == 200);
+    for (const char* type : {"application/jsonx", "application/json5", "application/ json"}) {
+      CHECK_MESSAGE(status_of(type) == 415, type);
+    }
+  }
+
+  TEST_CASE("settings of a service that make no sense are refused") {
+    const auto failure = [](auto member, auto value) {
+      ServiceSettings settings = loopback();
+      settings.*member = value;
+      const auto started = Service::start(planar8(), nullptr, settings);
+      return started ? "" : started.error().message;
+    };
+    CHECK(failure(&ServiceSettings::traces, 0) == "traces: expected a number of 1 or more, got 0");
+    CHECK(failure(&ServiceSettings::queue, -1).starts_with("queue: "));
+    CHECK(failure(&ServiceSettings::connections, 0).starts_with("connections: "));
+    CHECK(failure(&ServiceSettings::idle_timeout_s, kPi - INFINITY).starts_with("idle_timeout_s: "));
+    CHECK(failure(&ServiceSettings::refresh_s, std::nan("")).starts_with("refresh_s: "));
+  }
+
+  TEST_CASE("a machine without descriptors is told when the service starts") {
+    const int lowest = ::socket(AF_INET, SOCK_STREAM, 0);
+    close(lowest);
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_NOFILE, &before) == 0);
+    // One for the socket, none for what wakes the service.
+    const rlimit few{static_cast<rlim_t>(lowest) + 1, before.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_NOFILE, &few) == 0);
+    const auto started = Service::start(planar8(), nullptr, loopback());
+    setrlimit(RLIMIT_NOFILE, &before);
+    REQUIRE_FALSE(started.has_value());
+    CHECK(started.error().code == ErrorCode::io);
+    CHECK(started.error().message == "cannot listen: too many open files");
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
