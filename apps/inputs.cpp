@@ -12,12 +12,21 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <memory>
 
 namespace mneme::app {
 
+CoverProgress show_covering() {
+  const auto progress = std::make_shared<Progress>("covering");
+  return [progress](int done, int total, const std::string& link) {
+    progress->update(done, total, link);
+  };
+}
+
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
-  const Result<CoveredRobot> loaded = robot_file(robot).and_then(
-      [&](const std::string& path) { return load_covered_robot(path, options); });
+  const Result<CoveredRobot> loaded = robot_file(robot).and_then([&](const std::string& path) {
+    return load_covered_robot(path, options, {}, show_covering());
+  });
   if (!loaded) return tl::unexpected(loaded.error());
   for (const std::string& note : loaded->notes) print_note(note);
   for (const std::string& warning : loaded->robot.warnings()) print_note("warning: " + warning);
@@ -34,7 +43,20 @@ Result<ProblemOptions> problem_options(const std::string& robot, const RobotOpti
   });
 }
 
+namespace {
+
+/// Covers what the problem's robot needs, so that people see how far it is; the covers are kept.
+/// Errors are left to whoever loads the problem.
+void cover_beforehand(const ProblemOptions& options) {
+  if (options.robot_path.empty()) return;
+  auto parts = read_robot(options.robot_path, options.robot);
+  if (parts) static_cast<void>(cover_robot(std::move(*parts), {}, show_covering()));
+}
+
+}  // namespace
+
 Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
+  cover_beforehand(options);
   Result<Problem> problem = load_problem(where, options);
   if (!problem) return problem;
   for (const std::string& warning : problem->warnings) print_note("warning: " + warning);
@@ -90,9 +112,10 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
   Result<Database> database = Database::open(url, make_space(robot), mode, kept);
   if (database && compare_robots(database->space(), make_space(robot)) == RobotDifference::shapes) {
-    print_note(fmt::format("{}: was learned with another collision model of the robot, and applies "
-                           "all the same",
-                           database->info().url));
+    print_note(
+        fmt::format("{}: was learned with another collision model of the robot, and applies "
+                    "all the same",
+                    database->info().url));
   }
   return std::move(database).map_error([&](Error error) {
     std::error_code ignored;

@@ -4,6 +4,7 @@
 /// What several subcommands are given: robots by name, scenes alone or in problems, databases.
 #pragma once
 
+#include "mneme/covering.h"
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
@@ -13,6 +14,9 @@
 #include <vector>
 
 namespace mneme::app {
+
+/// Progress on standard error while geometry is covered.
+[[nodiscard]] CoverProgress show_covering();
 
 /// The robot of robot_file(); what was noticed on the way are notes on standard error.
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,

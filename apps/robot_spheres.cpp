@@ -65,10 +65,11 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
   auto parts = read_robot(path, options.reading);
   if (!parts) return tl::unexpected(parts.error());
   for (const std::string& warning : parts->warnings) print_note("warning: " + warning);
-  auto covering = cover_robot(std::move(*parts), options.cover);
+  auto covering = cover_robot(std::move(*parts), options.cover, show_covering());
   if (!covering) {
     return fail(covering.error().code, fmt::format("{}: {}", path, covering.error().message));
   }
+  for (const std::string& note : covering->notes) print_note(note);
   Made made{std::move(*covering), {}};
   if (options.srdf_output.empty()) return made;
   auto reasons = allow_pairs(made.covering.parts, options.pairs);
@@ -79,9 +80,9 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
 
 Result<void> write(const Made& made, const SpheresOptions& options) {
   const std::string comment = fmt::format(
-      "Collision geometry as spheres, made by mneme robot spheres with an excess of {} "
-      "m and at most {} spheres per link",
-      options.cover.excess, options.cover.max_spheres);
+      "Collision geometry as spheres, made by mneme robot spheres with an excess of {} m, {} m at "
+      "the tips, and at most {} spheres per link",
+      options.cover.excess, options.cover.tip_excess, options.cover.max_spheres);
   auto written = write_file(options.output, to_urdf(made.covering.parts, comment));
   if (!written || options.srdf_output.empty()) return written;
   const std::string srdf_comment = fmt::format(

@@ -10,6 +10,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -21,9 +22,12 @@ struct CoverSettings {
   /// Metres that a sphere may stick out of the solids. Halving it takes three to four times as many
   /// spheres; about half of it is the mean. Small links are given less: 0.4 of the middle one of
   /// their three extents, though not less than 0.005. > 0.
-  double excess = 0.025;
-  /// Spheres a link may have; where `excess` needs more, it is enlarged for that link. > 0.
-  int max_spheres = 16;
+  double excess = 0.015;
+  /// Spheres a link may have; where the excess needs more, it is enlarged for that link. > 0.
+  int max_spheres = 1000;
+  /// The same as `excess`, if that is not less, for an arm's fingers and last three links: those
+  /// with at least four joints before them and at most two beyond. > 0.
+  double tip_excess = 0.005;
 };
 
 /// Declares the fields' names, ranges and sentences once, for the command line.
@@ -33,6 +37,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("excess", s.excess, 0.001, 1.0,
         "metres that a sphere may stick out of the geometry; halving it takes three to four times "
         "as many spheres");
+  visit("tip-excess", s.tip_excess, 0.001, 1.0,
+        "the same for an arm's fingers and last three links, if it is less");
   visit("max-per-link", s.max_spheres, 1, 1000,
         "spheres a link may have; where the excess needs more, it is enlarged for that link");
 }
@@ -53,13 +59,21 @@ struct LinkCover {
 /// solids without any surface or not finite.
 [[nodiscard]] Result<LinkCover> cover_link(const Link& link, const CoverSettings& settings = {});
 
+/// Hears of a link that has been covered.
+using CoverProgress = std::function<void(int done, int total, const std::string& link)>;
+
 /// A robot whose solids have become spheres.
 struct Covering {
-  Robot::Parts parts;            ///< without solids; spheres and capsules stay as they were
-  std::vector<LinkCover> links;  ///< those that had solids, in their order
+  Robot::Parts parts;              ///< without solids; spheres and capsules stay as they were
+  std::vector<LinkCover> links;    ///< those that had solids, in their order
+  std::vector<std::string> notes;  ///< what was done, for people: one sentence each
 };
-/// Covers each link that has solids, several at a time.
-[[nodiscard]] Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings = {});
+/// Covers each link that has solids, several at a time, and tells `on_covered` of each: one call at
+/// a time, from any thread. Covers are kept in $XDG_CACHE_HOME/mneme, or ~/.cache/mneme, named by a
+/// hash of geometry, settings and the version of the algorithm. A damaged entry is replaced; a
+/// cache that cannot be used costs time only.
+[[nodiscard]] Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings = {},
+                                           const CoverProgress& on_covered = {});
 
 /// Why a pair of links need not be checked.
 enum class AllowedReason {
@@ -96,12 +110,11 @@ struct CoveredRobot {
 
 /// load_robot for robots with any collision geometry: solids are covered, and without an SRDF the
 /// pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks although no
-/// configuration parts them are allowed too, with a note. Covers are kept in
-/// $XDG_CACHE_HOME/mneme, or ~/.cache/mneme, named by a hash of geometry, settings and the version
-/// of the algorithm. A damaged entry is replaced; a cache that cannot be used costs time only.
+/// configuration parts them are allowed too, with a note.
 [[nodiscard]] Result<CoveredRobot> load_covered_robot(const std::string& path,
                                                       const RobotOptions& options = {},
-                                                      const CoverSettings& settings = {});
+                                                      const CoverSettings& settings = {},
+                                                      const CoverProgress& on_covered = {});
 
 /// How attached objects are covered.
 inline constexpr CoverSettings kObjectCover{.excess = 0.015, .max_spheres = 64};

@@ -4,10 +4,12 @@
 
 #include "mneme/covering.h"
 
+#include "base/as_index.h"
 #include "base/installation.h"
 #include "covering/allowed_pairs.h"
 #include "covering/cover_solid.h"
 #include "covering/triangle_mesh.h"
+#include "robot/planning_group.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <sstream>
 #include <thread>
 
@@ -145,17 +148,58 @@ void run_parallel(std::size_t count, const Work& work) {
   run();
 }
 
+/// Numbers of joints that move by themselves.
+struct Joints {
+  int before = 0;
+  int beyond = 0;  ///< on the longest way to a tip
+};
+
 }  // namespace
 
+std::vector<bool> find_arm_ends(const Robot::Parts& parts) {
+  constexpr int kFewestBefore = 4;
+  constexpr int kMostBeyond = 2;
+  std::vector<Joints> joints(parts.links.size());
+  bool has_changed = true;
+  // Joints stand in any order; a robot with a loop is refused later.
+  for (std::size_t pass = 0; has_changed && pass < parts.joints.size(); ++pass) {
+    has_changed = false;
+    for (const Joint& joint : parts.joints) {
+      const int own = is_free(joint) ? 1 : 0;
+      Joints& parent = joints[as_index(joint.parent_link)];
+      Joints& child = joints[as_index(joint.child_link)];
+      const Joints known{parent.before + own, child.beyond + own};
+      has_changed |= child.before != known.before || parent.beyond < known.beyond;
+      child.before = known.before;
+      parent.beyond = std::max(parent.beyond, known.beyond);
+    }
+  }
+  std::vector<bool> are_ends;
+  for (const Joints& link : joints) {
+    are_ends.push_back(link.before >= kFewestBefore && link.beyond <= kMostBeyond);
+  }
+  return are_ends;
+}
+
 Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
-                                   const CoverCache& cache) {
+                                   const CoverCache& cache, const CoverProgress& on_covered) {
+  const std::vector<bool> are_ends = find_arm_ends(parts);
   std::vector<Link*> links;
-  for (Link& link : parts.links) {
-    if (!link.solids.empty()) links.push_back(&link);
+  std::vector<CoverSettings> each;
+  for (std::size_t i = 0; i < parts.links.size(); ++i) {
+    if (parts.links[i].solids.empty()) continue;
+    links.push_back(&parts.links[i]);
+    each.push_back(settings);
+    if (are_ends[i]) each.back().excess = std::min(settings.excess, settings.tip_excess);
   }
   std::vector<Attempt> attempts(links.size());
-  run_parallel(links.size(),
-               [&](std::size_t i) { attempts[i] = attempt(*links[i], settings, cache); });
+  std::mutex telling;
+  int done = 0;
+  run_parallel(links.size(), [&](std::size_t i) {
+    attempts[i] = attempt(*links[i], each[i], cache);
+    const std::scoped_lock locked(telling);
+    if (on_covered) on_covered(++done, static_cast<int>(links.size()), links[i]->name);
+  });
   CachedCovering result;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Attempt& made = attempts[i];
@@ -174,12 +218,6 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
 }  // namespace mneme::internal
 
 namespace mneme {
-
-Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings) {
-  return internal::cover_robot(std::move(parts), settings, internal::CoverCache(""))
-      .map([](internal::CachedCovering result) { return std::move(result.covering); });
-}
-
 namespace {
 
 std::string describe(const internal::CachedCovering& made, const internal::CoverCache& cache) {
@@ -198,6 +236,22 @@ std::string describe(const internal::CachedCovering& made, const internal::Cover
   if (known < links) text += fmt::format("; the cache '{}' cannot be written", cache.directory());
   return text;
 }
+
+}  // namespace
+
+Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
+                             const CoverProgress& on_covered) {
+  const internal::CoverCache cache(internal::cache_directory());
+  return internal::cover_robot(std::move(parts), settings, cache, on_covered)
+      .map([&](internal::CachedCovering result) {
+        if (!result.covering.links.empty()) {
+          result.covering.notes.push_back(describe(result, cache));
+        }
+        return std::move(result.covering);
+      });
+}
+
+namespace {
 
 /// Without an SRDF only what is adjacent, or cannot be apart, may touch.
 Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robot::Parts& parts) {
@@ -231,17 +285,17 @@ Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options,
 }  // namespace
 
 Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOptions& options,
-                                        const CoverSettings& settings) {
+                                        const CoverSettings& settings,
+                                        const CoverProgress& on_covered) {
   auto parts = read_robot(path, options);
   if (!parts) return tl::unexpected(parts.error());
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
   if (std::ranges::any_of(parts->links, has_solids)) {
-    const internal::CoverCache cache(internal::cache_directory());
-    auto made = internal::cover_robot(std::move(*parts), settings, cache);
+    auto made = cover_robot(std::move(*parts), settings, on_covered);
     if (!made) return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
-    notes.push_back(describe(*made, cache));
-    parts = std::move(made->covering.parts);
+    notes = std::move(made->notes);
+    parts = std::move(made->parts);
     if (!parts->allowed_pairs) {
       auto pairs = derive_pairs(*parts);
       if (!pairs)

@@ -40,8 +40,12 @@ struct CachedCovering {
   int stored = 0;  ///< covers that were made and are in the cache now
 };
 
-/// cover_robot with a cache.
+/// For each link whether it is one of an arm's fingers or last three links.
+[[nodiscard]] std::vector<bool> find_arm_ends(const Robot::Parts& parts);
+
+/// cover_robot with this cache.
 [[nodiscard]] Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
-                                                 const CoverCache& cache);
+                                                 const CoverCache& cache,
+                                                 const CoverProgress& on_covered = {});
 
 }  // namespace mneme::internal

@@ -94,26 +94,22 @@ namespace {
 
 using Indices = std::vector<int>;
 
-/// The state of the search: which proposals are chosen, and how many of them hold each piece.
+/// The state of the search: which proposals are chosen, and how many of them hold each piece. A
+/// step costs what it changes.
 class CoverSearch {
  public:
   CoverSearch(std::vector<Sphere> proposals, std::span<const Element> elements, Rng& rng)
       : proposals_(std::move(proposals)), holders_(elements.size()), rng_(rng) {
-    for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-      for (int p = 0; p < static_cast<int>(proposals_.size()); ++p) {
-        if (elements[as_index(e)].is_within(proposals_[as_index(p)]))
-          holders_[as_index(e)].push_back(p);
-      }
-      if (!holders_[as_index(e)].empty()) continue;
-      holders_[as_index(e)].push_back(static_cast<int>(proposals_.size()));
-      proposals_.push_back(elements[as_index(e)].bound);
-    }
+    find_holders(elements);
     held_.resize(proposals_.size());
     for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
       for (const int p : holders_[as_index(e)]) held_[as_index(p)].push_back(e);
     }
     counts_.assign(elements.size(), 0);
     gains_.assign(proposals_.size(), 0);
+    is_marked_.assign(proposals_.size(), false);
+    bare_.resize(elements.size());
+    std::iota(bare_.begin(), bare_.end(), 0);
   }
 
   [[nodiscard]] std::vector<Sphere> run(std::int64_t effort) {
@@ -133,43 +129,86 @@ class CoverSearch {
   }
 
  private:
+  /// A piece that no proposal holds gets one of its own.
+  void find_holders(std::span<const Element> elements) {
+    const auto count = static_cast<Eigen::Index>(proposals_.size());
+    Eigen::Array<double, Eigen::Dynamic, 4> rows(count, 4);
+    for (Eigen::Index p = 0; p < count; ++p) {
+      const Sphere& sphere = proposals_[static_cast<std::size_t>(p)];
+      rows.row(p) << sphere.center.transpose().array(), sphere.radius * sphere.radius;
+    }
+    Eigen::ArrayXd room(count);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const Vec3& center = elements[e].bound.center;
+      room = rows.col(3) - (rows.col(0) - center.x()).square() -
+             (rows.col(1) - center.y()).square() - (rows.col(2) - center.z()).square();
+      for (int p = 0; p < static_cast<int>(count); ++p) {
+        if (room[p] < 0) continue;
+        if (elements[e].is_within(proposals_[as_index(p)])) holders_[e].push_back(p);
+      }
+      if (!holders_[e].empty()) continue;
+      holders_[e].push_back(static_cast<int>(proposals_.size()));
+      proposals_.push_back(elements[e].bound);
+    }
+  }
+
   void choose(int proposal) {
     chosen_.push_back(proposal);
-    for (const int e : held_[as_index(proposal)]) ++counts_[as_index(e)];
+    const Indices& held = held_[as_index(proposal)];
+    for (const int e : held) ++counts_[as_index(e)];
+    steps_ += std::ssize(held);
   }
   void discard(std::size_t position) {
-    for (const int e : held_[as_index(chosen_[position])]) --counts_[as_index(e)];
+    const int proposal = chosen_[position];
+    const Indices& held = held_[as_index(proposal)];
+    for (const int e : held) {
+      if (--counts_[as_index(e)] == 0) bare_.push_back(e);
+    }
+    steps_ += std::ssize(held);
     chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(position));
   }
   void restore(const Indices& chosen) {
-    while (!chosen_.empty()) discard(chosen_.size() - 1);
-    for (const int p : chosen) choose(p);
+    for (const int p : chosen) is_marked_[as_index(p)] = true;
+    for (std::size_t i = chosen_.size(); i > 0; --i) {
+      const auto p = as_index(chosen_[i - 1]);
+      if (!is_marked_[p]) discard(i - 1);
+      is_marked_[p] = false;
+    }
+    for (const int p : chosen) {
+      if (is_marked_[as_index(p)]) choose(p);
+      is_marked_[as_index(p)] = false;
+    }
+    chosen_ = chosen;
+    bare_.clear();
   }
 
   /// A random sphere and its nearest neighbours.
   void take_some_away() {
-    const Vec3 center =
-        proposals_[as_index(chosen_[rng_.index(static_cast<std::uint32_t>(chosen_.size()))])]
-            .center;
-    std::ranges::sort(chosen_, {}, [&](int p) {
-      return std::pair((proposals_[as_index(p)].center - center).squaredNorm(), p);
-    });
+    const auto pick = rng_.index(static_cast<std::uint32_t>(chosen_.size()));
+    const Vec3 center = proposals_[as_index(chosen_[pick])].center;
     const std::size_t count = std::min<std::size_t>(2 + rng_.index(4), chosen_.size());
+    const auto distance = [&](int p) {
+      return std::pair((proposals_[as_index(p)].center - center).squaredNorm(), p);
+    };
+    std::ranges::partial_sort(chosen_, chosen_.begin() + static_cast<std::ptrdiff_t>(count), {},
+                              distance);
+    steps_ += std::ssize(chosen_);
     for (std::size_t i = count; i > 0; --i) discard(i - 1);
   }
 
   /// Chooses what holds most bare pieces until none is bare; gains vary by the fraction `noise`.
   void cover_bare(double noise) {
-    std::ranges::fill(gains_, 0);
-    std::size_t bare = 0;
-    for (std::size_t e = 0; e < counts_.size(); ++e) {
-      if (counts_[e] > 0) continue;
-      ++bare;
-      steps_ += 2 * static_cast<std::int64_t>(holders_[e].size());
-      for (const int p : holders_[e]) ++gains_[as_index(p)];
+    Indices useful;
+    for (const int e : bare_) {
+      for (const int p : holders_[as_index(e)]) {
+        if (gains_[as_index(p)]++ == 0) useful.push_back(p);
+      }
+      steps_ += 2 * std::ssize(holders_[as_index(e)]);
     }
+    std::size_t bare = bare_.size();
+    bare_.clear();
     while (bare > 0) {
-      const int best = most_useful(noise);
+      const int best = most_useful(useful, noise);
       for (const int e : held_[as_index(best)]) {
         if (counts_[as_index(e)] > 0) continue;
         --bare;
@@ -179,15 +218,17 @@ class CoverSearch {
     }
   }
 
-  [[nodiscard]] int most_useful(double noise) {
-    steps_ += static_cast<std::int64_t>(gains_.size());
+  /// Drops those that gain nothing any more.
+  [[nodiscard]] int most_useful(Indices& useful, double noise) {
+    steps_ += std::ssize(useful);
     int best = -1;
     double best_gain = 0;
-    for (std::size_t p = 0; p < gains_.size(); ++p) {
-      if (gains_[p] <= best_gain) continue;
-      const double gain = gains_[p] * (1 - noise * rng_.uniform());
+    std::erase_if(useful, [&](int p) { return gains_[as_index(p)] == 0; });
+    for (const int p : useful) {
+      if (gains_[as_index(p)] <= best_gain) continue;
+      const double gain = gains_[as_index(p)] * (1 - noise * rng_.uniform());
       if (gain <= best_gain) continue;
-      best = static_cast<int>(p);
+      best = p;
       best_gain = gain;
     }
     return best;
@@ -199,19 +240,22 @@ class CoverSearch {
       if (std::ranges::all_of(held, [&](int e) { return counts_[as_index(e)] > 1; }))
         discard(i - 1);
     }
+    steps_ += 2 * std::ssize(chosen_);
   }
 
   std::vector<Sphere> proposals_;
   std::vector<Indices> holders_;  ///< of each piece
   std::vector<Indices> held_;     ///< by each proposal
   Indices counts_;                ///< chosen holders of each piece
-  Indices gains_;                 ///< bare pieces that each proposal would hold
+  Indices gains_;                 ///< bare pieces that each proposal would hold; 0 between steps
   Indices chosen_;
+  std::vector<bool> is_marked_;  ///< of the proposals, while some are restored
+  Indices bare_;                 ///< pieces
   std::int64_t steps_ = 0;
   Rng& rng_;
 };
 
-constexpr std::size_t kMostProposals = 2500;
+constexpr std::size_t kMostProposals = 8000;
 constexpr std::size_t kMostSurfaceProposals = 500;
 
 /// `count` of `items`, in their order.
@@ -247,7 +291,7 @@ std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<cons
 
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kRounds = 5;
 constexpr double kFirstStep = 0.02;
 constexpr double kLastStep = 0.0005;
 

@@ -103,10 +103,10 @@ constexpr double kRelativeExcess = 0.4;
 constexpr double kLeastExcess = 0.005;
 /// Pieces per surface: fewer make spheres overlap more than they must, more take time.
 constexpr double kFewestPieces = 800;
-constexpr double kMostPieces = 8000;
+constexpr double kMostPieces = 20000;
 constexpr double kFewestAlong = 100;
 constexpr std::int64_t kProbeEffort = 10'000'000;
-constexpr std::int64_t kFinalEffort = 150'000'000;
+constexpr std::int64_t kFinalEffort = 100'000'000;
 constexpr int kHalvings = 4;
 constexpr int kSurfaceSamples = 20000;
 constexpr double kStepsPerMetre = 1e5;
@@ -140,15 +140,15 @@ class Coverer {
                           effort, rng);
   }
 
-  /// The least excess, roughly, with which `count` spheres suffice.
+  /// The least excess above `least`, roughly, with which `count` spheres suffice.
   [[nodiscard]] double find_excess(double least, std::size_t count) {
     double low = least;
-    double high = least;
+    double high = 2 * least;
     while (cover(high, kProbeEffort).size() > count) {
       low = high;
       high *= 2;
     }
-    for (int i = 0; i < kHalvings && low < high; ++i) {
+    for (int i = 0; i < kHalvings; ++i) {
       const double middle = std::sqrt(low * high);
       (cover(middle, kProbeEffort).size() > count ? low : high) = middle;
     }
@@ -189,9 +189,13 @@ void reach_all(std::span<const Vec3> points, std::vector<Sphere>& spheres) {
 LinkCover cover_solid(const TriangleMesh& mesh, const CoverSettings& settings) {
   Coverer coverer(mesh);
   const auto most = static_cast<std::size_t>(settings.max_spheres);
-  double excess = coverer.find_excess(excess_for(mesh, settings.excess), most);
+  const double wanted = excess_for(mesh, settings.excess);
   LinkCover cover;
-  cover.spheres = coverer.finish(coverer.cover(excess, kFinalEffort));
+  cover.spheres = coverer.cover(wanted, kFinalEffort);
+  if (cover.spheres.size() > most) {
+    cover.spheres = coverer.cover(coverer.find_excess(wanted, most), kFinalEffort);
+  }
+  cover.spheres = coverer.finish(std::move(cover.spheres));
   reach_all(sample_near_surface(coverer.solid()), cover.spheres);
   for (Sphere& sphere : cover.spheres) sphere = rounded(sphere);
   cover.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), cover.spheres);

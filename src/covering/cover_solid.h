@@ -32,7 +32,7 @@ struct Excess {
 [[nodiscard]] Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid);
 
 /// To be raised whenever the same surface and settings give other spheres.
-inline constexpr int kCoverVersion = 1;
+inline constexpr int kCoverVersion = 2;
 
 /// Spheres that cover `mesh`, which has an area, and what it encloses; their number and excess obey
 /// the settings, where both cannot be had the number. Coordinates are multiples of 10 um.

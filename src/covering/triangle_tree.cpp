@@ -145,9 +145,13 @@ bool TriangleTree::is_enclosed(const Vec3& point) const {
   static const std::array<Vec3, 5> kDirections = {
       Vec3(0.8165, 0.4373, 0.3767), Vec3(-0.3419, 0.8721, 0.3503), Vec3(0.2911, -0.3673, 0.8834),
       Vec3(-0.6173, -0.5231, 0.5877), Vec3(0.4813, -0.6329, -0.6067)};
-  const auto enclosing = std::ranges::count_if(
-      kDirections, [&](const Vec3& direction) { return is_odd_both_ways(point, direction); });
-  return enclosing >= 3;
+  int yes = 0;
+  int no = 0;
+  for (const Vec3& direction : kDirections) {
+    ++(is_odd_both_ways(point, direction) ? yes : no);
+    if (std::max(yes, no) == 3) break;
+  }
+  return yes == 3;
 }
 
 }  // namespace mneme::internal

@@ -161,10 +161,64 @@ TEST_SUITE("unit") {
     CHECK(contains(covering.error().message, "link 'l1': mesh /no/first.stl"));
   }
 
+  TEST_CASE("an arm's last three links and fingers are tips, and covered more closely") {
+    Robot::Parts parts = make_bare_chain(6);
+    const std::vector<bool> are_ends = internal::find_arm_ends(parts);
+    CHECK(are_ends == std::vector<bool>{false, false, false, false, true, true, true});
+    std::ranges::reverse(parts.joints);
+    CHECK(internal::find_arm_ends(parts) == are_ends);
+    for (Joint& joint : parts.joints) {
+      if (joint.child_link == 5) joint.type = JointType::fixed;
+    }
+    CHECK(internal::find_arm_ends(parts) ==
+          std::vector<bool>{false, false, false, false, true, true, true});
+    parts = make_bare_chain(5);
+    for (const std::size_t link : {1, 4}) parts.links[link].solids = {make_box({0.1, 0.1, 0.1})};
+    const auto covering = internal::cover_robot(parts, {0.02, 200, 0.008}, CoverCache(""));
+    REQUIRE(covering.has_value());
+    CHECK(covering->covering.links[0].max_excess > 0.01);
+    CHECK(covering->covering.links[1].max_excess <= 0.008);
+    CHECK(covering->covering.links[1].spheres.size() > covering->covering.links[0].spheres.size());
+  }
+
+  TEST_CASE("short chains, such as a neck, and chains of a loop have no tips") {
+    CHECK(internal::find_arm_ends(make_bare_chain(3)) == std::vector<bool>(4, false));
+    Robot::Parts loop = make_bare_chain(6);
+    loop.joints[0].parent_link = 6;
+    CHECK(internal::find_arm_ends(loop).size() == 7);
+  }
+
+  TEST_CASE("progress tells of each link once") {
+    std::multiset<std::string> links;
+    std::vector<int> counts;
+    const auto on_covered = [&](int done, int total, const std::string& link) {
+      links.insert(link);
+      counts.push_back(done);
+      CHECK(total == 2);
+    };
+    REQUIRE(internal::cover_robot(make_parts(), {}, CoverCache(""), on_covered).has_value());
+    CHECK(links == std::multiset<std::string>{"l0", "l2"});
+    CHECK(counts == std::vector<int>{1, 2});
+  }
+
+  TEST_CASE("covers of robots are kept in the user's cache, which its notes tell") {
+    const TemporaryDirectory files;
+    const EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
+    const auto first = cover_robot(make_parts());
+    REQUIRE(first.has_value());
+    REQUIRE(first->notes.size() == 1);
+    CHECK_FALSE(contains(first->notes[0], "from the cache"));
+    const auto second = cover_robot(make_parts());
+    REQUIRE(second.has_value());
+    REQUIRE(second->notes.size() == 1);
+    CHECK(contains(second->notes[0], "; 2 from the cache " + files / "cache/mneme"));
+  }
+
   TEST_CASE("a robot without solids stays as it is") {
     const auto covering = cover_robot(make_bare_chain(1));
     REQUIRE(covering.has_value());
     CHECK(covering->links.empty());
+    CHECK(covering->notes.empty());
   }
 }
 
