@@ -115,6 +115,8 @@ class Race {
     settings.timeout_s = std::max(0.0, settings.timeout_s - stopwatch_.elapsed_s());
     settings.observer = nullptr;
     if (index > 0) {
+      // The first one leaves walks for hard problems; those that race it bet on one.
+      if (!settings.walk_after) settings.walk_after = 0;
       settings.seed = derive_seed(settings.seed, kFirstTask + static_cast<std::uint64_t>(index));
     }
     return settings;
