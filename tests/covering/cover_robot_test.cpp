@@ -8,6 +8,7 @@
 #include "support/environment.h"
 
 #include <filesystem>
+#include <set>
 
 namespace mneme::test {
 namespace {

@@ -28,7 +28,7 @@ SolveSettings racing_settings(int threads) {
   return settings;
 }
 
-SolveResult solve_or_fail(const Problem& problem, Database* database,
+SolveResult require_solved(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
@@ -44,7 +44,7 @@ PlanResult expected_winner(const Problem& problem, Database* database, SolveSett
   for (int i = 0; i < searches; ++i) {
     settings.plan.seed = seed_of_search(seed, i);
     if (i > 0) settings.plan.walk_after = 0;
-    PlanResult plan = solve_or_fail(problem, database, settings).plan;
+    PlanResult plan = require_solved(problem, database, settings).plan;
     REQUIRE(plan.is_solved());
     const std::uint64_t iterations = plan.iterations + (i == 0 ? 0 : kAlone);
     if (iterations >= least) continue;
@@ -92,12 +92,12 @@ TEST_SUITE("law") {
           INFO(planner, ", ", threads, " threads, seed ", settings.plan.seed);
           const PlanResult expected = expected_winner(problem, nullptr, settings);
           for (int i = 0; i < 3; ++i) {
-            const SolveResult result = solve_or_fail(problem, nullptr, settings);
+            const SolveResult result = require_solved(problem, nullptr, settings);
             check_same(result.plan, expected);
             CHECK(result.seed == settings.plan.seed);
           }
           settings.threads = 1;
-          if (solve_or_fail(problem, nullptr, settings).plan.path != expected.path) ++others;
+          if (require_solved(problem, nullptr, settings).plan.path != expected.path) ++others;
           settings.threads = threads;
         }
       }
@@ -118,7 +118,7 @@ TEST_SUITE("law") {
       for (settings.plan.seed = 1; settings.plan.seed <= 6; ++settings.plan.seed) {
         INFO("seed ", settings.plan.seed, ", after ", after);
         const PlanResult expected = expected_winner(problem, &database, settings);
-        const SolveResult result = solve_or_fail(problem, &database, settings);
+        const SolveResult result = require_solved(problem, &database, settings);
         check_same(result.plan, expected);
         const int components = result.gl.mixture ? result.gl.mixture->component_count() : 0;
         if (after == 0) CHECK(components > 0);
@@ -143,10 +143,10 @@ TEST_SUITE("law") {
     SolveSettings settings = racing_settings(2);
     settings.sampler = "uniform";
     for (settings.plan.seed = 1; settings.plan.seed <= 3; ++settings.plan.seed) {
-      const SolveResult first = solve_or_fail(problem, nullptr, settings);
+      const SolveResult first = require_solved(problem, nullptr, settings);
       REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
       for (int i = 0; i < 4; ++i) {
-        check_same(solve_or_fail(problem, nullptr, settings).plan, first.plan);
+        check_same(require_solved(problem, nullptr, settings).plan, first.plan);
       }
     }
   }
@@ -159,7 +159,7 @@ TEST_SUITE("flow") {
     settings.sampler = "uniform";
     Log seen;
     settings.plan.observer = &seen;
-    const PlanResult raced = solve_or_fail(problem, nullptr, settings).plan;
+    const PlanResult raced = require_solved(problem, nullptr, settings).plan;
     settings.threads = 1;
     bool is_found = false;
     for (const int index : {0, 1}) {
@@ -167,7 +167,7 @@ TEST_SUITE("flow") {
       settings.plan.observer = &log;
       settings.plan.seed = seed_of_search(1, index);
       if (index > 0) settings.plan.walk_after = 0;
-      if (solve_or_fail(problem, nullptr, settings).plan.path != raced.path) continue;
+      if (require_solved(problem, nullptr, settings).plan.path != raced.path) continue;
       is_found = true;
       CHECK(log.all == seen.all);
     }
@@ -178,7 +178,7 @@ TEST_SUITE("flow") {
     const Problem problem = planar_problem("threaded_b4");
     SolveSettings settings = racing_settings(3);
     settings.sampler = "uniform";
-    const auto status = [&] { return solve_or_fail(problem, nullptr, settings).plan.status; };
+    const auto status = [&] { return require_solved(problem, nullptr, settings).plan.status; };
     settings.plan.max_iterations = 100;
     CHECK(status() == PlanStatus::iteration_limit);
     settings.plan.max_iterations = 200000;
@@ -209,7 +209,7 @@ TEST_SUITE("flow") {
         for (int i = 0; i < 20 * round; ++i) std::this_thread::yield();
         cancel = true;
       });
-      CHECK(solve_or_fail(problem, nullptr, settings).plan.status == PlanStatus::cancelled);
+      CHECK(require_solved(problem, nullptr, settings).plan.status == PlanStatus::cancelled);
     }
   }
 }

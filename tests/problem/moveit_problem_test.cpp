@@ -282,21 +282,20 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an object in the frame of its own link needs no start of the scene") {
-    const auto with_frame = [](const std::string& frame) {
-      MoveitFiles files(
-          replaced(kMoveitScene, "name: [lift,", "name: [wheel,") +
-          "  attached_collision_objects: [{link_name: finger, object: {id: cup, header: "
-          "{frame_id: " +
-          frame +
-          "}, primitives: [{type: sphere, dimensions: [0.1]}], "
-          "primitive_poses: [{position: [0, 0, 0.2], orientation: [0, 0, 0, 1]}]}}]\n");
-      files.options.start = Configuration{0.5, 0.5};
-      return files;
+    const auto scene_with_frame = [](const std::string& frame) {
+      return replaced(kMoveitScene, "name: [lift,", "name: [wheel,") +
+             "  attached_collision_objects: [{link_name: finger, object: {id: cup, header: "
+             "{frame_id: " +
+             frame +
+             "}, primitives: [{type: sphere, dimensions: [0.1]}], "
+             "primitive_poses: [{position: [0, 0, 0.2], orientation: [0, 0, 0, 1]}]}}]\n";
     };
-    const auto problem = with_frame("finger").load();
+    MoveitFiles of_finger(scene_with_frame("finger")), of_base(scene_with_frame("base"));
+    of_finger.options.start = of_base.options.start = Configuration{0.5, 0.5};
+    const auto problem = of_finger.load();
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     CHECK(problem->robot.attached()[0].spheres.at(0).center.isApprox(Vec3(0, 0, 0.2), 1e-9));
-    CHECK(with_frame("base").failure().find("expected a start position of joint lift") !=
+    CHECK(of_base.failure().find("expected a start position of joint lift") !=
           std::string::npos);
   }
 
