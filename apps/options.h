@@ -122,9 +122,12 @@ class SettingsFlags {
 };
 
 template <class Settings>
-void add_settings(CLI::App& app, Settings& settings,
-                  std::initializer_list<std::string_view> only = {}) {
+std::vector<CLI::Option*> add_settings(CLI::App& app, Settings& settings,
+                                       std::initializer_list<std::string_view> only = {}) {
+  const auto before = std::ssize(app.get_options());
   visit_settings(settings, SettingsFlags(app, only));
+  const std::vector<CLI::Option*> all = app.get_options();
+  return {all.begin() + before, all.end()};
 }
 
 /// The flag --kind and those of the settings.

@@ -49,18 +49,9 @@ void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
       .add_option("--joint-limits", options.limits,
                   "limits of velocity and acceleration, YAML as MoveIt's joint_limits.yaml "
                   "(default: those of the URDF)")
-      ->type_name("FILE");
-  add_settings(command, options.settings);
-  for (CLI::Option* option : command.get_options([](const CLI::Option* candidate) {
-         bool is_of_trajectory = candidate->check_name("--joint-limits");
-         TrajectorySettings names;
-         visit_settings(names, [&](const char* name, const auto&, auto, auto, const char*) {
-           is_of_trajectory |= candidate->check_name(fmt::format("--{}", name));
-         });
-         return is_of_trajectory;
-       })) {
-    option->needs(trajectory);
-  }
+      ->type_name("FILE")
+      ->needs(trajectory);
+  for (CLI::Option* option : add_settings(command, options.settings)) option->needs(trajectory);
 }
 
 Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
