@@ -179,22 +179,27 @@ Answer Endpoints::plan(const std::string& body, int socket) {
 }
 
 Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
-  const Result<IkRequest> request = read_ik_request(body, context());
+  Result<IkRequest> request = read_ik_request(body, context());
   if (!request) return refusal(request.error());
+  const ClientWatch::Watched client(watch_, socket);
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
+  if (!turn) return no_turn(client.is_cancelled());
   const Problem& problem = request->problem;
   const auto checker =
       CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request->margin});
   if (!checker) return refusal(checker.error());
+  const Stopwatch stopwatch;
+  request->settings.is_over = [&] {
+    return client.is_cancelled() || stopwatch.elapsed_s() > settings_.longest_plan_s;
+  };
   auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start,
                                      request->settings, kVerificationMargin);
   if (!source) return refusal(source.error());
-  const ClientWatch::Watched client(watch_, socket);
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
-  if (!turn) return no_turn(client.is_cancelled());
   Json solutions = Json::array();
   for (const Configuration& q : source->more()) {
     solutions.push_back({{"q", q}, {"distance", problem.robot.distance(problem.start, q)}});
   }
+  if (client.is_cancelled()) return no_turn(true);
   Json message;
   if (solutions.empty()) message = source->describe_failure();
   return answer({{"solutions", std::move(solutions)}, {"message", std::move(message)}});

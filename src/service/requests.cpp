@@ -18,8 +18,6 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostConfigurations = 100000;
-/// Inverse kinematics is not interrupted: this many take a second at most.
-constexpr int kMostIkSeeds = 100000;
 
 const std::string kSource = "request";
 
@@ -136,10 +134,15 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
 
 void check_setting_names(const Input& settings, const SolveSettings& all) {
   std::vector<std::string_view> names = {"planner", "sampler", "kind"};
-  visit_all_settings(all, [&](const char* name, const auto&, auto, auto, std::string_view) {
+  const auto add = [&](const char* name, const auto&, auto, auto, std::string_view) {
     const std::string_view key = name;
     if (key != "learn-budget" && key != "remember-after") names.push_back(key);
-  });
+  };
+  // Requests have nothing learned, but for what their own plans teach.
+  visit_settings(all, add);
+  visit_settings(all.plan, add);
+  visit_settings(all.memory, add);
+  visit_settings(all.ik, add);
   settings.allow_keys(names);
 }
 
@@ -161,26 +164,14 @@ void read_names(const Input& input, SolveSettings& settings) {
   }
 }
 
-void check_seeds(const Input& input, const IkSettings& settings) {
-  if (settings.seeds <= kMostIkSeeds) return;
-  input.at("ik-seeds")
-      .fail(ErrorCode::invalid,
-            fmt::format("expected at most {}, the limit of this service", kMostIkSeeds));
-}
-
 void check_limits(const Input& input, const SolveSettings& settings,
                   const ServiceSettings& limits) {
-  if (settings.plan.timeout_s > limits.longest_plan_s) {
-    input.at("timeout").fail(ErrorCode::invalid,
-                             fmt::format("expected at most {}, the limit of this service",
-                                         limits.longest_plan_s));
+  if (settings.plan.timeout_s + settings.plan.improve > limits.longest_plan_s) {
+    input.fail(ErrorCode::invalid,
+               fmt::format("expected a timeout and improve of at most {} together, the limit of "
+                           "this service",
+                           limits.longest_plan_s));
   }
-  if (settings.plan.improve > limits.longest_plan_s) {
-    input.at("improve").fail(ErrorCode::invalid,
-                             fmt::format("expected at most {}, the limit of this service",
-                                         limits.longest_plan_s));
-  }
-  check_seeds(input, settings.ik);
   if (settings.threads > limits.threads) {
     input.at("threads").fail(ErrorCode::invalid,
                              fmt::format("expected at most {}, all threads of this service",
@@ -268,7 +259,6 @@ IkRequest read_ik(const Input& input, const RequestContext& context) {
   const SettingsReader read(*settings);
   visit_settings(request.settings, read);
   read("seed", request.settings.seed, 0, ~std::uint64_t{0}, "");
-  check_seeds(*settings, request.settings);
   return request;
 }
 

@@ -43,9 +43,8 @@ TEST_SUITE("flow") {
           kPost + "Content-Length: 0\r\n" + length, kPost + "Content-Length: abc\r\n",
           kPost + "Content-Length: +0\r\n", kPost + "Content-Length: 0x0\r\n",
           kPost + "Content-Length: 18446744073709551616\r\n",
-          kPost + "Content-Length : 0\r\n" + length,
-          kPost + "Transfer-Encoding: gzip, chunked\r\n", kPost + "Transfer-Encoding: identity\r\n",
-          kPost}) {
+          kPost + "Content-Length : 0\r\n" + length, kPost + "Transfer-Encoding: gzip, chunked\r\n",
+          kPost + "Transfer-Encoding: identity\r\n", kPost}) {
       const std::string heard = heard_after(running, head + "\r\n" + kHidden);
       INFO(head, heard);
       CHECK(count_answers(heard) == 1);
@@ -53,8 +52,9 @@ TEST_SUITE("flow") {
     }
     // What is sound goes on.
     const std::string heard = heard_after(
-        running, kGet + "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"
-                        "Content-Length: 2\r\n\r\n{}");
+        running, kGet +
+                     "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"
+                     "Content-Length: 2\r\n\r\n{}");
     CHECK_MESSAGE(heard.starts_with("HTTP/1.1 200"), heard);
     CHECK_MESSAGE(heard.find("there is no scene") != std::string::npos, heard);
   }
@@ -87,12 +87,13 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a page that gives its name this machine's address is not answered") {
     const auto status_of = [](const RunningService& running, const std::string& host) {
-      return heard_after(running, "GET /healthz HTTP/1.1\r\nHost: " + host +
-                                      "\r\nConnection: close\r\n\r\n")
+      return heard_after(running,
+                         "GET /healthz HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n")
           .substr(9, 3);
     };
     const RunningService running;
-    for (const char* host : {"localhost", "LocalHost:80", "127.0.0.1", "127.1.2.3:7890", "[::1]:80"}) {
+    for (const char* host :
+         {"localhost", "LocalHost:80", "127.0.0.1", "127.1.2.3:7890", "[::1]:80"}) {
       CHECK_MESSAGE(status_of(running, host) == "200", host);
     }
     for (const char* host : {"evil.example", "evil.example:7890", "127.0.0.1.evil.example",
@@ -125,7 +126,8 @@ TEST_SUITE("flow") {
     CHECK(failure(&ServiceSettings::traces, 0) == "traces: expected a number of 1 or more, got 0");
     CHECK(failure(&ServiceSettings::queue, -1).starts_with("queue: "));
     CHECK(failure(&ServiceSettings::connections, 0).starts_with("connections: "));
-    CHECK(failure(&ServiceSettings::idle_timeout_s, kPi - INFINITY).starts_with("idle_timeout_s: "));
+    CHECK(
+        failure(&ServiceSettings::idle_timeout_s, kPi - INFINITY).starts_with("idle_timeout_s: "));
     CHECK(failure(&ServiceSettings::refresh_s, std::nan("")).starts_with("refresh_s: "));
   }
 

@@ -5,17 +5,31 @@
 #include "service/endpoints.h"
 #include "service/service_fixture.h"
 
-#include <sqlite3.h>
+#include <csignal>
+#include <sys/resource.h>
 
 namespace mneme::test {
 namespace {
 
-void run_sql(const std::string& file, const char* sql) {
-  sqlite3* database = nullptr;
-  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
-  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
-  sqlite3_close(database);
-}
+/// As long as it lives, no file of this process can be written.
+class FullDisk {
+ public:
+  FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before_) == 0);
+    const rlimit none{0, before_.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &none) == 0);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
 
 std::shared_ptr<Database> open_paths(const std::string& file) {
   auto opened = Database::open(file, make_space(planar8()), OpenMode::create);
@@ -46,6 +60,19 @@ TEST_SUITE("flow") {
           "it takes more than 0.001 s: ask for fewer configurations at a time");
   }
 
+  TEST_CASE("inverse kinematics has an end, too") {
+    ServiceSettings settings;
+    settings.longest_plan_s = 0.001;
+    const RunningService running(settings);
+    const Json body = {{"goal", {{"link", "link_8"}, {"position", {90, 0, 0}}}},
+                       {"settings", {{"ik-seeds", 100000000}}}};
+    const Reply reply = post(*running.client(), "/v1/ik", body);
+    REQUIRE_MESSAGE(reply.status == 200, reply.body.dump());
+    CHECK(reply.body["solutions"].empty());
+    CHECK(reply.body["message"].get<std::string>().find("the search for link 'link_8' ended") !=
+          std::string::npos);
+  }
+
   TEST_CASE("memory that cannot be written is told until it can be, to those who may plan") {
     const TemporaryDirectory files;
     const std::string file = files / "m.db";
@@ -60,20 +87,18 @@ TEST_SUITE("flow") {
       body["settings"]["seed"] = body["settings"].value("seed", 0) + 1;
       return answer_of(endpoints.plan(body.dump(), -1));
     };
-    run_sql(file, "CREATE TRIGGER full BEFORE INSERT ON experience BEGIN "
-                  "SELECT RAISE(ABORT, 'no space left'); END");
-    CHECK(plan()["remembered"] == 0);
+    {
+      const FullDisk full;
+      CHECK(plan()["remembered"] == 0);
+    }
     const Json degraded = answer_of(endpoints.health(true));
     CHECK(degraded["status"] == "degraded");
-    CHECK_MESSAGE(degraded["memory"]["failure"].get<std::string>().find("no space left") !=
-                      std::string::npos,
-                  degraded.dump());
+    CHECK_MESSAGE(degraded["memory"].contains("failure"), degraded.dump());
     // That it can be read says nothing of writing.
     endpoints.refresh_memory();
     CHECK(answer_of(endpoints.health(true))["status"] == "degraded");
     CHECK(answer_of(endpoints.health(false))["status"] == "degraded");
     CHECK_FALSE(answer_of(endpoints.health(false))["memory"].contains("failure"));
-    run_sql(file, "DROP TRIGGER full");
     CHECK(plan()["remembered"].get<int>() > 0);
     CHECK(answer_of(endpoints.health(true))["status"] == "ok");
   }

@@ -40,10 +40,11 @@ TEST_SUITE("flow") {
     refused(with("settings", {{"lamda", 1}}), "did you mean 'lambda'?");
     refused(with("settings", {{"lambda", 2}}), "expected a number from 0 to 1");
     refused(with("settings", {{"planner", "RRTConnect"}}), "did you mean 'rrt_connect'?");
-    refused(with("settings", {{"timeout", 1e5}}), "expected at most 60");
+    refused(with("settings", {{"timeout", 1e5}}), "timeout and improve of at most 60 together");
     refused(with("settings", {{"max-nodes", 1e9}}), "expected at most 1000000");
-    refused(with("settings", {{"improve", 1e5}}), "expected at most 60");
-    refused(with("settings", {{"ik-seeds", 1e8}}), "expected at most 100000");
+    refused(with("settings", {{"improve", 1e5}}), "timeout and improve of at most 60 together");
+    refused(with("settings", {{"timeout", 40}, {"improve", 21}}), "at most 60 together");
+    refused(with("settings", {{"starts-per-link", 2}}), "unknown key");
     refused(with("settings", {{"threads", 64}}), "all threads of this service");
     refused(with("goal", {{"link", "moon"}, {"position", {1, 0, 0}}}), "expected either goal or");
     refused(with("attached", {{{"name", "a"}, {"link", "moon"}}}), "expected a link of robot");
@@ -69,7 +70,6 @@ TEST_SUITE("flow") {
     ik_refused({{"goal", pose}, {"margin", -1}}, "0 or more");
     ik_refused({{"goal", pose}, {"settings", {{"lambda", 0.5}}}}, "key lambda");
     ik_refused({{"goal", pose}, {"settings", {{"seed", -1}}}}, "expected a whole number");
-    ik_refused({{"goal", pose}, {"settings", {{"ik-seeds", 1e6}}}}, "expected at most 100000");
     ik_refused({{"goal", pose}, {"start", {0}}}, "key start");
     check_refused(post(*client, "/v1/check", {{"configurations", Json::array()}, {"margin", -1}}),
                   400, "0 or more");
