@@ -304,7 +304,7 @@ TEST_SUITE("unit") {
     const Problem problem{"p 1", *robot, *urdf,  scene, Configuration(joints, 0.1),
                           {Configuration(joints, -0.2)}, {}, {goal}};
     write_file(directory / "p.json", to_compact_json(problem, *urdf));
-    const auto read = load_problem(directory / "p.json");
+    const auto read = load_problem(directory / "p.json" + "#p 1");
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
     CHECK(read->name == "p 1");
     CHECK(read->start == problem.start);
