@@ -517,6 +517,7 @@ def plan(
     remember_after: Optional[int] = None,
     resolution: Optional[float] = None,
     margin: float = 0.0,
+    threads: int = 1,
     # /settings
     # settings:plan
     range: Optional[float] = None,

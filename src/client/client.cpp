@@ -45,12 +45,11 @@ Result<std::pair<std::string, int>> split_address(const std::string& address) {
 }
 
 ErrorCode code_of(const std::string& name) {
-  if (name == "parse") return ErrorCode::parse;
-  if (name == "unsupported") return ErrorCode::unsupported;
-  if (name == "wrong_robot") return ErrorCode::wrong_robot;
-  if (name == "corrupt") return ErrorCode::corrupt;
-  const bool is_of_service = name == "io" || name == "busy" || name == "internal";
-  return is_of_service ? ErrorCode::io : ErrorCode::invalid;
+  for (const ErrorCode code : {ErrorCode::parse, ErrorCode::unsupported, ErrorCode::wrong_robot,
+                               ErrorCode::corrupt, ErrorCode::io}) {
+    if (to_string(code) == name) return code;
+  }
+  return name == "busy" || name == "internal" ? ErrorCode::io : ErrorCode::invalid;
 }
 
 tl::unexpected<Error> unreadable(const std::string& path) {

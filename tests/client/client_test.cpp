@@ -103,7 +103,7 @@ TEST_SUITE("flow") {
     // The file has the same digits as the request.
     const TemporaryDirectory files;
     write_file(files / "p.json", to_compact_json(problem, source_file("robots/planar8.urdf")));
-    const auto read = load_problem(files / "p.json");
+    const auto read = load_problem(files / "p.json" + "#scenario1");
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
     CHECK(read->robot.attached().size() == 1);
     CHECK(read->pose_goals.size() == 1);

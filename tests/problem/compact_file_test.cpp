@@ -4,6 +4,7 @@
 #include "mneme/problem.h"
 
 #include "problem/compact_file.h"
+#include "problem/small_robots.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>
@@ -288,23 +289,24 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a problem that is written as compact JSON reads back, with all that it says") {
     const TemporaryDirectory directory;
-    const auto urdf = find_robot("panda");
-    REQUIRE(urdf.has_value());
+    const std::string urdf = directory / "lifter.urdf";
+    write_file(urdf, kLiftUrdf);
     ProblemOptions options;
-    options.robot.fixed_values["panda_finger_joint1"] = 0.02;
-    auto loaded = load_robot(*urdf, options.robot);
+    options.robot.joints = {"turn", "lift"};
+    options.robot.fixed_values["grip"] = 0.02;
+    auto loaded = load_robot(urdf, options.robot);
     REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    const auto robot = attach(
-        *loaded, {{"rod", "panda_hand", {Box{kPose, {0.1, 0.2, 0.3}}}, {}, {"panda_link7"}}});
+    const auto robot =
+        attach(*loaded, {{"rod", "finger", {Box{kPose, {0.1, 0.2, 0.3}}}, {}, {"carriage"}}});
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     const auto joints = static_cast<std::size_t>(robot->joint_count());
     Scene scene = strange_scene().scene;
-    scene.obstacles[0].may_touch = {"panda_hand", "rod"};
-    PoseGoal goal{"panda_hand", kPose, {0.1, 0.2, 0}, Axis::y, 0.5, kPi};
-    const Problem problem{"p 1", *robot, *urdf,  scene, Configuration(joints, 0.1),
+    scene.obstacles[0].may_touch = {"arm", "rod"};
+    PoseGoal goal{"finger", kPose, {0.1, 0.2, 0}, Axis::y, 0.5, kPi};
+    const Problem problem{"p 1", *robot, urdf, scene, Configuration(joints, 0.1),
                           {Configuration(joints, -0.2)}, {}, {goal}};
-    write_file(directory / "p.json", to_compact_json(problem, *urdf));
-    const auto read = load_problem(directory / "p.json");
+    write_file(directory / "p.json", to_compact_json(problem, urdf));
+    const auto read = load_problem(directory / "p.json" + "#p 1");
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
     CHECK(read->name == "p 1");
     CHECK(read->start == problem.start);
@@ -314,8 +316,8 @@ TEST_SUITE("unit") {
     CHECK(read->scene.obstacles[0].may_touch == scene.obstacles[0].may_touch);
     REQUIRE(read->robot.attached().size() == 1);
     const AttachedObject& rod = read->robot.attached()[0].object;
-    CHECK(rod.link == "panda_hand");
-    CHECK(rod.may_touch == std::vector<std::string>{"panda_link7"});
+    CHECK(rod.link == "finger");
+    CHECK(rod.may_touch == std::vector<std::string>{"carriage"});
     CHECK((std::get<Box>(rod.shapes.at(0)).pose.rotation - kPose.rotation).norm() < 1e-12);
     REQUIRE(read->pose_goals.size() == 1);
     const PoseGoal& same = read->pose_goals[0];

@@ -132,7 +132,7 @@ def test_all_shapes_are_taken_as_numbers(service):
                  {"name": "d", "type": "mesh", "triangles": [20, 0, 0, 20, 1, 0, 20, 0, 1]},
                  {"body": "e", "type": "octree", "cubes": [20, 0, 0, 0.5]}]
     assert service.ask("PUT", "/v1/scenes/shapes", {"obstacles": obstacles})["obstacles"] == list("abcde")
-    rod = {"name": "rod", "link": "link_8", "touch": [], "shapes": [{"type": "sphere", **at, "radius": 0.1}]}
+    rod = {"name": "rod", "link": "link_8", "touch": [], "shapes": [{"type": "sphere", "p": [10.1, 0, 0], "radius": 0.1}]}
     body = {"scene": "shapes", "start": [0] * 8, "goal": [0.1] * 8, "attached": [rod], "allow": [["rod", "a"]]}
     assert service.ask("POST", "/v1/plan", body)["status"] == "invalid_start"  # it touches the others
     service.ask("POST", "/v1/check", {"scene": "shapes", "allow": [["link_8", "a"]], "configurations": [[0] * 8]})
@@ -175,7 +175,7 @@ def test_what_was_answered_as_remembered_survives_a_killed_service(tmp_path):
 
         def plan(number):
             for seed in range(1000):
-                settings = {"seed": 1000 * number + seed, "kind": "paths", "sampler": "uniform", "timeout": 50}
+                settings = {"seed": 1000 * number + seed, "kind": "paths", "timeout": 50}
                 try:
                     heard.append(killed.ask("POST", "/v1/plan", {**question(), "settings": settings})["remembered"])
                 except (OSError, http.client.HTTPException):

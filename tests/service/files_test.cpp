@@ -98,10 +98,10 @@ TEST_SUITE("flow") {
     body["robot"] = "../robots/fetch.urdf";
     CHECK(post(*client, "/v1/plan", body).status == 400);
     body.erase("robot");
-    body["allow"] = {{"link_1", "link_3"}};
+    body["allow"] = Json::parse(R"([["link_1", "link_3"]])");
     const Reply reply = post(*client, "/v1/plan", body);
     CHECK(reply.status == 400);
-    CHECK(reply.body["error"]["message"].get<std::string>().find("when it was loaded") !=
+    CHECK(reply.body["error"]["message"].get<std::string>().find("the robot is given") !=
           std::string::npos);
   }
 

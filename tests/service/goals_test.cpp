@@ -76,7 +76,7 @@ TEST_SUITE("flow") {
     CHECK(reply.body["solutions"].empty());
     CHECK(reply.body["message"].get<std::string>().find("only in contact with") !=
           std::string::npos);
-    body["allow"] = {{"link_8", "circle_1"}, {"link_7", "circle_1"}};
+    body["allow"] = Json::parse(R"([["link_8", "circle_1"], ["link_7", "circle_1"]])");
     CHECK_FALSE(post(*client, "/v1/ik", body).body["solutions"].empty());
 
     const Json upload = {{"circles", blocked}};

@@ -61,14 +61,14 @@ TEST_SUITE("flow") {
       check_refused(post(*client, "/v1/ik", body), 400, part);
     };
     const Json pose = {{"link", "link_8"}, {"position", {1, 0, 0}}};
-    ik_refused({{"near", {0}}}, "expected");
+    ik_refused({{"near", {0}}}, "8 joints in its group");
     ik_refused(Json::object(), "key goal");
     ik_refused({{"goal", std::vector<double>(8, 0.0)}}, "expected poses of links");
     ik_refused({{"goals", {pose, std::vector<double>(8, 0.0)}}}, "expected poses of links");
     ik_refused({{"goal", {{"link", "moon"}, {"position", {1, 0, 0}}}}}, "expected a link of robot");
     ik_refused({{"goal", pose}, {"near", {0}}}, "near");
     ik_refused({{"goal", pose}, {"margin", -1}}, "0 or more");
-    ik_refused({{"goal", pose}, {"settings", {{"lambda", 0.5}}}}, "key lambda");
+    ik_refused({{"goal", pose}, {"settings", {{"lambda", 0.5}}}}, "settings.lambda: unknown key");
     ik_refused({{"goal", pose}, {"settings", {{"seed", -1}}}}, "expected a whole number");
     ik_refused({{"goal", pose}, {"start", {0}}}, "key start");
     check_refused(post(*client, "/v1/check", {{"configurations", Json::array()}, {"margin", -1}}),
