@@ -118,21 +118,29 @@ BenchPlan make_plan(const DemoOptions& options, const std::vector<Problem>& prob
   return plan;
 }
 
-/// The page of a plan that was made before, as DIRECTORY/PROBLEM.html: it is planned again.
-Result<std::string> write_page(const DemoOptions& options, const Problem& problem,
-                               Database& database, const SolveSettings& settings) {
+Result<std::string> trace_of(const Problem& problem, Database& database, SolveSettings settings) {
   PlanRecorder recorder;
-  SolveSettings watched = settings;
-  watched.plan.observer = &recorder;
-  const std::string name = problem.name + ".html";
-  return solve(problem, &database, watched)
+  settings.plan.observer = &recorder;
+  return solve(problem, &database, settings)
       .and_then([&](const SolveResult& result) {
         return make_trace(problem, result, &recorder, 0);
       })
-      .and_then([&](const PlanTrace& trace) { return to_page(to_json(trace), name); })
-      .and_then([&](const std::string& page) {
-        return write_file(options.out + "/" + name, page);
-      })
+      .map([](const PlanTrace& trace) { return to_json(trace); });
+}
+
+/// The page of a plan that was made before, as DIRECTORY/PROBLEM.html: it is planned again, and
+/// with uniform samples beside it.
+Result<std::string> write_page(const DemoOptions& options, const Problem& problem,
+                               Database& database, const SolveSettings& settings) {
+  const Result<std::string> own = trace_of(problem, database, settings);
+  if (!own) return own;
+  SolveSettings uniform = settings;
+  uniform.sampler = "uniform";
+  const Result<std::string> beside = trace_of(problem, database, uniform);
+  if (!beside) return beside;
+  const std::string name = problem.name + ".html";
+  return to_page(*own, name, *beside)
+      .and_then([&](const std::string& page) { return write_file(options.out + "/" + name, page); })
       .map([&] { return name; });
 }
 
@@ -144,8 +152,8 @@ Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
   if (result != nullptr) {
     picture.gl = &result->gl;
     picture.path = result->plan.path;
-    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples", problem.name,
-                          1e3 * result->planning_time_s, result->plan.iterations);
+    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples; click to see it move",
+                          problem.name, 1e3 * result->planning_time_s, result->plan.iterations);
   }
   return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg, ""}; });
 }

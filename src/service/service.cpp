@@ -4,6 +4,7 @@
 
 #include "service/endpoints.h"
 #include "service/http_server.h"
+#include "service/live_page.h"
 
 #include <fmt/format.h>
 
@@ -169,8 +170,9 @@ Result<void> check(const ServiceSettings& settings, bool has_memory) {
 class Service::State {
  public:
   State(internal::Listener listener, const Robot& robot, std::shared_ptr<Database> database,
-        const ServiceSettings& settings)
+        const ServiceSettings& settings, std::string page)
       : settings_(completed(settings)),
+        page_(std::move(page)),
         endpoints_(robot, database, settings_),
         server_(std::move(listener),
                 {.request_timeout_s = settings.request_timeout_s,
@@ -247,6 +249,9 @@ class Service::State {
     server_.Get("/metrics", timed("/metrics", [this](const Request&) {
                   return endpoints_.metrics_text(server_.connection_count());
                 }));
+    server_.Get("/", timed("/", [this](const Request&) {
+                  return Answer{200, page_, "text/html; charset=utf-8"};
+                }));
     add_scene_routes();
     add_refusals();
   }
@@ -312,6 +317,7 @@ class Service::State {
   }
 
   ServiceSettings settings_;
+  std::string page_;
   Endpoints endpoints_;
   HttpServer server_;  ///< after what its threads use
   std::thread refresher_;
@@ -328,10 +334,12 @@ Result<Service> Service::start(const Robot& robot, std::shared_ptr<Database> dat
   }
   auto listener = internal::listen_at(settings.listen, !settings.token.empty());
   if (!listener) return tl::unexpected(listener.error());
+  auto page = internal::make_live_page(robot, database != nullptr, settings);
+  if (!page) return tl::unexpected(page.error());
   try {
     const bool has_memory = database != nullptr;
-    auto state =
-        std::make_unique<State>(*std::move(listener), robot, std::move(database), settings);
+    auto state = std::make_unique<State>(*std::move(listener), robot, std::move(database), settings,
+                                         *std::move(page));
     if (const auto started = state->start(has_memory); !started) {
       return tl::unexpected(started.error());
     }
