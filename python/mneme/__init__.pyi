@@ -32,8 +32,9 @@ class Robot:
         joints: Sequence[str] = ...,
         package_paths: Sequence[str] = ...,
         fixed_values: Mapping[str, float] = ...,
-        excess: float = 0.025,
-        max_per_link: int = 16,
+        excess: float = 0.015,
+        tip_excess: float = 0.005,
+        max_per_link: int = 1000,
     ) -> Robot: ...
     @staticmethod
     def planar(lengths: npt.ArrayLike, *, thickness: float = 0.001, name: str = "") -> Robot: ...
