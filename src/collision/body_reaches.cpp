@@ -82,6 +82,10 @@ Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
 }
 
 void add_reaches(RobotTables& tables) {
+  for (BodyPairRow& pair : tables.body_pairs) {
+    pair.ancestor = common_ancestor(tables, tables.bodies[as_index(pair.first)].frame,
+                                    tables.bodies[as_index(pair.second)].frame);
+  }
   const std::vector<float> zero(as_index(tables.joint_count), 0.0f);
   tables.reaches = find_reaches(tables, zero, zero);
   const auto turns_below = [&](const FrameRow& row) {

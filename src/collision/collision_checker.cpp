@@ -116,7 +116,7 @@ constexpr double kMostStates = 1e9;
 
 /// Around a state that is looked at first, a link moves by at most this share of the farthest that
 /// one radian could move it.
-constexpr float kFirstSweep = 0.01f;
+constexpr float kFirstSweep = 0.02f, kFirstPlanarSweep = 0.04f;
 /// Metres that a link moves around the last states that are looked at, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostParts = 1e6f;
@@ -301,7 +301,8 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   const Ways ways = t.find_ways(from, {end.data(), from.size()}, {delta.data(), from.size()});
   if (!(ways.longest > 0)) return true;
   const auto margin = static_cast<float>(detail.margin);
-  const float first = kFirstSweep * ways.farthest_reach;
+  const float share = t.robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
+  const float first = share * ways.farthest_reach;
   const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
   // Next to an exempt end there is hardly any margin.
   const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;

@@ -92,6 +92,7 @@ struct BodyPairRow {
   float reach2 = 0;        ///< squared sum of the balls' radii
   int begin = 0, end = 0;  ///< into group_pairs
   bool is_single = false;  ///< of one group each
+  int ancestor = 0;        ///< the frame nearest to both that carries them
 };
 
 /// A point that moves with a frame.

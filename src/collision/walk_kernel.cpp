@@ -15,7 +15,7 @@
 #define HWY_TARGET_INCLUDE "collision/walk_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
-#include "collision/clearance-inl.h"
+#include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
 #include "collision/least_squares-inl.h"
 #include "collision/scene_boxes-inl.h"

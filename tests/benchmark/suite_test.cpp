@@ -188,7 +188,8 @@ settings:
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
                                            "ompl:Lightning", "ompl:Thunder"};
     const test::TemporaryDirectory hard;
-    for (const char* name : {"wide.json", "middle.json", "narrow.json"}) {
+    for (const char* name :
+         {"wide.json", "middle.json", "narrow.json", "starts.json", "carried.json", "reach"}) {
       test::write_file(hard / name, "");
     }
     setenv("HARD", (hard / ".").c_str(), 1);
