@@ -4,7 +4,8 @@
 /// What one query draws from memory, asked when the planner has drawn for long enough without.
 #pragma once
 
-#include "pipeline/query.h"
+#include "pipeline/drawn_components.h"
+#include "pipeline/memory_steps.h"
 
 #include <functional>
 #include <memory>
@@ -16,7 +17,7 @@ namespace mneme::internal {
 
 /// Algorithm 2 for one kind of memory: its components for the query, and in `gl` what it found.
 using Recall =
-    std::function<Result<GaussianMixture>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
+    std::function<Result<Recalled>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
 
 /// Asks memory, once only, whichever of the sampler's streams asks first and from whichever thread.
 class Recollection {
@@ -24,6 +25,7 @@ class Recollection {
   /// One of the samplers that are mixed with uniform samples.
   struct Source {
     double lambda = 0;
+    double least_lambda = 0;
     int after = 0;  ///< iterations before it is asked
     /// Null if there is nothing to draw from.
     std::function<Result<std::shared_ptr<const Sampler>>()> ask;
@@ -46,7 +48,8 @@ class Recollection {
 
   /// Why memory could not be asked, until now.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
-  [[nodiscard]] GlSampler take() { return std::move(gl_); }
+  /// What it found, with the components that were drawn from until now where they are made then.
+  [[nodiscard]] GlSampler take();
 
  private:
   [[nodiscard]] std::shared_ptr<const Sampler> draw(std::vector<Source> sources);
@@ -57,15 +60,19 @@ class Recollection {
   /// Adds the components to what was found, and samples them as the kind says; null if there are
   /// none.
   [[nodiscard]] std::shared_ptr<const Sampler> sample(const KindSettings& kind,
-                                                      GaussianMixture mixture);
+                                                      Recalled recalled);
+  [[nodiscard]] std::shared_ptr<const Sampler> sample_mixture(const KindSettings& kind,
+                                                              GaussianMixture mixture);
+  void add_to_found(const GaussianMixture& mixture);
 
   const Query& query_;
   Recall recall_;
   std::vector<Source> sources_;  ///< those that are asked first, first
   std::mutex mutex_;
   std::size_t asked_ = 0;
-  std::vector<std::pair<double, std::shared_ptr<const Sampler>>> samplers_;  ///< with lambda
-  std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;       ///< by `after`
+  std::vector<MixedSource> samplers_;
+  std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;  ///< by `after`
+  std::vector<std::shared_ptr<const DrawnComponents>> drawn_;
   GlSampler gl_;
   std::optional<Error> failure_;
 };
