@@ -98,10 +98,12 @@ struct PrimitiveRetrieval {
 /// What measures best for the samplers of one kind; SolveSettings says what each means.
 struct MemoryDefaults {
   double lambda = 0.5;
+  std::optional<double> least_lambda = std::nullopt;  ///< left out: lambda stays
   double sigma = 0.1;
   double similarity = 1;
   int max_matches = 8;
   bool drop_invalid_means = true;
+  bool retarget = false;
   int retrieve_after = 0;
   double first_components = 1e9;
   double max_gap = 1;
@@ -130,6 +132,12 @@ struct MemoryKind {
   /// Component i counts for the retrieval whose index its origin is.
   GaussianMixture (*synthesize)(const MemoryQuery& query,
                                 std::span<const PrimitiveRetrieval> retrievals) = nullptr;
+  /// The same with means that are fitted to the query's primitives, each when it is first drawn; a
+  /// match is a group of components, the most relevant first. Origins are counted from
+  /// `first_origin`. Null, or returns null, where synthesize() is the only way.
+  std::shared_ptr<const ComponentSource> (*retarget)(
+      const MemoryQuery& query, std::span<const PrimitiveRetrieval> retrievals,
+      Origin first_origin) = nullptr;
   /// What solved paths of the query teach: rows with kind, key and sampler. Errors: those of
   /// decompose.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,

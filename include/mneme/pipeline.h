@@ -30,10 +30,12 @@ struct SolveSettings {
   /// Of the memory; left out, all kinds that the database holds, or the robot's own if it is empty.
   MemorySettings memory;
   std::optional<double> lambda;
+  std::optional<double> least_lambda;
   std::optional<double> sigma;
   std::optional<double> similarity;
   std::optional<int> max_matches;
   std::optional<bool> drop_invalid_means;
+  std::optional<bool> retarget;
   std::optional<int> retrieve_after;
   std::optional<double> first_components;
   double component_growth = 0.5;
@@ -56,6 +58,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("lambda", s.lambda, 0.0, 1.0,
         "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
         "may never get anywhere; left out, 0.7 for whole paths, 0.5 otherwise");
+  visit("least-lambda", s.least_lambda, 0.0, 1.0,
+        "lambda falls with the number n of draws from memory, as lambda * 5000 / (5000 + n), to "
+        "this: what does not fit costs a limited share; as much as lambda for one that stays, the "
+        "paper's rule; left out, 0.2 for pairs, lambda otherwise");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints); smaller repeats the past, larger explores around it; left out, 0.05 for pairs, "
@@ -71,6 +77,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "drop retrieved means that are in contact in the whole scene, all in one batch of state "
         "checks; left out, on for pairs and gaps, off for body_pairs and paths, where samples "
         "around them help");
+  visit("retarget", s.retarget, false, true,
+        "fit each remembered mean to the query's own gap when it is first drawn, the most similar "
+        "match first and one more every 1000 draws; off, means are moved by the robot's symmetry "
+        "alone, all of them before planning, the paper's way; left out, on for pairs, which alone "
+        "can be fitted");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
         "for it; left out, 0 for pairs, 1500 for body_pairs and gaps, 2500 for paths");

@@ -99,7 +99,54 @@ struct Widening {
     std::shared_ptr<const Sampler> first, int count,
     std::function<std::shared_ptr<const Sampler>()> make_rest);
 
-/// Algorithm 1, line 2: with probability `lambda` in [0, 1] from `first`, otherwise from `second`.
+/// Components of a mixture that are made when one is first drawn, in groups of equally likely ones
+/// in order of relevance. Const is parallel-safe.
+class ComponentSource {
+ public:
+  /// Draws after which one more group takes part: what is more relevant is tried first, and less of
+  /// it is made for nothing.
+  static constexpr int kDrawsPerGroup = 1000;
+
+  virtual ~ComponentSource() = default;
+  [[nodiscard]] virtual int group_count() const = 0;
+  /// Groups that take part from the first draw on.
+  [[nodiscard]] virtual int first_groups() const { return 1; }
+  [[nodiscard]] virtual int component_count(int group) const = 0;
+  /// What the components of a group count for.
+  [[nodiscard]] virtual Origin origin(int group) const = 0;
+  /// Writes a mean, within the limits; false if the component has nothing to say.
+  [[nodiscard]] virtual bool make(int group, int component, std::span<float> mean) const = 0;
+  /// The row of GaussianMixture::factors that shapes it; empty for the sampler's sigma.
+  [[nodiscard]] virtual std::span<const float> factor(int group, int component) const = 0;
+};
+
+/// Draws from the groups of `source` that take part, all their components with equal probability,
+/// as make_mixture_sampler() does; uniformly if none of them has anything to say.
+[[nodiscard]] std::unique_ptr<Sampler> make_component_sampler(
+    const Robot& robot, std::shared_ptr<const ComponentSource> source, double sigma);
+
+/// A sampler that takes part in a mixed one, with a probability that falls from `lambda` with the
+/// number n of draws from it in the stream: lambda * 5000 / (5000 + n), but at least
+/// `least_lambda`. The probabilities of all sources together are at most 1.
+///
+/// No regret: of a single source whose draws are worth nothing, with floor f = least_lambda < 1,
+/// the expected number of draws until the rest has been drawn from U times is at most
+/// U / (1 - f) + max(0, 5000 * (lambda / f - 1)) + 1. Proof: lambda has fallen to f once n >= n0 =
+/// 5000 * (lambda / f - 1). At most n0 + 1 draws from the source come before that. From then on
+/// each draw is from the source with probability f, so that f / (1 - f) of them are expected
+/// between two of the rest. In all that is U + n0 + 1 + U * f / (1 - f). With 0.8 and 0.2 a
+/// useless memory thus costs at most a quarter more draws and 15,001 besides. As far as a planner
+/// is not slower for having seen more samples, that holds for its iterations.
+struct MixedSource {
+  std::shared_ptr<const Sampler> sampler;
+  double lambda = 0;
+  double least_lambda = 0;
+};
+
+/// Algorithm 1, line 2: from each of the sources with its probability, otherwise from `rest`.
+[[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(std::vector<MixedSource> sources,
+                                                          std::shared_ptr<const Sampler> rest);
+/// With probability `lambda` in [0, 1], which stays, from `first`, otherwise from `second`.
 [[nodiscard]] std::unique_ptr<Sampler> make_mixed_sampler(double lambda,
                                                           std::shared_ptr<const Sampler> first,
                                                           std::shared_ptr<const Sampler> second);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/memory.h"
 
+#include "memory/fitted_means.h"
 #include "memory/moved_means.h"
 #include "primitive/near_pairs.h"
 #include "robot/link_shapes.h"
@@ -188,11 +189,17 @@ extern constinit const MemoryKind kCirclePairs = {
     .name = "pairs",
     .version = "pairs/1",
     .summary = "two circles and the gap between them, as in the paper; for planar arms",
-    .defaults = {.lambda = 0.5, .sigma = 0.05, .similarity = 0.5, .max_gap = 1},
+    .defaults = {.lambda = 0.8,
+                 .least_lambda = 0.2,
+                 .sigma = 0.03,
+                 .similarity = 2,
+                 .retarget = true,
+                 .max_gap = 1},
     .key_size = [](const Robot&) { return static_cast<int>(kPairKeySize); },
     .decompose = decompose_into_circle_pairs,
     .images = images_of_circles,
     .synthesize = pool_moved_means,
+    .retarget = retarget_means,
     .learn_from_paths = learn_waypoints<decompose_into_circle_pairs>,
     .learn = learn_circle_pair,
     .no_learning_on_a_miss = {},

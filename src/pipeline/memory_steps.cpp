@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory_steps.h"
 
+#include "pipeline/drawn_components.h"
+
 #include <algorithm>
 
 namespace mneme::internal {
@@ -75,9 +77,27 @@ Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
   return done;
 }
 
-GaussianMixture synthesize(const MemoryRequest& request, const KindSettings& kind,
-                           std::span<const PrimitiveRetrieval> primitives) {
-  return kind.kind->synthesize(request.query, primitives);
+Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
+                    std::span<const PrimitiveRetrieval> primitives, Origin first_origin) {
+  if (kind.retarget && kind.kind->retarget != nullptr) {
+    auto source = kind.kind->retarget(request.query, primitives, first_origin);
+    if (source != nullptr) return source;
+  }
+  GaussianMixture mixture = kind.kind->synthesize(request.query, primitives);
+  for (Origin& origin : mixture.origins) origin += first_origin;
+  return mixture;
+}
+
+GaussianMixture make_all(Recalled recalled, int joint_count) {
+  if (auto* mixture = std::get_if<GaussianMixture>(&recalled)) return std::move(*mixture);
+  auto source = std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled));
+  const int groups = source->group_count();
+  const DrawnComponents drawn(std::move(source), joint_count, std::nullopt);
+  std::vector<float> mean(static_cast<std::size_t>(joint_count));
+  for (int group = 0; group < groups; ++group) {
+    for (int i = 0; i < drawn.component_count(group); ++i) (void)drawn.make(group, i, mean);
+  }
+  return drawn.made();
 }
 
 void append(GaussianMixture& all, const GaussianMixture& more) {

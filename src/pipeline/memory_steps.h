@@ -6,6 +6,9 @@
 
 #include "pipeline/query.h"
 
+#include <memory>
+#include <variant>
+
 namespace mneme::internal {
 
 /// Line 1: the primitives of the query, nothing known of them yet.
@@ -21,9 +24,16 @@ namespace mneme::internal {
 [[nodiscard]] Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
                                  PrimitiveRetrieval& primitive, double& learning_time_s);
 
-/// Line 10: one mixture of all that was retrieved.
-[[nodiscard]] GaussianMixture synthesize(const MemoryRequest& request, const KindSettings& kind,
-                                         std::span<const PrimitiveRetrieval> primitives);
+/// What was retrieved: all components at once, or made when they are drawn.
+using Recalled = std::variant<GaussianMixture, std::shared_ptr<const ComponentSource>>;
+
+/// Line 10: one mixture of all that was retrieved. Origins are counted from `first_origin`.
+[[nodiscard]] Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
+                                  std::span<const PrimitiveRetrieval> primitives,
+                                  Origin first_origin);
+
+/// All components, made at once.
+[[nodiscard]] GaussianMixture make_all(Recalled recalled, int joint_count);
 
 /// Adds the components of another mixture to `all`, after those that it has.
 void append(GaussianMixture& all, const GaussianMixture& more);

@@ -65,12 +65,17 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   KindSettings complete;
   complete.kind = &kind;
   complete.lambda = settings.lambda.value_or(defaults.lambda);
+  complete.least_lambda =
+      settings.least_lambda.value_or(defaults.least_lambda.value_or(complete.lambda));
   complete.sigma = settings.sigma.value_or(defaults.sigma);
   complete.similarity = std::max(settings.similarity.value_or(defaults.similarity),
                                  std::numeric_limits<double>::denorm_min());
   complete.max_matches = settings.max_matches.value_or(defaults.max_matches);
   complete.drop_invalid_means = settings.drop_invalid_means.value_or(defaults.drop_invalid_means);
-  complete.retrieve_after = settings.retrieve_after.value_or(defaults.retrieve_after);
+  complete.retarget = settings.retarget.value_or(defaults.retarget);
+  // What is missing must be known before there is time to learn it.
+  const int after = settings.learn_budget_s > 0 ? 0 : defaults.retrieve_after;
+  complete.retrieve_after = settings.retrieve_after.value_or(after);
   // Components are drawn from in a fraction lambda of the iterations.
   complete.widening = {settings.first_components.value_or(defaults.first_components),
                        settings.component_growth / std::max(complete.lambda, 1e-3)};

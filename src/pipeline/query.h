@@ -14,10 +14,12 @@ namespace mneme::internal {
 struct KindSettings {
   const MemoryKind* kind = nullptr;
   double lambda = 0;
+  double least_lambda = 0;
   double sigma = 0;
   double similarity = 0;  ///< above 0, so that a key always matches itself
   int max_matches = 0;
   bool drop_invalid_means = false;
+  bool retarget = false;
   int retrieve_after = 0;
   Widening widening;
   double max_gap = 0;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/recollection.h"
 
-#include "pipeline/memory_steps.h"
-
 #include <algorithm>
 #include <utility>
 
@@ -12,9 +10,9 @@ namespace mneme::internal {
 std::shared_ptr<const Sampler> Recollection::draw_by_kind() {
   std::vector<Source> sources;
   for (const KindSettings& kind : query_.kinds) {
-    sources.push_back({kind.lambda, kind.retrieve_after, [this, &kind] {
-                         return recall_(query_, kind, gl_).map([&](GaussianMixture mixture) {
-                           return sample(kind, std::move(mixture));
+    sources.push_back({kind.lambda, kind.least_lambda, kind.retrieve_after, [this, &kind] {
+                         return recall_(query_, kind, gl_).map([&](Recalled recalled) {
+                           return sample(kind, std::move(recalled));
                          });
                        }});
   }
@@ -33,7 +31,7 @@ std::shared_ptr<const Sampler> Recollection::draw_from(
     std::function<Result<std::shared_ptr<const Sampler>>()> make) {
   if (query_.kinds.empty()) return draw({});
   const KindSettings& kind = query_.kinds.front();
-  return draw({{kind.lambda, kind.retrieve_after, [this, make = std::move(make)] {
+  return draw({{kind.lambda, kind.least_lambda, kind.retrieve_after, [this, make = std::move(make)] {
                   const Stopwatch stopwatch;
                   auto made = make();
                   gl_.retrieval_time_s = stopwatch.elapsed_s();
@@ -64,26 +62,23 @@ std::shared_ptr<const Sampler> Recollection::drawn_after(int samples) {
 
 /// Each source gets its lambda; several share, so that uniform samples keep their part.
 std::shared_ptr<const Sampler> Recollection::mixed() const {
-  std::shared_ptr<const Sampler> rest = make_uniform_sampler(query_.problem.robot);
-  const auto count = static_cast<double>(samplers_.size());
-  double left = 1;
-  for (const auto& [lambda, sampler] : samplers_) left -= lambda / count;
-  for (auto entry = samplers_.rbegin(); entry != samplers_.rend(); ++entry) {
-    const double share = entry->first / count;
-    left += share;
-    const double lambda = samplers_.size() == 1 ? entry->first : share / left;
-    rest = make_mixed_sampler(lambda, entry->second, std::move(rest));
+  std::shared_ptr<const Sampler> uniform = make_uniform_sampler(query_.problem.robot);
+  if (samplers_.empty()) return uniform;
+  std::vector<MixedSource> shares = samplers_;
+  for (MixedSource& share : shares) {
+    share.lambda /= static_cast<double>(shares.size());
+    share.least_lambda /= static_cast<double>(shares.size());
   }
-  return rest;
+  return make_mixed_sampler(std::move(shares), std::move(uniform));
 }
 
 void Recollection::ask(const Source& source) {
-  marks_.push_back({source.after, gl_.primitives.size(), gl_.mixture});
+  marks_.push_back({source.after, gl_.primitives.size(), drawn_.size(), gl_.mixture});
   auto sampler = source.ask();
   if (!sampler) {
     failure_ = sampler.error();
   } else if (*sampler != nullptr) {
-    samplers_.emplace_back(source.lambda, *std::move(sampler));
+    samplers_.push_back({*std::move(sampler), source.lambda, source.least_lambda});
   }
 }
 
@@ -94,21 +89,41 @@ GlSampler Recollection::take(std::uint64_t draws) {
   if (too_late != marks_.end()) {
     gl_.primitives.erase(gl_.primitives.begin() + static_cast<std::ptrdiff_t>(too_late->primitives),
                          gl_.primitives.end());
+    drawn_.resize(too_late->drawn);
     gl_.mixture = too_late->mixture;
   }
+  for (const auto& drawn : drawn_) add_to_found(drawn->made());
   return std::move(gl_);
 }
 
-std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind,
-                                                    GaussianMixture mixture) {
+void Recollection::add_to_found(const GaussianMixture& mixture) {
+  GaussianMixture all = gl_.mixture == nullptr ? GaussianMixture{} : *gl_.mixture;
+  append(all, mixture);
+  gl_.mixture = std::make_shared<const GaussianMixture>(std::move(all));
+}
+
+std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind, Recalled recalled) {
+  if (auto* mixture = std::get_if<GaussianMixture>(&recalled)) {
+    return sample_mixture(kind, std::move(*mixture));
+  }
+  const Robot& robot = query_.problem.robot;
+  std::optional<CollisionChecker> checker;
+  if (kind.drop_invalid_means) checker = query_.checker;
+  drawn_.push_back(std::make_shared<const DrawnComponents>(
+      std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled)), robot.joint_count(),
+      std::move(checker)));
+  if (drawn_.back()->group_count() == 0) return nullptr;
+  return make_component_sampler(robot, drawn_.back(), kind.sigma);
+}
+
+std::shared_ptr<const Sampler> Recollection::sample_mixture(const KindSettings& kind,
+                                                            GaussianMixture mixture) {
   if (kind.drop_invalid_means) mixture = keep_valid_components(query_.checker, mixture);
   auto own = std::make_shared<const GaussianMixture>(std::move(mixture));
   if (gl_.mixture == nullptr) {
     gl_.mixture = own;
   } else {
-    GaussianMixture all = *gl_.mixture;
-    append(all, *own);
-    gl_.mixture = std::make_shared<const GaussianMixture>(std::move(all));
+    add_to_found(*own);
   }
   if (own->component_count() == 0) return nullptr;
   return make_mixture_sampler(query_.problem.robot, std::move(own), kind.sigma, kind.widening);

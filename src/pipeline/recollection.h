@@ -4,7 +4,8 @@
 /// What one query draws from memory, asked when the planner has drawn for long enough without.
 #pragma once
 
-#include "pipeline/query.h"
+#include "pipeline/drawn_components.h"
+#include "pipeline/memory_steps.h"
 
 #include <cstdint>
 #include <functional>
@@ -18,7 +19,7 @@ namespace mneme::internal {
 
 /// Algorithm 2 for one kind of memory: its components for the query, and in `gl` what it found.
 using Recall =
-    std::function<Result<GaussianMixture>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
+    std::function<Result<Recalled>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
 
 /// Asks memory, once only, whichever of the sampler's streams asks first and from whichever thread.
 class Recollection {
@@ -26,6 +27,7 @@ class Recollection {
   /// One of the samplers that are mixed with uniform samples.
   struct Source {
     double lambda = 0;
+    double least_lambda = 0;
     int after = 0;  ///< iterations before it is asked
     /// Null if there is nothing to draw from.
     std::function<Result<std::shared_ptr<const Sampler>>()> ask;
@@ -48,7 +50,8 @@ class Recollection {
 
   /// Why memory could not be asked, until now.
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
-  /// What was found for a stream that has drawn so often: other streams may have asked for more.
+  /// What was found for a stream that has drawn so often, others may have asked for more; with the
+  /// components that any stream has drawn from until now where they are made then.
   [[nodiscard]] GlSampler take(
       std::uint64_t draws = std::numeric_limits<std::uint64_t>::max());
 
@@ -61,21 +64,26 @@ class Recollection {
   struct Mark {
     int after = 0;
     std::size_t primitives = 0;
+    std::size_t drawn = 0;
     std::shared_ptr<const GaussianMixture> mixture;
   };
   void ask(const Source& source);
   /// Adds the components to what was found, and samples them as the kind says; null if there are
   /// none.
   [[nodiscard]] std::shared_ptr<const Sampler> sample(const KindSettings& kind,
-                                                      GaussianMixture mixture);
+                                                      Recalled recalled);
+  [[nodiscard]] std::shared_ptr<const Sampler> sample_mixture(const KindSettings& kind,
+                                                              GaussianMixture mixture);
+  void add_to_found(const GaussianMixture& mixture);
 
   const Query& query_;
   Recall recall_;
   std::vector<Source> sources_;  ///< those that are asked first, first
   std::mutex mutex_;
   std::size_t asked_ = 0;
-  std::vector<std::pair<double, std::shared_ptr<const Sampler>>> samplers_;  ///< with lambda
-  std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;       ///< by `after`
+  std::vector<MixedSource> samplers_;
+  std::vector<std::pair<int, std::shared_ptr<const Sampler>>> stages_;  ///< by `after`
+  std::vector<std::shared_ptr<const DrawnComponents>> drawn_;
   GlSampler gl_;
   std::vector<Mark> marks_;  ///< of the sources that were asked
   std::optional<Error> failure_;

@@ -23,10 +23,10 @@ namespace {
 using internal::KindSettings;
 using internal::MemoryRequest;
 using internal::Query;
+using internal::Recalled;
 
 /// Algorithm 2 of the paper, "Create GL-Sampler", for one kind of memory.
-Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings& kind,
-                               GlSampler& gl) {
+Result<Recalled> recall(const MemoryRequest& request, const KindSettings& kind, GlSampler& gl) {
   const Stopwatch stopwatch;
   const double learned_before_s = gl.learning_time_s;
   auto primitives = decompose(request, kind);                                    // line 1
@@ -40,11 +40,11 @@ Result<GaussianMixture> recall(const MemoryRequest& request, const KindSettings&
     if (!done) return tl::unexpected(done.error());
     known.push_back(std::move(primitive));
   }
-  GaussianMixture mixture = synthesize(request, kind, known);                    // line 10
-  for (Origin& origin : mixture.origins) origin += static_cast<Origin>(gl.primitives.size());
+  Recalled recalled = synthesize(request, kind, known,                           // line 10
+                                 static_cast<Origin>(gl.primitives.size()));
   std::ranges::move(known, std::back_inserter(gl.primitives));
   gl.retrieval_time_s += stopwatch.elapsed_s() - (gl.learning_time_s - learned_before_s);
-  return mixture;
+  return recalled;
 }
 
 /// The goal that was reached may be one that came while planning.
@@ -114,9 +114,9 @@ Result<GlSampler> create_gl_sampler(const MemoryQuery& query, Database& database
   GlSampler gl;
   GaussianMixture all;
   for (const KindSettings& kind : request->kinds) {
-    const auto mixture = recall(*request, kind, gl);
-    if (!mixture) return tl::unexpected(mixture.error());
-    internal::append(all, *mixture);
+    auto recalled = recall(*request, kind, gl);
+    if (!recalled) return tl::unexpected(recalled.error());
+    internal::append(all, internal::make_all(*std::move(recalled), query.robot.joint_count()));
   }
   gl.mixture = std::make_shared<const GaussianMixture>(std::move(all));
   return gl;

@@ -2,18 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
+#include <algorithm>
+#include <cstddef>
+
 namespace mneme {
 namespace {
+
+/// Draws from a source after which half of its first lambda is left.
+constexpr double kDrawsToHalf = 5000;
 
 /// Algorithm 1, lines 2 to 6.
 class MixedStream final : public SampleStream {
  public:
-  MixedStream(double lambda, std::unique_ptr<SampleStream> first,
-              std::unique_ptr<SampleStream> second, std::uint64_t seed)
-      : lambda_(lambda), first_(std::move(first)), second_(std::move(second)), rng_(seed) {}
+  /// `seed` of the last stream, the rest, and of the choice between the streams follow the others'.
+  MixedStream(const std::vector<MixedSource>& sources, const Sampler& rest, std::uint64_t seed)
+      : rng_(derive_seed(seed, sources.size() + 2)) {
+    for (const MixedSource& source : sources) {
+      const std::uint64_t own_seed = derive_seed(seed, streams_.size() + 1);
+      streams_.push_back({source, source.sampler->start(own_seed)});
+    }
+    streams_.push_back({{}, rest.start(derive_seed(seed, streams_.size() + 1))});
+  }
 
   Origin next(std::span<float> q) override {
-    SampleStream* stream = rng_.uniform() < lambda_ ? first_.get() : second_.get();
+    SampleStream* stream = choose();
     const Origin origin = stream->next(q);
     const std::size_t place = place_of(origin);
     if (place >= sources_.size() && place < kMostOrigins) sources_.resize(place + 1);
@@ -31,38 +43,64 @@ class MixedStream final : public SampleStream {
   /// Of those beyond nobody keeps the source.
   static constexpr std::size_t kMostOrigins = 1 << 20;
 
+  struct Drawn {
+    MixedSource source;
+    std::unique_ptr<SampleStream> stream;
+    double draws = 0;
+
+    [[nodiscard]] double lambda() const {
+      const double falling = source.lambda * kDrawsToHalf / (kDrawsToHalf + draws);
+      return std::max(std::min(source.lambda, source.least_lambda), falling);
+    }
+  };
+
+  SampleStream* choose() {
+    double chance = rng_.uniform();
+    for (std::size_t i = 0; i + 1 < streams_.size(); ++i) {
+      Drawn& drawn = streams_[i];
+      const double lambda = drawn.lambda();
+      if (chance < lambda) {
+        ++drawn.draws;
+        return drawn.stream.get();
+      }
+      chance -= lambda;
+    }
+    return streams_.back().stream.get();
+  }
+
   static std::size_t place_of(Origin origin) {
     return static_cast<std::size_t>(std::int64_t{origin} - kUniformOrigin);
   }
 
-  double lambda_;
-  std::unique_ptr<SampleStream> first_, second_;
+  std::vector<Drawn> streams_;           ///< the rest is the last
   std::vector<SampleStream*> sources_;  ///< by place_of() an origin; null for what was not drawn
   Rng rng_;
 };
 
 class MixedSampler final : public Sampler {
  public:
-  MixedSampler(double lambda, std::shared_ptr<const Sampler> first,
-               std::shared_ptr<const Sampler> second)
-      : lambda_(lambda), first_(std::move(first)), second_(std::move(second)) {}
+  MixedSampler(std::vector<MixedSource> sources, std::shared_ptr<const Sampler> rest)
+      : sources_(std::move(sources)), rest_(std::move(rest)) {}
 
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<MixedStream>(lambda_, first_->start(derive_seed(seed, 1)),
-                                         second_->start(derive_seed(seed, 2)),
-                                         derive_seed(seed, 3));
+    return std::make_unique<MixedStream>(sources_, *rest_, seed);
   }
 
  private:
-  double lambda_;
-  std::shared_ptr<const Sampler> first_, second_;
+  std::vector<MixedSource> sources_;
+  std::shared_ptr<const Sampler> rest_;
 };
 
 }  // namespace
 
+std::unique_ptr<Sampler> make_mixed_sampler(std::vector<MixedSource> sources,
+                                            std::shared_ptr<const Sampler> rest) {
+  return std::make_unique<MixedSampler>(std::move(sources), std::move(rest));
+}
+
 std::unique_ptr<Sampler> make_mixed_sampler(double lambda, std::shared_ptr<const Sampler> first,
                                             std::shared_ptr<const Sampler> second) {
-  return std::make_unique<MixedSampler>(lambda, std::move(first), std::move(second));
+  return make_mixed_sampler({{std::move(first), lambda, lambda}}, std::move(second));
 }
 
 }  // namespace mneme

@@ -103,6 +103,7 @@ TEST_SUITE("unit") {
     settings.lambda = 0.25;
     settings.max_matches = 3;
     settings.drop_invalid_means = true;
+    settings.retarget = false;
     for (const Robot& robot : {planar8(), lifting_arm()}) {
       const KindSettings complete = completed(robot, settings);
       CHECK(complete.sigma == 0.01);
@@ -113,7 +114,26 @@ TEST_SUITE("unit") {
       CHECK(complete.lambda == 0.25);
       CHECK(complete.max_matches == 3);
       CHECK(complete.drop_invalid_means);
+      CHECK(!complete.retarget);
     }
+  }
+
+  TEST_CASE("what a budget is to learn is asked for at once") {
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    CHECK(completed(planar8(), settings).retrieve_after == 0);
+    settings.retrieve_after = 7;
+    CHECK(completed(planar8(), settings).retrieve_after == 7);
+  }
+
+  TEST_CASE("lambda falls for pairs, to a floor that may be set, and stays for others") {
+    SolveSettings settings;
+    CHECK(completed(planar8(), settings).least_lambda < completed(planar8(), settings).lambda);
+    CHECK(completed(lifting_arm(), settings).least_lambda ==
+          completed(lifting_arm(), settings).lambda);
+    settings.least_lambda = 0.11;
+    CHECK(completed(planar8(), settings).least_lambda == 0.11);
+    CHECK(completed(lifting_arm(), settings).least_lambda == 0.11);
   }
 
   TEST_CASE("a similarity of zero still finds the key itself") {
@@ -138,6 +158,7 @@ TEST_SUITE("unit") {
           ++checked;
         };
         if (name == "lambda") check(defaults.lambda);
+        if (name == "least-lambda" && defaults.least_lambda) check(*defaults.least_lambda);
         if (name == "sigma") check(defaults.sigma);
         if (name == "similarity" && defaults.similarity < 1e9) check(defaults.similarity);
         if (name == "max-matches") check(defaults.max_matches);
@@ -147,7 +168,7 @@ TEST_SUITE("unit") {
         }
       });
     }
-    CHECK(checked == 4 * 5 + 2 - 1);
+    CHECK(checked == 4 * 5 + 2 - 1 + 1);
   }
 
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {

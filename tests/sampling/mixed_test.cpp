@@ -139,6 +139,57 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("a probability falls with the draws from its source, to its floor") {
+    const Robot robot = all_kinds();
+    const auto share_between = [&](const std::vector<Origin>& origins, int begin, int end) {
+      return share_of({origins.begin() + begin, origins.begin() + end}, 5);
+    };
+    const auto origins =
+        draw(*make_mixed_sampler({{gaussian(robot), 0.8, 0.2}}, make_uniform_sampler(robot)), 3, 9,
+             200000)
+            .origins;
+    CHECK(share_between(origins, 0, 500) == doctest::Approx(0.75).epsilon(0.08));
+    CHECK(share_between(origins, 30000, 200000) == doctest::Approx(0.2).epsilon(0.03));
+    // A floor above lambda does not raise it.
+    const auto low =
+        draw(*make_mixed_sampler({{gaussian(robot), 0.3, 0.9}}, make_uniform_sampler(robot)), 3, 9,
+             20000)
+            .origins;
+    CHECK(share_of(low, 5) == doctest::Approx(0.3).epsilon(0.05));
+  }
+
+  TEST_CASE("sources share, each with its own fall, and the rest is the rest") {
+    const Robot robot = all_kinds();
+    const auto log = std::make_shared<Recorder::Log>();
+    const auto sampler = make_mixed_sampler(
+        {{gaussian(robot), 0.4, 0.1}, {std::make_shared<Recorder>(7, log), 0.3, 0.3}},
+        make_uniform_sampler(robot));
+    const auto origins = draw(*sampler, 3, 10, 200000).origins;
+    const std::vector<Origin> late(origins.begin() + 100000, origins.end());
+    CHECK(share_of(late, 5) == doctest::Approx(0.1).epsilon(0.05));
+    CHECK(share_of(late, 7) == doctest::Approx(0.3).epsilon(0.03));
+    CHECK(share_of(late, kUniformOrigin) == doctest::Approx(0.6).epsilon(0.03));
+  }
+
+  TEST_CASE("draws that are worth nothing cost no more than a quarter and a constant") {
+    const Robot robot = all_kinds();
+    const auto sampler =
+        make_mixed_sampler({{gaussian(robot), 0.8, 0.2}}, make_uniform_sampler(robot));
+    constexpr int kSeeds = 20;
+    for (const double wanted : {1.0, 100.0, 10000.0, 100000.0}) {
+      double all = 0;
+      for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+        const auto stream = sampler->start(seed);
+        std::vector<float> q(3);
+        for (int rest = 0; rest < wanted; ++all) rest += stream->next(q) == kUniformOrigin ? 1 : 0;
+      }
+      CAPTURE(wanted);
+      CHECK(all / kSeeds <= 1.25 * wanted + 15001);
+      // It is no bound that anything would keep: with a lambda that stays it would break.
+      if (wanted == 100000.0) CHECK(all / kSeeds > 1.25 * wanted);
+    }
+  }
+
   TEST_CASE("the choice of the source is independent from sample to sample") {
     const Samples samples = draw(*mixed(0.5), 3, 7, 100000);
     int changes = 0;

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/drawn_components.h"
+
+namespace mneme::internal {
+
+DrawnComponents::DrawnComponents(std::shared_ptr<const ComponentSource> source, int joint_count,
+                                 std::optional<CollisionChecker> checker)
+    : source_(std::move(source)), checker_(std::move(checker)) {
+  made_.joint_count = joint_count;
+  std::size_t count = 0;
+  for (int group = 0; group < source_->group_count(); ++group) {
+    first_.push_back(count);
+    count += static_cast<std::size_t>(source_->component_count(group));
+  }
+  is_noted_.resize(count);
+}
+
+bool DrawnComponents::make(int group, int component, std::span<float> mean) const {
+  if (!source_->make(group, component, mean)) return false;
+  if (checker_ && !checker_->is_valid(std::span<const float>(mean))) return false;
+  note(group, component, mean);
+  return true;
+}
+
+void DrawnComponents::note(int group, int component, std::span<const float> mean) const {
+  const std::size_t number = first_[static_cast<std::size_t>(group)] +
+                             static_cast<std::size_t>(component);
+  const std::lock_guard lock(mutex_);
+  if (is_noted_[number] != 0) return;
+  is_noted_[number] = 1;
+  made_.means.insert(made_.means.end(), mean.begin(), mean.end());
+  made_.origins.push_back(source_->origin(group));
+  const std::span<const float> factor = source_->factor(group, component);
+  const auto row = factor.empty() ? -1 : static_cast<int>(made_.factors.size() / factor.size());
+  made_.factor_rows.push_back(row);
+  made_.factors.insert(made_.factors.end(), factor.begin(), factor.end());
+}
+
+GaussianMixture DrawnComponents::made() const {
+  const std::lock_guard lock(mutex_);
+  return made_;
+}
+
+}  // namespace mneme::internal
