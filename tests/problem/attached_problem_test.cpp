@@ -175,10 +175,10 @@ allow: [[arm, table], [box, cup], [base, arm]]
   TEST_CASE("a problem that is written elsewhere finds the meshes that it carries") {
     const Files files;
     write_file(files / "cube.obj",
-               "v 0 0 0\nv .1 0 0\nv .1 .1 0\nv 0 .1 0\nv 0 0 .1\nv .1 0 .1\nv .1 .1 .1\n"
-               "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
-    static_cast<void>(
-        files.require("attached: [{name: box, link: finger, type: mesh, file: cube.obj}]\n"));
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+               "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+    static_cast<void>(files.require(
+        "attached: [{name: box, link: finger, type: mesh, file: cube.obj, scale: 0.1}]\n"));
     const auto problem = load_problem(std::filesystem::relative(files / "p.yaml").string());
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     std::filesystem::create_directory(files / "sub");
