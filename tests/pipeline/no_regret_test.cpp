@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/pipeline.h"
+
 #include "support/planar_memory.h"
 
 namespace mneme::test {
