@@ -53,7 +53,10 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
   if (is_compact || is_pair) return read_problem(where, options).map(from_problem);
 
   Result<FramedScene> scene = load_framed_scene(where);
-  if (scene) return Workspace{std::move(*scene), std::nullopt};
+  if (scene) {
+    for (const std::string& warning : scene->scene.warnings) print_note("warning: " + warning);
+    return Workspace{std::move(*scene), std::nullopt};
+  }
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
   const Result<Problem> problem = read_problem(where, options);
   if (problem) return from_problem(*problem);

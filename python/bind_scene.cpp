@@ -48,18 +48,15 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
   if (!bounds.center.allFinite()) {
     raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
   }
-  const auto found = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
-                                  [&](const Obstacle& body) { return body.name == name; });
-  if (found == scene.obstacles.end()) {
-    scene.obstacles.push_back({name, {shape}});
+  if (Obstacle* body = scene.find(name)) {
+    body->shapes.push_back(shape);
   } else {
-    found->shapes.push_back(shape);
+    scene.obstacles.push_back({name, {shape}});
   }
 }
 
 Obstacle& find(Scene& scene, const std::string& name) {
-  const auto found = std::ranges::find(scene.obstacles, name, &Obstacle::name);
-  if (found != scene.obstacles.end()) return *found;
+  if (Obstacle* found = scene.find(name)) return *found;
   raise_invalid(fmt::format("scene '{}': there is no obstacle '{}'", scene.name, name));
 }
 
@@ -159,7 +156,7 @@ void bind_edits(SceneClass& scene) {
       "remove",
       [](Scene& self, const std::string& name) {
         find(self, name);
-        std::erase_if(self.obstacles, [&](const Obstacle& body) { return body.name == name; });
+        unwrap(self.remove(name));
       },
       py::arg("name"), "Removes an obstacle; mneme.Error if there is none of this name.");
   scene.def("replace_points", &replace_points, py::arg("name"), py::arg("first"), py::arg("points"),
@@ -275,13 +272,16 @@ void bind_scene(py::module_& module) {
         return names;
       },
       "Names of the obstacles, in order.");
+  scene.def_readonly("warnings", &Scene::warnings,
+                     "What was left aside while reading its files, such as points that are not "
+                     "finite.");
   bind_shapes(scene);
   bind_edits(scene);
   scene.def(
       "allow",
       [](Scene& self, const std::string& link, const std::string& obstacle) {
-        const auto found = std::ranges::find(self.obstacles, obstacle, &Obstacle::name);
-        if (found == self.obstacles.end()) {
+        Obstacle* found = self.find(obstacle);
+        if (found == nullptr) {
           raise_invalid(fmt::format("obstacle: there is no obstacle '{}'", obstacle));
         }
         found->may_touch.push_back(link);

@@ -25,8 +25,7 @@ struct Contact {
 
 /// True if every state of `path` at `resolution` radians or finer is free, by exact distances in
 /// double precision that share no code with the kernels. What CollisionChecker leaves aside is left
-/// aside here, too. False for an empty path and for one that
-/// leaves the joint limits.
+/// aside here, too. False for an empty path and for one that leaves the joint limits.
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
 

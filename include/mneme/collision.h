@@ -38,14 +38,18 @@ struct CheckCounters {
 /// How finely a motion is checked, relative to the checker's settings.
 struct MotionDetail {
   double refinement = 1;  ///< divides the resolution; 10 for the verification of a final path
-  double margin = 0;      ///< metres added to the margin of links that move; >= 0
+  /// Metres added to the margin of links that move; >= 0. In front of points, meshes and octrees
+  /// nothing is valid with more than 0.25.
+  double margin = 0;
 };
 
 /// What is asked of all that a motion sweeps.
 struct SweepDetail {
-  double margin = 0;  ///< metres to obstacles, beyond the checker's margin, and between links; >= 0
-  /// There, the margin is 0; it grows by 1/500 of the way that a link goes, so that what lies
-  /// close to contact may still leave or reach it.
+  /// Metres to obstacles, beyond the checker's margin, and between links; >= 0, with points, meshes
+  /// and octrees as in MotionDetail.
+  double margin = 0;
+  /// At the ends that are set, this margin is 0; it grows by 1/500 of the way that a link goes, so
+  /// that what lies close to contact may still leave or reach it.
   bool is_from_start = false, is_to_goal = false;
 };
 
@@ -72,16 +76,18 @@ struct LimbInfo {
 /// Left aside are contacts that no motion can change, such as that of the base with the table on
 /// which it stands, and those that an obstacle allows (Obstacle::may_touch).
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
-/// configurations within limits stays within them. Copies share their tables; all of it is const
-/// and parallel-safe. Kernels compute in float: their answer is that of exact arithmetic except
-/// within about 1e-5 m of contact while robot and obstacles stay within 100 m of the origin; the
-/// error grows with the size of the largest coordinate (docs/numerics.md). A configuration with a
-/// value that is not finite, or beyond 1e4 (radians or metres), is not valid.
+/// configurations within limits stays within them. Where slides go beyond theirs, points, meshes
+/// and octrees are known no farther out than the robot reaches within its limits, and 0.25 m more.
+/// Copies share their tables; all of it is const and parallel-safe. Kernels compute in float: their
+/// answer is that of exact arithmetic except within about 1e-5 m of contact while robot and
+/// obstacles stay within 100 m of the origin; the error grows with the size of the largest
+/// coordinate (docs/numerics.md). A configuration with a value that is not finite, or beyond 1e4
+/// (radians or metres), is not valid.
 class CollisionChecker {
  public:
   /// Errors: an obstacle that a link may touch which the robot lacks, or that is empty, not finite,
-  /// beyond 10 km, without positive size or of a kind that the kernels lack; an instruction set
-  /// that this machine lacks.
+  /// beyond 10 km (kFarthestShape) or without positive size; parts beyond 10 km (points) or 10000
+  /// km (triangles, cubes) in the frame of their own; an instruction set that this machine lacks.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -119,8 +125,9 @@ class CollisionChecker {
 
   /// True if nothing touches on the whole motion, also between any two states: bounds on how far
   /// links move around a state decide, closer and closer, down to half the margin, or to 5e-6 m
-  /// where there is none. What the motion does not move is taken to be free. After conservative
-  /// advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012.
+  /// where there is none or an end is exempt from it. What the motion does not move is taken to be
+  /// free. After conservative advancement: Schwarzer, Saha and Latombe,
+  /// DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;
   /// Metres that a point of the robot, or one seen from another link, moves at most where joints

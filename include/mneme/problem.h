@@ -9,6 +9,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -49,6 +50,8 @@ struct Problem {
   std::vector<std::string>
       warnings;  ///< what was left aside while reading, such as values of unknown joints
   std::vector<PoseGoal> pose_goals = {};  ///< any of these will do, too
+  /// Pairs of links that may touch, besides those of the SRDF: the robot was made so.
+  std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
 };
 
 /// What may be set from outside the problem's file.

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -33,17 +34,17 @@ struct Joint {
   JointType type = JointType::fixed;
   int parent_link = -1;
   int child_link = -1;
-  Transform origin;            ///< pose of the joint frame in the parent link's frame
-  Vec3 axis = Vec3::UnitX();   ///< unit vector in the joint frame
-  double lower = 0;            ///< radians or metres; -pi for continuous joints
-  double upper = 0;            ///< radians or metres; +pi for continuous joints
-  double velocity = 1;         ///< its limit, >= 0: rad/s or m/s; 1 of a URDF that gives none
+  Transform origin;           ///< pose of the joint frame in the parent link's frame
+  Vec3 axis = Vec3::UnitX();  ///< unit vector in the joint frame
+  double lower = 0;           ///< radians or metres; -pi for continuous joints
+  double upper = 0;           ///< radians or metres; +pi for continuous joints
+  double velocity = 1;        ///< its limit, >= 0: rad/s or m/s; 1 of a URDF that gives none
   std::optional<double> acceleration;  ///< its limit, >= 0: rad/s^2 or m/s^2, if the URDF gives one
-  double fixed_value = 0;      ///< the value of a movable joint outside the planning group
+  double fixed_value = 0;              ///< the value of a movable joint outside the planning group
   std::optional<Mimic> mimic;  ///< then the joint is in no group and has no value of its own
 };
 
-/// A triangle mesh in a file (STL, OBJ or DAE); covering.h reads it.
+/// A triangle mesh in a file (STL, OBJ, DAE or PLY); covering.h reads it.
 struct MeshFile {
   std::string path;           ///< on this machine; `package://` is resolved
   Vec3 scale = Vec3::Ones();  ///< along the axes of the mesh, before `pose`
@@ -121,6 +122,8 @@ class Robot {
   [[nodiscard]] const std::string& name() const { return model_->name; }
   /// Links in tree order: a parent stands before its children.
   [[nodiscard]] std::span<const Link> links() const { return model_->links; }
+  /// Index of the link of this name, if there is one.
+  [[nodiscard]] std::optional<int> find_link(std::string_view name) const;
   /// Joints in tree order; joint `i` carries link `joints()[i].child_link`.
   [[nodiscard]] std::span<const Joint> joints() const { return model_->joints; }
   /// Indices into joints() of the planning group, in the order of a configuration.

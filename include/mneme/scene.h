@@ -14,6 +14,9 @@
 
 namespace mneme {
 
+/// Metres from the origin; checkers refuse shapes that reach farther (docs/numerics.md).
+inline constexpr double kFarthestShape = 1e4;
+
 /// A named rigid body of one or more shapes, in the frame of the robot's root link. Metres.
 struct Obstacle {
   std::string name;
@@ -32,6 +35,7 @@ struct Scene {
 
   /// Nothing if there is no obstacle of this name.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
+  [[nodiscard]] Obstacle* find(std::string_view obstacle);
 
   // Edits cost what they change: what is kept with points, meshes and octrees stays. Each either
   // succeeds or leaves the scene as it was. Errors name the obstacle that is not there, or is there
@@ -43,8 +47,8 @@ struct Scene {
   [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);
   /// Replaces the points of a cloud from the one at `first` on, given in its frame. The grid that
   /// checkers use is changed in place if no checker and no other scene holds the cloud, otherwise
-  /// copied first. Errors, besides: the obstacle is no cloud, or ends before; coordinates that are
-  /// not finite.
+  /// copied first. `points` must not lie within the cloud's own. Errors, besides: the obstacle is
+  /// no cloud, or ends before; coordinates that are not finite.
   [[nodiscard]] Result<void> replace_points(std::string_view obstacle, std::size_t first,
                                             std::span<const CloudPoint> points);
 };
@@ -63,11 +67,13 @@ struct FramedScene {
 [[nodiscard]] Result<FramedScene> load_framed_scene(const std::string& path);
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
-/// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding.
+/// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding. It
+/// reads no more than 4 million numbers: larger crowds are for files of their own.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
-/// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a
-/// capsule, which MoveIt lacks; a contact that is allowed; a scene without the name of its frame.
+/// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a shape
+/// other than spheres, boxes and cylinders; a contact that is allowed; a scene without the name of
+/// its frame.
 [[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
 
 /// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.

@@ -209,6 +209,17 @@ def test_points_and_meshes_are_added_from_arrays(robot):
     assert checker.is_valid(straight)
 
 
+def test_what_was_left_aside_of_a_scene_is_told(tmp_path):
+    header = "ply\nformat ascii 1.0\nelement vertex 2\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    (tmp_path / "scan.ply").write_text(header + "1 2 3\nnan 0 0\n")
+    path = tmp_path / "scene.yaml"
+    path.write_text("obstacles: [{name: a, type: points, file: scan.ply, radius: 0.1}]\n")
+    warnings = mneme.Scene.load(path).warnings
+    assert len(warnings) == 1
+    assert "1 of 2 points are not finite" in warnings[0]
+
+
 def test_wrong_points_and_meshes_are_errors():
     scene = mneme.Scene()
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]

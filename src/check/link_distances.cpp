@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -28,21 +27,10 @@ Vec3 center_of(const Capsule& posed) {
 
 }  // namespace
 
-namespace {
-
-std::optional<int> find_link(const Robot& robot, const std::string& name) {
-  const auto links = robot.links();
-  const auto found = std::ranges::find(links, name, &Link::name);
-  if (found == links.end()) return std::nullopt;
-  return static_cast<int>(found - links.begin());
-}
-
-}  // namespace
-
 Result<std::vector<int>> find_allowed_links(const Robot& robot, const Obstacle& obstacle) {
   std::vector<int> links;
   for (const std::string& name : obstacle.may_touch) {
-    const auto link = find_link(robot, name);
+    const auto link = robot.find_link(name);
     if (!link) {
       return fail(
           ErrorCode::invalid,
@@ -61,7 +49,7 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
     const Obstacle& obstacle = scene.obstacles[i];
     std::vector<int> may_touch;
     for (const std::string& name : obstacle.may_touch) {
-      if (const auto link = find_link(robot, name)) may_touch.push_back(*link);
+      if (const auto link = robot.find_link(name)) may_touch.push_back(*link);
     }
     for (const Shape& shape : obstacle.shapes) {
       shapes.push_back({static_cast<int>(i), &shape, bounding_sphere(shape), may_touch});

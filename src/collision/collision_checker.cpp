@@ -166,6 +166,11 @@ struct CollisionChecker::Tables {
     return static_cast<int>(std::min(std::ceil(wanted * (1 - kLengthTolerance)), kMostStates));
   }
 
+  /// Parts that lie farther out than the robot reaches are left out of the tables.
+  [[nodiscard]] bool can_keep(double extra_margin) const {
+    return scene_tables.crowds.empty() || extra_margin <= internal::kSpareReach;
+  }
+
   [[nodiscard]] Ways find_ways(std::span<const float> from, std::span<const float> to,
                                std::span<const float> delta) const {
     const internal::RobotTables& tables = checked_robot->tables;
@@ -246,7 +251,7 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const Tables& t = *tables_;
   ++counters.motions;
   const float margin = t.margin + static_cast<float>(detail.margin);
-  if (!is_within_reach(from) || !is_within_reach(to)) return false;
+  if (!t.can_keep(detail.margin) || !is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
@@ -259,7 +264,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
   const Tables& t = *tables_;
   const std::size_t joints = internal::as_index(t.space.joint_count());
   if (configurations.size() < 2 * joints) return true;
-  if (!is_within_reach(configurations)) return false;
+  if (!t.can_keep(detail.margin) || !is_within_reach(configurations)) return false;
   const float margin = t.margin + static_cast<float>(detail.margin);
   const std::size_t count = configurations.size() / joints - 1;
   counters.motions += count;
@@ -288,7 +293,7 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
                                       CheckCounters& counters, const SweepDetail& detail) const {
   const Tables& t = *tables_;
   ++counters.motions;
-  if (!is_within_reach(from) || !is_within_reach(to)) return false;
+  if (!t.can_keep(detail.margin) || !is_within_reach(from) || !is_within_reach(to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
   FloatConfiguration end;
@@ -298,7 +303,9 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   const auto margin = static_cast<float>(detail.margin);
   const float first = kFirstSweep * ways.farthest_reach;
   const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
-  const float finest = std::max(0.5f * margin, kFinestSweep);
+  // Next to an exempt end there is hardly any margin.
+  const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
+  const float finest = keeps_margin ? std::max(0.5f * margin, kFinestSweep) : kFinestSweep;
   const internal::SweptMotion motion{from.data(),
                                      delta.data(),
                                      ways.bodies.data(),

@@ -167,7 +167,7 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
   });
 }
 
-/// A capsule is looked at in stretches as long as a cell.
+/// A capsule is looked at in stretches as long as two cells.
 HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
   if (probe.inverse_length2 == 0) return touches_around(grid, probe.a, probe.reach, probe);
   const float length = 1 / std::sqrt(probe.inverse_length2);

@@ -11,11 +11,11 @@
 
 namespace mneme::internal {
 
-/// Metres from the root's origin that no shape of the robot ever leaves, with some to spare for
-/// margins.
-[[nodiscard]] double reach_of(const Robot& robot);
-/// What is spared.
+/// Metres that are spared for margins beyond those of the checker.
 inline constexpr double kSpareReach = 0.25;
+/// Metres from the root's origin that no shape of the robot leaves within its limits, and what is
+/// spared.
+[[nodiscard]] double reach_of(const Robot& robot);
 
 /// `crowd` stands in the scene's frame. Only what is within `reach` of the origin is of interest.
 /// What takes long is kept with the parts and found there again.

@@ -19,8 +19,8 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// How a point of `frame` moves with the joints that carry it, and how the frame turns if `turns` is
-/// not null; their number.
+/// How a point of `frame` moves with the joints that carry it, and how the frame turns if `turns`
+/// is not null; their number.
 HWY_INLINE int find_slopes(const RobotTables& robot, const Pose* poses, int frame, const V3& point,
                            int* joint, V3* slopes, V3* turns = nullptr) {
   const V zero = hn::Zero(Tag());

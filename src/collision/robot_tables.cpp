@@ -99,6 +99,8 @@ class RobotTablesBuilder {
   RobotTables build_on(const RobotTables& bare) {
     place_links();
     tables_ = bare;
+    tables_.links.clear();
+    add_links();
     find_bare_links();
     const std::size_t bare_pairs = robot_.without_attached().self_pairs().size();
     for (std::size_t i = robot_.links().size() - robot_.attached().size();

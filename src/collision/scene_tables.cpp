@@ -16,8 +16,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Coordinates up to here keep the kernels' error below a millimetre; see docs/numerics.md.
-constexpr double kFarthest = 1e4;
+/// Metres from the origin of their own frame that parts may lie: up to here doubles hold them to
+/// 2e-9 m. Points are floats: up to kFarthestShape these hold them to a millimetre.
+constexpr double kFarthestPart = 1e7;
 /// Largest entry of a rotation that counts as 0: it moves points by less than floats resolve.
 constexpr double kAligned = 1e-7;
 /// Of so many boxes the axes are tried as those of the scene.
@@ -44,8 +45,14 @@ struct FindFlaw {
   }
   template <class Part>
   std::string_view operator()(const Crowd<Part>& s) const {
-    const double least = std::is_same_v<Part, CloudPoint> ? 1e-9 : 0.0;
-    if (!(s.radius >= least)) return "has a radius that is not positive";
+    constexpr bool is_cloud = std::is_same_v<Part, CloudPoint>;
+    if (!(s.radius >= (is_cloud ? 1e-9 : 0.0))) return "has a radius that is not positive";
+    const AxisBox box = PartsAccess::bounds(*s.parts);
+    const double farthest = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).maxCoeff();
+    if (!(farthest <= (is_cloud ? kFarthestShape : kFarthestPart))) {
+      return is_cloud ? "has points beyond 10 km in their own frame"
+                      : "has parts beyond 10000 km in their own frame";
+    }
     return is_rotation(s.pose.rotation) ? "" : kPose;
   }
 };
@@ -56,11 +63,11 @@ Result<void> check(const Obstacle& obstacle) {
   }
   for (const Shape& shape : obstacle.shapes) {
     const Sphere bound = bounding_sphere(shape);
-    const std::string_view flaw = bound.center.norm() + bound.radius <= kFarthest
+    const std::string_view flaw = bound.center.norm() + bound.radius <= kFarthestShape
                                       ? std::visit(FindFlaw{}, shape)
                                       : "is not finite or extends beyond 10 km";
     if (flaw.empty()) continue;
-    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "': a " +
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "': its " +
                                         std::string(shape_name(shape)) + " " + std::string(flaw));
   }
   return {};

@@ -4,7 +4,7 @@
 /// Robot and scene as the kernels read them: flat arrays of floats, nothing of Eigen.
 #pragma once
 
-#include "collision/part_tree.h"
+#include "geometry/part_tree.h"
 #include "geometry/point_grid.h"
 
 #include <array>
@@ -127,7 +127,7 @@ struct RobotTables {
   std::vector<GroupPairRow> group_pairs;
   std::vector<Limb> limbs;
   Reaches reaches;
-  /// If a slide beyond a turning joint makes them grow: then `reaches` hold for slides at 0.
+  /// Slides beyond a turning joint make reaches grow: then `reaches` hold for slides at 0.
   bool has_far_slides = false;
   std::vector<int> link_of_group;  ///< index into the robot's links
 };

@@ -37,14 +37,12 @@ class BoxTree {
   /// Positions of parts in their list.
   [[nodiscard]] const std::vector<int>& order() const { return order_; }
 
-  /// The part nearest to something that lies in `around`, if it is nearer than `limit`;
-  /// `distance_to(i)` is its distance from part i.
+  /// The part nearest to something that lies in `around`; `distance_to(i)` is its distance from
+  /// part i.
   template <class DistanceTo>
-  [[nodiscard]] NearestPart nearest(const AxisBox& around, double limit,
-                                    const DistanceTo& distance_to) const {
-    NearestPart best{-1, limit};
+  [[nodiscard]] NearestPart nearest(const AxisBox& around, const DistanceTo& distance_to) const {
+    NearestPart best;
     if (!nodes_.empty()) search(0, around, distance_to, best);
-    if (best.part < 0) best.distance = std::numeric_limits<double>::infinity();
     return best;
   }
 

@@ -76,7 +76,7 @@ bool CellGrid::contains(const Index& i) const {
   return true;
 }
 
-CellGrid make_cell_grid(const Region& region) {
+CellGrid make_cell_grid(const Region& region, const Middle& middle) {
   std::array<double, 3> extent{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     extent[axis] = double{region.high[axis]} - region.low[axis];
@@ -84,6 +84,7 @@ CellGrid make_cell_grid(const Region& region) {
   const auto cells = [&](std::size_t axis) { return std::ceil(extent[axis] / cell + 2 * kRim); };
   while (cells(0) * cells(1) * cells(2) > kMostCells) cell *= 1.1;
   CellGrid grid;
+  grid.middle = middle;
   grid.cell = static_cast<float>(cell);
   grid.per_metre = 1 / grid.cell;
   for (std::size_t axis = 0; axis < 3; ++axis) {

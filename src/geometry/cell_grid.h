@@ -26,11 +26,22 @@ struct Region {
   }
 };
 
+/// A point of the parts' frame near them, which may lie far from its origin: coordinates in floats
+/// are relative to it.
+using Middle = std::array<double, 3>;
+
+[[nodiscard]] inline std::array<float, 3> relative_to(const Middle& middle,
+                                                      const std::array<float, 3>& p) {
+  return {static_cast<float>(p[0] - middle[0]), static_cast<float>(p[1] - middle[1]),
+          static_cast<float>(p[2] - middle[2])};
+}
+
 /// A region cut into cubes, and how far from each of them there is nothing: so many whole cells lie
 /// between it and the nearest occupied one, at least. Outside of the region there is nothing.
 struct CellGrid {
   using Index = std::array<int, 3>;
 
+  Middle middle{};
   std::array<float, 3> origin{};  ///< the region's least corner
   float cell = 1;                 ///< edge of a cell, metres
   float per_metre = 1;            ///< its inverse
@@ -46,8 +57,8 @@ struct CellGrid {
   }
 };
 
-/// Of empty cells.
-[[nodiscard]] CellGrid make_cell_grid(const Region& region);
+/// Of empty cells. `region` is relative to `middle`.
+[[nodiscard]] CellGrid make_cell_grid(const Region& region, const Middle& middle = {});
 /// Finds all gaps anew. `is_occupied` is 1 or 0 per cell.
 void find_gaps(const std::vector<std::uint8_t>& is_occupied, CellGrid& grid);
 /// Narrows the gaps around a cell that is occupied from now on.

@@ -22,11 +22,10 @@ namespace mneme::internal {
 
 /// The part that is nearest to the segment ab, without the crowd's radius.
 template <class Part>
-[[nodiscard]] NearestPart nearest_part(const Crowd<Part>& crowd, const Vec3& a, const Vec3& b,
-                                       double limit = std::numeric_limits<double>::infinity()) {
+[[nodiscard]] NearestPart nearest_part(const Crowd<Part>& crowd, const Vec3& a, const Vec3& b) {
   const auto tree = PartsAccess::tree(*crowd.parts);
   const std::vector<Part>& list = crowd.parts->list();
-  return tree->nearest({a.cwiseMin(b), a.cwiseMax(b)}, limit, [&](int i) {
+  return tree->nearest({a.cwiseMin(b), a.cwiseMax(b)}, [&](int i) {
     return distance_between(a, b, list[static_cast<std::size_t>(i)]);
   });
 }

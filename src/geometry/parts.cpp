@@ -17,6 +17,11 @@ void PartsAccess::replace(PointCloud& cloud, std::size_t first,
   }();
   // Two hold the grid: the points and this function.
   const bool is_mine = cloud.parts.use_count() == 1 && grid.use_count() <= 2;
+  if (is_mine) {
+    // Letting go synchronizes with others who let go before, which use_count() does not.
+    std::shared_ptr(cloud.parts).reset();
+    std::shared_ptr(grid).reset();
+  }
   // Made by whoever gave the points, always as an object that is not const.
   auto parts = is_mine ? std::const_pointer_cast<Parts<CloudPoint>>(cloud.parts)
                        : std::make_shared<Parts<CloudPoint>>(old.list_);

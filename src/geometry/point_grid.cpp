@@ -38,7 +38,8 @@ bool visit_places(PointGrid& grid, std::size_t cell, const Visit& visit) {
   return false;
 }
 
-void take_out(const Point3& p, PointGrid& grid) {
+void take_out(const Point3& point, PointGrid& grid) {
+  const Point3 p = relative_to(grid.cells.middle, point);
   const CellGrid::Index i = grid.cells.cell_of(p);
   if (!grid.region.contains(p) || !grid.cells.contains(i)) return;
   const std::size_t cell = grid.cells.slot(i);
@@ -69,19 +70,21 @@ void put_in(const Point3& p, const CellGrid::Index& i, PointGrid& grid) {
 std::vector<int> find_cells(PointSpan points, const PointGrid& grid) {
   std::vector<int> cells(points.size(), -1);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const CellGrid::Index i = grid.cells.cell_of(points[k]);
-    if (grid.region.contains(points[k]) && grid.cells.contains(i)) {
+    const Point3 p = relative_to(grid.cells.middle, points[k]);
+    const CellGrid::Index i = grid.cells.cell_of(p);
+    if (grid.region.contains(p) && grid.cells.contains(i)) {
       cells[k] = static_cast<int>(grid.cells.slot(i));
     }
   }
   return cells;
 }
 
-/// The box around those within `region`.
-Region region_around(PointSpan points, const Region& region) {
+/// The box around those within `region`, which is relative to `middle`.
+Region region_around(PointSpan points, const Region& region, const Middle& middle) {
   Region box = {region.high, region.low};
   bool is_empty = true;
-  for (const Point3& p : points) {
+  for (const Point3& point : points) {
+    const Point3 p = relative_to(middle, point);
     if (!region.contains(p)) continue;
     is_empty = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -94,11 +97,11 @@ Region region_around(PointSpan points, const Region& region) {
 
 }  // namespace
 
-PointGrid make_point_grid(PointSpan points, const Region& region) {
+PointGrid make_point_grid(PointSpan points, const Region& region, const Middle& middle) {
   PointGrid grid;
   grid.region = region;
   grid.size = points.size();
-  grid.cells = make_cell_grid(region_around(points, region));
+  grid.cells = make_cell_grid(region_around(points, region, middle), middle);
   const std::vector<int> cells = find_cells(points, grid);
   std::vector<int> left(grid.cells.gaps.size(), 0);
   for (const int cell : cells) {
@@ -121,7 +124,7 @@ PointGrid make_point_grid(PointSpan points, const Region& region) {
     if (cells[k] < 0) continue;
     const std::size_t cell = as_index(cells[k]);
     const int place = --left[cell];
-    put(points[k], place % kPointsPerBlock,
+    put(relative_to(grid.cells.middle, points[k]), place % kPointsPerBlock,
         grid.blocks[as_index(grid.first_block[cell] + place / kPointsPerBlock)]);
   }
   find_gaps(is_occupied, grid.cells);
@@ -133,7 +136,8 @@ bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
   grid.replaced += after.size();
   if (grid.replaced > grid.size) return false;
   for (const Point3& p : before) take_out(p, grid);
-  for (const Point3& p : after) {
+  for (const Point3& point : after) {
+    const Point3 p = relative_to(grid.cells.middle, point);
     if (!grid.region.contains(p)) continue;
     const CellGrid::Index i = grid.cells.cell_of(p);
     if (!grid.cells.contains(i)) return false;

@@ -29,8 +29,9 @@ struct PointGrid {
 
 using PointSpan = std::span<const std::array<float, 3>>;
 
-/// Points outside of `region` are left out.
-[[nodiscard]] PointGrid make_point_grid(PointSpan points, const Region& region);
+/// Points outside of `region`, which is relative to `middle`, are left out.
+[[nodiscard]] PointGrid make_point_grid(PointSpan points, const Region& region,
+                                        const Middle& middle = {});
 
 /// Takes out what stands at `before`, and puts in `after`. False if the grid must be made anew:
 /// something lies outside of the cells though within the region, or so much has been replaced that

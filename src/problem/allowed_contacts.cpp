@@ -18,9 +18,10 @@ std::optional<std::string> AllowedContacts::allow(const std::string& first,
     return fmt::format("expected a link of robot {}, an attached object or an obstacle, got \"{}\"",
                        robot_.name(), name);
   }
-  if (Obstacle* obstacle = find_obstacle(second); obstacle && is_carried(first)) {
+  if (Obstacle* obstacle = scene_.find(second); obstacle && is_carried(first)) {
     obstacle->may_touch.push_back(first);
-  } else if (obstacle = find_obstacle(first); obstacle && is_carried(second)) {
+  } else if (obstacle = is_carried(first) ? nullptr : scene_.find(first);
+             obstacle && is_carried(second)) {
     obstacle->may_touch.push_back(second);
   } else if (obstacle != nullptr) {
     return fmt::format(
@@ -39,22 +40,16 @@ std::optional<std::string> AllowedContacts::allow(const std::string& first,
 }
 
 bool AllowedContacts::knows(const std::string& name) const {
-  return is_carried(name) || find_obstacle(name) != nullptr;
+  return is_carried(name) || scene_.find(name) != nullptr;
 }
 
 bool AllowedContacts::is_carried(const std::string& name) const {
-  return find_attached(name) != nullptr ||
-         std::ranges::find(robot_.links(), name, &Link::name) != robot_.links().end();
+  return find_attached(name) != nullptr || robot_.find_link(name).has_value();
 }
 
 AttachedObject* AllowedContacts::find_attached(const std::string& name) const {
   const auto found = std::ranges::find(attached_, name, &AttachedObject::name);
   return found == attached_.end() ? nullptr : &*found;
-}
-
-Obstacle* AllowedContacts::find_obstacle(const std::string& name) const {
-  const auto found = std::ranges::find(scene_.obstacles, name, &Obstacle::name);
-  return found == scene_.obstacles.end() ? nullptr : &*found;
 }
 
 void read_allowed(const Input& problem, AllowedContacts& contacts) {
@@ -73,15 +68,12 @@ void read_allowed(const Input& problem, Scene& scene) {
   if (const auto objects = problem.find("attached")) {
     for (const Input& object : objects->items()) attached.insert(object.at("name").text());
   }
-  const auto find = [&](const std::string& name) {
-    return std::ranges::find(scene.obstacles, name, &Obstacle::name);
-  };
   for (const Input& pair : list->items()) {
     const auto [first, second] = read_name_pair(pair);
     if (attached.contains(first) || attached.contains(second)) continue;
-    if (const auto obstacle = find(second); obstacle != scene.obstacles.end()) {
+    if (Obstacle* obstacle = scene.find(second)) {
       obstacle->may_touch.push_back(first);
-    } else if (const auto other = find(first); other != scene.obstacles.end()) {
+    } else if (Obstacle* other = scene.find(first)) {
       other->may_touch.push_back(second);
     }
   }

@@ -37,7 +37,6 @@ class AllowedContacts {
  private:
   [[nodiscard]] bool is_carried(const std::string& name) const;
   [[nodiscard]] AttachedObject* find_attached(const std::string& name) const;
-  [[nodiscard]] Obstacle* find_obstacle(const std::string& name) const;
 
   const Robot& robot_;
   std::vector<AttachedObject>& attached_;
@@ -49,6 +48,7 @@ class AllowedContacts {
 void read_allowed(const Input& problem, AllowedContacts& contacts);
 
 /// The same without a robot: pairs of an obstacle and a name that is none of the attached objects'.
+/// A name that stands first may be that of an obstacle though a link has it, too.
 void read_allowed(const Input& problem, Scene& scene);
 
 }  // namespace mneme::internal

@@ -3,6 +3,7 @@
 #include "problem/goals.h"
 
 #include "base/as_index.h"
+#include "robot/link_shapes.h"
 #include "scene/shape_fields.h"
 
 #include <fmt/format.h>
@@ -60,9 +61,10 @@ Configuration find_state(const Input& input, const Robot& robot) {
     for (const std::string& joint : joints) {
       const auto value = state.values.find(joint);
       if (value == state.values.end()) {
-        fault = fmt::format("state \"{}\" is of group {} and has no value of joint {}, which is "
-                            "planned for",
-                            name, state.group, joint);
+        fault = fmt::format(
+            "state \"{}\" is of group {} and has no value of joint {}, which is "
+            "planned for",
+            name, state.group, joint);
         break;
       }
       q.push_back(value->second);
@@ -71,16 +73,15 @@ Configuration find_state(const Input& input, const Robot& robot) {
     if (q.size() == joints.size()) return q;
   }
   if (!fault.empty()) input.fail(ErrorCode::invalid, fault);
-  input.fail(ErrorCode::invalid,
-             fmt::format("expected a state that the SRDF of robot {} names ({}), got \"{}\"",
-                         robot.name(),
-                         known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")),
-                         name));
+  input.fail(
+      ErrorCode::invalid,
+      fmt::format("expected a state that the SRDF of robot {} names ({}), got \"{}\"", robot.name(),
+                  known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")),
+                  name));
 }
 
 Eigen::Matrix3d read_unit_quaternion(const Input& input) {
-  const std::vector<double> xyzw =
-      input.finite_numbers(4, "a quaternion as x, y, z, w");
+  const std::vector<double> xyzw = input.finite_numbers(4, "a quaternion as x, y, z, w");
   double square = 0;
   for (const double value : xyzw) square += value * value;
   const double length = std::sqrt(square);
@@ -114,20 +115,20 @@ Axis read_axis(const Input& input) {
 Transform find_frame(const Input& input, const Problem& problem) {
   const std::string name = input.text();
   const Robot& robot = problem.robot;
-  const auto link = std::ranges::find(robot.links(), name, &Link::name);
-  if (link == robot.links().end()) {
+  const auto link = robot.find_link(name);
+  if (!link) {
     input.fail(ErrorCode::invalid,
                fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), name));
   }
   if (const auto violation = robot.describe_violation(problem.start, "start")) {
     input.fail(ErrorCode::invalid, fmt::format("link \"{}\" is nowhere: {}", name, *violation));
   }
-  return robot.link_poses(problem.start)[as_index(link - robot.links().begin())];
+  return robot.link_poses(problem.start)[as_index(*link)];
 }
 
 PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem& problem) {
-  input.allow_keys({"link", "frame", "position", "quat_xyzw", "position_tolerance", "axis", "cone",
-                    "turn"});
+  input.allow_keys(
+      {"link", "frame", "position", "quat_xyzw", "position_tolerance", "axis", "cone", "turn"});
   PoseGoal goal;
   goal.link = input.at("link").text();
   Transform pose;
@@ -157,6 +158,9 @@ PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem
 
 Configuration read_configuration(const Input& input, const Robot& robot) {
   if (input.is_map()) return read_joint_map(input, robot);
+  if (input.is_number()) {
+    input.fail_expecting("a list of values, a map from joints to values or the name of a state");
+  }
   if (input.is_text()) return find_state(input, robot);
   return input.numbers();
 }
@@ -201,37 +205,26 @@ Eigen::Matrix3d along_axis(const Eigen::Matrix3d& rotation, Axis axis) {
   return permuted;
 }
 
-bool is_moved(const Robot& robot, int link) {
-  for (int joint = robot.links()[as_index(link)].parent_joint; joint >= 0;) {
-    const Joint& model = robot.joints()[as_index(joint)];
-    const int leader = model.mimic ? model.mimic->joint : joint;
-    if (std::ranges::count(robot.group(), leader) > 0) return true;
-    joint = robot.links()[as_index(model.parent_link)].parent_joint;
-  }
-  return false;
-}
-
 }  // namespace
 
 PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const double> q) {
-  const auto link = std::ranges::find(robot.links(), goal.link, &Link::name);
-  const Transform X_RL = robot.link_poses(q)[as_index(link - robot.links().begin())];
+  const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(goal.link))];
   const Vec3 off = goal.pose.inverse() * X_RL.translation;
   const Vec3 beyond = (off.cwiseAbs() - goal.position_tolerance).cwiseMax(0);
   // The rotation that is left, as one that leans the axis after one about it.
-  const Eigen::Matrix3d left = along_axis(goal.pose.rotation, goal.axis).transpose() *
-                               along_axis(X_RL.rotation, goal.axis);
+  const Eigen::Matrix3d left =
+      along_axis(goal.pose.rotation, goal.axis).transpose() * along_axis(X_RL.rotation, goal.axis);
   const double lean = std::atan2(std::hypot(left(0, 2), left(1, 2)), left(2, 2));
   const double turn = std::abs(std::atan2(left(1, 0) - left(0, 1), left(0, 0) + left(1, 1)));
   return {beyond.norm(), std::max({0.0, lean - goal.cone, turn - goal.turn})};
 }
 
 std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal) {
-  const auto link = std::ranges::find(robot.links(), goal.link, &Link::name);
-  if (link == robot.links().end()) {
+  const auto link = robot.find_link(goal.link);
+  if (!link) {
     return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), goal.link);
   }
-  if (!is_moved(robot, static_cast<int>(link - robot.links().begin()))) {
+  if (!internal::find_moving_links(robot)[as_index(*link)]) {
     return fmt::format("no joint that is planned for moves link \"{}\"", goal.link);
   }
   const Eigen::Matrix3d& rotation = goal.pose.rotation;

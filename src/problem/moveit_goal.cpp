@@ -27,9 +27,9 @@ constexpr double kRotationVectorShare = 2 / std::numbers::pi;
 std::optional<Input> only_constraint(const Input& goal, std::string_view key) {
   const std::vector<Input> constraints = items_if_any(goal, key);
   if (constraints.size() > 1) {
-    goal.at(key).fail(ErrorCode::unsupported,
-                      fmt::format("expected at most one of {} in a goal, got {}", key,
-                                  constraints.size()));
+    goal.at(key).fail(
+        ErrorCode::unsupported,
+        fmt::format("expected at most one of {} in a goal, got {}", key, constraints.size()));
   }
   return constraints.empty() ? std::nullopt : std::optional(constraints.front());
 }
@@ -47,37 +47,31 @@ Region read_region(const Input& constraint, const Transform& X_RF) {
   const std::vector<Input> primitives = items_if_any(region, "primitives");
   const std::vector<Input> poses = items_if_any(region, "primitive_poses");
   if (primitives.size() != 1 || poses.size() != 1 || !items_if_any(region, "meshes").empty()) {
-    region.fail(ErrorCode::unsupported,
-                fmt::format("expected a region of one primitive and its pose, got {} primitives, {} "
-                            "poses and {} meshes",
-                            primitives.size(), poses.size(), items_if_any(region, "meshes").size()));
+    region.fail(
+        ErrorCode::unsupported,
+        fmt::format("expected a region of one primitive and its pose, got {} primitives, {} "
+                    "poses and {} meshes",
+                    primitives.size(), poses.size(), items_if_any(region, "meshes").size()));
   }
   const Transform X_RB = X_RF * read_moveit_pose(poses.front());
-  const Input& primitive = primitives.front();
-  primitive.allow_keys({"type", "dimensions", "polygon"});
-  const std::string type = primitive.at("type").text();
-  const Input dimensions = primitive.at("dimensions");
-  for (const Input& size : dimensions.items()) static_cast<void>(size.positive_number());
-  if (type == "box" || type == "1") {
-    const auto size = dimensions.finite_numbers(3, "full extents along x, y, z in metres");
-    return {X_RB, 0.5 * Vec3(size[0], size[1], size[2])};
+  const Shape shape = read_moveit_primitive(primitives.front(), X_RB, "the region");
+  if (const auto* box = std::get_if<Box>(&shape)) return {X_RB, box->half_extents};
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    return {X_RB, Vec3::Constant(sphere->radius / std::sqrt(3.0)), true};
   }
-  if (type != "sphere" && type != "2") {
-    primitive.at("type").fail(ErrorCode::unsupported,
-                              "expected a region that is a box or a sphere");
-  }
-  const double radius = dimensions.finite_numbers(1, "a radius in metres")[0];
-  return {X_RB, Vec3::Constant(radius / std::sqrt(3.0)), true};
+  primitives.front().at("type").fail(ErrorCode::unsupported,
+                                     "expected a region that is a box or a sphere");
 }
 
 void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
-  constraint.allow_keys({"header", "link_name", "target_point_offset", "constraint_region",
-                         "weight"});
+  constraint.allow_keys(
+      {"header", "link_name", "target_point_offset", "constraint_region", "weight"});
   if (const auto offset = constraint.find("target_point_offset"); offset && !offset->is_nothing()) {
     const bool is_zero = std::ranges::all_of(
         offset->entries(), [](const auto& entry) { return entry.second.finite_number() == 0; });
     if (!is_zero) {
-      offset->fail(ErrorCode::unsupported, "expected no offset: the link's origin is what is placed");
+      offset->fail(ErrorCode::unsupported,
+                   "expected no offset: the link's origin is what is placed");
     }
   }
   const Region region = read_region(constraint, X_RF);
@@ -91,6 +85,14 @@ void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goa
   } else {
     goal.position_tolerance = Vec3::Constant(region.half_extents.minCoeff() / std::sqrt(3.0));
   }
+}
+
+/// For angles about x, y and z, one after the other: a turn about y makes leaning grow in the two
+/// others, and beyond a quarter turn flips them.
+void narrow_about_middle_axis(PoseGoal& goal) {
+  constexpr double kWidest = 1.4;
+  goal.turn = std::min(goal.turn, kWidest);
+  goal.cone = std::atan(std::tan(std::min(goal.cone, kWidest)) * std::cos(goal.turn));
 }
 
 void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
@@ -115,8 +117,10 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
   const auto vector = constraint.find("parameterization");
   const bool is_vector = vector && !vector->is_nothing() && vector->number() == 1;
   if (is_vector) goal.cone *= kRotationVectorShare;
+  if (!is_vector && goal.axis == Axis::y) narrow_about_middle_axis(goal);
   // Leaning turns the angles about the axis, too, a little.
-  if (goal.turn < std::numbers::pi) goal.turn = std::max(0.0, goal.turn - goal.cone * goal.cone / 2);
+  if (goal.turn < std::numbers::pi)
+    goal.turn = std::max(0.0, goal.turn - goal.cone * goal.cone / 2);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_problem.h"
 
+#include "base/as_index.h"
 #include "base/text_file.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"
@@ -83,6 +84,7 @@ class MoveitReader {
     problem.start = read_start(robot.robot);
     if (!take_goals(overrides_, {}, problem)) read_goals(frames, problem);
     problem.warnings = std::move(robot.warnings);
+    problem.allowed_pairs = options_.allowed_pairs;
     return problem;
   }
 
@@ -125,7 +127,7 @@ class MoveitReader {
   std::vector<AttachedObject> name_attached(ProblemRobot& robot) const {
     std::vector<AttachedObject> objects;
     const auto has_link = [&](const std::string& name) {
-      return std::ranges::count(robot.robot.links(), name, &Link::name) > 0;
+      return robot.robot.find_link(name).has_value();
     };
     for (const MoveitAttached& attached : state_.attached) {
       const std::string& name = attached.object.obstacle.name;
@@ -167,19 +169,27 @@ class MoveitReader {
     std::ranges::move(left_aside, std::back_inserter(robot.warnings));
   }
 
-  /// An object stays where it is at the start, seen from its link.
+  /// Frames of links are where they are at a start, which is looked for where one is named.
+  template <class FindStart>
+  static FindLink links_at(const Robot& robot, const FindStart& find_start) {
+    return [&robot, find_start](const std::string& name,
+                                const Input& where) -> std::optional<Transform> {
+      const auto link = robot.find_link(name);
+      if (!link) return std::nullopt;
+      return robot.link_poses(find_start(where))[as_index(*link)];
+    };
+  }
+
+  /// An object stays where it is at the scene's start, seen from its link.
   void pose_attached(const Robot& robot, const MoveitFrames& frames,
                      std::vector<AttachedObject>& objects) const {
-    if (objects.empty()) return;
-    const std::vector<Transform> poses = robot.link_poses(
-        robot.normalized(positions_of_group(robot, state_.positions, request_input_, "start")));
-    const auto find_pose = [&](const std::string& name, const Input&) -> std::optional<Transform> {
-      const auto link = std::ranges::find(robot.links(), name, &Link::name);
-      if (link == robot.links().end()) return std::nullopt;
-      return poses[static_cast<std::size_t>(link - robot.links().begin())];
-    };
+    const FindLink find_pose = links_at(robot, [&](const Input&) {
+      return robot.normalized(positions_of_group(robot, state_.positions, request_input_, "start"));
+    });
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const MoveitObject& object = shaped(state_.attached[i].object);
+      objects[i].shapes = object.obstacle.shapes;
+      if (object.frame == objects[i].link) continue;
       const Transform X_RL = *find_pose(objects[i].link, object.place);
       const Transform X_RF = frames.pose_in_root(object.frame, object.place, find_pose);
       objects[i].shapes = moved(X_RL.inverse() * X_RF, object.obstacle).shapes;
@@ -228,20 +238,15 @@ class MoveitReader {
     }
   }
 
-  /// Frames of links that move are where they are at the start.
   static PoseGoal read_pose_goal(const Input& place, const MoveitFrames& frames,
                                  const Problem& problem) {
     const Robot& robot = problem.robot;
-    const auto find_link = [&](const std::string& name,
-                               const Input& where) -> std::optional<Transform> {
-      const auto link = std::ranges::find(robot.links(), name, &Link::name);
-      if (link == robot.links().end()) return std::nullopt;
+    const FindLink find_link = links_at(robot, [&](const Input& where) {
       if (const auto violation = robot.describe_violation(problem.start, "start")) {
         where.fail(ErrorCode::invalid, *violation);
       }
-      const std::vector<Transform> poses = robot.link_poses(problem.start);
-      return poses[static_cast<std::size_t>(link - robot.links().begin())];
-    };
+      return problem.start;
+    });
     return read_moveit_pose_goal(place, [&](const Input& constraint) {
       return frames.pose_in_root(read_frame_id(constraint), constraint, find_link);
     });

@@ -152,11 +152,10 @@ void check_robot_facts(const Input& input, const Robot& robot) {
 std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
                                          const Input& place) {
   const auto links = robot.links();
-  const auto found =
-      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.name == name; });
-  if (found == links.end()) return std::nullopt;
+  const auto found = robot.find_link(name);
+  if (!found) return std::nullopt;
   Transform X_RF;
-  for (const Link* link = &*found; link->parent_joint >= 0;) {
+  for (const Link* link = &links[as_index(*found)]; link->parent_joint >= 0;) {
     const Joint& joint = robot.joints()[as_index(link->parent_joint)];
     if (joint.type != JointType::fixed) {
       place.fail(ErrorCode::unsupported,
@@ -227,12 +226,12 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
   return notes;
 }
 
-Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
-  return read_problem_of(read_robot(input.header, input.directory, options), input, options);
-}
+namespace {
 
-Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
-                        const ProblemOptions& options) {
+/// `allow(pairs)` gives the robot anew, with pairs of links that may touch.
+template <class Allow>
+Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
+                  const Allow& allow) {
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
   Scene scene = moved(X_RF, input.scene);
@@ -240,12 +239,10 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
       read_attached(input.problem, input.spelling, input.directory, robot.robot);
   AllowedContacts contacts(robot.robot, attached, scene);
   read_allowed(input.problem, contacts);
-  if (!contacts.link_pairs().empty()) {
-    ProblemOptions allowing = options;
-    allowing.robot.allowed_pairs.insert(allowing.robot.allowed_pairs.end(),
-                                        contacts.link_pairs().begin(), contacts.link_pairs().end());
-    robot = read_robot(input.header, input.directory, allowing);
-  }
+  RobotOptions allowing = options.robot;
+  allowing.allowed_pairs.insert(allowing.allowed_pairs.end(), contacts.link_pairs().begin(),
+                                contacts.link_pairs().end());
+  if (!contacts.link_pairs().empty()) robot = allow(allowing);
   robot.robot = attach_to(robot.robot, std::move(attached), input.problem);
   const std::vector<std::string>& notes = input.scene.warnings;
   robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
@@ -259,10 +256,35 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                   read_start(input.problem, robot.robot, options),
                   {},
                   std::move(robot.warnings)};
+  problem.allowed_pairs = std::move(allowing.allowed_pairs);
   if (!take_goals(options, X_RF, problem)) {
     for (const Input& goal : find_goals(input.problem)) read_goal(goal, X_RF, problem);
   }
   return problem;
+}
+
+}  // namespace
+
+Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
+  const auto allow = [&](const RobotOptions& allowing) {
+    ProblemOptions changed = options;
+    changed.robot = allowing;
+    return read_robot(input.header, input.directory, changed);
+  };
+  return read_with(read_robot(input.header, input.directory, options), input, options, allow);
+}
+
+Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
+                        const ProblemOptions& options) {
+  const auto refuse = [&](const RobotOptions& allowing) -> ProblemRobot {
+    const auto& [first, second] = allowing.allowed_pairs.back();
+    input.problem.at("allow").fail(
+        ErrorCode::invalid,
+        fmt::format("expected pairs of a link and an obstacle or an attached object: the robot is "
+                    "given, got its links \"{}\" and \"{}\"",
+                    first, second));
+  };
+  return read_with(std::move(robot), input, options, refuse);
 }
 
 }  // namespace mneme::internal

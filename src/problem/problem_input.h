@@ -72,7 +72,8 @@ struct ProblemInput {
 
 /// Throws InputFailure.
 [[nodiscard]] Problem read_problem(const ProblemInput& input, const ProblemOptions& options);
-/// The same of a robot that is there already: the keys that describe one are not looked at.
+/// The same of a robot that is there already: the keys that describe one are not looked at, and
+/// pairs of its links in `allow` are refused.
 [[nodiscard]] Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                                       const ProblemOptions& options = {});
 

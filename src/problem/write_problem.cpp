@@ -13,8 +13,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <numbers>
 #include <sstream>
+#include <system_error>
 
 namespace mneme {
 namespace {
@@ -47,19 +49,23 @@ std::string describe_pose(const PoseGoal& goal) {
     return internal::yaml_numbers(std::array{v.x(), v.y(), v.z()});
   };
   const Eigen::Quaterniond q(goal.pose.rotation);
-  return fmt::format("{{link: {}, position: {}, quat_xyzw: {}, position_tolerance: {}, axis: {}, "
-                     "cone: {}, turn: {}}}",
-                     internal::yaml_string(goal.link), vector(goal.pose.translation),
-                     internal::yaml_numbers(std::array{q.x(), q.y(), q.z(), q.w()}),
-                     vector(goal.position_tolerance), "xyz"[static_cast<int>(goal.axis)],
-                     describe_angle(goal.cone), describe_angle(goal.turn));
+  return fmt::format(
+      "{{link: {}, position: {}, quat_xyzw: {}, position_tolerance: {}, axis: {}, "
+      "cone: {}, turn: {}}}",
+      internal::yaml_string(goal.link), vector(goal.pose.translation),
+      internal::yaml_numbers(std::array{q.x(), q.y(), q.z(), q.w()}),
+      vector(goal.position_tolerance), "xyz"[static_cast<int>(goal.axis)],
+      describe_angle(goal.cone), describe_angle(goal.turn));
 }
 
+/// Its path holds wherever the text is kept.
 std::string describe_mesh(const MeshFile& mesh) {
-  std::string text =
-      fmt::format("type: mesh, file: {}, scale: {}, position: {}", internal::yaml_string(mesh.path),
-                  internal::yaml_numbers({mesh.scale.data(), 3}),
-                  internal::yaml_numbers({mesh.pose.translation.data(), 3}));
+  std::error_code ignored;
+  const std::string path = std::filesystem::absolute(mesh.path, ignored).string();
+  std::string text = fmt::format("type: mesh, file: {}, scale: {}, position: {}",
+                                 internal::yaml_string(path.empty() ? mesh.path : path),
+                                 internal::yaml_numbers({mesh.scale.data(), 3}),
+                                 internal::yaml_numbers({mesh.pose.translation.data(), 3}));
   if (mesh.pose.rotation == Eigen::Matrix3d::Identity()) return text;
   const Eigen::Vector4d xyzw = Eigen::Quaterniond(mesh.pose.rotation).coeffs();
   return text + fmt::format(", quat_xyzw: {}", internal::yaml_numbers({xyzw.data(), 4}));
@@ -85,6 +91,19 @@ std::string describe_attached(const Robot& robot) {
   return text;
 }
 
+/// The key `allow`, where there is something: of a name that a link and an obstacle share, it means
+/// the link where it stands first.
+std::string describe_allowed(const Problem& problem) {
+  std::vector<std::string> pairs;
+  for (auto [first, second] : problem.allowed_pairs) {
+    if (problem.scene.find(second) != nullptr) std::swap(first, second);
+    if (problem.scene.find(second) != nullptr) continue;
+    pairs.push_back(
+        fmt::format("[{}, {}]", internal::yaml_string(first), internal::yaml_string(second)));
+  }
+  return pairs.empty() ? "" : fmt::format("allow: [{}]\n", fmt::join(pairs, ", "));
+}
+
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
@@ -95,10 +114,11 @@ std::string indented(const std::string& text) {
 }  // namespace
 
 std::string to_yaml(const Problem& problem, const std::string& robot) {
-  std::string text = fmt::format(
-      "name: {}\nrobot: {}\n{}{}scene:\n{}start: {}\n", internal::yaml_string(problem.name),
-      internal::yaml_string(robot), describe_group(problem.robot), describe_attached(problem.robot),
-      indented(to_yaml(problem.scene)), internal::yaml_numbers(problem.start));
+  std::string text = fmt::format("name: {}\nrobot: {}\n{}{}{}scene:\n{}start: {}\n",
+                                 internal::yaml_string(problem.name), internal::yaml_string(robot),
+                                 describe_group(problem.robot), describe_attached(problem.robot),
+                                 describe_allowed(problem), indented(to_yaml(problem.scene)),
+                                 internal::yaml_numbers(problem.start));
   std::vector<std::string> goals;
   for (const Configuration& goal : problem.goals) goals.push_back(internal::yaml_numbers(goal));
   for (const PoseGoal& goal : problem.pose_goals) goals.push_back(describe_pose(goal));

@@ -14,12 +14,7 @@ namespace mneme {
 namespace {
 
 using internal::as_index;
-
-std::optional<int> find_link(std::span<const Link> links, std::string_view name) {
-  const auto found = std::ranges::find(links, name, &Link::name);
-  if (found == links.end()) return std::nullopt;
-  return static_cast<int>(found - links.begin());
-}
+using internal::find_link;
 
 Error refusal(const AttachedObject& object, const std::string& what) {
   return {ErrorCode::invalid, fmt::format("attached object '{}': {}", object.name, what)};

@@ -46,14 +46,12 @@ Result<std::vector<int>> find_all(std::span<const Joint> joints, const Names& na
 
 /// The joints of "base_link:tip_link", or nothing if these are no two links.
 std::optional<Names> find_chain(const Robot::Parts& parts, const std::string& name) {
-  const auto find = [&](const std::string& link) {
-    return std::ranges::find(parts.links, link, &Link::name) - parts.links.begin();
-  };
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::nullopt;
-  const auto base = find(name.substr(0, colon)), tip = find(name.substr(colon + 1));
-  if (std::max(base, tip) >= std::ssize(parts.links)) return std::nullopt;
-  return joints_between(parts.links, parts.joints, static_cast<int>(base), static_cast<int>(tip));
+  const auto base = find_link(parts.links, name.substr(0, colon));
+  const auto tip = find_link(parts.links, name.substr(colon + 1));
+  if (!base || !tip) return std::nullopt;
+  return joints_between(parts.links, parts.joints, *base, *tip);
 }
 
 Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {

@@ -57,15 +57,23 @@ std::vector<Transform> forward_kinematics(std::span<const Joint> joints, std::sp
   return poses;
 }
 
+std::optional<int> find_link(std::span<const Link> links, std::string_view name) {
+  const auto found = std::ranges::find(links, name, &Link::name);
+  if (found == links.end()) return std::nullopt;
+  return static_cast<int>(found - links.begin());
+}
+
 }  // namespace internal
+
+std::optional<int> Robot::find_link(std::string_view name) const {
+  return internal::find_link(links(), name);
+}
 
 std::vector<Transform> Robot::link_poses(std::span<const double> q) const {
   return internal::forward_kinematics(joints(), group(), q);
 }
 
-std::string Robot::kinematics_hash() const {
-  return internal::hash_kinematics(joints(), group());
-}
+std::string Robot::kinematics_hash() const { return internal::hash_kinematics(joints(), group()); }
 
 namespace {
 

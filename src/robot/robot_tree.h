@@ -11,10 +11,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace mneme::internal {
+
+/// Index of the link of this name, if there is one.
+[[nodiscard]] std::optional<int> find_link(std::span<const Link> links, std::string_view name);
 
 /// Makes every joint follow one that follows none itself, and frees fixed joints from following.
 /// Returns the joint that cannot follow, and why: a loop, no such joint, numbers that are not

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -18,12 +19,19 @@ namespace {
 /// Metres. What is longer is rather given in another unit.
 constexpr double kLongestLikely = 50;
 
+/// The key `file`, which stands for the list `key`.
+std::optional<Input> find_file(const Input& input, std::string_view key) {
+  auto file = input.find("file");
+  if (file && input.find(key)) {
+    file->fail(ErrorCode::parse, fmt::format("expected either file or {}, got both", key));
+  }
+  return file;
+}
+
 /// The path of the key `file`, relative to the file that names it.
 std::string path_of(const Input& file) {
   if (!file.is_text() || file.text().empty()) file.fail_expecting("the path of a file");
-  const std::filesystem::path path = file.text();
-  if (path.is_absolute()) return path.string();
-  return (std::filesystem::path(file.source()).parent_path() / path).string();
+  return (std::filesystem::path(file.source()).parent_path() / file.text()).string();
 }
 
 template <class T>
@@ -70,7 +78,7 @@ Crowd<Part> crowd_of(std::vector<Part> parts) {
 
 PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
   std::vector<CloudPoint> points;
-  const auto file = input.find("file");
+  const auto file = find_file(input, "points");
   const double scale = scale_of(input);
   const auto at = [&](double x, double y, double z) {
     points.push_back({static_cast<float>(scale * x), static_cast<float>(scale * y),
@@ -96,7 +104,7 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
 }
 
 Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
-  if (const auto file = input.find("file")) {
+  if (const auto file = find_file(input, "triangles")) {
     const Vec3 scale = Vec3::Constant(scale_of(input));
     auto triangles = value_at(*file, read_triangles(path_of(*file), scale, {}));
     warn_of_unit(*file, triangles, warnings);
@@ -113,17 +121,15 @@ Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
   return crowd_of(std::move(triangles));
 }
 
-Octree read_octree_shape(const Input& input, std::vector<std::string>& warnings) {
+Octree read_octree_shape(const Input& input) {
+  const auto file = find_file(input, "cubes");
   const auto unknown = input.find("unknown");
   const bool is_occupied = unknown && unknown->is_text() && unknown->text() == "occupied";
   if (unknown && !is_occupied && !(unknown->is_text() && unknown->text() == "free")) {
     unknown->fail_expecting("free or occupied");
   }
-  if (const auto file = input.find("file")) {
-    auto cubes = value_at(*file, read_octree(path_of(*file), is_occupied));
-    warn_of_unit(*file, cubes, warnings);
-    return crowd_of(std::move(cubes));
-  }
+  if (file) return crowd_of(value_at(*file, read_octree(path_of(*file), {is_occupied})));
+  if (unknown) unknown->fail(ErrorCode::parse, "expected a file beside it, got cubes");
   const Input list = input.at("cubes");
   const std::vector<double> n = list_of(input, "cubes", 4);
   std::vector<Cube> cubes;

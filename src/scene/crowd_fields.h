@@ -13,11 +13,12 @@
 
 namespace mneme::internal {
 
-/// The shape without its pose and radius: keys `file`, `scale` and `unknown`, or the list `points`,
-/// `triangles` or `cubes`. Throws InputFailure. Adds warnings to `warnings`.
+/// The shape without its pose and radius: either the key `file` (of octrees also `unknown`) or the
+/// list `points`, `triangles` or `cubes`, and `scale` but of octrees. Throws InputFailure. Adds
+/// warnings to `warnings`.
 [[nodiscard]] PointCloud read_points(const Input& input, std::vector<std::string>& warnings);
 [[nodiscard]] Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings);
-[[nodiscard]] Octree read_octree_shape(const Input& input, std::vector<std::string>& warnings);
+[[nodiscard]] Octree read_octree_shape(const Input& input);
 
 /// All numbers of the list.
 [[nodiscard]] std::vector<double> numbers_of(const Parts<CloudPoint>& parts);

@@ -20,12 +20,19 @@ tl::unexpected<Error> refuse_unknown(const Scene& scene, std::string_view name) 
   return refuse_edit(name, fmt::format("there is none of this name in scene \"{}\"", scene.name));
 }
 
+template <class Obstacles>
+auto* find_in(Obstacles& obstacles, std::string_view name) {
+  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
+  return found == obstacles.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 const Obstacle* Scene::find(std::string_view obstacle) const {
-  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
-  return found == obstacles.end() ? nullptr : &*found;
+  return find_in(obstacles, obstacle);
 }
+
+Obstacle* Scene::find(std::string_view obstacle) { return find_in(obstacles, obstacle); }
 
 Result<void> Scene::add(Obstacle obstacle) {
   if (obstacle.name.empty()) return refuse_edit("", "expected a name");
@@ -38,23 +45,23 @@ Result<void> Scene::add(Obstacle obstacle) {
 }
 
 Result<void> Scene::remove(std::string_view obstacle) {
-  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
-  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
-  obstacles.erase(found);
+  const Obstacle* found = find(obstacle);
+  if (found == nullptr) return refuse_unknown(*this, obstacle);
+  obstacles.erase(obstacles.begin() + (found - obstacles.data()));
   return {};
 }
 
 Result<void> Scene::move(std::string_view obstacle, const Transform& X) {
-  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
-  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
+  Obstacle* found = find(obstacle);
+  if (found == nullptr) return refuse_unknown(*this, obstacle);
   for (Shape& shape : found->shapes) shape = transformed(X, shape);
   return {};
 }
 
 Result<void> Scene::replace_points(std::string_view obstacle, std::size_t first,
                                    std::span<const CloudPoint> points) {
-  const auto found = std::ranges::find(obstacles, obstacle, &Obstacle::name);
-  if (found == obstacles.end()) return refuse_unknown(*this, obstacle);
+  Obstacle* found = find(obstacle);
+  if (found == nullptr) return refuse_unknown(*this, obstacle);
   auto* cloud =
       found->shapes.size() == 1 ? std::get_if<PointCloud>(&found->shapes.front()) : nullptr;
   if (cloud == nullptr) return refuse_edit(obstacle, "expected one cloud of points");

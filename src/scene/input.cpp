@@ -120,10 +120,16 @@ std::vector<Input> Input::items() const {
   return result;
 }
 
-double Input::number() const {
+std::optional<double> Input::as_number() const {
   if (const auto* number = std::get_if<double>(&value_->content)) return *number;
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
-  const auto number = text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
+  return text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
+}
+
+bool Input::is_number() const { return as_number().has_value(); }
+
+double Input::number() const {
+  const auto number = as_number();
   if (!number) fail_expecting("a number");
   return *number;
 }

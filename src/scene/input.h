@@ -92,6 +92,9 @@ class Input {
     return std::holds_alternative<InputValue::Text>(value_->content);
   }
 
+  /// True also of text of YAML that says one.
+  [[nodiscard]] bool is_number() const;
+
   /// Fails if this is no map or has a key that is not one of `keys`.
   void allow_keys(const std::vector<std::string_view>& keys) const;
   [[nodiscard]] std::optional<Input> find(std::string_view key) const;
@@ -111,6 +114,7 @@ class Input {
   [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
 
  private:
+  [[nodiscard]] std::optional<double> as_number() const;
   [[nodiscard]] Input child(const InputValue& value, std::string_view key) const;
 
   const InputValue* value_;

@@ -81,7 +81,7 @@ std::optional<Octree> read_moveit_octomap(const Input& octomap) {
   if (id != "OcTree" && id != "ColorOcTree") map->at("id").fail_expecting("OcTree or ColorOcTree");
   const OctreeFormat format{map->at("binary").boolean(), id == "ColorOcTree",
                             map->at("resolution").positive_number()};
-  const auto cubes = parse_octree_data(bytes, format, false, octomap.source());
+  const auto cubes = parse_octree_data(bytes, format, {}, octomap.source());
   if (!cubes) data->fail(cubes.error().code, cubes.error().message);
   const auto origin = octomap.find("origin");
   return Octree{origin ? read_moveit_pose(*origin) : Transform{},

@@ -109,7 +109,9 @@ std::vector<double> read_dimensions(const Input& primitive, std::size_t count,
   return values;
 }
 
-Shape read_shape(const Input& primitive, const Transform& pose, const std::string& object) {
+}  // namespace
+
+Shape read_moveit_primitive(const Input& primitive, const Transform& pose, std::string_view owner) {
   primitive.allow_keys({"type", "dimensions", "polygon"});
   const Input type = primitive.at("type");
   const std::string name = type.is_text() ? type.text() : "";
@@ -127,12 +129,13 @@ Shape read_shape(const Input& primitive, const Transform& pose, const std::strin
   if (name == "cone" || name == "4" || name == "prism" || name == "5") {
     const bool is_cone = name == "cone" || name == "4";
     type.fail(ErrorCode::unsupported,
-              fmt::format("object \"{}\" has a {}, which is not supported; expected box, sphere or "
-                          "cylinder",
-                          object, is_cone ? "cone" : "prism"));
+              fmt::format("{} has a {}, which is not supported; expected box, sphere or cylinder",
+                          owner, is_cone ? "cone" : "prism"));
   }
   type.fail_expecting("box, sphere or cylinder");
 }
+
+namespace {
 
 /// Adds the shapes of the list `key`, each at its pose of `pose_key`, or all at that of the object.
 template <class Read>
@@ -174,7 +177,7 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
   MoveitObject result{{id, {}}, read_frame_id(object), object};
   const auto primitive = [&](const Input& input, const Transform& X_FS) {
-    return read_shape(input, X_FS, id);
+    return read_moveit_primitive(input, X_FS, fmt::format("object \"{}\"", id));
   };
   add_shapes(object, "primitives", "primitive_poses", X_FO, primitive, result);
   add_shapes(object, "meshes", "mesh_poses", X_FO, read_moveit_mesh, result);

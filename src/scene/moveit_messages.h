@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::internal {
@@ -46,6 +47,9 @@ struct MoveitState {
   std::vector<MoveitAttached> attached;
 };
 
+/// A box, sphere or cylinder. Throws InputFailure, with the name of its `owner` for others.
+[[nodiscard]] Shape read_moveit_primitive(const Input& primitive, const Transform& pose,
+                                          std::string_view owner);
 /// The entries of the list `key`; none if the key is missing or has no value. Throws InputFailure.
 [[nodiscard]] std::vector<Input> items_if_any(const Input& input, std::string_view key);
 /// The text of the key `frame_id` of the key `header`, or nothing.

@@ -121,7 +121,7 @@ Scene place_objects(const MoveitScene& scene, const MoveitFrames& frames,
 }
 
 FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) {
-  FramedScene result{{scene.name, {}}, frames.planning_frame()};
+  FramedScene result{{scene.name, {}, scene.warnings}, frames.planning_frame()};
   const auto frame_of = [&](const MoveitObject& object) {
     return object.frame.empty() ? frames.planning_frame() : object.frame;
   };

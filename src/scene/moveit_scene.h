@@ -55,8 +55,8 @@ struct MoveitScene {
   std::vector<std::string> warnings;
 };
 
-/// All of `input` but its frames and its allowed collisions. Padded and scaled links and octomaps
-/// are refused. Throws InputFailure.
+/// All of `input` but its frames and its allowed collisions. Padded and scaled links are
+/// refused. Throws InputFailure.
 [[nodiscard]] MoveitScene read_moveit_scene(const Input& input, const std::string& default_name);
 
 /// The objects in the frame of the robot's root link. Throws InputFailure.

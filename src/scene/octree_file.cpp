@@ -29,8 +29,9 @@ Cube child_of(const Cube& cube, int i) {
 /// Reads nodes depth first, and sorts the leaves.
 class OctreeReader {
  public:
-  OctreeReader(std::string_view bytes, const OctreeFormat& format, const std::string& source)
-      : rest_(bytes), format_(format), source_(source) {}
+  OctreeReader(std::string_view bytes, const OctreeFormat& format, const OctreeUse& use,
+               const std::string& source)
+      : rest_(bytes), format_(format), use_(use), source_(source) {}
 
   void read() {
     const Cube root{Vec3::Zero(), format_.resolution * (1 << (kDepth - 1))};
@@ -41,10 +42,8 @@ class OctreeReader {
     }
   }
 
-  std::vector<Cube> take(bool is_unknown_occupied) {
-    if (is_unknown_occupied) {
-      for (const Cube& cube : unknown_) add_unknown(cube);
-    }
+  std::vector<Cube> take() {
+    for (const Cube& cube : unknown_) add_within_known(cube);
     if (occupied_.empty()) fail(ErrorCode::parse, "has no occupied leaf");
     return std::move(occupied_);
   }
@@ -75,7 +74,7 @@ class OctreeReader {
     // Leaves of a node come before the children of any.
     for (int i = 0; i < 8; ++i) {
       const unsigned kind = kinds >> (2 * i) & 3;
-      if (kind == 0) add(child_of(cube, i), unknown_);
+      if (kind == 0) add_unknown(child_of(cube, i));
       if (kind == 1 || kind == 2) add_leaf(child_of(cube, i), kind == 2);
     }
     for (int i = 0; i < 8; ++i) {
@@ -94,14 +93,15 @@ class OctreeReader {
       if ((children >> i & 1) != 0) {
         read_full(child_of(cube, i), depth + 1);
       } else {
-        add(child_of(cube, i), unknown_);
+        add_unknown(child_of(cube, i));
       }
     }
   }
 
   void add(const Cube& cube, std::vector<Cube>& cubes) const {
-    if (cubes.size() >= kMaxCubes) {
-      fail(ErrorCode::unsupported, fmt::format("expected at most {} leaves of a kind", kMaxCubes));
+    if (cubes.size() >= use_.most_cubes) {
+      fail(ErrorCode::unsupported,
+           fmt::format("expected at most {} leaves of a kind", use_.most_cubes));
     }
     cubes.push_back(cube);
   }
@@ -111,8 +111,12 @@ class OctreeReader {
     if (is_occupied) add(cube, occupied_);
   }
 
-  /// Cuts off what lies outside of all that is known, whose box ends where cubes do.
   void add_unknown(const Cube& cube) {
+    if (use_.is_unknown_occupied) add(cube, unknown_);
+  }
+
+  /// Cuts off what lies outside of all that is known, whose box ends where cubes do.
+  void add_within_known(const Cube& cube) {
     const double slack = 0.25 * format_.resolution;
     const AxisBox box = box_of(cube);
     const AxisBox inner{box.low + Vec3::Constant(slack), box.high - Vec3::Constant(slack)};
@@ -120,11 +124,12 @@ class OctreeReader {
     if (known_.contains(inner) || cube.half_extent < format_.resolution) {
       return add(cube, occupied_);
     }
-    for (int i = 0; i < 8; ++i) add_unknown(child_of(cube, i));
+    for (int i = 0; i < 8; ++i) add_within_known(child_of(cube, i));
   }
 
   std::string_view rest_;
   const OctreeFormat& format_;
+  const OctreeUse& use_;
   const std::string& source_;
   std::vector<Cube> occupied_, unknown_;
   AxisBox known_;
@@ -174,7 +179,7 @@ OctreeFormat read_header(std::string_view& rest, const std::string& source) {
 }  // namespace
 
 Result<std::vector<Cube>> parse_octree_data(std::string_view bytes, const OctreeFormat& format,
-                                            bool is_unknown_occupied, const std::string& source) {
+                                            const OctreeUse& use, const std::string& source) {
   constexpr double kLeastResolution = 1e-4, kMostResolution = 100;
   if (!(format.resolution >= kLeastResolution && format.resolution <= kMostResolution)) {
     return fail(ErrorCode::parse,
@@ -182,23 +187,23 @@ Result<std::vector<Cube>> parse_octree_data(std::string_view bytes, const Octree
                             kLeastResolution, kMostResolution, format.resolution));
   }
   return without_throwing([&] {
-    OctreeReader reader(bytes, format, source);
+    OctreeReader reader(bytes, format, use, source);
     reader.read();
-    return reader.take(is_unknown_occupied);
+    return reader.take();
   });
 }
 
-Result<std::vector<Cube>> parse_octree(std::string_view bytes, bool is_unknown_occupied,
+Result<std::vector<Cube>> parse_octree(std::string_view bytes, const OctreeUse& use,
                                        const std::string& source) {
   const auto format = without_throwing([&] { return read_header(bytes, source); });
   if (!format) return tl::unexpected<Error>(format.error());
-  return parse_octree_data(bytes, *format, is_unknown_occupied, source);
+  return parse_octree_data(bytes, *format, use, source);
 }
 
-Result<std::vector<Cube>> read_octree(const std::string& path, bool is_unknown_occupied) {
+Result<std::vector<Cube>> read_octree(const std::string& path, const OctreeUse& use) {
   const auto bytes = read_text_file(path);
   if (!bytes) return tl::unexpected<Error>(bytes.error());
-  return parse_octree(*bytes, is_unknown_occupied, path);
+  return parse_octree(*bytes, use, path);
 }
 
 }  // namespace mneme::internal

@@ -10,13 +10,6 @@
 #include <cmath>
 
 namespace mneme::internal {
-namespace {
-
-/// Metres; no planner takes what is farther (docs/numerics.md).
-constexpr double kFarthest = 1e4;
-
-}  // namespace
-
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
   for (Shape& shape : obstacle.shapes) shape = transformed(X_AB, shape);
   return obstacle;
@@ -36,8 +29,8 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   }
   const Sphere bound = bounding_sphere(shape);
   // Written so that what is not finite fails too.
-  if (!(bound.center.norm() + bound.radius <= kFarthest)) {
-    return fmt::format("expected a shape within {} m of the origin", kFarthest);
+  if (!(bound.center.norm() + bound.radius <= kFarthestShape)) {
+    return fmt::format("expected a shape within {} m of the origin", kFarthestShape);
   }
   const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
   if (is_new_body && names_.count(body) != 0) {
@@ -115,8 +108,8 @@ std::pair<std::string, std::string> read_name_pair(const Input& pair) {
 void read_allowed_contacts(const Input& list, Scene& scene) {
   for (const Input& pair : list.items()) {
     const auto [link, name] = read_name_pair(pair);
-    const auto obstacle = std::ranges::find(scene.obstacles, name, &Obstacle::name);
-    if (obstacle == scene.obstacles.end()) {
+    Obstacle* obstacle = scene.find(name);
+    if (obstacle == nullptr) {
       pair.fail(ErrorCode::invalid, fmt::format("expected a link and an obstacle of this scene, "
                                                 "got no obstacle \"{}\"",
                                                 name));

@@ -32,8 +32,9 @@ class ShapeReader {
     if constexpr (kIndex == std::variant_size_v<Shape>) {
       const std::string kinds = "sphere, box, cylinder, capsule, points, mesh or octree";
       const bool is_flat = name == "circle" || name == "disc" || name == "disk";
-      type.fail_expecting(is_flat ? kinds + "; circles of a planar scene stand under its key "
-                                            "circles, as name: [x, y, radius]"
+      type.fail_expecting(is_flat ? kinds +
+                                        "; circles of a planar scene stand under its key "
+                                        "circles, as name: [x, y, radius]"
                                   : kinds);
     } else {
       const std::variant_alternative_t<kIndex, Shape> shape;
@@ -114,7 +115,7 @@ class ShapeReader {
 
   Shape read(const Octree&) const {
     allow_posed({"radius", "file", "unknown", "cubes"});
-    return with_pose(read_octree_shape(input_, warnings_), input_.find("radius").has_value());
+    return with_pose(read_octree_shape(input_), input_.find("radius").has_value());
   }
 
   const Input& input_;

@@ -37,6 +37,18 @@ TEST_SUITE("flow") {
     CHECK(Json::parse(with_robot.out)["primitives"].size() == 1);
   }
 
+  TEST_CASE("what was left aside of a scene's files is told") {
+    const PlanarFiles files;
+    write_file(files / "scan.ply",
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+               "property float z\nend_header\n1 2 3\nnan 0 0\n");
+    write_file(files / "scan.yaml",
+               "obstacles: [{name: scan, type: points, file: scan.ply, radius: 0.01}]\n");
+    const ProgramRun run = run_program({"scene", "info", files / "scan.yaml"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(run.err, "1 of 2 points are not finite and left out"));
+  }
+
   TEST_CASE("the largest gap decides what is a primitive") {
     const PlanarFiles files;
     const ProgramRun run =

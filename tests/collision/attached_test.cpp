@@ -157,6 +157,7 @@ TEST_SUITE("unit") {
     CHECK((*with_cup)->tables.bodies.size() == (*own)->tables.bodies.size() + 1);
     CHECK((*with_cup)->tables.moving_count == (*own)->tables.moving_count + 1);
     CHECK((*with_cup)->tables.frames.size() == (*own)->tables.frames.size());
+    CHECK((*with_cup)->tables.links.size() == robot.links().size());
     CHECK((*with_cup)->tables.limbs.size() == (*own)->tables.limbs.size());
   }
 

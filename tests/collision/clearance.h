@@ -52,8 +52,8 @@ inline bool may_touch(const Link& link, const Obstacle& obstacle) {
   return std::ranges::count(obstacle.may_touch, link.name) > 0;
 }
 
-/// Least gap at `q` of anything that moves and may not touch, with `margin` metres taken off those to
-/// obstacles: the state is free of contact if it is not negative.
+/// Least gap at `q` of anything that moves and may not touch, with `margin` metres taken off those
+/// to obstacles: the state is free of contact if it is not negative.
 inline double clearance(const Robot& robot, const Scene& scene, std::span<const double> q,
                         double margin = 0) {
   const std::vector<Transform> poses = robot.link_poses(q);

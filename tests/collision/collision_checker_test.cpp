@@ -78,6 +78,19 @@ OneByOne check_one_by_one(const CollisionChecker& checker, std::span<const float
   return result;
 }
 
+/// One cube; its frame stands where it is near the scene's origin.
+Octree cube_at(const Vec3& p) {
+  return {{Eigen::Matrix3d::Identity(), Vec3(1, 1, 0) - p},
+          std::make_shared<Parts<Cube>>(std::vector<Cube>{{p, 0.1}}),
+          0};
+}
+
+PointCloud point_at(float x) {
+  return {{Eigen::Matrix3d::Identity(), Vec3(1 - x, 1, 0)},
+          std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{x, 0, 0}}),
+          0.1};
+}
+
 Obstacle named(const std::string& name, const Shape& shape) { return {name, {shape}}; }
 
 TEST_SUITE("unit") {
@@ -108,6 +121,36 @@ TEST_SUITE("unit") {
       CHECK(checker.error().message.find("'mug'") != std::string::npos);
       CHECK(checker.error().code == ErrorCode::invalid);
     }
+  }
+
+  TEST_CASE("parts too far out in their own frame are an error, wherever that frame stands") {
+    const auto message = [](const Shape& shape) {
+      const auto checker = CollisionChecker::make(pointer(), {"", {named("map", shape)}});
+      return checker ? "" : checker.error().message;
+    };
+    CHECK(message(cube_at({9e6, 0, -9e6})).empty());
+    CHECK(message(point_at(9e3f)).empty());
+    CHECK(message(cube_at({1.1e7, 0, 0})) ==
+          "obstacle 'map': its octree has parts beyond 10000 km in their own frame");
+    CHECK(message(point_at(1.1e4f)) ==
+          "obstacle 'map': its points has points beyond 10 km in their own frame");
+  }
+
+  TEST_CASE("a margin that the tables of a crowd cannot keep makes nothing valid") {
+    const Robot robot = pointer();
+    const std::vector<float> a = {1.5f}, b = {1.6f};
+    const auto are_valid = [&](const Shape& shape, double margin) {
+      const auto checker = require_checker(robot, {"", {named("far", shape)}});
+      CheckCounters counters;
+      const std::vector<float> both = {1.5f, 1.6f};
+      return std::array{checker.is_motion_valid(a, b, counters, {1, margin}),
+                        checker.is_chain_valid(both, counters, {1, margin}),
+                        checker.is_sweep_valid(a, b, counters, {margin})};
+    };
+    const Shape cube = transformed({Eigen::Matrix3d::Identity(), {50, 0, 0}}, cube_at({1, 1, 0}));
+    CHECK(are_valid(cube, 0.25) == std::array{true, true, true});
+    CHECK(are_valid(cube, 0.26) == std::array{false, false, false});
+    CHECK(are_valid(Sphere{{50, 0, 0}, 0.1}, 0.26) == std::array{true, true, true});
   }
 
   TEST_CASE("settings that make no sense are errors") {

@@ -5,7 +5,9 @@
 #include "collision/random_worlds.h"
 #include "geometry/random_crowds.h"
 
+#include <atomic>
 #include <optional>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -83,6 +85,31 @@ TEST_SUITE("law") {
       }
     }
     CHECK(in_contact > 100);
+  }
+
+  // The thread sanitizer sees whether what it read is overwritten only after that.
+  TEST_CASE("points are replaced in place once a checker of another thread is gone") {
+    Rng rng(312);
+    const Robot robot = random_robot(rng);
+    Scene scene{"seen", {}};
+    REQUIRE(scene.add({"cloud", {random_cloud(rng)}}).has_value());
+    const std::vector<float> rows = random_states(robot, 10, rng);
+    for (int i = 0; i < 20; ++i) {
+      std::optional<CollisionChecker> checker = require_checker(robot, scene);
+      std::atomic<bool> is_gone = false;
+      std::thread other([&rows, &is_gone, seen = std::move(checker)]() mutable {
+        static_cast<void>(check_all(*seen, rows));
+        seen.reset();
+        is_gone.store(true, std::memory_order_relaxed);
+      });
+      checker.reset();
+      while (!is_gone.load(std::memory_order_relaxed)) std::this_thread::yield();
+      const std::vector<CloudPoint> points = random_points(50, rng);
+      REQUIRE(scene.replace_points("cloud", 0, points).has_value());
+      other.join();
+      CHECK(check_all(require_checker(robot, scene), rows) ==
+            check_all(require_checker(robot, afresh(scene)), rows));
+    }
   }
 }
 

@@ -88,6 +88,20 @@ TEST_SUITE("unit") {
     CHECK(least < 0.5);
   }
 
+  TEST_CASE("next to an end that is exempt from the margin nothing thin is missed") {
+    const Robot robot = require_parsed(R"(<robot name="needle"><link name="base"/>
+      <link name="tip"><collision><geometry><sphere radius="1.5e-5"/></geometry></collision></link>
+      <joint name="slide" type="prismatic"><parent link="base"/><child link="tip"/>
+        <axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)");
+    for (double way = 2e-4; way < 5e-3; way *= 1.1) {
+      const Scene scene{"", {make_ball("grain", {way, 0, 0}, 1.5e-5)}};
+      const CollisionChecker checker = require_checker(robot, scene);
+      INFO("after " << way << " m");
+      CHECK_FALSE(is_swept_free(checker, Configuration{0}, {0.5}, {1e-4, true, false}));
+      CHECK_FALSE(is_swept_free(checker, Configuration{0.5}, {0}, {1e-4, false, true}));
+    }
+  }
+
   TEST_CASE("sliding joints count by how far they slide") {
     const World world{"post", gantry(), {"", {make_ball("post", {0.01, 0, 0}, 0.001)}}, {}};
     const CollisionChecker checker = require_checker(world.robot, world.scene);

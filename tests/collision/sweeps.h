@@ -27,7 +27,8 @@ inline bool is_swept_free(const Robot& robot, const Scene& scene, const Configur
   return is_swept_free(require_checker(robot, scene), from, to, detail);
 }
 
-/// Metres by which anything overlaps at the worst of `states` states of a motion, exactly.
+/// Metres by which anything overlaps, or comes closer than the checker's margin, at the worst of
+/// `states` states of a motion, exactly.
 inline double deepest_contact(const CollisionChecker& checker, const Configuration& from,
                               const Configuration& to, int states) {
   const Configuration delta = checker.robot().difference(from, to);
@@ -36,7 +37,8 @@ inline double deepest_contact(const CollisionChecker& checker, const Configurati
     Configuration q = from;
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * i / states;
     for (const Contact& contact : checker.contacts(q)) {
-      deepest = std::max(deepest, -contact.distance);
+      const double margin = contact.is_self ? 0 : checker.margin();
+      deepest = std::max(deepest, margin - contact.distance);
     }
   }
   return deepest;
@@ -49,7 +51,11 @@ struct SweepTally {
 
   void compare(const CollisionChecker& checker, const Configuration& from, const Configuration& to,
                int states) {
-    const double deepest = deepest_contact(checker, from, to, states);
+    judge(checker, from, to, deepest_contact(checker, from, to, states));
+  }
+
+  void judge(const CollisionChecker& checker, const Configuration& from, const Configuration& to,
+             double deepest) {
     const bool is_free = is_swept_free(checker, from, to);
     ++(is_free ? free : blocked);
     if (is_free) CHECK(deepest <= kSweepTolerance);

@@ -3,6 +3,7 @@
 #include "scene/cloud_file.h"
 #include "fuzz/fuzz_input.h"
 
+#include <algorithm>
 #include <cmath>
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -11,7 +12,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (!cloud) return 0;
   if (cloud->points.empty() || cloud->size() > mneme::internal::kMaxCloudPoints) std::abort();
   for (const mneme::CloudPoint& p : cloud->points) {
-    if (!std::isfinite(p[0] + p[1] + p[2]) && !std::isfinite(p[0])) std::abort();
+    if (!std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) std::abort();
   }
   return 0;
 }

@@ -6,7 +6,7 @@
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   for (const bool is_unknown_occupied : {false, true}) {
     const auto cubes = mneme::internal::parse_octree(mneme::fuzz::as_text(data, size),
-                                                     is_unknown_occupied, "fuzz.bt");
+                                                     {is_unknown_occupied}, "fuzz.bt");
     mneme::fuzz::expect_message(cubes);
     if (cubes && cubes->empty()) std::abort();
   }

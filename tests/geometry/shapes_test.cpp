@@ -21,6 +21,9 @@ TEST_SUITE("unit") {
     CHECK(shape_name(Box{}) == "box");
     CHECK(shape_name(Cylinder{}) == "cylinder");
     CHECK(shape_name(Capsule{}) == "capsule");
+    CHECK(shape_name(PointCloud{}) == "points");
+    CHECK(shape_name(Mesh{}) == "mesh");
+    CHECK(shape_name(Octree{}) == "octree");
   }
 
   TEST_CASE("bounding spheres are tight") {

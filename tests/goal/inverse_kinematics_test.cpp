@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
+
 #include "goal/posed_robots.h"
 #include "support/planar_memory.h"
 
@@ -46,8 +48,9 @@ int count_reached(const Robot& robot, const std::string& link, int poses, Isa is
 
 TEST_SUITE("law") {
   TEST_CASE("poses that a configuration has are reached, with every instruction set") {
-    for (const auto& [name, link] : {std::pair("panda", "panda_hand"),
-                                     std::pair("fetch", "gripper_link"), std::pair("ur5", "tool0")}) {
+    for (const auto& [name, link] :
+         {std::pair("panda", "panda_hand"), std::pair("fetch", "gripper_link"),
+          std::pair("ur5", "tool0")}) {
       const Robot robot = shipped_robot(name);
       for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
         if (!is_available(isa)) continue;
@@ -60,6 +63,13 @@ TEST_SUITE("law") {
 
   TEST_CASE("prismatic, continuous and mimic joints count") {
     CHECK(count_reached(odd_arm(), kOddHand, 200, Isa::automatic) >= 199);
+  }
+
+  TEST_CASE("poses of what a link carries are reached") {
+    const auto robot = attach(odd_arm(), {{"cup", kOddHand, {Sphere{{0, 0, 0.1}, 0.02}}},
+                                          {"lid", kOddHand, {Sphere{{0, 0, 0.2}, 0.02}}}});
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    CHECK(count_reached(*robot, "lid", 50, Isa::automatic) >= 49);
   }
 
   TEST_CASE("solutions are in regions of poses, and use what these leave free") {
@@ -107,9 +117,9 @@ TEST_SUITE("unit") {
     Rng rng(7);
     Configuration near = random_configuration(robot, rng);
     near.back() = 0.777;
-    const IkResult result = require_kinematics(robot, kOddHand)
-                                .solve(pose_at(robot, kOddHand, random_configuration(robot, rng)),
-                                       near);
+    const IkResult result =
+        require_kinematics(robot, kOddHand)
+            .solve(pose_at(robot, kOddHand, random_configuration(robot, rng)), near);
     REQUIRE(!result.solutions.empty());
     for (const Configuration& q : result.solutions) CHECK(q.back() == doctest::Approx(0.777));
   }
@@ -178,7 +188,8 @@ TEST_SUITE("unit") {
     CHECK(result.closest.position == doctest::Approx(0.5).epsilon(0.02));
   }
 
-  TEST_CASE("the same arguments give the same solutions, and no more seeds are tried than allowed") {
+  TEST_CASE(
+      "the same arguments give the same solutions, and no more seeds are tried than allowed") {
     const Robot robot = odd_arm();
     const InverseKinematics kinematics = require_kinematics(robot, kOddHand);
     const PoseGoal goal = pose_at(robot, kOddHand, Configuration(8, 0.3));

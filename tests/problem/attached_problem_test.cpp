@@ -4,10 +4,14 @@
 // What problem files say of attached objects and of what may touch.
 #include "mneme/problem.h"
 
+#include "problem/problem_input.h"
 #include "problem/small_robots.h"
+#include "scene/yaml.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>
+
+#include <filesystem>
 
 namespace mneme::test {
 namespace {
@@ -96,6 +100,49 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
     CHECK(files.require("allow: [[arm, base]]\n").robot.self_pairs().empty());
   }
 
+  TEST_CASE(
+      "of a name that a link and an obstacle share, the link is meant where it stands first") {
+    const Files files("base");
+    std::string urdf = read_file(files / "lifter.urdf");
+    for (std::size_t at = urdf.find("\"base\""); at != std::string::npos;
+         at = urdf.find("\"base\"")) {
+      urdf.replace(at, 6, "\"cup\"");
+    }
+    write_file(files / "lifter.urdf", urdf);
+    const Problem as_link = files.require("allow: [[cup, arm]]\n");
+    CHECK(as_link.robot.self_pairs().empty());
+    CHECK(as_link.scene.obstacles[1].may_touch.empty());
+    const Problem as_obstacle = files.require("allow: [[arm, cup]]\n");
+    CHECK(as_obstacle.robot.self_pairs().size() == 1);
+    CHECK(as_obstacle.scene.obstacles[1].may_touch == Names{"arm"});
+    // Neither is mixed up where the problem is written.
+    write_file(files / "again.yaml", to_yaml(as_link, files / "lifter.urdf"));
+    const auto again = load_problem(files / "again.yaml");
+    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
+    CHECK(again->robot.self_pairs().empty());
+    CHECK(again->scene.obstacles[1].may_touch.empty());
+  }
+
+  TEST_CASE("pairs of links are refused where the robot is given") {
+    const Files files("base");
+    const Problem problem = files.require("");
+    const auto failure = [&](const std::string& allow) {
+      const std::string source = "request";
+      const internal::InputValue value =
+          internal::parse_yaml("start: [0, 0]\ngoal: [1, 1]\nallow: " + allow, source);
+      const internal::Input input(value, source);
+      const auto read = internal::without_throwing([&] {
+        return internal::read_problem_of({"", problem.robot, {}},
+                                         {input, input, "p", "", problem.scene});
+      });
+      return read ? "" : read.error().message;
+    };
+    CHECK(failure("[[arm, table]]").empty());
+    CHECK(failure("[[arm, table], [arm, base]]") ==
+          "request:3: key allow: expected pairs of a link and an obstacle or an attached object: "
+          "the robot is given, got its links \"arm\" and \"base\"");
+  }
+
   TEST_CASE("a link that stands on an obstacle is a note") {
     const Files files("world");
     CHECK(files.require("").warnings ==
@@ -105,10 +152,10 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
   }
 
   TEST_CASE("a problem that is written reads back with what is attached and may touch") {
-    const Files files;
+    const Files files("base");
     const Problem problem = files.require(R"(attached:
   - {name: box, link: finger, type: box, position: [0, 0, 0.1], size: [0.1, 0.2, 0.3], touch: [carriage]}
-allow: [[arm, table], [box, cup]]
+allow: [[arm, table], [box, cup], [base, arm]]
 )");
     write_file(files / "again.yaml", to_yaml(problem, files / "lifter.urdf"));
     const auto again = load_problem(files / "again.yaml");
@@ -121,6 +168,24 @@ allow: [[arm, table], [box, cup]]
     CHECK(std::get<Box>(object.shapes.at(0)).half_extents == Vec3(0.05, 0.1, 0.15));
     CHECK(again->scene.obstacles[0].may_touch == Names{"arm"});
     CHECK(again->scene.obstacles[1].may_touch == Names{"box"});
+    CHECK(again->robot.self_pairs().size() == problem.robot.self_pairs().size());
+    CHECK(again->allowed_pairs == problem.allowed_pairs);
+  }
+
+  TEST_CASE("a problem that is written elsewhere finds the meshes that it carries") {
+    const Files files;
+    write_file(files / "cube.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+               "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+    static_cast<void>(files.require(
+        "attached: [{name: box, link: finger, type: mesh, file: cube.obj, scale: 0.1}]\n"));
+    const auto problem = load_problem(std::filesystem::relative(files / "p.yaml").string());
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    std::filesystem::create_directory(files / "sub");
+    write_file(files / "sub/again.yaml", to_yaml(*problem, files / "lifter.urdf"));
+    const auto again = load_problem(files / "sub/again.yaml");
+    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
+    CHECK(again->robot.attached()[0].object.meshes.size() == 1);
   }
 
   TEST_CASE("a scene without its robot keeps what links may touch, not attached objects") {

@@ -5,6 +5,11 @@
 #include "scene/yaml.h"
 #include "support/support.h"
 
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -81,8 +86,7 @@ TEST_SUITE("unit") {
     CHECK(goal.position_tolerance == Vec3::Zero());
     CHECK(goal.cone == 0);
     CHECK(goal.turn == 0);
-    const Problem in_arm =
-        lifter.problem("start: [0.5, 0, 0]\n" + pose + ", frame: carriage}\n");
+    const Problem in_arm = lifter.problem("start: [0.5, 0, 0]\n" + pose + ", frame: carriage}\n");
     CHECK((in_arm.pose_goals[0].pose.translation - Vec3(-0.3, 0, 1.4)).norm() < 1e-9);
   }
 
@@ -144,10 +148,12 @@ TEST_SUITE("unit") {
     const auto pose = [&](const std::string& rest) {
       return failure("{link: arm, position: [0, 0, 1], " + rest + "}");
     };
-    CHECK(failure("home") == ":6: key goal: expected a state that the SRDF of robot lifter names "
-                             "(up, open), got \"home\"");
-    CHECK(failure("open") == ":6: key goal: state \"open\" is of group gripper and has no value of "
-                             "joint lift, which is planned for");
+    CHECK(failure("home") ==
+          ":6: key goal: expected a state that the SRDF of robot lifter names "
+          "(up, open), got \"home\"");
+    CHECK(failure("open") ==
+          ":6: key goal: state \"open\" is of group gripper and has no value of "
+          "joint lift, which is planned for");
     CHECK(failure("{lift: 0, turn: 0}") ==
           ":6: key goal: expected a value of each joint of the planning group, got none of grip");
     CHECK(failure("{lift: 0, spin: 0}") ==
@@ -164,11 +170,15 @@ TEST_SUITE("unit") {
           ":6: key goal: the region is empty: expected position tolerances of 0 m or more, got "
           "-0.1, -0.1, -0.1");
     CHECK(pose("position_tolerance: []").starts_with(":6: key goal.position_tolerance: expected"));
-    CHECK(pose("quat_xyzw: [0, 0, 0, 1], cone: -1") ==
-          ":6: key goal: the region is empty: expected angles of 0 or more, got cone -1 and turn 0");
+    CHECK(
+        pose("quat_xyzw: [0, 0, 0, 1], cone: -1") ==
+        ":6: key goal: the region is empty: expected angles of 0 or more, got cone -1 and turn 0");
     CHECK(pose("cone: 1") == ":6: key goal.cone: expected quat_xyzw beside it, got none");
     CHECK(pose("axis: w") == ":6: key goal.axis: expected x, y or z, got \"w\"");
-    CHECK(pose("quat: 1").find("quat") != std::string::npos);
+    CHECK(pose("quat: 1").starts_with(":6: key goal.quat: unknown key"));
+    CHECK(
+        failure("1").starts_with(":6: key goal: expected a list of values, a map from joints to "
+                                 "values or the name of a state, got"));
     CHECK(failure("{link: nose, position: [0, 0, 1]}") ==
           ":6: key goal: expected a link of robot lifter, got \"nose\"");
     CHECK(failure("{link: base, position: [0, 0, 1]}") ==
@@ -229,6 +239,39 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
+PoseGoal oriented_goal(const Vec3& tolerance, bool is_vector) {
+  std::string text = kPoseRequest.substr(0, kPoseRequest.find("        absolute_x_axis_tolerance"));
+  for (int i = 0; i < 3; ++i) {
+    text += fmt::format("        absolute_{}_axis_tolerance: {}\n", "xyz"[i], tolerance[i]);
+  }
+  if (is_vector) text += "        parameterization: 1\n";
+  const auto problem = MoveitFiles(kMoveitScene, text).load();
+  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+  return problem->pose_goals.at(0);
+}
+
+/// Off the pose of the goal, as its cone and its turn let it be.
+Eigen::Matrix3d random_rotation_within(const PoseGoal& goal, Rng& rng) {
+  const int axis = static_cast<int>(goal.axis);
+  const double towards = rng.uniform(-std::numbers::pi, std::numbers::pi);
+  Vec3 lean = Vec3::Zero();
+  lean[(axis + 1) % 3] = std::cos(towards);
+  lean[(axis + 2) % 3] = std::sin(towards);
+  return rotation_about(lean, goal.cone * std::sqrt(rng.uniform(0, 1))) *
+         rotation_about(Vec3::Unit(axis), rng.uniform(-goal.turn, goal.turn));
+}
+
+/// About x, then the new y, then the new z.
+Vec3 euler_angles(const Eigen::Matrix3d& m) {
+  return {std::atan2(-m(1, 2), m(2, 2)), std::asin(std::clamp(m(0, 2), -1.0, 1.0)),
+          std::atan2(-m(0, 1), m(0, 0))};
+}
+
+Vec3 rotation_vector(const Eigen::Matrix3d& m) {
+  const Eigen::AngleAxisd turn(m);
+  return turn.angle() * turn.axis();
+}
+
 TEST_SUITE("unit") {
   TEST_CASE("MoveIt's position and orientation constraints are a pose with tolerances") {
     const MoveitFiles files(kMoveitScene, kPoseRequest);
@@ -255,6 +298,27 @@ TEST_SUITE("unit") {
         MoveitFiles(kMoveitScene, with("axis_tolerance: 3.2", "axis_tolerance: 0.5")).load();
     REQUIRE_MESSAGE(narrow.has_value(), (narrow ? "" : narrow.error().message));
     CHECK(narrow->pose_goals[0].turn == doctest::Approx(0.495));
+  }
+
+  TEST_CASE("rotations in the region are within MoveIt's tolerances, whichever axis is freest") {
+    Rng rng(17);
+    const Vec3 tolerances[] = {{0.1, 0.1, 3.2}, {0.1, 3.2, 0.1}, {3.2, 0.1, 0.1}, {0.1, 1.4, 0.1},
+                               {0.1, 1, 0.1},   {0.5, 0.6, 0.5}, {1, 1.2, 1},     {0.3, 1.2, 0.5},
+                               {1, 1, 1},       {2, 3.2, 3},     {0, 3.2, 0}};
+    for (const Vec3& tolerance : tolerances) {
+      for (const bool is_vector : {false, true}) {
+        const PoseGoal goal = oriented_goal(tolerance, is_vector);
+        CHECK(goal.turn > 0);
+        CHECK((goal.cone > 0) == (tolerance.minCoeff() > 0));
+        INFO("tolerances " << tolerance.transpose() << (is_vector ? ", rotation vector" : ""));
+        for (int i = 0; i < 3000; ++i) {
+          const Eigen::Matrix3d off = random_rotation_within(goal, rng);
+          const Vec3 angles = is_vector ? rotation_vector(off) : euler_angles(off);
+          REQUIRE(
+              (angles.cwiseAbs().array() <= tolerance.array().min(std::numbers::pi) + 1e-6).all());
+        }
+      }
+    }
   }
 
   TEST_CASE("MoveIt's goals that are no single pose are refused by name") {

@@ -281,6 +281,23 @@ TEST_SUITE("unit") {
           std::string::npos);
   }
 
+  TEST_CASE("an object in the frame of its own link needs no start of the scene") {
+    const auto scene_with = [](const std::string& frame) {
+      return replaced(kMoveitScene, "name: [lift,", "name: [wheel,") +
+             "  attached_collision_objects: [{link_name: finger, object: {id: cup, header: "
+             "{frame_id: " +
+             frame +
+             "}, primitives: [{type: sphere, dimensions: [0.1]}], "
+             "primitive_poses: [{position: [0, 0, 0.2], orientation: [0, 0, 0, 1]}]}}]\n";
+    };
+    MoveitFiles own(scene_with("finger")), other(scene_with("base"));
+    own.options.start = other.options.start = Configuration{0.5, 0.5};
+    const auto problem = own.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    CHECK(problem->robot.attached()[0].spheres.at(0).center.isApprox(Vec3(0, 0, 0.2), 1e-9));
+    CHECK(other.failure().find("expected a start position of joint lift") != std::string::npos);
+  }
+
   TEST_CASE("attached objects that nothing carries or that have no shape are refused") {
     const auto failure = [](const std::string& attached) {
       return MoveitFiles(kMoveitScene + "  attached_collision_objects: [" + attached + "]\n")

@@ -241,8 +241,8 @@ TEST_SUITE("unit") {
     CHECK(read_problem_text("start: [1, x]\ngoal: [1]").error().message ==
           "f:2: key start[1]: expected a number, got \"x\"");
     CHECK(read_problem_text("start: 1\ngoal: [1]").error().message ==
-          "f:2: key start: expected a state that the SRDF of robot planar8 names (it names none), "
-          "got \"1\"");
+          "f:2: key start: expected a list of values, a map from joints to values or the name of a "
+          "state, got 1");
     CHECK(read_problem_text("start: [1]\ngoal: [[1]]").error().message ==
           "f:3: key goal[0]: expected a number, got a list of 1");
     CHECK(read_problem_text("start: [1]\ngoals: []").error().message ==

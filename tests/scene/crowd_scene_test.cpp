@@ -75,6 +75,7 @@ TEST_SUITE("unit") {
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0], "is 1000 m long; one in millimetres needs scale: 0.001"));
     CHECK(files.require("name: m, type: mesh, file: large.obj, scale: 0.001").warnings.empty());
+    CHECK(files.require("name: o, type: octree, file: map.bt").warnings.empty());
   }
 
   TEST_CASE("missing, empty and other files are refused by name") {
@@ -92,6 +93,20 @@ TEST_SUITE("unit") {
     CHECK(contains(files.message_of("name: o, type: octree, file: cloud.ply"), "OctoMap 1"));
     CHECK(contains(files.message_of("name: o, type: octree, file: map.bt, unknown: maybe"),
                    "expected free or occupied"));
+  }
+
+  TEST_CASE("a list beside a file is refused, and what only a file may have beside a list") {
+    const Files files;
+    CHECK(contains(files.message_of("name: c, type: points, file: cloud.ply, radius: 1, "
+                                    "points: [1, 2, 3]"),
+                   "expected either file or points, got both"));
+    CHECK(contains(files.message_of("name: m, type: mesh, file: mesh.obj, triangles: [0]"),
+                   "expected either file or triangles, got both"));
+    CHECK(contains(files.message_of("name: o, type: octree, file: map.bt, cubes: [0, 0, 0, 1]"),
+                   "expected either file or cubes, got both"));
+    CHECK(
+        contains(files.message_of("name: o, type: octree, unknown: occupied, cubes: [0, 0, 0, 1]"),
+                 "unknown: expected a file beside it, got cubes"));
   }
 
   TEST_CASE("points, triangles and cubes as lists are read back from text to the same") {

@@ -375,6 +375,13 @@ TEST_SUITE("unit") {
         "whole scene");
   }
 
+  TEST_CASE("what was read over is told with a scene that has no robot") {
+    const auto scene = parse_scene("is_diff: true\n" + world(ball("a", "base")), "f");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(scene->warnings[0].starts_with("f:1: key is_diff"));
+  }
+
   TEST_CASE("links that are padded or scaled are refused by name") {
     CHECK(
         failure_of("link_padding: [{link_name: hand, padding: 0.02}]", read_planning_scene) ==

@@ -35,13 +35,13 @@ std::string full_node(float log_odds, unsigned children, const std::string& colo
 }
 
 std::vector<Cube> cubes_of(const std::string& bytes, bool is_unknown_occupied = false) {
-  const auto cubes = parse_octree(bytes, is_unknown_occupied, "m.bt");
+  const auto cubes = parse_octree(bytes, {is_unknown_occupied}, "m.bt");
   REQUIRE_MESSAGE(cubes.has_value(), (cubes ? "" : cubes.error().message));
   return *cubes;
 }
 
 std::string octree_message(const std::string& bytes) {
-  const auto cubes = parse_octree(bytes, false, "m.bt");
+  const auto cubes = parse_octree(bytes, {}, "m.bt");
   return cubes ? "" : cubes.error().message;
 }
 
@@ -83,6 +83,18 @@ TEST_SUITE("unit") {
     const double cell = std::pow(2 * 819.2, 3);
     CHECK(volume_of(cubes_of(octree_header(true) + tree)) == doctest::Approx(cell));
     CHECK(volume_of(cubes_of(octree_header(true) + tree, true)) == doctest::Approx(7 * cell));
+  }
+
+  TEST_CASE("leaves are limited, unknown space only where it counts") {
+    const std::string tree =
+        octree_header(true) + child_bits({kInner, kOccupied, kOccupied}) + child_bits({kOccupied});
+    const auto is_read = [&](bool is_unknown_occupied, std::size_t most_cubes) {
+      return parse_octree(tree, {is_unknown_occupied, most_cubes}, "m.bt").has_value();
+    };
+    CHECK(is_read(false, 3));
+    CHECK(!is_read(false, 2));
+    CHECK(!is_read(true, 11));
+    CHECK(is_read(true, 3 + 12));
   }
 
   TEST_CASE("octrees of other versions and types, and malformed ones are refused") {

@@ -147,7 +147,8 @@ SCENE = {"obstacles": [
     {"name": "ball", "type": "sphere", "position": [1, 0, 0.5], "radius": 0.1},
     {"body": "table", "type": "box", "position": [1, 0, 0.4], "quat_xyzw": [0, 0, 0, 1], "size": [0.8, 1, 0.1]},
     {"name": "can", "type": "cylinder", "position": [1, 0.3, 0.5], "radius": 0.03, "length": 0.12},
-    {"name": "bar", "type": "capsule", "a": [0, 0, 1], "b": [1, 0, 1], "radius": 0.02}]}
+    {"name": "bar", "type": "capsule", "a": [0, 0, 1], "b": [1, 0, 1], "radius": 0.02},
+    {"name": "map", "type": "octree", "cubes": [1, 0.5, 0.5, 0.1]}]}
 PROBLEM = {"robot": "planar8", "scene": {"circles": {"a": [20, 0, 1]}}, "start": [0.0] * 8, "goal": [0.1] * 8}
 COMPACT = {"robot": "planar8", "remark": "any",
            "problems": [{"index": 7, "start": [0.0] * 8, "goal": [0.1] * 8, "circles": [[20, 0, 1]]}]}
@@ -172,6 +173,8 @@ WRONG = [
     ("scene", ["obstacles", 1, "quat_xyzw"], [0, 0, 0, 0]),
     ("scene", ["obstacles", 2, "length"], "long"),
     ("scene", ["obstacles", 3, "length"], 1),
+    ("scene", ["obstacles", 4, "unknown"], "occupied"),
+    ("scene", ["obstacles", 4, "file"], "map.bt"),
     ("scene", ["circles"], {"a": [1, 2]}),
     ("scene", ["circles"], [[1, 2, -1]]),
     ("problem", ["robot"], None),

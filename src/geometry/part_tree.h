@@ -30,6 +30,7 @@ struct CubeBlock {
   float half_extent[kPartsPerLeaf];
 };
 
+/// Relative to the middle of the cells.
 struct PartTree {
   CellGrid cells;
   Region region;  ///< parts outside of it are left out of the cells
