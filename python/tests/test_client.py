@@ -116,15 +116,18 @@ def test_goals_may_be_poses(client, problem):
 
 def test_what_the_robot_carries_goes_along(client, problem):
     rod = mneme.Scene()
-    rod.add_sphere("rod", [1, 0, 0], 0.1)
-    carrying = mneme.Problem(problem.robot.attach("link_8", rod), problem.scene, problem.start, problem.goals)
-    settings = {"seed": 2, "sampler": "uniform", "max_iterations": 100000}
+    rod.add_sphere("rod", [1, 0, 0], 0.3)
+    scene = mneme.Scene.from_circles([[4, 4, 1.5], [-2, 4.5, 1]])
+    start, goal = [0.1] * 8, [2.5] + [0.1] * 7
+    carrying = mneme.Problem(problem.robot.attach("link_8", rod), scene, start, goal)
+    settings = {"seed": 2, "sampler": "uniform", "max_iterations": 20000, "timeout": 50}
     local = mneme.plan(carrying, **settings)
-    assert local.is_solved and not np.array_equal(local.path, mneme.plan(problem, **settings).path)
-    remote = client.plan(carrying, **settings)
-    assert remote.status == local.status and np.array_equal(remote.path, local.path)
-    named = [{"name": "rod", "link": "link_8", "type": "sphere", "p": [1, 0, 0], "radius": 0.1}]
-    assert np.array_equal(client.plan(problem, attached=named, **settings).path, local.path)
+    assert local.is_solved and np.array_equal(client.plan(carrying, **settings).path, local.path)
+    named = [{"name": "rod", "link": "link_8", "type": "sphere", "p": [1, 0, 0], "radius": 0.3}]
+    given = client.plan(start=start, goals=goal, scene=scene, attached=named, **settings)
+    assert np.array_equal(given.path, local.path)
+    named[0]["radius"] = 8
+    assert client.plan(start=start, goals=goal, scene=scene, attached=named, **settings).status == "invalid_start"
 
 
 def test_points_travel_as_numbers(client):

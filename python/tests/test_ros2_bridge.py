@@ -109,8 +109,10 @@ def test_messages_that_moveit_wrote_are_read_as_mneme_reads_them(task):
         pytest.skip("MNEME_DATA is not set")
     yaml = pytest.importorskip("yaml", reason="python3-yaml is not installed")
     folder = pathlib.Path(os.environ["MNEME_DATA"]) / "mbm/moveit_yaml" / task
-    for number in range(1, 4):
-        files = [folder / f"{kind}{number:04}.yaml" for kind in ("scene", "request")]
+    requests = sorted(folder.glob("request*.yaml"))[:3]
+    assert requests
+    for path in requests:
+        files = [path.with_name(path.name.replace("request", "scene")), path]
         scene, request = (yaml.safe_load(path.read_text()) for path in files)
         problem = mneme.Problem.load(f"{files[0]},{files[1]}", robot="fetch")
         expected = json.loads(problem.to_compact_json("fetch"))
