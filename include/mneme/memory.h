@@ -99,6 +99,8 @@ struct PrimitiveRetrieval {
 struct MemoryDefaults {
   double lambda = 0.5;
   std::optional<double> least_lambda = std::nullopt;  ///< left out: lambda stays
+  /// For a planner that goes on escape walks, which find short ways without; left out: lambda.
+  std::optional<double> lambda_beside_walks = std::nullopt;
   double sigma = 0.1;
   double similarity = 1;
   int max_matches = 8;

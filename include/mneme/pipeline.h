@@ -57,18 +57,19 @@ requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("lambda", s.lambda, 0.0, 1.0,
         "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
-        "may never get anywhere; left out, 0.7 for whole paths, 0.5 otherwise");
+        "may never get anywhere; left out, 0.8 for pairs (0.2 beside "
+        "escape walks), 0.7 for whole paths, 0.5 otherwise");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
         "lambda falls with the number n of draws from memory, as lambda * 5000 / (5000 + n), to "
         "this: what does not fit costs a limited share; as much as lambda for one that stays, the "
         "paper's rule; left out, 0.2 for pairs, lambda otherwise");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
-        "joints); smaller repeats the past, larger explores around it; left out, 0.05 for pairs, "
+        "joints); smaller repeats the past, larger explores around it; left out, 0.03 for pairs, "
         "0.07 for gaps, 0.3 for body_pairs, 0.4 for paths");
   visit("similarity", s.similarity, 0.0, 1e9,
         "retrieve samplers whose squared key distance is less than this (m^2, for whole paths "
-        "rad^2), and those of the same key whatever it is; left out, 0.5 for pairs, 0.05 for "
+        "rad^2), and those of the same key whatever it is; left out, 2 for pairs, 0.05 for "
         "body_pairs, 0.03 for gaps, any for paths; the paper used 3");
   visit("max-matches", s.max_matches, 1, 1000000,
         "nearest samplers retrieved per primitive; left out, 50 for whole paths, 8 otherwise; the "

@@ -507,10 +507,12 @@ def plan(
     record: bool = False,
     # settings:solve
     lambda_: Optional[float] = None,
+    least_lambda: Optional[float] = None,
     sigma: Optional[float] = None,
     similarity: Optional[float] = None,
     max_matches: Optional[int] = None,
     drop_invalid_means: Optional[bool] = None,
+    retarget: Optional[bool] = None,
     retrieve_after: Optional[int] = None,
     first_components: Optional[float] = None,
     component_growth: float = 0.5,

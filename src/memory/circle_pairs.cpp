@@ -191,6 +191,7 @@ extern constinit const MemoryKind kCirclePairs = {
     .summary = "two circles and the gap between them, as in the paper; for planar arms",
     .defaults = {.lambda = 0.8,
                  .least_lambda = 0.2,
+                 .lambda_beside_walks = 0.2,
                  .sigma = 0.03,
                  .similarity = 2,
                  .retarget = true,

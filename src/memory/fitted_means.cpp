@@ -72,7 +72,8 @@ class FittedMeans final : public ComponentSource {
     const auto is_best_of_crossed = [](const FittedMatch& match) {
       return match.is_crossed && std::get<1>(match.order) == 0;
     };
-    first_groups_ = std::max(1, static_cast<int>(std::ranges::count_if(matches_, is_best_of_crossed)));
+    first_groups_ =
+        std::max(1, static_cast<int>(std::ranges::count_if(matches_, is_best_of_crossed)));
   }
 
   [[nodiscard]] int group_count() const override { return static_cast<int>(matches_.size()); }

@@ -54,8 +54,8 @@ GapCrossing find_gap_crossing(const PlanarChain& chain, const GapSegment& gap,
       const Vec2 offset = gap.a - from;
       const double entry = (offset.x() * across.y() - offset.y() * across.x()) / determinant;
       const double fraction = (offset.x() * along.y() - offset.y() * along.x()) / determinant;
-      const double tilt = std::remainder(direction - normal_direction(gap, along),
-                                         2 * std::numbers::pi);
+      const double tilt =
+          std::remainder(direction - normal_direction(gap, along), 2 * std::numbers::pi);
       return {link, std::clamp(fraction, 0.0, 1.0), entry, tilt};
     }
     from = to;
@@ -88,8 +88,7 @@ bool GapFit::fit_second_link(const GapCrossing& crossing, const Vec2& target,
                              std::span<double> q) const {
   const double first = chain_->direction(0, q[0], 0);
   const double side = std::sin(chain_->direction(1, q[1], first) - first);
-  const TwoLinks links =
-      reach_with_two_links(chain_->length(0), crossing.entry, target, side);
+  const TwoLinks links = reach_with_two_links(chain_->length(0), crossing.entry, target, side);
   if (!links.is_reached) return false;
   q[0] = chain_->joint_value(0, links.first, 0);
   q[1] = chain_->joint_value(1, links.second, links.first);
@@ -110,8 +109,8 @@ bool GapFit::fit_later_link(const GapCrossing& crossing, const Vec2& target,
   const double first = chain_->direction(link - 2, q[at(link - 2)], direction);
   const double second = chain_->direction(link - 1, q[at(link - 1)], first);
   const double across = chain_->direction(link, q[at(link)], second);
-  const Vec2 base = start + chain_->length(link - 2) * unit(first) +
-                    chain_->length(link - 1) * unit(second);
+  const Vec2 base =
+      start + chain_->length(link - 2) * unit(first) + chain_->length(link - 1) * unit(second);
 
   const double new_across = across + turn_ - (1 - tilt_scale_) * crossing.tilt;
   const Vec2 new_base = target - crossing.entry * unit(new_across);

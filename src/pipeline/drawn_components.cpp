@@ -24,8 +24,8 @@ bool DrawnComponents::make(int group, int component, std::span<float> mean) cons
 }
 
 void DrawnComponents::note(int group, int component, std::span<const float> mean) const {
-  const std::size_t number = first_[static_cast<std::size_t>(group)] +
-                             static_cast<std::size_t>(component);
+  const std::size_t number =
+      first_[static_cast<std::size_t>(group)] + static_cast<std::size_t>(component);
   const std::lock_guard lock(mutex_);
   if (is_noted_[number] != 0) return;
   is_noted_[number] = 1;

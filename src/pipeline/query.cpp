@@ -60,11 +60,17 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
   return kinds;
 }
 
+double default_lambda(const MemoryDefaults& defaults, const SolveSettings& settings) {
+  const auto planner = find_planner(settings.planner);
+  const bool walks = planner && (*planner)->walks && settings.plan.walk != 0.0;
+  return walks ? defaults.lambda_beside_walks.value_or(defaults.lambda) : defaults.lambda;
+}
+
 KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   const MemoryDefaults& defaults = kind.defaults;
   KindSettings complete;
   complete.kind = &kind;
-  complete.lambda = settings.lambda.value_or(defaults.lambda);
+  complete.lambda = settings.lambda.value_or(default_lambda(defaults, settings));
   complete.least_lambda =
       settings.least_lambda.value_or(defaults.least_lambda.value_or(complete.lambda));
   complete.sigma = settings.sigma.value_or(defaults.sigma);

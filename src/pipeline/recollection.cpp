@@ -31,12 +31,13 @@ std::shared_ptr<const Sampler> Recollection::draw_from(
     std::function<Result<std::shared_ptr<const Sampler>>()> make) {
   if (query_.kinds.empty()) return draw({});
   const KindSettings& kind = query_.kinds.front();
-  return draw({{kind.lambda, kind.least_lambda, kind.retrieve_after, [this, make = std::move(make)] {
-                  const Stopwatch stopwatch;
-                  auto made = make();
-                  gl_.retrieval_time_s = stopwatch.elapsed_s();
-                  return made;
-                }}});
+  return draw(
+      {{kind.lambda, kind.least_lambda, kind.retrieve_after, [this, make = std::move(make)] {
+          const Stopwatch stopwatch;
+          auto made = make();
+          gl_.retrieval_time_s = stopwatch.elapsed_s();
+          return made;
+        }}});
 }
 
 std::shared_ptr<const Sampler> Recollection::draw(std::vector<Source> sources) {

@@ -12,7 +12,7 @@ namespace {
 std::vector<PlannerEntry>& table() {
   static std::vector<PlannerEntry> entries = {
       {"rrt_connect", "trees from start and goal, each reaching for the other's newest node",
-       &rrt_connect},
+       &rrt_connect, false, false, {}, true},
       {"rrt", "a single tree from the start with goal bias", &rrt},
       {"prm", "a roadmap grown until start and goal are connected", &prm},
   };

@@ -72,7 +72,7 @@ class MixedStream final : public SampleStream {
     return static_cast<std::size_t>(std::int64_t{origin} - kUniformOrigin);
   }
 
-  std::vector<Drawn> streams_;           ///< the rest is the last
+  std::vector<Drawn> streams_;          ///< the rest is the last
   std::vector<SampleStream*> sources_;  ///< by place_of() an origin; null for what was not drawn
   Rng rng_;
 };

@@ -166,7 +166,8 @@ TEST_SUITE("unit") {
     CHECK(crossing.tilt == doctest::Approx(0.2));
     CHECK(crossing.fraction == doctest::Approx(0.5));
     CHECK(crossing.entry == doctest::Approx(0.5));
-    for (const auto& [width, tilt] : std::vector<std::pair<double, double>>{{0.8, 0.2}, {0.1, 0.1}}) {
+    for (const auto& [width, tilt] :
+         std::vector<std::pair<double, double>>{{0.8, 0.2}, {0.1, 0.1}}) {
       Configuration fitted = q;
       REQUIRE(GapFit(chain, gap_of(0.4), gap_of(width)).fit(crossing, fitted));
       CHECK(fitted[0] + fitted[1] + fitted[2] == doctest::Approx(tilt));

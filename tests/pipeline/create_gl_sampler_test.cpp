@@ -6,7 +6,9 @@ namespace mneme::test {
 namespace {
 
 GlSampler create(const Robot& robot, const Scene& scene, Database& database,
-                 const SolveSettings& settings) {
+                 SolveSettings settings) {
+  // Components are counted here: what cannot be fitted would be missing.
+  settings.retarget = false;
   auto gl = create_gl_sampler({robot, scene}, database, settings);
   REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
   REQUIRE(gl->mixture != nullptr);
@@ -99,6 +101,25 @@ TEST_SUITE("unit") {
     PrimitiveKey other = near_pair();
     other[2] += 1e-6;
     CHECK(create(robot, make_scene(other), database, settings).primitives[0].matches.empty());
+  }
+
+  TEST_CASE("components are fitted to the scene's gap, and those that cannot be are left out") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    learn_into(database, robot, keys_near(near_pair(), 4, 0.2, 1));
+    const Scene scene = make_scene(near_pair());
+    const auto fitted = create_gl_sampler({robot, scene}, database, {});
+    REQUIRE(fitted.has_value());
+    const GlSampler moved = create(robot, scene, database, {});
+    CHECK(fitted->mixture->component_count() > 0.5 * moved.mixture->component_count());
+    const CollisionChecker checker = make_checker(robot, scene);
+    const auto count_free = [&](const GaussianMixture& mixture) {
+      std::vector<std::uint8_t> is_free(static_cast<std::size_t>(mixture.component_count()));
+      checker.check_states(mixture.means, is_free);
+      return std::ranges::count(is_free, 1);
+    };
+    CHECK(count_free(*fitted->mixture) > count_free(*moved.mixture));
   }
 
   TEST_CASE("a miss without a budget leaves sampler and database empty") {

@@ -31,6 +31,11 @@ SolveSettings scalar_settings() {
   settings.isa = Isa::scalar;
   settings.sampler = "uniform";
   settings.retrieve_after = 0;
+  // The paper's way to use memory.
+  settings.retarget = false;
+  settings.lambda = settings.least_lambda = 0.5;
+  settings.similarity = 0.5;
+  settings.sigma = 0.05;
   settings.plan.timeout_s = 600;
   settings.plan.max_iterations = 200000;
   return settings;

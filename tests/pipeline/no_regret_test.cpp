@@ -52,7 +52,7 @@ struct UselessMemory {
     return sum;
   }
 
-  static constexpr std::uint64_t kSeeds = 6;
+  static constexpr std::uint64_t kSeeds = 3;
 };
 
 }  // namespace

@@ -56,11 +56,13 @@ TEST_SUITE("unit") {
   TEST_CASE("what is left out gets the defaults of planar arms or of arms in space") {
     const KindSettings planar = completed(planar8());
     CHECK(planar.kind->name == "pairs");
-    CHECK(planar.sigma == 0.05);
-    CHECK(planar.similarity == 0.5);
+    CHECK(planar.sigma == 0.03);
+    CHECK(planar.similarity == 2);
     CHECK(planar.retrieve_after == 0);
     CHECK(planar.widening.first == 1e9);
-    CHECK(planar.lambda == 0.5);
+    CHECK(planar.lambda == 0.2);
+    CHECK(planar.least_lambda == 0.2);
+    CHECK(planar.retarget);
     CHECK(planar.max_matches == 8);
     CHECK(planar.drop_invalid_means);
     const KindSettings spatial = completed(lifting_arm());
@@ -70,6 +72,7 @@ TEST_SUITE("unit") {
     CHECK(spatial.retrieve_after == 1500);
     CHECK(spatial.widening.first == 20);
     CHECK_FALSE(spatial.drop_invalid_means);
+    CHECK_FALSE(spatial.retarget);
   }
 
   TEST_CASE("the kind that was asked for decides, otherwise those that the database holds") {
@@ -128,12 +131,28 @@ TEST_SUITE("unit") {
 
   TEST_CASE("lambda falls for pairs, to a floor that may be set, and stays for others") {
     SolveSettings settings;
+    settings.planner = "prm";
     CHECK(completed(planar8(), settings).least_lambda < completed(planar8(), settings).lambda);
     CHECK(completed(lifting_arm(), settings).least_lambda ==
           completed(lifting_arm(), settings).lambda);
     settings.least_lambda = 0.11;
     CHECK(completed(planar8(), settings).least_lambda == 0.11);
     CHECK(completed(lifting_arm(), settings).least_lambda == 0.11);
+  }
+
+  TEST_CASE("beside escape walks lambda is smaller for pairs, unless it is set") {
+    SolveSettings settings;
+    CHECK(completed(planar8(), settings).lambda == 0.2);
+    settings.plan.walk = 0.3;
+    CHECK(completed(planar8(), settings).lambda == 0.2);
+    settings.plan.walk = 0;
+    CHECK(completed(planar8(), settings).lambda == 0.8);
+    settings = {};
+    settings.planner = "rrt";
+    CHECK(completed(planar8(), settings).lambda == 0.8);
+    settings.planner = "rrt_connect";
+    settings.lambda = 0.9;
+    CHECK(completed(planar8(), settings).lambda == 0.9);
   }
 
   TEST_CASE("a similarity of zero still finds the key itself") {
@@ -158,6 +177,7 @@ TEST_SUITE("unit") {
           ++checked;
         };
         if (name == "lambda") check(defaults.lambda);
+        if (name == "lambda" && defaults.lambda_beside_walks) check(*defaults.lambda_beside_walks);
         if (name == "least-lambda" && defaults.least_lambda) check(*defaults.least_lambda);
         if (name == "sigma") check(defaults.sigma);
         if (name == "similarity" && defaults.similarity < 1e9) check(defaults.similarity);
@@ -168,7 +188,7 @@ TEST_SUITE("unit") {
         }
       });
     }
-    CHECK(checked == 4 * 5 + 2 - 1 + 1);
+    CHECK(checked == 4 * 5 + 2 - 1 + 2);
   }
 
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {

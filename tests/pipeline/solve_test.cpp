@@ -478,6 +478,7 @@ TEST_SUITE("unit") {
     problem.start[0] = 2;
     problem.goals = {problem.start};
     SolveSettings settings;
+    settings.retarget = false;
     const SolveResult dropped = solve_soundly(problem, &database, settings);
     settings.drop_invalid_means = false;
     const SolveResult kept = solve_soundly(problem, &database, settings);

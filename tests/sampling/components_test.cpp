@@ -19,7 +19,9 @@ class FakeSource final : public ComponentSource {
 
   int group_count() const override { return static_cast<int>(sizes_.size()); }
   int first_groups() const override { return first_groups_; }
-  int component_count(int group) const override { return sizes_.at(static_cast<std::size_t>(group)); }
+  int component_count(int group) const override {
+    return sizes_.at(static_cast<std::size_t>(group));
+  }
   Origin origin(int group) const override { return 10 + group; }
   bool make(int group, int component, std::span<float> mean) const override {
     ++made[{group, component}];
@@ -53,8 +55,8 @@ std::map<Origin, int> counts(const std::vector<Origin>& origins) {
 TEST_SUITE("unit") {
   TEST_CASE("the seed decides the stream of components") {
     const Robot robot = all_kinds();
-    check_seeds(*make_component_sampler(robot, std::make_shared<FakeSource>(std::vector{3, 2}), 0.1),
-                3);
+    check_seeds(
+        *make_component_sampler(robot, std::make_shared<FakeSource>(std::vector{3, 2}), 0.1), 3);
   }
 
   TEST_CASE("a component is made when it is first drawn, and once") {
@@ -104,9 +106,8 @@ TEST_SUITE("unit") {
 TEST_SUITE("law") {
   TEST_CASE("samples of components are within the limits") {
     const Robot robot = all_kinds();
-    check_limits(
-        *make_component_sampler(robot, std::make_shared<FakeSource>(std::vector{3, 2}), 1), robot,
-        20000);
+    check_limits(*make_component_sampler(robot, std::make_shared<FakeSource>(std::vector{3, 2}), 1),
+                 robot, 20000);
   }
 
   TEST_CASE("samples have the deviation of sigma, slides half as many metres") {
@@ -124,8 +125,10 @@ TEST_SUITE("law") {
     const auto source = std::make_shared<FakeSource>(std::vector{1});
     source->shape = {0.1f, 0.08f, 0.06f, 0, 0, 0.05f};
     const Samples samples = draw_components(source, 0.2, 40000);
-    CHECK(covariance(samples.columns[0], samples.columns[0]) == doctest::Approx(0.01).epsilon(0.05));
-    CHECK(covariance(samples.columns[1], samples.columns[1]) == doctest::Approx(0.01).epsilon(0.05));
+    CHECK(covariance(samples.columns[0], samples.columns[0]) ==
+          doctest::Approx(0.01).epsilon(0.05));
+    CHECK(covariance(samples.columns[1], samples.columns[1]) ==
+          doctest::Approx(0.01).epsilon(0.05));
     CHECK(covariance(samples.columns[0], samples.columns[1]) ==
           doctest::Approx(0.008).epsilon(0.05));
     CHECK(std::abs(correlation(samples.columns[0], samples.columns[2])) < 0.02);
