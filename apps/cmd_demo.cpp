@@ -5,6 +5,7 @@
 /// memory.
 #include "mneme/benchmark.h"
 #include "mneme/learning.h"
+#include "mneme/report.h"
 
 #include "bench_output.h"
 #include "commands.h"
@@ -117,6 +118,35 @@ BenchPlan make_plan(const DemoOptions& options, const std::vector<Problem>& prob
   return plan;
 }
 
+/// A run that is drawn, and planned once more for its page.
+struct ShownRun {
+  const Problem& problem;
+  SolveSettings settings;
+};
+
+Result<std::string> trace_of(const ShownRun& run, const std::string& sampler, Database& database) {
+  PlanRecorder recorder;
+  SolveSettings settings = run.settings;
+  settings.sampler = sampler;
+  settings.plan.observer = &recorder;
+  return solve(run.problem, &database, settings)
+      .and_then([&](const SolveResult& result) {
+        return make_trace(run.problem, result, &recorder, 0);
+      })
+      .map([](const PlanTrace& trace) { return to_json(trace); });
+}
+
+/// The same run as a page, with uniform samples beside it.
+Result<void> write_live_trace(const std::string& path, const ShownRun& run, Database& database) {
+  const Result<std::string> own = trace_of(run, "gl", database);
+  if (!own) return tl::unexpected(own.error());
+  const Result<std::string> beside = trace_of(run, "uniform", database);
+  if (!beside) return tl::unexpected(beside.error());
+  return to_page(*own, path, *beside).and_then([&](const std::string& page) {
+    return write_file(path, page);
+  });
+}
+
 Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
   PlanarPicture picture;
   picture.problem = &problem;
@@ -125,10 +155,12 @@ Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
   if (result != nullptr) {
     picture.gl = &result->gl;
     picture.path = result->plan.path;
-    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples", problem.name,
-                          1e3 * result->planning_time_s, result->plan.iterations);
+    caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples; click to see it move",
+                          problem.name, 1e3 * result->planning_time_s, result->plan.iterations);
   }
-  return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg}; });
+  const std::string link = result != nullptr ? problem.name + ".html" : "";
+  return to_svg(picture).map(
+      [&](const std::string& svg) { return ReportPicture{caption, svg, link}; });
 }
 
 /// The rows of each case on each problem together, in the order of the plan.
@@ -141,6 +173,27 @@ void sort_by_case(std::vector<BenchmarkRow>& rows) {
   };
   for (const BenchmarkRow& row : rows) static_cast<void>(position(row));
   std::ranges::stable_sort(rows, {}, position);
+}
+
+/// A page for each picture that has a link: the run of RRT-Connect with the first seed that solved
+/// it.
+Result<void> write_live_traces(const DemoOptions& options, const BenchPlan& plan,
+                               const DemoResults& results, Database& database) {
+  for (std::size_t i = 0; i < plan.problems.size(); ++i) {
+    if (results.pictures[i].link.empty()) continue;
+    const Problem& problem = plan.problems[i].problem;
+    const auto row = std::ranges::find_if(results.rows, [&](const BenchmarkRow& r) {
+      return r.problem == problem.name && r.planner == "rrt_connect" && r.sampler == "gl" &&
+             r.is_solved;
+    });
+    if (row == results.rows.end()) continue;
+    ShownRun run{problem, plan.cases.front().settings};
+    run.settings.planner = "rrt_connect";
+    run.settings.plan.seed = row->seed;
+    const std::string path = options.out + "/" + results.pictures[i].link;
+    if (auto written = write_live_trace(path, run, database); !written) return written;
+  }
+  return {};
 }
 
 Result<DemoResults> run_plan(BenchPlan& plan) {
@@ -243,11 +296,14 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   page.introduction = describe_finding(results->rows) + introduction(*memory);
   page.pictures = results->pictures;
   page.by_problem = true;
+  page.drawn_against_baseline = "gl";
   const Result<void> written =
       write_file(options.out + "/results.csv", to_csv(results->rows)).and_then([&] {
         return write_file(report, make_benchmark_report(results->rows, {}, page).html);
       });
   if (!written) return tl::unexpected(written.error());
+  const auto shown = write_live_traces(options, plan, *results, *memory->database);
+  if (!shown) return tl::unexpected(shown.error());
   print_results(options, *memory, *results, report);
   return judge_rows(results->rows);
 }

@@ -32,6 +32,7 @@ struct PlanFiles {
   std::string svg;
   std::string view;
   std::string trace;
+  std::string beside;  ///< a sampler whose plan the page shows beside
 
   /// True if the planner must be watched.
   [[nodiscard]] bool needs_recorder() const { return !view.empty() || !trace.empty(); }
@@ -57,26 +58,52 @@ Result<void> write_picture(const std::string& path, const Problem& problem,
   });
 }
 
-Result<void> write_trace_and_page(const PlanFiles& files, const Problem& problem,
-                                  const SolveResult& result, const PlanRecorder& recorder,
-                                  double load_time_s) {
-  const Result<PlanTrace> trace = make_trace(problem, result, &recorder, load_time_s);
-  if (!trace) return tl::unexpected(trace.error());
-  const std::string json = to_json(*trace);
+/// A plan with what it takes to show it.
+struct ShownPlan {
+  const Problem& problem;
+  const SolveResult& result;
+  const PlanRecorder& recorder;
+  double load_time_s = 0;
+  TraceSettings settings = {};
+  TimedPlan timed = {};
+
+  [[nodiscard]] Result<std::string> to_trace() const {
+    return make_trace(problem, result, &recorder, load_time_s, settings, timed)
+        .map([](const PlanTrace& trace) { return to_json(trace); });
+  }
+};
+
+/// The trace of another plan of the same problem; an empty text if none is wanted.
+Result<std::string> trace_beside(const ShownPlan& shown, SolveSettings settings,
+                                 const std::string& sampler, Database* database) {
+  if (sampler.empty()) return "";
+  PlanRecorder recorder;
+  settings.sampler = sampler;
+  settings.plan.observer = &recorder;
+  settings.remember_after.reset();
+  settings.learn_budget_s = 0;
+  const Result<SolveResult> result = solve(shown.problem, database, settings);
+  if (!result) return tl::unexpected(result.error());
+  return ShownPlan{shown.problem, *result, recorder, 0, shown.settings}.to_trace();
+}
+
+Result<void> write_trace_and_page(const PlanFiles& files, const ShownPlan& shown,
+                                  const std::string& beside) {
+  const Result<std::string> json = shown.to_trace();
+  if (!json) return tl::unexpected(json.error());
   if (!files.trace.empty()) {
-    if (auto written = write_file(files.trace, json + "\n"); !written) return written;
+    if (auto written = write_file(files.trace, *json + "\n"); !written) return written;
   }
   if (files.view.empty()) return {};
-  return to_page(json, files.view).and_then([&](const std::string& page) {
+  return to_page(*json, files.view, beside).and_then([&](const std::string& page) {
     return write_file(files.view, page);
   });
 }
 
 /// Writes what is wanted. Without a usable start or goal there is nothing to draw: a note says so.
-Result<void> write_plan_files(const PlanFiles& files, const Problem& problem,
-                              const SolveResult& result, const PlanRecorder& recorder,
-                              double load_time_s) {
-  if (!can_draw(problem)) {
+Result<void> write_plan_files(const PlanFiles& files, const ShownPlan& shown,
+                              const std::string& beside) {
+  if (!can_draw(shown.problem)) {
     for (const std::string& path : {files.svg, files.view, files.trace}) {
       if (path.empty()) continue;
       print_note(fmt::format("'{}' was not written: start or goal is no configuration", path));
@@ -85,10 +112,10 @@ Result<void> write_plan_files(const PlanFiles& files, const Problem& problem,
   }
   Result<void> written;
   if (files.needs_recorder()) {
-    written = write_trace_and_page(files, problem, result, recorder, load_time_s);
+    written = write_trace_and_page(files, shown, beside);
   }
   if (files.svg.empty()) return written;
-  const Result<void> drawn = write_picture(files.svg, problem, result);
+  const Result<void> drawn = write_picture(files.svg, shown.problem, shown.result);
   return written ? drawn : written;
 }
 
@@ -147,15 +174,14 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   }
   Result<RateLimits> limits;
   if (options.trajectory.is_wanted()) {
-    limits = find_rate_limits(problem->robot, options.trajectory.settings,
-                              options.trajectory.limits);
+    limits =
+        find_rate_limits(problem->robot, options.trajectory.settings, options.trajectory.limits);
   }
   if (!limits) return tl::unexpected(limits.error());
   Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits),
-                    elapsed.count()};
+  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits), elapsed.count()};
 }
 
 void print_memory(const Problem& problem, const GlSampler& gl) {
@@ -187,9 +213,9 @@ void print_path(const PathMeasures& measures, const Path& path) {
   if (path.empty()) return;
   std::string clearance;
   if (measures.clearance) {
-    clearance = fmt::format(", least clearance {:.1f} mm at {} and {}",
-                            1e3 * measures.clearance->distance, measures.clearance->link,
-                            measures.clearance->obstacle);
+    clearance =
+        fmt::format(", least clearance {:.1f} mm at {} and {}", 1e3 * measures.clearance->distance,
+                    measures.clearance->link, measures.clearance->obstacle);
   }
   fmt::print("path        {} configurations, length {:.4f} (straight {:.4f}){}\n", path.size(),
              measures.length, measures.straight, printable(clearance));
@@ -245,8 +271,7 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
   const PathMeasures measures = measure_path(loaded.problem, result.plan.path);
   if (options.is_json) {
     const auto duration_s = trajectory ? std::optional(trajectory->duration_s()) : std::nullopt;
-    fmt::print("{}\n",
-               to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));
+    fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));
   } else {
     print_result(loaded, result, measures);
     if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());
@@ -279,8 +304,12 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
     auto sent = write_trajectory(options.trajectory, loaded->problem.robot, **trajectory);
     if (!sent) return tl::unexpected(sent.error());
   }
-  const Result<void> written =
-      write_plan_files(options.files, loaded->problem, *result, recorder, loaded->load_time_s);
+  ShownPlan shown{loaded->problem, *result, recorder, loaded->load_time_s};
+  shown.settings.package_paths = options.robot_options.package_paths;
+  if (*trajectory) shown.timed = {&**trajectory, &loaded->limits};
+  const auto beside = trace_beside(shown, settings, options.files.beside, database);
+  if (!beside) return tl::unexpected(beside.error());
+  const Result<void> written = write_plan_files(options.files, shown, *beside);
   if (!written) return tl::unexpected(written.error());
   return exit_code(result->plan.status);
 }
@@ -323,13 +352,13 @@ std::vector<FlagGroup> help_groups() {
         "component-growth", "max-gap", "db-memory"}},
       {"Learning",
        {"learn-budget"},
-       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range",
-        "learn-resolution", "merge-cliques"}},
+       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range", "learn-resolution",
+        "merge-cliques"}},
       {"Planner",
        {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin"},
        {"max-nodes", "verify", "resolution", "anchor", "anchor-sigma", "walk", "walk-after",
         "neighbours", "goal-bias", "ompl-defaults", "isa"}},
-      {"Output", {"view", "svg", "trace", "json"}, {}},
+      {"Output", {"view", "beside", "svg", "trace", "json"}, {}},
   };
 }
 
@@ -364,6 +393,9 @@ void add_plan(CLI::App& program, Action& action) {
   add_isa(*command);
   command->add_option("--view", options->files.view,
                       "write a page that shows the plan in any browser, also offline");
+  add_choice(*command, "--beside", "sampler", options->files.beside, sampler_names(),
+             "show a second plan, with this sampler, beside that of --view")
+      ->needs("--view");
   command->add_option("--svg", options->files.svg, "write a picture of a planar robot's plan");
   command->add_option("--trace", options->files.trace,
                       "write what the page shows as JSON, for 'mneme view' and other programs");

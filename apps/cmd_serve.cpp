@@ -31,6 +31,7 @@ struct ServeOptions {
   RobotOptions robot_options;
   std::string db;
   DatabaseSettings kept;
+  std::string problem;
   std::string token_file;
   int body_mib = 16;
   ServiceSettings service;
@@ -72,8 +73,22 @@ void wait_for_signal(const sigset_t& signals) {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
+/// What the page begins with; null for the robot at rest.
+Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
+  if (options.problem.empty()) return std::shared_ptr<const Problem>();
+  const auto overrides = problem_options(options.robot, options.robot_options);
+  if (!overrides) return tl::unexpected(overrides.error());
+  return read_problem(options.problem, *overrides).map([](Problem problem) {
+    return std::make_shared<const Problem>(std::move(problem));
+  });
+}
+
 Result<ExitCode> run_serve(const ServeOptions& options) {
-  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+  const auto shown = load_shown(options);
+  if (!shown) return tl::unexpected(shown.error());
+  // Plans of the page must be those of its problem: with its group and its fixed joints.
+  const Result<Robot> robot = *shown ? Result<Robot>((*shown)->robot)
+                                     : load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
   const auto database = open_database(options, *robot);
   if (!database) return tl::unexpected(database.error());
@@ -82,6 +97,9 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   const auto token = read_token(options.token_file);
   if (!token) return tl::unexpected(token.error());
   settings.token = *token;
+  settings.shown = *shown;
+  settings.robot_path = robot_file(options.robot).value_or("");
+  settings.package_paths = options.robot_options.package_paths;
 
   sigset_t signals;
   hold_signals(signals);
@@ -124,6 +142,9 @@ void add_serve(CLI::App& program, Action& action) {
   command->add_option("--listen", options->service.listen,
                       "HOST:PORT, where port 0 is any that is free, or unix:PATH (default "
                       "127.0.0.1:7890); addresses that other machines reach need --token-file");
+  command->add_option("--problem", options->problem,
+                      "what the page at / begins with, whose group and fixed joints the robot then "
+                      "has: YAML file, or FILE.json#NAME");
   command->add_option("--token-file", options->token_file,
                       "file whose first line clients must send as Authorization: Bearer TOKEN");
   add_number(*command, "--threads", options->service.threads, 0, 4096,

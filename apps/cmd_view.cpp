@@ -19,14 +19,19 @@ namespace {
 
 struct ViewOptions {
   std::string trace;
+  std::string beside;
   std::string page;
 };
 
 Result<ExitCode> run_view(const ViewOptions& options) {
-  const std::array<ReadFile, 1> inputs = {{{"the trace", options.trace}}};
+  const std::array<ReadFile, 2> inputs = {
+      {{"the trace", options.trace}, {"the trace beside it", options.beside}}};
+  Result<std::string> beside = "";
+  if (!options.beside.empty()) beside = read_file(options.beside, kMaxTraceBytes);
+  if (!beside) return tl::unexpected(beside.error());
   return check_outputs(std::array{options.page}, inputs)
       .and_then([&] { return read_file(options.trace, kMaxTraceBytes); })
-      .and_then([&](const std::string& json) { return to_page(json, options.trace); })
+      .and_then([&](const std::string& json) { return to_page(json, options.trace, *beside); })
       .and_then([&](const std::string& page) { return write_file(options.page, page); })
       .map([&] {
         fmt::print("{}\n", options.page);
@@ -43,6 +48,8 @@ void add_view(CLI::App& program, Action& action) {
       "  mneme view s1.json -o s1.html");
   const auto options = std::make_shared<ViewOptions>();
   command->add_option("TRACE", options->trace, "trace that 'mneme plan --trace' wrote")->required();
+  command->add_option("--beside", options->beside,
+                      "trace of another plan of the same problem, to be shown beside it");
   command->add_option("-o,--output", options->page, "page to write; it needs no other file")
       ->required();
   command->callback([options, &action] { action = [options] { return run_view(*options); }; });

@@ -364,6 +364,7 @@ struct SeriesRatio {
 struct ReportPicture {
   std::string caption;
   std::string svg;
+  std::string link = {};  ///< the page that it opens, relative to the report; may be empty
 };
 struct ReportOptions {
   std::string title = "mneme benchmark";
@@ -371,6 +372,8 @@ struct ReportOptions {
   std::vector<ReportPicture> pictures;  ///< shown below the introduction
   std::string baseline = "uniform";     ///< the sampler that others are compared with
   bool by_problem = false;              ///< a figure per problem instead of one per set
+  /// A sampler whose median times are drawn against those of `baseline`; empty for no such figure.
+  std::string drawn_against_baseline = {};
 };
 struct ReportFigure {
   std::string name;  ///< of a file, without extension

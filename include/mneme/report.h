@@ -7,6 +7,7 @@
 #include "mneme/base.h"
 #include "mneme/check.h"
 #include "mneme/pipeline.h"
+#include "mneme/trajectory.h"
 
 #include <cstdint>
 #include <map>
@@ -63,6 +64,14 @@ struct TraceSettings {
   int samples = 300;     ///< uniform ones, and as many from memory
   int components = 120;  ///< of the retrieved mixture
   int edges = 2000;      ///< of the trees or the roadmap
+  /// Where meshes of the robot's looks are searched, as RobotOptions::package_paths.
+  std::vector<std::string> package_paths = {};
+};
+
+/// A plan in time, for a trace that is played in seconds. It refers to both.
+struct TimedPlan {
+  const Trajectory* trajectory = nullptr;
+  const RateLimits* limits = nullptr;  ///< that it keeps
 };
 
 /// Keeps a thinned record of what a planner draws and keeps: once a list is full every second entry
@@ -130,9 +139,30 @@ struct PlanTrace {
     /// Metres from the robot to the nearest obstacle (not to itself), negative in contact; infinite
     /// without obstacles.
     double clearance = 0;
-    int nearest_link = -1;      ///< index into `links`
-    int nearest_obstacle = -1;  ///< index into the scene
-    Vec3 tip;                   ///< of the end effector
+    int nearest_link = -1;             ///< index into `links`
+    int nearest_obstacle = -1;         ///< index into the scene
+    Vec3 tip;                          ///< of the end effector
+    double time_s = 0;                 ///< of the trajectory, if there is one
+    std::vector<double> velocity;      ///< rad/s or m/s; empty without a trajectory
+    std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
+  };
+  /// What a link looks like, in its frame; nothing is checked against it.
+  struct Look {
+    Shape shape;
+    std::string color;  ///< "#rrggbb", or empty
+  };
+  /// What touches at the start or at a goal of a plan that was refused for it.
+  struct Touch {
+    int goal = -1;   ///< index into `goals`, or -1 for the start
+    int link = -1;   ///< index into `links`
+    int other = -1;  ///< index into `links` if `is_self`, otherwise into the scene
+    bool is_self = false;
+    double distance = 0;        ///< as Contact
+    Vec3 place = Vec3::Zero();  ///< about where
+  };
+  /// Of the planning group's joints; what a joint does not have is infinite.
+  struct Limits {
+    std::vector<double> lower, upper, velocity, acceleration;
   };
   /// A configuration as points: the origins of the links that its joints carry, then the tip.
   struct Arm {
@@ -156,7 +186,14 @@ struct PlanTrace {
   SolveResult result;  ///< without the memory's rows and mixture
   double load_time_s = 0;
   double path_length = 0;
-  std::vector<Link> links;          ///< those with shapes
+  std::vector<Link> links;  ///< those with shapes, and those that look like something
+  /// Per link: of its URDF's visual elements, or of the attached object that it is; empty if
+  /// nothing is known but its shapes.
+  std::vector<std::vector<Look>> looks;
+  std::vector<std::string> carriers;  ///< per link: the link that carries it if it is an object
+  Limits limits;
+  double duration_s = 0;  ///< of the trajectory; 0 without one
+  std::vector<Touch> touches;
   std::vector<std::string> joints;  ///< names, in the order of a configuration
   Scene scene;
   Poses start;
@@ -173,11 +210,13 @@ struct PlanTrace {
 };
 
 /// `recorder` was the observer of the run, or is null: then there are no samples and edges. Costs
-/// exact distances at every waypoint, a few 10 ms. Errors: start, a goal, the path or the memory
-/// does not fit the robot.
+/// exact distances at every waypoint, a few 10 ms, and reads the robot's visual meshes, if there
+/// are any. With a `timed` plan waypoints are at equal times instead of equal steps. Errors: start,
+/// a goal, the path or the memory does not fit the robot.
 [[nodiscard]] Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
                                            const PlanRecorder* recorder, double load_time_s,
-                                           const TraceSettings& settings = {});
+                                           const TraceSettings& settings = {},
+                                           const TimedPlan& timed = {});
 /// The trace as a file: docs/schema/trace.schema.json.
 [[nodiscard]] std::string to_json(const PlanTrace& trace);
 
@@ -185,8 +224,9 @@ struct PlanTrace {
 inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
 
 /// One page that shows a trace, without any other file and without a network. `json` is the text of
-/// a trace and `source` names it in messages. Errors: text that is no trace, too long, or of
-/// another version.
-[[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source);
+/// a trace and `source` names it in messages; with `beside` it shows that trace, of the same robot
+/// and scene, beside it. Errors: text that is no trace, too long, or of another version.
+[[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source,
+                                          std::string_view beside = {});
 
 }  // namespace mneme

@@ -7,6 +7,7 @@
 
 #include "mneme/base.h"
 #include "mneme/experience.h"
+#include "mneme/problem.h"
 #include "mneme/robot.h"
 
 #include <cstddef>
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mneme {
 
@@ -36,6 +38,10 @@ struct ServiceSettings {
   std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory
   /// SolveSettings::remember_after of all plans; needs a database that may be written.
   std::optional<int> remember_after;
+  /// What the page at `/` begins with, a problem of the service's robot; null: the robot at rest.
+  std::shared_ptr<const Problem> shown;
+  std::string robot_path;  ///< the robot's URDF, for what it looks like on that page; may be empty
+  std::vector<std::string> package_paths;  ///< where meshes of its looks are searched
   double refresh_s = 1;  ///< how often rows of other processes are looked for
 };
 

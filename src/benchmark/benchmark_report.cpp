@@ -46,7 +46,7 @@ tbody tr:last-child td { border-bottom: 0; }
 .pictures { display: grid; gap: 20px;
   grid-template-columns: repeat(auto-fill, minmax(min(100%, 520px), 1fr)); }
 figure { margin: 0; }
-figure > svg { display: block; width: 100%; height: auto; }
+figure svg { display: block; width: 100%; height: auto; }
 figcaption { padding-top: 10px; }
 .wide { white-space: normal; overflow-wrap: anywhere; }
 .figure { margin: 0 0 20px; }
@@ -118,16 +118,24 @@ std::string page_begin(const std::string& title) {
       heading, kPageStyle, internal::figure_style(), heading);
 }
 
-std::string introduction(const ReportOptions& options) {
+std::string introduction(const ReportOptions& options, std::span<const BenchmarkRow> rows) {
   std::string html;
   if (!options.introduction.empty()) {
     html += fmt::format("<p class=\"introduction\">{}</p>\n", escape_markup(options.introduction));
   }
+  const std::string scatter =
+      options.drawn_against_baseline.empty()
+          ? ""
+          : internal::time_scatter(rows, options.drawn_against_baseline, options.baseline);
+  if (!scatter.empty()) html += "<div class=\"card figure\">\n" + scatter + "</div>\n";
   if (options.pictures.empty()) return html;
   html += "<h2>Pictures</h2>\n<div class=\"pictures\">\n";
   for (const ReportPicture& picture : options.pictures) {
+    const std::string link = escape_markup(picture.link);
+    const std::string shown =
+        link.empty() ? picture.svg : fmt::format("<a href=\"{}\">{}</a>\n", link, picture.svg);
     html += fmt::format("<figure class=\"card\">\n{}<figcaption>{}</figcaption>\n</figure>\n",
-                        picture.svg, escape_markup(picture.caption));
+                        shown, escape_markup(picture.caption));
   }
   return html + "</div>\n<h2>Runs</h2>\n";
 }
@@ -194,7 +202,7 @@ BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
                                       const ReportOptions& options) {
   BenchmarkReport report;
   if (!rows.empty()) report = ReportWriter(rows, options).write(memories);
-  report.html = page_begin(options.title) + introduction(options) + report.html +
+  report.html = page_begin(options.title) + introduction(options, rows) + report.html +
                 "</main>\n</body>\n</html>\n";
   return report;
 }

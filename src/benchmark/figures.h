@@ -61,6 +61,12 @@ inline constexpr int kFigureColors = 8;
 [[nodiscard]] std::string solved_curves(const Panel& panel,
                                         const std::vector<std::string>& samplers);
 
+/// An SVG figure: a dot per problem and planner at the medians of two samplers, `baseline` across
+/// and `sampler` up, on logarithmic axes; open where a median run found no path. Empty if nothing
+/// was planned with both.
+[[nodiscard]] std::string time_scatter(std::span<const BenchmarkRow> rows,
+                                       const std::string& sampler, const std::string& baseline);
+
 /// One line per series: solved/valid/total, bad paths, p50, p95, p99, max. The attribute
 /// `data-seconds` of each time has all its digits.
 [[nodiscard]] std::string time_table(const Panel& panel);

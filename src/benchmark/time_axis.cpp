@@ -36,6 +36,7 @@ constexpr std::string_view kRules = R"css(
 .plot .run { fill: var(--color); fill-opacity: 0.55; }
 .plot .out { stroke: var(--bad); stroke-width: 1.5; stroke-opacity: 0.75; fill: none; }
 .plot .curve { stroke: var(--color); stroke-width: 2; fill: none; stroke-linejoin: round; }
+.plot .dot { fill: var(--color); opacity: 0.85; }
 )css";
 
 }  // namespace

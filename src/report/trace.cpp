@@ -5,12 +5,16 @@
 
 #include "mneme/report.h"
 
+#include "base/as_index.h"
 #include "check/link_distances.h"
+#include "geometry/mesh_file.h"
 #include "report/picture.h"
 #include "robot/link_shapes.h"
+#include "robot/visuals.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mneme::internal {
 namespace {
@@ -19,13 +23,54 @@ namespace {
 constexpr double kEdgeStep = 0.35;
 constexpr int kMostEdgeSteps = 6;
 
-std::vector<int> links_with_shapes(const Robot& robot) {
+using Looks = std::map<std::string, std::vector<PlanTrace::Look>>;
+
+/// By link; of an attached object under its own name.
+Looks find_looks(const Problem& problem, const TraceSettings& settings) {
+  Looks looks;
+  if (!problem.robot_path.empty() && !problem.robot.is_planar()) {
+    for (Visual& visual : read_visuals(problem.robot_path, settings.package_paths))
+      looks[visual.link].push_back({std::move(visual.shape), std::move(visual.color)});
+  }
+  for (const CoveredObject& carried : problem.robot.attached()) {
+    std::vector<PlanTrace::Look>& seen = looks[carried.object.name];
+    for (const Shape& shape : carried.object.shapes) seen.push_back({shape, ""});
+    for (const MeshFile& file : carried.object.meshes) {
+      auto triangles = read_triangles(file.path, file.scale, file.pose);
+      if (!triangles) continue;
+      auto parts = std::make_shared<Parts<Triangle>>(*std::move(triangles));
+      seen.push_back({Mesh{{}, std::move(parts), 0}, ""});
+    }
+  }
+  return looks;
+}
+
+/// Those with shapes or looks.
+std::vector<int> seen_links(const Robot& robot, const Looks& looks) {
   std::vector<int> links;
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
     const Link& link = robot.links()[i];
-    if (has_shapes(link)) links.push_back(static_cast<int>(i));
+    if (has_shapes(link) || looks.contains(link.name)) links.push_back(static_cast<int>(i));
   }
   return links;
+}
+
+PlanTrace::Limits limits_of(const Robot& robot, const RateLimits* rates) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  PlanTrace::Limits limits;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.group_joint(i);
+    const bool is_limited = joint.type != JointType::continuous;
+    limits.lower.push_back(is_limited ? joint.lower : -kNone);
+    limits.upper.push_back(is_limited ? joint.upper : kNone);
+    limits.velocity.push_back(joint.velocity);
+    limits.acceleration.push_back(joint.acceleration.value_or(kNone));
+  }
+  if (rates != nullptr) {
+    limits.velocity = rates->velocity;
+    limits.acceleration = rates->acceleration;
+  }
+  return limits;
 }
 
 Configuration along(const Robot& robot, std::span<const double> from, std::span<const double> to,
@@ -38,16 +83,23 @@ Configuration along(const Robot& robot, std::span<const double> from, std::span<
 
 class Tracer {
  public:
-  Tracer(const Problem& problem, const TraceSettings& settings, PlanTrace& trace)
+  Tracer(const Problem& problem, const TraceSettings& settings, Looks looks, PlanTrace& trace)
       : robot_(problem.robot),
         settings_(settings),
         trace_(trace),
-        link_indices_(links_with_shapes(robot_)),
+        link_indices_(seen_links(robot_, looks)),
         skeleton_(robot_),
         links_(robot_),
         obstacles_(obstacle_shapes(robot_, problem.scene)) {
-    for (const int i : link_indices_)
-      trace_.links.push_back(robot_.links()[static_cast<std::size_t>(i)]);
+    for (const int i : link_indices_) {
+      const Link& link = robot_.links()[as_index(i)];
+      trace_.links.push_back(link);
+      trace_.looks.push_back(std::move(looks[link.name]));
+      const auto carried = std::ranges::find(
+          robot_.attached(), link.name,
+          [](const CoveredObject& object) -> const std::string& { return object.object.name; });
+      trace_.carriers.push_back(carried == robot_.attached().end() ? "" : carried->object.link);
+    }
     for (int i = 0; i < robot_.joint_count(); ++i)
       trace_.joints.push_back(robot_.group_joint(i).name);
   }
@@ -72,6 +124,45 @@ class Tracer {
                      travelled + fraction * length, is_vertex);
       }
       travelled += length;
+    }
+  }
+
+  /// Equal times along the trajectory; the path's configurations are those that it passes nearest.
+  void add_trajectory(const Trajectory& trajectory, const Path& path) {
+    const int steps = std::max(1, settings_.waypoints);
+    trace_.duration_s = trajectory.duration_s();
+    double travelled = 0;
+    for (int i = 0; i <= steps; ++i) {
+      const Trajectory::Point point = trajectory.at(trace_.duration_s * i / steps);
+      if (i > 0) travelled += robot_.distance(trace_.waypoints.back().q, point.position);
+      PlanTrace::Waypoint& waypoint = add_waypoint(point.position, travelled, false);
+      waypoint.time_s = point.time_s;
+      waypoint.velocity = point.velocity;
+      waypoint.acceleration = point.acceleration;
+    }
+    std::size_t from = 0;
+    for (const Configuration& q : path) {
+      const auto rest = std::span(trace_.waypoints).subspan(from);
+      const auto nearest = std::ranges::min_element(
+          rest, {}, [&](const PlanTrace::Waypoint& w) { return robot_.distance(w.q, q); });
+      from += static_cast<std::size_t>(nearest - rest.begin());
+      trace_.vertices.push_back(static_cast<int>(from));
+    }
+  }
+
+  /// What touches at `q`, the start or the goal of this index.
+  void add_touches(const Scene& scene, const Configuration& q, int goal) {
+    const PosedLinks posed = links_.posed(robot_.link_poses(q));
+    for (const Contact& contact : find_contacts(robot_, links_, scene, q, 0)) {
+      PlanTrace::Touch& touch = trace_.touches.emplace_back();
+      touch.goal = goal;
+      touch.link = index_of(contact.link);
+      touch.is_self = contact.is_self;
+      touch.distance = contact.distance;
+      const auto other = std::ranges::find(scene.obstacles, contact.other, &Obstacle::name);
+      touch.other = contact.is_self ? index_of(contact.other)
+                                    : static_cast<int>(other - scene.obstacles.begin());
+      touch.place = place_of(contact, posed.poses);
     }
   }
 
@@ -120,7 +211,45 @@ class Tracer {
     return chosen;
   }
 
-  void add_waypoint(const Configuration& q, double travelled, bool is_vertex) {
+  /// Index into the trace's links, or -1.
+  [[nodiscard]] int index_of(const std::string& link) const {
+    const auto found = std::ranges::find(trace_.links, link, &Link::name);
+    return found == trace_.links.end() ? -1 : static_cast<int>(found - trace_.links.begin());
+  }
+
+  [[nodiscard]] int robot_index_of(const std::string& link) const {
+    const auto found = std::ranges::find(robot_.links(), link, &Link::name);
+    return static_cast<int>(found - robot_.links().begin());
+  }
+
+  /// The middle of the link's shape that is nearest to the other thing, or deepest in it.
+  [[nodiscard]] Vec3 place_of(const Contact& contact, std::span<const Transform> poses) const {
+    const auto posed = [&](const std::string& name) {
+      const auto i = as_index(robot_index_of(name));
+      return shapes_of(robot_.links()[i], poses[i]);
+    };
+    const std::vector<Capsule> others =
+        contact.is_self ? posed(contact.other) : std::vector<Capsule>();
+    const auto gap = [&](const Capsule& c) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const Capsule& o : others)
+        least = std::min(least, segment_distance(c.a, c.b, o.a, o.b) - o.radius);
+      for (const ObstacleShape& o : obstacles_) {
+        if (contact.is_self || scene_name(o) != contact.other) continue;
+        least = std::min(least, distance_to_segment(c.a, c.b, *o.shape));
+      }
+      return least - c.radius;
+    };
+    const std::vector<Capsule> shapes = posed(contact.link);
+    const auto nearest = std::ranges::min_element(shapes, {}, gap);
+    return nearest == shapes.end() ? Vec3::Zero() : Vec3((nearest->a + nearest->b) / 2);
+  }
+
+  [[nodiscard]] const std::string& scene_name(const ObstacleShape& shape) const {
+    return trace_.scene.obstacles[as_index(shape.obstacle)].name;
+  }
+
+  PlanTrace::Waypoint& add_waypoint(const Configuration& q, double travelled, bool is_vertex) {
     if (is_vertex) trace_.vertices.push_back(static_cast<int>(trace_.waypoints.size()));
     const std::vector<Transform> poses = robot_.link_poses(q);
     const Clearance clearance = find_clearance(links_, links_.posed(poses), obstacles_);
@@ -134,6 +263,7 @@ class Tracer {
       waypoint.nearest_link = static_cast<int>(found - link_indices_.begin());
     waypoint.nearest_obstacle = clearance.obstacle;
     waypoint.tip = skeleton_.tip(poses);
+    return waypoint;
   }
 
   [[nodiscard]] PlanTrace::Arm arm_of(Origin origin, std::span<const float> q) const {
@@ -217,7 +347,7 @@ void PlanRecorder::on_edge(std::span<const float> from, std::span<const float> t
 
 Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
                              const PlanRecorder* recorder, double load_time_s,
-                             const TraceSettings& settings) {
+                             const TraceSettings& settings, const TimedPlan& timed) {
   if (auto checked = internal::check_fit(problem, result); !checked)
     return tl::unexpected(checked.error());
   PlanTrace trace;
@@ -230,13 +360,23 @@ Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
   trace.result = result;
   trace.result.gl.primitives.clear();
   trace.result.gl.mixture = nullptr;
-  internal::Tracer tracer(problem, settings, trace);
+  trace.limits = internal::limits_of(problem.robot, timed.limits);
+  internal::Tracer tracer(problem, settings, internal::find_looks(problem, settings), trace);
   trace.start = tracer.poses_at(problem.start);
   // Those that poses were resolved to count, too.
-  for (const Configuration& goal : result.goals.empty() ? problem.goals : result.goals) {
-    trace.goals.push_back(tracer.poses_at(goal));
+  const auto& goals = result.goals.empty() ? problem.goals : result.goals;
+  for (const Configuration& goal : goals) trace.goals.push_back(tracer.poses_at(goal));
+  if (result.plan.status == PlanStatus::invalid_start)
+    tracer.add_touches(problem.scene, problem.start, -1);
+  if (result.plan.status == PlanStatus::invalid_goal) {
+    for (std::size_t i = 0; i < goals.size(); ++i)
+      tracer.add_touches(problem.scene, goals[i], static_cast<int>(i));
   }
-  tracer.add_path(result.plan.path);
+  if (timed.trajectory != nullptr && !result.plan.path.empty()) {
+    tracer.add_trajectory(*timed.trajectory, result.plan.path);
+  } else {
+    tracer.add_path(result.plan.path);
+  }
   tracer.add_memory(result.gl);
   if (recorder != nullptr) tracer.add_search(*recorder);
   return trace;

@@ -116,13 +116,34 @@ std::string replaced(std::string_view text, std::string_view place, std::string_
   return result;
 }
 
+/// What both have in common stands in the page once.
+Result<void> add_beside(PlainJson& trace, std::string_view text, const std::string& source) {
+  Result<PlainJson> beside = parse_trace(text, source + ", beside");
+  if (!beside) return tl::unexpected(beside.error());
+  for (const char* key : {"robot", "joints", "is_planar"}) {
+    if (trace[key] == (*beside)[key]) continue;
+    return fail(ErrorCode::invalid,
+                fmt::format("{}: the trace beside it is of another robot", source));
+  }
+  for (const char* key : {"links", "obstacles"}) {
+    if (trace[key] == (*beside)[key]) (*beside)[key] = PlainJson::array();
+  }
+  trace["beside"] = *std::move(beside);
+  return {};
+}
+
 }  // namespace
 }  // namespace internal
 
-Result<std::string> to_page(std::string_view json, const std::string& source) {
+Result<std::string> to_page(std::string_view json, const std::string& source,
+                            std::string_view beside) {
   using namespace internal;
-  const Result<PlainJson> trace = parse_trace(json, source);
+  Result<PlainJson> trace = parse_trace(json, source);
   if (!trace) return tl::unexpected(trace.error());
+  if (!beside.empty()) {
+    auto added = add_beside(*trace, beside, source);
+    if (!added) return tl::unexpected(added.error());
+  }
   const std::string title = trace->at("problem").get<std::string>() + ", " +
                             trace->at("robot").get<std::string>() + " - mneme";
   // The trace comes last in the page: whatever it holds is not searched for places.

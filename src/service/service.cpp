@@ -4,6 +4,7 @@
 
 #include "service/endpoints.h"
 #include "service/http_server.h"
+#include "service/live_page.h"
 
 #include <fmt/format.h>
 
@@ -83,8 +84,9 @@ std::optional<Answer> refuse_head(const Request& request, const std::string& tok
 class Service::State {
  public:
   State(internal::Listener listener, const Robot& robot, std::shared_ptr<Database> database,
-        const ServiceSettings& settings)
+        const ServiceSettings& settings, std::string page)
       : settings_(completed(settings)),
+        page_(std::move(page)),
         endpoints_(robot, database, settings_),
         server_(std::move(listener),
                 {settings.request_timeout_s, settings.idle_timeout_s,
@@ -147,6 +149,9 @@ class Service::State {
     server_.Get("/metrics", timed("/metrics", [this](const Request&) {
                   return endpoints_.metrics_text(server_.connection_count());
                 }));
+    server_.Get("/", timed("/", [this](const Request&) {
+                  return Answer{200, page_, "text/html; charset=utf-8"};
+                }));
     add_scene_routes();
     add_refusals();
   }
@@ -204,6 +209,7 @@ class Service::State {
   }
 
   ServiceSettings settings_;
+  std::string page_;
   Endpoints endpoints_;
   HttpServer server_;  ///< after what its threads use
   std::thread refresher_;
@@ -219,8 +225,10 @@ Result<Service> Service::start(const Robot& robot, std::shared_ptr<Database> dat
   }
   auto listener = internal::listen_at(settings.listen, !settings.token.empty());
   if (!listener) return tl::unexpected(listener.error());
-  return Service(
-      std::make_unique<State>(*std::move(listener), robot, std::move(database), settings));
+  auto page = internal::make_live_page(robot, database != nullptr, settings);
+  if (!page) return tl::unexpected(page.error());
+  return Service(std::make_unique<State>(*std::move(listener), robot, std::move(database),
+                                         settings, *std::move(page)));
 }
 
 Service::Service(std::unique_ptr<State> state) : state_(std::move(state)) {}

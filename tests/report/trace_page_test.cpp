@@ -46,6 +46,33 @@ TEST_SUITE("unit") {
     CHECK(count(page, "MIT license") == 1);
   }
 
+  TEST_CASE("A trace beside another stands in it, without what both have in common") {
+    test::TracedPlan plan;
+    const std::string json = to_json(plan.trace());
+    plan.result.sampler = "uniform";
+    plan.problem.scene.obstacles[0].name = "other";
+    const auto page = to_page(json, "t.json", to_json(plan.trace()));
+    REQUIRE(page.has_value());
+    const Json trace = trace_in(*page);
+    CHECK(trace["plan"]["sampler"] == "gl");
+    CHECK(trace["beside"]["plan"]["sampler"] == "uniform");
+    CHECK(trace["beside"]["links"].empty());
+    CHECK(trace["beside"]["obstacles"].size() == 2);
+  }
+
+  TEST_CASE("A trace beside another that is none, or of another robot, is refused") {
+    test::TracedPlan plan;
+    const std::string json = to_json(plan.trace());
+    const auto none = to_page(json, "t.json", "{}");
+    REQUIRE_FALSE(none.has_value());
+    CHECK(none.error().message.find("t.json, beside: no trace") == 0);
+    Json other = Json::parse(json);
+    other["robot"] = "another";
+    const auto wrong = to_page(json, "t.json", other.dump());
+    REQUIRE_FALSE(wrong.has_value());
+    CHECK(wrong.error().message == "t.json: the trace beside it is of another robot");
+  }
+
   TEST_CASE("The viewer itself leaves most of a page's two megabytes to the trace") {
     CHECK(internal::viewer_page().size() < 700000);
     CHECK(internal::viewer_page().size() > 100000);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/covering.h"
 #include "mneme/report.h"
 
 #include "report/report_support.h"
@@ -184,6 +185,77 @@ TEST_SUITE("unit") {
     test::TracedPlan plan;
     plan.result.plan.path = {plan.problem.start, plan.problem.start};
     CHECK(plan.trace().waypoints.size() == 2);
+  }
+
+  TEST_CASE("A plan that is refused for a contact says what touches, and where") {
+    test::TracedPlan plan;
+    plan.result.plan.path.clear();
+    plan.problem.start = {std::atan2(1, 2), 0, 0};  // through the middle of the first circle
+    plan.result.plan.status = PlanStatus::invalid_start;
+    const auto trace = make_trace(plan.problem, plan.result, nullptr, 0);
+    REQUIRE(trace.has_value());
+    REQUIRE(trace->touches.size() >= 2);
+    for (const PlanTrace::Touch& touch : trace->touches) {
+      CHECK(touch.goal == -1);
+      CHECK(touch.other == 0);
+      CHECK_FALSE(touch.is_self);
+      CHECK(touch.distance < 0);
+      CHECK((touch.place - Vec3(2, 1, 0)).norm() < 1.3);
+    }
+    plan.result.plan.status = PlanStatus::invalid_goal;
+    plan.problem.goals = {{0, 0, 0}, plan.problem.start};
+    const auto of_goal = make_trace(plan.problem, plan.result, nullptr, 0);
+    REQUIRE(of_goal.has_value());
+    REQUIRE_FALSE(of_goal->touches.empty());
+    CHECK(of_goal->touches[0].goal == 1);
+    plan.result.plan.status = PlanStatus::timeout;
+    CHECK(make_trace(plan.problem, plan.result, nullptr, 0)->touches.empty());
+  }
+
+  TEST_CASE("A plan in time has waypoints at equal times, with its limits") {
+    const test::TracedPlan plan;
+    const Path& path = plan.result.plan.path;
+    const auto limits = find_rate_limits(plan.problem.robot);
+    REQUIRE(limits.has_value());
+    const auto trajectory = parameterize(plan.problem.robot, path, *limits, {}, nullptr);
+    REQUIRE(trajectory.has_value());
+    const auto trace = make_trace(plan.problem, plan.result, nullptr, 0, {.waypoints = 40},
+                                  {&*trajectory, &*limits});
+    REQUIRE(trace.has_value());
+    CHECK(trace->duration_s == trajectory->duration_s());
+    REQUIRE(trace->waypoints.size() == 41);
+    for (std::size_t i = 0; i < 41; ++i) {
+      const PlanTrace::Waypoint& waypoint = trace->waypoints[i];
+      CHECK(std::abs(waypoint.time_s - trajectory->duration_s() * static_cast<double>(i) / 40) <
+            1e-12);
+      CHECK(waypoint.q == trajectory->at(waypoint.time_s).position);
+      CHECK(waypoint.velocity == trajectory->at(waypoint.time_s).velocity);
+      CHECK(waypoint.acceleration.size() == 3);
+    }
+    REQUIRE(trace->vertices.size() == path.size());
+    CHECK(trace->vertices.front() == 0);
+    CHECK(trace->vertices.back() == 40);
+    CHECK(trace->limits.velocity == limits->velocity);
+    CHECK(trace->limits.acceleration == limits->acceleration);
+    CHECK(std::isinf(trace->limits.upper[0]));  // a continuous joint
+    CHECK(trace->limits.upper[1] == 3.14159);
+  }
+
+  TEST_CASE("What a link carries is seen as what it is, under its own name") {
+    test::TracedPlan plan;
+    const auto carrying =
+        attach(plan.problem.robot,
+               {{.name = "box", .link = "link_3", .shapes = {Box{{}, {0.1, 0.1, 0.1}}}}});
+    REQUIRE(carrying.has_value());
+    plan.problem.robot = *carrying;
+    const PlanTrace trace = plan.trace();
+    REQUIRE(trace.links.size() == 4);
+    CHECK(trace.links[3].name == "box");
+    CHECK(trace.carriers[3] == "link_3");
+    CHECK(trace.carriers[0].empty());
+    REQUIRE(trace.looks[3].size() == 1);
+    CHECK(std::holds_alternative<Box>(trace.looks[3][0].shape));
+    CHECK(trace.start.size() == 4);
   }
 
   TEST_CASE("What does not fit the robot is an error that says what") {

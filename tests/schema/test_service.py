@@ -46,7 +46,8 @@ class Service:
         assert response.status == status, text
         documented = operation(method, path)
         answer = documented["responses"][str(status)]["content"]
-        if "text/plain" in answer:
+        if "application/json" not in answer:
+            assert response.getheader("Content-Type").split(";")[0] in answer
             return text
         value = json.loads(text)
         assert complaints(answer["application/json"]["schema"], value) == []
@@ -113,6 +114,14 @@ def test_checks_health_and_metrics_are_as_documented(service):
     assert [state["valid"] for state in states["states"]] == [False, True, False]
     assert service.ask("GET", "/healthz")["status"] == "ok"
     assert "mneme_memory_rows" in service.ask("GET", "/metrics")
+
+
+def test_the_page_holds_the_robot_and_asks_nobody_else(service):
+    page = service.ask("GET", "/")
+    trace = json.loads(re.search(r'<script type="application/json" id="trace">(.*?)</script>', page, re.S)[1])
+    assert [tip["link"] for tip in trace["live"]["tips"]] == ["link_8"]
+    assert len(trace["live"]["start"]) == 8
+    assert not re.search(r'(src|href)="http|@import|url\(http', page)
 
 
 @pytest.mark.parametrize("path, change", [

@@ -97,6 +97,48 @@ TEST_SUITE("flow") {
     CHECK(reply_of(client->Get(path)).status == 404);
   }
 
+  TEST_CASE("The page begins with the problem that it is given, or with the robot at rest") {
+    const auto page_of = [](const ServiceSettings& settings) {
+      const test::RunningService running(settings);
+      const auto answer = running.client()->Get("/");
+      CHECK(answer->status == 200);
+      CHECK(answer->get_header_value("Content-Type") == "text/html; charset=utf-8");
+      const std::string opening = "id=\"trace\">";
+      const std::size_t begin = answer->body.find(opening) + opening.size();
+      return test::Json::parse(
+          answer->body.substr(begin, answer->body.find("</script>", begin) - begin));
+    };
+    const test::Json rest = page_of({});
+    CHECK(rest["obstacles"].empty());
+    CHECK(rest["live"]["start"] == std::vector<double>(8, 0.0));
+    CHECK_FALSE(rest["live"]["has_memory"]);
+    REQUIRE(rest["live"]["tips"].size() == 1);
+    CHECK(rest["live"]["tips"][0]["link"] == "link_8");
+    CHECK(rest["live"]["tips"][0]["carries"][0]["link"] == 7);
+
+    ServiceSettings settings;
+    settings.shown = std::make_shared<const Problem>(
+        *load_problem(test::source_file("scenes/planar/scenario1.yaml")));
+    const test::Json shown = page_of(settings);
+    CHECK(shown["problem"] == settings.shown->name);
+    CHECK(shown["obstacles"].size() == settings.shown->scene.obstacles.size());
+    CHECK(shown["live"]["start"] == settings.shown->start);
+    CHECK(shown["goals"].size() == settings.shown->goals.size());
+  }
+
+  TEST_CASE("A page cannot begin with obstacles that its requests do not hold") {
+    ServiceSettings settings = test::loopback();
+    Problem problem = *load_problem(test::source_file("scenes/planar/scenario1.yaml"));
+    auto points = std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{20, 0, 0}});
+    problem.scene.obstacles.push_back({"scan", {PointCloud{{}, points, 0.1}}});
+    settings.shown = std::make_shared<const Problem>(problem);
+    const auto service = Service::start(problem.robot, nullptr, settings);
+    REQUIRE_FALSE(service.has_value());
+    CHECK(service.error().message ==
+          "the page cannot begin with obstacle 'scan': expected spheres, boxes, cylinders and "
+          "capsules");
+  }
+
   TEST_CASE("plans that were hard are remembered, and metrics count them") {
     const TemporaryDirectory files;
     auto opened = Database::open(files / "m.db", make_space(planar8()), OpenMode::create);

@@ -9,10 +9,14 @@ import type { Trace } from "./trace";
 const WIDTH = 1000;
 const HEIGHT = 100;
 
-/** Seconds that playing the whole path takes. */
-function duration(length: number): number {
-  return Math.min(14, Math.max(4, 0.9 * length));
+/** Seconds that playing the whole motion takes: its own, or what is comfortable to watch. */
+function duration(motion: Motion): number {
+  return motion.duration ?? Math.min(14, Math.max(4, 0.9 * motion.length));
 }
+
+const SPEEDS = [1, 0.5, 0.25, 2];
+/** Seconds that it stands still at the goal before it starts again. */
+const REST = 0.8;
 
 export class Dock {
   fraction = 0;
@@ -26,10 +30,14 @@ export class Dock {
     id: "scrubber", role: "slider", tabindex: "0", "aria-label": "Position along the path", "aria-valuemin": "0",
     "aria-valuemax": "100",
   });
+  private readonly speedButton = el("button", { class: "speed", id: "speed", title: "How fast it plays" });
+  private speed = 0;
   private last = 0;
+  private isRemoved = false;
 
-  constructor(root: HTMLElement, private readonly trace: Trace, private readonly motion: Motion,
+  constructor(private readonly root: HTMLElement, private readonly trace: Trace, private readonly motion: Motion,
               private readonly moved: (fraction: number) => void) {
+    root.replaceChildren();
     if (motion.isEmpty) {
       root.append(el("p", { class: "nopath" }, trace.plan.message || "There is no path."));
       return;
@@ -38,6 +46,10 @@ export class Dock {
     this.drawChart();
     this.slider.append(this.chart, ...this.axis());
     this.slider.addEventListener("pointerdown", (event) => this.drag(event));
+    this.speedButton.addEventListener("click", () => {
+      this.speed = (this.speed + 1) % SPEEDS.length;
+      this.show();
+    });
     root.append(this.playButton, el("div", { class: "track" }, this.readout, this.slider));
     this.show();
     requestAnimationFrame((time) => this.tick(time));
@@ -50,7 +62,13 @@ export class Dock {
     this.show();
   }
 
-  /** Goes to a fraction of the path and stays there. */
+  /** Another dock takes its place. */
+  remove(): void {
+    this.isRemoved = true;
+    this.root.replaceChildren();
+  }
+
+  /** Goes to a fraction of the motion and stays there. */
   seek(fraction: number): void {
     if (this.motion.isEmpty) return;
     this.isPlaying = false;
@@ -70,16 +88,13 @@ export class Dock {
   private tick(time: number): void {
     const elapsed = Math.min(0.1, (time - this.last) / 1000);
     this.last = time;
+    if (this.isRemoved) return;
     if (this.isPlaying) {
-      this.fraction += elapsed / duration(this.motion.length);
-      if (this.fraction >= 1) {
-        // Stands still at the goal for a moment before it starts again.
-        this.isPlaying = this.isLooping && this.fraction < 1.12;
-        if (this.isLooping && this.fraction >= 1.12) {
-          this.fraction = 0;
-          this.isPlaying = true;
-        }
-      }
+      const whole = duration(this.motion);
+      this.fraction += (elapsed * SPEEDS[this.speed]!) / whole;
+      const isOver = this.fraction >= 1 + REST / whole;
+      if (isOver) this.fraction = this.isLooping ? 0 : 1;
+      this.isPlaying = this.isLooping || !isOver;
       this.show();
     }
     requestAnimationFrame((next) => this.tick(next));
@@ -124,8 +139,10 @@ export class Dock {
       nodes.push(el("span", {}, "clearance ", value),
         el("span", { class: "soft" }, `${link} \u2194 ${obstacle}`));
     }
-    const at = fraction * this.motion.length;
-    nodes.push(el("span", { class: "soft end" }, `${at.toFixed(2)} of ${this.motion.length.toFixed(2)} rad`));
+    const [whole, unit] = this.motion.duration === null ? [this.motion.length, "rad"] : [this.motion.duration, "s"];
+    nodes.push(el("span", { class: "soft end" }, `${(fraction * whole).toFixed(2)} of ${whole.toFixed(2)} ${unit}`));
+    this.speedButton.textContent = `${SPEEDS[this.speed]}\u00d7`;
+    nodes.push(this.speedButton);
     return nodes;
   }
 

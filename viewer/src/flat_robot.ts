@@ -4,7 +4,8 @@
 /** Arms in the plane: lines that keep a width on the screen, however thin the links are. */
 import { Float32BufferAttribute, Group, Points, Vector3 } from "three";
 import { dots, repeated, Strokes } from "./materials";
-import { poseMatrix, type RobotView } from "./solid_robot";
+import { poseMatrix } from "./shapes";
+import type { RobotView } from "./solid_robot";
 import type { Link, Pose } from "./trace";
 
 export class FlatRobot implements RobotView {
@@ -44,4 +45,7 @@ export class FlatRobot implements RobotView {
       geometry.setAttribute("tone", new Float32BufferAttribute(repeated(color, points.length / 3), 3));
     });
   }
+
+  /** Lines over each other do not flicker. */
+  hideWhere(): void {}
 }

@@ -6,8 +6,9 @@
  * which is what the first picture waits for. Colours are sRGB throughout.
  */
 import {
-  BufferGeometry, Color, DoubleSide, Float32BufferAttribute, GLSL3, IUniform, LineSegments, Mesh, NotEqualStencilFunc,
-  Points, ReplaceStencilOp, ShaderMaterial, Vector2, Vector3,
+  Box3, BoxGeometry, BufferGeometry, Color, DoubleSide, Float32BufferAttribute, GLSL3, InstancedBufferAttribute,
+  InstancedBufferGeometry, IUniform, LineSegments, Mesh, NotEqualStencilFunc, Object3D, Points, ReplaceStencilOp,
+  ShaderMaterial, Vector2, Vector3,
 } from "three";
 
 /** Pixels of the canvas, and how many make one of the page. */
@@ -17,19 +18,20 @@ export const pixelRatio = { value: Math.min(2, window.devicePixelRatio) };
 /** Towards the light. */
 export const SUN = new Vector3(-0.35, -0.62, 1.1).normalize();
 
-/** Matt solids: sky, sun and a light rim. */
-export function clay(color: string, opacity = 1): ShaderMaterial {
+/** Matt solids: sky, sun and a light rim. `place` is where a corner is, in GLSL. */
+export function clay(color: string, opacity = 1, place = "position", inputs = ""): ShaderMaterial {
   return new ShaderMaterial({
     glslVersion: GLSL3,
     uniforms: { color: { value: new Color(color) }, opacity: { value: opacity }, sun: { value: SUN } },
     transparent: opacity < 1,
     depthWrite: opacity >= 1,
     vertexShader: /* glsl */ `
+      ${inputs}
       out vec3 surface;
       out vec3 seen;
       void main() {
         surface = mat3(modelMatrix) * normal;
-        vec4 at = modelMatrix * vec4(position, 1.0);
+        vec4 at = modelMatrix * vec4(${place}, 1.0);
         seen = cameraPosition - at.xyz;
         gl_Position = projectionMatrix * viewMatrix * at;
       }`,
@@ -41,7 +43,7 @@ export function clay(color: string, opacity = 1): ShaderMaterial {
       in vec3 seen;
       out vec4 pixel;
       void main() {
-        vec3 n = normalize(surface);
+        vec3 n = normalize(surface) * (gl_FrontFacing ? 1.0 : -1.0);
         float sky = 0.5 + 0.5 * n.z;
         float light = max(0.0, dot(n, sun));
         float edge = 1.0 - abs(dot(n, normalize(seen)));
@@ -194,6 +196,54 @@ export function dots(positions: number[], colors: number[], size: number, opacit
   return points;
 }
 
+/** Points of `radius` metres, as small balls. */
+export function cloud(positions: Float32Array, radius: number, color: IUniform<Color>): Object3D {
+  const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(positions, 3));
+  const material = new ShaderMaterial({
+    glslVersion: GLSL3,
+    uniforms: { color, radius: { value: radius }, resolution, ratio: pixelRatio },
+    vertexShader: /* glsl */ `
+      uniform vec2 resolution;
+      uniform float radius, ratio;
+      void main() {
+        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        gl_PointSize = max(1.6 * ratio, radius * projectionMatrix[1][1] * resolution.y / gl_Position.w);
+      }`,
+    fragmentShader: /* glsl */ `
+      uniform vec3 color;
+      out vec4 pixel;
+      void main() {
+        vec2 at = 2.0 * gl_PointCoord - 1.0;
+        float r = dot(at, at);
+        if (r > 1.0) discard;
+        vec3 n = vec3(at.x, -at.y, sqrt(1.0 - r));
+        pixel = vec4(color * (0.58 + 0.42 * max(0.0, dot(n, normalize(vec3(-0.3, 0.7, 0.6))))), 1.0);
+      }`,
+  });
+  return new Points(geometry, material);
+}
+
+/** Cubes as x, y, z and half the edge, each larger by `radius`. */
+export function cubes(values: Float32Array, radius: number, color: IUniform<Color>): Object3D {
+  const box = new BoxGeometry(2, 2, 2);
+  const geometry = new InstancedBufferGeometry();
+  geometry.setAttribute("position", box.getAttribute("position"));
+  geometry.setAttribute("normal", box.getAttribute("normal"));
+  geometry.setIndex(box.getIndex());
+  geometry.setAttribute("cube", new InstancedBufferAttribute(values, 4));
+  geometry.boundingBox = new Box3();
+  const half = new Vector3();
+  for (let i = 0; i < values.length; i += 4) {
+    const middle = new Vector3(values[i], values[i + 1], values[i + 2]);
+    half.setScalar(values[i + 3]! + radius);
+    geometry.boundingBox.expandByPoint(middle.clone().add(half)).expandByPoint(middle.sub(half));
+  }
+  const material = clay("#000", 1, `position * (cube.w + ${radius.toFixed(6)}) + cube.xyz`, "in vec4 cube;");
+  material.uniforms.color = color;
+  const mesh = new Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  return mesh;
+}
 
 /** The corners of a stroke: along it, and across. */
 const CORNERS = [[-1, -1], [1, -1], [1, 1], [-1, 1]] as const;

@@ -2,16 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /** Facts beside the picture: the plan, where the time went, what memory knew, what is shown. */
-import { counted, el, seconds } from "./elements";
+import { counted, el, metres, seconds } from "./elements";
 import { nearestDistance } from "./memory_view";
 import { originColor } from "./theme";
-import { distanceUnit, primitiveName, type Trace } from "./trace";
+import { distanceUnit, primitiveName, sourceName, type Touch, touchName, type Trace } from "./trace";
 
-export type Layer = "ends" | "tip" | "memory" | "components" | "samples" | "trees";
+export type Layer = "ends" | "tip" | "covers" | "beside" | "memory" | "components" | "samples" | "trees";
 
 export interface PanelEvents {
   layerChanged(layer: Layer, isShown: boolean): void;
   primitiveChosen(index: number | null): void;
+  touchChosen(touch: Touch): void;
 }
 
 interface Part {
@@ -49,9 +50,16 @@ export class Panel {
   private readonly switches = new Map<Layer, HTMLInputElement>();
   private chosen: number | null = null;
 
-  constructor(root: HTMLElement, private readonly trace: Trace, shown: Record<Layer, boolean>,
-              private readonly events: PanelEvents) {
-    root.append(this.plan(), this.times(), this.layers(shown));
+  /** `joints` are the plots of the motion, if there is one. */
+  constructor(root: HTMLElement, private readonly trace: Trace, shown: Record<Layer, boolean>, hasLooks: boolean,
+              joints: HTMLElement | null, private readonly events: PanelEvents) {
+    root.replaceChildren();
+    if (trace.touches?.length) root.append(this.touches(trace.touches));
+    if (trace.beside) root.append(this.comparison(trace.beside));
+    if (trace.plan.planner) root.append(this.plan());
+    root.append(this.layers(shown, hasLooks));
+    if (joints) root.append(section("Joints", joints));
+    if (timeParts(trace.times).length > 0) root.append(this.times());
     if (trace.primitives.length > 0) root.append(this.memory());
     if (trace.samples.shown.length > 0) root.append(this.origins());
     root.append(this.keys());
@@ -80,11 +88,52 @@ export class Panel {
       fact("planner", plan.planner), fact("sampler", plan.sampler),
       fact("planning", seconds(this.trace.times.planning_time_s ?? 0)),
       ...(plan.solved ? [fact("path", `${this.trace.vertices.length} configurations, ${plan.path_length.toFixed(2)} rad`)] : []),
+      ...(this.trace.duration_s ? [fact("motion", `${this.trace.duration_s.toFixed(2)} s`)] : []),
       fact("samples", counted(plan.iterations)), fact("nodes", counted(plan.nodes)),
       fact("states checked", counted(plan.states_checked)), fact("motions checked", counted(plan.motions_checked)),
       fact("seed", `${plan.seed}, ${plan.isa}`),
     ];
     return section("Plan", el("dl", {}, ...facts.flat()));
+  }
+
+  private touches(touches: Touch[]): HTMLElement {
+    const list = el("div", { class: "touches" });
+    for (const touch of touches) {
+      const end = touch.goal < 0 ? "start" : this.trace.goals.length > 1 ? `goal ${touch.goal}` : "goal";
+      const row = el("button", { class: "touching" },
+        el("span", {}, touchName(this.trace, touch), el("small", {}, `at the ${end}`)),
+        el("b", {}, touch.distance < 0 ? `${metres(-touch.distance)} deep` : "touching"));
+      row.addEventListener("click", () => this.events.touchChosen(touch));
+      list.append(row);
+    }
+    return section("In contact", list);
+  }
+
+  /** What both plans took, the shorter bar being the better one. */
+  private comparison(beside: Trace): HTMLElement {
+    const sides: [Trace, string][] = [[this.trace, "mine"], [beside, "other"]];
+    const rows: [string, (trace: Trace) => number, (value: number) => string][] = [
+      ["planning", (trace) => trace.times.planning_time_s ?? 0, seconds],
+      ["samples", (trace) => trace.plan.iterations, counted],
+      ["states checked", (trace) => trace.plan.states_checked, counted],
+      ["path, rad", (trace) => trace.plan.path_length, (value) => (value > 0 ? value.toFixed(2) : "none")],
+    ];
+    const list = el("div", { class: "versus" });
+    for (const [name, of, text] of rows) {
+      const most = Math.max(...sides.map(([trace]) => of(trace))) || 1;
+      list.append(el("span", {}, name));
+      const bars = el("div", {});
+      for (const [trace, side] of sides) {
+        const share = Math.max(1, (100 * of(trace)) / most);
+        bars.append(el("div", {}, el("i", { class: side, style: `width:${share.toFixed(1)}%` }), el("b", {}, text(of(trace)))));
+      }
+      list.append(bars);
+    }
+    const names = sides.map(([trace, side]) => {
+      const status = trace.plan.solved ? "" : `: ${trace.plan.status.replaceAll("_", " ")}`;
+      return el("span", { class: side }, `${sourceName(trace)}${status}`);
+    });
+    return section("Beside each other", el("p", { class: "legend" }, ...names), list);
   }
 
   private times(): HTMLElement {
@@ -99,11 +148,13 @@ export class Panel {
     return section("Where the time went", bar, list);
   }
 
-  private layers(shown: Record<Layer, boolean>): HTMLElement {
+  private layers(shown: Record<Layer, boolean>, hasLooks: boolean): HTMLElement {
     const { trace } = this;
     const entries: [Layer, string, number | null][] = [
       ["ends", "Start and goal", null],
       ["tip", "Way of the end effector", trace.waypoints.length > 1 ? null : 0],
+      ["covers", "What is checked", hasLooks ? null : 0],
+      ["beside", `Beside: ${trace.beside ? sourceName(trace.beside) : ""}`, trace.beside ? null : 0],
       ["memory", "Primitives", trace.primitives.length],
       ["components", "Remembered arms", trace.components.count],
       ["samples", "Samples", trace.plan.iterations && trace.samples.shown.length ? trace.plan.iterations : 0],
@@ -174,7 +225,7 @@ export class Panel {
   private keys(): HTMLElement {
     const rows: [string, string][] = [
       ["space", "play, pause"], ["\u2190 \u2192", "step (with shift: to the path\u2019s own configurations)"],
-      ["home end", "start, goal"], ["1 \u2026 6", "layers"], ["r", "reset the view"], ["t", "light, dark"], ["p", "panel"],
+      ["home end", "start, goal"], ["1 \u2026 8", "layers"], ["r", "reset the view"], ["t", "light, dark"], ["p", "panel"],
     ];
     return section("Keys", el("dl", { class: "keys" }, ...rows.flatMap(([key, what]) =>
       [el("dt", {}, ...key.split(" ").map((k) => (k === "\u2026" ? k : el("kbd", {}, k)))), el("dd", {}, what)])));

@@ -1,42 +1,19 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The scene: one object per obstacle, which can be tinted. */
+/** The scene: one object per obstacle, which can be tinted and moved. */
 import {
-  Box3, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, EdgesGeometry, Float32BufferAttribute,
-  Group, LineLoop, LineSegments, Material, Mesh, Object3D, Quaternion, ShaderMaterial, SphereGeometry, Vector3,
+  Box3, BufferGeometry, Color, DoubleSide, EdgesGeometry, Float32BufferAttribute, Group, LineLoop, LineSegments, Material, Mesh,
+  Object3D, ShaderMaterial,
 } from "three";
-import { clay, flat } from "./materials";
-import { poseMatrix } from "./solid_robot";
+import { cloud, clay, cubes, flat } from "./materials";
+import { unpack } from "./packed";
+import { geometryOf, poseMatrix } from "./shapes";
 import { palette } from "./theme";
 import type { Obstacle, Shape } from "./trace";
 
-const UP = new Vector3(0, 1, 0);
 /** Opacity of solid obstacles: an arm in a box or a shelf must be seen. */
 const SEE_THROUGH = 0.6;
-
-function geometryOf(shape: Shape): BufferGeometry {
-  switch (shape.type) {
-    case "sphere": {
-      const [x, y, z, r] = shape.sphere as [number, number, number, number];
-      return new SphereGeometry(r, 32, 20).translate(x, y, z);
-    }
-    case "capsule": {
-      const c = shape.capsule;
-      const a = new Vector3(c[0], c[1], c[2]);
-      const b = new Vector3(c[3], c[4], c[5]);
-      const along = b.clone().sub(a);
-      const turn = new Quaternion().setFromUnitVectors(UP, along.clone().normalize());
-      const middle = a.add(b).multiplyScalar(0.5);
-      return new CapsuleGeometry(c[6], along.length(), 12, 32).applyQuaternion(turn).translate(...middle.toArray());
-    }
-    case "box":
-      return new BoxGeometry(...(shape.size as [number, number, number])).applyMatrix4(poseMatrix(shape.pose));
-    case "cylinder":
-      return new CylinderGeometry(shape.radius, shape.radius, shape.length, 48)
-        .rotateX(Math.PI / 2).applyMatrix4(poseMatrix(shape.pose));
-  }
-}
 
 /** The circle of a sphere in the plane. */
 function rim(shape: Shape): BufferGeometry | null {
@@ -50,20 +27,27 @@ function rim(shape: Shape): BufferGeometry | null {
   return new BufferGeometry().setAttribute("position", new Float32BufferAttribute(points, 3));
 }
 
+/** The materials of one obstacle. */
+interface Skin {
+  solid: ShaderMaterial;
+  edge: ShaderMaterial;
+  color: { value: Color };
+}
+
 export class SceneView {
   readonly object = new Group();
-  private readonly skins: ShaderMaterial[] = [];
-  private readonly edges: ShaderMaterial[] = [];
-  private readonly groups: Group[] = [];
+  private readonly skins: Skin[] = [];
+  readonly groups: Group[] = [];
 
-  constructor(obstacles: Obstacle[], private readonly isPlanar: boolean, private readonly shade: Material) {
-    for (const obstacle of obstacles) {
-      const skin = isPlanar ? flat("#000") : clay("#000", SEE_THROUGH);
-      const edge = flat("#000");
+  constructor(readonly obstacles: Obstacle[], private readonly isPlanar: boolean, private readonly shade: Material) {
+    for (const [i, obstacle] of obstacles.entries()) {
+      const solid = isPlanar ? flat("#000") : clay("#000", SEE_THROUGH);
+      if (obstacle.shapes.some((shape) => shape.type === "mesh")) solid.side = DoubleSide;
+      const skin = { solid, edge: flat("#000"), color: solid.uniforms.color as { value: Color } };
       const group = new Group();
-      for (const shape of obstacle.shapes) group.add(...this.solids(shape, skin, edge));
+      group.userData.obstacle = i;
+      for (const shape of obstacle.shapes) group.add(...this.parts(shape, skin));
       this.skins.push(skin);
-      this.edges.push(edge);
       this.groups.push(group);
       this.object.add(group);
     }
@@ -71,25 +55,48 @@ export class SceneView {
   }
 
   /** The colours of some obstacles; the others are as always. */
-  tint(colors: Map<number, string>): void {
+  tint(colors: Map<number, string>, strength = 0.4): void {
     const { obstacle, obstacleEdge } = palette();
     this.skins.forEach((skin, i) => {
       const tint = colors.get(i);
-      const color: Color = skin.uniforms.color!.value.set(obstacle);
-      if (tint) color.lerp(new Color(tint), this.isPlanar ? 0.25 : 0.4);
-      this.edges[i]!.uniforms.color!.value.set(tint ?? obstacleEdge);
+      skin.color.value.set(obstacle);
+      if (tint) skin.color.value.lerp(new Color(tint), this.isPlanar ? 0.25 : strength);
+      (skin.edge.uniforms.color!.value as Color).set(tint ?? obstacleEdge);
     });
   }
 
   bounds(i: number): Box3 {
+    this.groups[i]!.updateMatrixWorld(true);
     return new Box3().setFromObject(this.groups[i]!);
   }
 
-  private solids(shape: Shape, skin: Material, edge: Material): Object3D[] {
-    const geometry = geometryOf(shape);
-    const solid: Object3D[] = [new Mesh(geometry, skin)];
+  private parts(shape: Shape, skin: Skin): Object3D[] {
+    if (shape.type === "points") {
+      return [this.placed(cloud(unpack(shape.points, 3), shape.radius, skin.color), shape)];
+    }
+    if (shape.type === "octree") {
+      return [this.placed(cubes(unpack(shape.cubes, 4), shape.radius, skin.color), shape)];
+    }
+    return this.solids(geometryOf(shape)!, shape, skin);
+  }
+
+  private placed(object: Object3D, shape: Shape & { pose: number[] }): Object3D {
+    object.applyMatrix4(poseMatrix(shape.pose));
+    return object;
+  }
+
+  private solids(geometry: BufferGeometry, shape: Shape, skin: Skin): Object3D[] {
+    const solid: Object3D[] = [new Mesh(geometry, skin.solid)];
     const circle = this.isPlanar ? rim(shape) : null;
-    if (circle) return [...solid, new LineLoop(circle, edge)];
+    if (circle) return [...solid, new LineLoop(circle, skin.edge)];
+    if (shape.type === "mesh") {
+      // Of a folded surface only what is nearest is seen.
+      const mask = Object.assign(flat("#000"), { colorWrite: false, transparent: true, side: skin.solid.side });
+      const first = new Mesh(geometry, mask);
+      first.renderOrder = 1;
+      solid[0]!.renderOrder = 2;
+      solid.push(first);
+    }
     if (!this.isPlanar) {
       const shadow = new Mesh(geometry, this.shade);
       shadow.renderOrder = -1;
@@ -97,6 +104,6 @@ export class SceneView {
       solid.push(shadow);
     }
     if (shape.type !== "box" && shape.type !== "cylinder") return solid;
-    return [...solid, new LineSegments(new EdgesGeometry(geometry, 30), edge)];
+    return [...solid, new LineSegments(new EdgesGeometry(geometry, 30), skin.edge)];
   }
 }

@@ -1,19 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Robots as the solids that are checked: spheres and capsules. */
+/** Robots as they look, or as the spheres and capsules that are checked. */
 import {
-  BufferGeometry, CylinderGeometry, Float32BufferAttribute, Group, Material, Matrix4, Mesh, Quaternion, SphereGeometry,
-  Vector3,
+  BufferGeometry, CylinderGeometry, DoubleSide, Float32BufferAttribute, Group, Material, Matrix4, Mesh, Quaternion,
+  SphereGeometry, Vector3,
 } from "three";
 import { clay, flat } from "./materials";
+import { geometryOf, isSamePose, poseMatrix } from "./shapes";
 import type { Link, Pose } from "./trace";
-
-export function poseMatrix(pose: Pose): Matrix4 {
-  const position = new Vector3(pose[0], pose[1], pose[2]);
-  const turn = new Quaternion(pose[3], pose[4], pose[5], pose[6]);
-  return new Matrix4().compose(position, turn, new Vector3(1, 1, 1));
-}
 
 const UP = new Vector3(0, 1, 0);
 
@@ -54,7 +49,7 @@ class Merger {
   }
 }
 
-function linkGeometry(link: Link, units: Units): BufferGeometry {
+function coverGeometry(link: Link, units: Units): BufferGeometry {
   const merger = new Merger();
   const addBall = (x: number, y: number, z: number, radius: number) =>
     merger.add(units.ball, new Matrix4().makeScale(radius, radius, radius).setPosition(x, y, z));
@@ -73,48 +68,99 @@ function linkGeometry(link: Link, units: Units): BufferGeometry {
   return merger.geometry();
 }
 
-/** What stages show of a robot, solid or flat. */
+/** What panes show of a robot, solid or flat. */
 export interface RobotView {
   readonly object: Group;
   setPoses(poses: Pose[]): void;
+  /** Hides links that stand where they do in one of `others`, which is shown, too: two at one place flicker. */
+  hideWhere(...others: Pose[][]): void;
 }
 
-/** The links' geometry, which robot and ghosts share. */
-export class RobotShape {
-  readonly fine: BufferGeometry[];
-  readonly coarse: BufferGeometry[];
-  readonly shadow: BufferGeometry[];
+/** A piece of a link's surface, in the link's frame. */
+export interface Piece {
+  link: number;
+  geometry: BufferGeometry;
+  /** Of a piece that has one of its own. */
+  color: string | null;
+}
 
-  /** Ghosts have only links that are `moving`: the others are where the robot has them. */
-  constructor(links: Link[], readonly moving: boolean[]) {
-    this.fine = links.map((link) => linkGeometry(link, FINE));
-    this.coarse = links.map((link) => linkGeometry(link, COARSE));
-    this.shadow = links.map((link) => linkGeometry(link, SHADOW));
+export type Skin = "looks" | "covers";
+
+/** The links' geometry, which robots and ghosts share. */
+export class RobotShape {
+  readonly covers: { fine: Piece[]; coarse: Piece[]; shadow: Piece[] };
+  private readonly looks: Piece[];
+  /** True if there is more to see than what is checked. */
+  readonly hasLooks: boolean;
+
+  constructor(readonly links: Link[]) {
+    const cover = (units: Units): Piece[] =>
+      links.map((link, i) => ({ link: i, geometry: coverGeometry(link, units), color: null }));
+    this.covers = { fine: cover(FINE), coarse: cover(COARSE), shadow: cover(SHADOW) };
+    this.looks = links.flatMap((link, i) =>
+      (link.visual ?? []).flatMap((shape) => {
+        const geometry = geometryOf(shape);
+        return geometry ? [{ link: i, geometry, color: shape.color ?? null }] : [];
+      }));
+    this.hasLooks = this.looks.length > 0;
+  }
+
+  /** Links without looks are seen as they are checked. */
+  pieces(skin: Skin, detail: "fine" | "coarse" | "shadow"): Piece[] {
+    const covers = this.covers[detail];
+    if (skin === "covers" || !this.hasLooks) return covers;
+    const seen = new Set(this.looks.map((piece) => piece.link));
+    return [...this.looks, ...covers.filter((piece) => !seen.has(piece.link))];
+  }
+
+  isCarried(link: number): boolean {
+    return this.links[link]!.carrier !== undefined;
   }
 }
 
-/** Where ghost and robot share a surface, the robot is seen: a lift that moved shows no stripes. */
+/** Where ghost and robot share a surface, the robot is seen. */
 const BEHIND = { polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 16 };
+
+export interface SolidStyle {
+  color: string;
+  /** Of attached objects. */
+  carriedColor: string;
+  /** Below one it is a ghost, of which only the nearest surface is seen. */
+  opacity: number;
+  skin: Skin;
+  shade: Material | null;
+}
 
 export class SolidRobot implements RobotView {
   readonly object = new Group();
   private readonly meshes: Mesh[][] = [];
+  private poses: Pose[] = [];
 
-  /** With an `opacity` below one it is a ghost, of which only the nearest surface is seen. */
-  constructor(shape: RobotShape, color: string, opacity = 1, shade: Material | null = null) {
-    // Ghosts come after all that is solid, and hide nothing of it.
+  /** Only links of `chosen` if that is given. */
+  constructor(shape: RobotShape, style: SolidStyle, private readonly chosen?: Set<number>) {
+    const { color, opacity, skin } = style;
     if (opacity < 1) {
-      const mask = flat(color);
-      Object.assign(mask, { colorWrite: false, transparent: true }, BEHIND);
-      this.add(shape.coarse, mask, 10, shape.moving);
-      this.add(shape.coarse, Object.assign(clay(color, opacity), BEHIND), 11, shape.moving);
+      const mask = Object.assign(flat(color), { colorWrite: false, transparent: true, side: DoubleSide }, BEHIND);
+      const clothes = Object.assign(clay(color, opacity), { side: DoubleSide }, BEHIND);
+      // Ghosts come after all that is solid, and hide nothing of it.
+      for (const piece of shape.pieces(skin, "coarse")) {
+        this.add(piece, mask, 10);
+        this.add(piece, clothes, 11);
+      }
     } else {
-      this.add(shape.fine, clay(color), 0);
+      const materials = new Map<string, Material>();
+      for (const piece of shape.pieces(skin, "fine")) {
+        const own = skin === "looks" ? piece.color : null;
+        const tone = shape.isCarried(piece.link) ? style.carriedColor : own ?? color;
+        if (!materials.has(tone)) materials.set(tone, Object.assign(clay(tone), { side: DoubleSide }));
+        this.add(piece, materials.get(tone)!, 0);
+      }
     }
-    if (shade) this.add(shape.shadow, shade, -1);
+    if (style.shade) for (const piece of shape.pieces(skin, "shadow")) this.add(piece, style.shade, -1);
   }
 
   setPoses(poses: Pose[]): void {
+    this.poses = poses;
     poses.forEach((pose, link) => {
       const matrix = poseMatrix(pose);
       for (const mesh of this.meshes[link] ?? []) {
@@ -124,15 +170,21 @@ export class SolidRobot implements RobotView {
     });
   }
 
-  private add(geometries: BufferGeometry[], material: Material, order: number, isShown?: boolean[]): void {
-    geometries.forEach((geometry, link) => {
-      if (isShown && !isShown[link]) return;
-      const mesh = new Mesh(geometry, material);
-      mesh.matrixAutoUpdate = false;
-      mesh.frustumCulled = false;
-      mesh.renderOrder = order;
-      (this.meshes[link] ??= []).push(mesh);
-      this.object.add(mesh);
+  hideWhere(...others: Pose[][]): void {
+    this.poses.forEach((pose, link) => {
+      const isHidden = others.some((poses) => isSamePose(pose, poses[link]!));
+      for (const mesh of this.meshes[link] ?? []) mesh.visible = !isHidden;
     });
+  }
+
+  private add({ link, geometry }: Piece, material: Material, order: number): void {
+    if (this.chosen && !this.chosen.has(link)) return;
+    const mesh = new Mesh(geometry, material);
+    mesh.matrixAutoUpdate = false;
+    mesh.frustumCulled = false;
+    mesh.renderOrder = order;
+    mesh.userData.link = link;
+    (this.meshes[link] ??= []).push(mesh);
+    this.object.add(mesh);
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Camera, light and floor; draws when something has changed. */
+/** Camera, light and floor of one picture, or of two beside each other; draws when something has changed. */
 import {
   Box3, Color, LinearSRGBColorSpace, Mesh, MOUSE, OrthographicCamera, PerspectiveCamera, PlaneGeometry,
-  Scene, TOUCH, Vector3, WebGLRenderer,
+  Scene, TOUCH, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { gridMaterial, pixelRatio, resolution } from "./materials";
@@ -42,24 +42,34 @@ function isDrawnInSoftware(): boolean {
 /** Milliseconds without a change before a picture in software is drawn again with smooth edges. */
 const STILL = 160;
 
+/** What is to be seen, and from where. */
+export interface View {
+  /** Holds what matters. */
+  box: Box3;
+  floorHeight: number;
+  /** The camera looks against it. */
+  direction: Vector3;
+}
+
 export class Stage {
-  readonly scene = new Scene();
+  /** One for each picture; the camera is the same. */
+  readonly scenes = [new Scene(), new Scene()];
   /** True without a graphics card. */
   readonly isSlow: boolean;
   private readonly renderer: WebGLRenderer;
   private readonly ratio = Math.min(2, window.devicePixelRatio);
   private changed = 0;
   private isUntouched = true;
-  private readonly camera: PerspectiveCamera | OrthographicCamera;
-  private readonly controls: OrbitControls;
-  private floor: Mesh | null = null;
+  readonly camera: PerspectiveCamera | OrthographicCamera;
+  readonly controls: OrbitControls;
+  private readonly floors: Mesh[] = [];
+  private count = 1;
+  private view: View = { box: new Box3(new Vector3(), new Vector3(1, 1, 1)), floorHeight: 0, direction: new Vector3(0, 0, 1) };
   private isStale = true;
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
-  private readonly afterDraw: (() => void)[] = [];
+  private readonly afterDraw: ((picture: number) => void)[] = [];
 
-  /** `box` holds what matters, `floorHeight` is where the floor is; the camera looks against `direction`. */
-  constructor(private readonly canvas: HTMLCanvasElement, readonly isPlanar: boolean, private readonly box: Box3,
-              private readonly floorHeight: number, private readonly direction: Vector3) {
+  constructor(readonly canvas: HTMLCanvasElement, readonly isPlanar: boolean) {
     const { context, isSoftware } = makeContext(canvas);
     this.isSlow = isSoftware;
     this.renderer = new WebGLRenderer({ canvas, context });
@@ -76,14 +86,25 @@ export class Stage {
     this.controls.addEventListener("start", () => (this.isUntouched = false));
     this.controls.maxPolarAngle = Math.PI * 0.54;
     if (isPlanar) this.lockToPlane();
-    this.applyTheme();
-    this.resetView();
     new ResizeObserver(() => this.setInsets(this.insets)).observe(canvas.parentElement!);
     this.renderer.setAnimationLoop((time) => this.draw(time));
   }
 
-  /** Calls `callback` after each picture. */
-  onDraw(callback: () => void): void {
+  /** Shows other things from where the camera is, unless it has not been moved. */
+  setView(view: View): void {
+    this.view = view;
+    this.applyTheme();
+    if (this.isUntouched) this.resetView();
+  }
+
+  /** One picture, or two. */
+  setCount(count: number): void {
+    this.count = count;
+    this.setInsets(this.insets);
+  }
+
+  /** Calls `callback` after each picture, while the camera is that of the picture. */
+  onDraw(callback: (picture: number) => void): void {
     this.afterDraw.push(callback);
   }
 
@@ -99,38 +120,79 @@ export class Stage {
   }
 
   /** Where `point` is on the canvas, in pixels of the page; null behind the camera. */
-  project(point: Vector3): { x: number; y: number } | null {
+  project(point: Vector3, picture = 0): { x: number; y: number } | null {
+    this.aim(picture);
     const p = point.clone().project(this.camera);
     if (p.z > 1) return null;
-    return { x: (0.5 + p.x / 2) * this.canvas.clientWidth, y: (0.5 - p.y / 2) * this.canvas.clientHeight };
+    const part = this.part(picture);
+    return { x: part.left + (0.5 + p.x / 2) * part.width, y: (0.5 - p.y / 2) * part.height };
+  }
+
+  /** The picture at these pixels, and where in it: -1 to 1, upwards. */
+  locate(x: number, y: number): { picture: number; at: Vector2 } {
+    const picture = this.count > 1 && x >= this.part(1).left ? 1 : 0;
+    const part = this.part(picture);
+    this.aim(picture);
+    return { picture, at: new Vector2((2 * (x - part.left)) / part.width - 1, 1 - (2 * y) / part.height) };
+  }
+
+  /** Looks at a small place from where the camera is. */
+  focus(box: Box3): void {
+    const center = box.getCenter(new Vector3());
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.isUntouched = false;
+    this.controls.target.copy(center);
+    const size = Math.max(0.05, box.getSize(new Vector3()).length());
+    if (this.camera instanceof PerspectiveCamera) {
+      this.camera.position.copy(center).addScaledVector(direction, (1.1 * size) / Math.tan((FIELD_OF_VIEW * Math.PI) / 360));
+    } else {
+      this.camera.position.copy(center).addScaledVector(direction, 50);
+      this.camera.zoom = this.view.box.getSize(new Vector3()).length() / (3 * size);
+    }
+    this.resize();
+    this.controls.update();
   }
 
   applyTheme(): void {
     const colors = palette();
-    this.scene.background = new Color(colors.background);
-    this.floor?.removeFromParent();
-    this.floor = this.makeFloor();
-    this.scene.add(this.floor);
+    this.scenes.forEach((scene, i) => {
+      scene.background = new Color(colors.background);
+      this.floors[i]?.removeFromParent();
+      this.floors[i] = this.makeFloor();
+      scene.add(this.floors[i]!);
+    });
     this.invalidate();
   }
 
   resetView(): void {
     this.isUntouched = true;
-    const center = this.box.getCenter(new Vector3());
+    const center = this.view.box.getCenter(new Vector3());
     this.controls.target.copy(center);
     this.camera.zoom = 1;
-    this.camera.position.copy(center).addScaledVector(this.direction, this.isPlanar ? 50 : this.fittingDistance(center));
+    this.camera.position.copy(center).addScaledVector(this.view.direction, this.isPlanar ? 50 : this.fittingDistance(center));
     this.camera.lookAt(center);
     this.resize();
     this.controls.update();
     this.isUntouched = true;
   }
 
-  /** The free part of the canvas, in pixels. */
+  /** The part of the canvas that a picture takes, in pixels; the last one goes on below panels at the right. */
+  private part(picture: number): { left: number; width: number; height: number; right: number } {
+    const { clientWidth, clientHeight } = this.canvas.parentElement!;
+    const share = Math.max(80, clientWidth - this.insets.left - this.insets.right) / this.count;
+    const left = picture === 0 ? 0 : this.insets.left + picture * share;
+    const isLast = picture === this.count - 1;
+    const end = isLast ? clientWidth : this.insets.left + (picture + 1) * share;
+    return { left, width: end - left, height: clientHeight, right: isLast ? this.insets.right : 0 };
+  }
+
+  /** The free part of each picture, in pixels. */
   private freePart(): { width: number; height: number } {
     const { top, right, bottom, left } = this.insets;
     const { clientWidth, clientHeight } = this.canvas.parentElement!;
-    return { width: Math.max(80, clientWidth - left - right), height: Math.max(80, clientHeight - top - bottom) };
+    return {
+      width: Math.max(80, (clientWidth - left - right) / this.count), height: Math.max(80, clientHeight - top - bottom),
+    };
   }
 
   /** So far away that all corners of the box are seen in the free part. */
@@ -138,14 +200,14 @@ export class Stage {
     const free = this.freePart();
     const up = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180)) * FILLED * (free.height / this.canvas.parentElement!.clientHeight);
     const across = up * (free.width / free.height);
-    const right = this.camera.up.clone().cross(this.direction).normalize();
-    const above = this.direction.clone().cross(right);
+    const right = this.camera.up.clone().cross(this.view.direction).normalize();
+    const above = this.view.direction.clone().cross(right);
     let distance = 0;
     for (let i = 0; i < 8; ++i) {
-      const { min, max } = this.box;
+      const { min, max } = this.view.box;
       const corner = new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z).sub(center);
       const needed = Math.max(Math.abs(corner.dot(right)) / across, Math.abs(corner.dot(above)) / up);
-      distance = Math.max(distance, needed + corner.dot(this.direction));
+      distance = Math.max(distance, needed + corner.dot(this.view.direction));
     }
     return distance;
   }
@@ -162,8 +224,8 @@ export class Stage {
     const cell = this.isPlanar ? 1 : 0.25;
     const floor = new Mesh(new PlaneGeometry(2 * radius, 2 * radius), gridMaterial(palette().grid, cell, radius));
     const snap = (value: number) => Math.round(value / cell / 4) * cell * 4;
-    const center = this.box.getCenter(new Vector3());
-    const z = this.isPlanar ? -10 : this.floorHeight - 0.002;
+    const center = this.view.box.getCenter(new Vector3());
+    const z = this.isPlanar ? -10 : this.view.floorHeight - 0.002;
     floor.position.set(snap(center.x), snap(center.y), z);
     floor.renderOrder = -2;
     return floor;
@@ -174,31 +236,54 @@ export class Stage {
     const height = this.canvas.parentElement!.clientHeight;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
-    this.renderer.getDrawingBufferSize(resolution.value);
-    const { top, right, bottom, left } = this.insets;
-    const shift = { x: (right - left) / 2, y: (bottom - top) / 2 };
+    this.aim(0);
+    this.invalidate();
+  }
+
+  /** Makes the camera that of a picture. */
+  aim(picture: number): void {
+    const { width, height, right } = this.part(picture);
+    if (width === 0 || height === 0) return;
+    const { top, bottom } = this.insets;
+    const left = picture === 0 ? this.insets.left : 0;
     if (this.camera instanceof PerspectiveCamera) {
       this.camera.fov = FIELD_OF_VIEW;
       this.camera.aspect = width / height;
     } else {
       const free = this.freePart();
-      const size = this.box.getSize(new Vector3());
+      const size = this.view.box.getSize(new Vector3());
       const scale = Math.max(size.x / free.width, size.y / free.height) / FILLED;
       this.camera.left = (-width / 2) * scale;
       this.camera.right = (width / 2) * scale;
       this.camera.top = (height / 2) * scale;
       this.camera.bottom = (-height / 2) * scale;
     }
-    this.camera.setViewOffset(width, height, shift.x, shift.y, width, height);
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.camera.updateProjectionMatrix();
-    this.invalidate();
+    this.camera.updateMatrixWorld();
   }
 
   drawNow(): void {
     this.isStale = false;
     this.setRatio(this.ratio);
-    this.renderer.render(this.scene, this.camera);
-    for (const callback of this.afterDraw) callback();
+    this.renderAll();
+    for (let picture = 0; picture < this.count; ++picture) {
+      this.aim(picture);
+      for (const callback of this.afterDraw) callback(picture);
+    }
+    this.aim(0);
+  }
+
+  private renderAll(): void {
+    this.renderer.setScissorTest(true);
+    for (let picture = 0; picture < this.count; ++picture) {
+      const { left, width, height } = this.part(picture);
+      this.aim(picture);
+      this.renderer.setViewport(left, 0, width, height);
+      this.renderer.setScissor(left, 0, width, height);
+      resolution.value.set(width, height).multiplyScalar(this.renderer.getPixelRatio());
+      this.renderer.render(this.scenes[picture]!, this.camera);
+    }
   }
 
   private draw(time: number): void {
@@ -208,14 +293,14 @@ export class Stage {
     } else if (this.isSlow && this.changed > 0 && time - this.changed > STILL) {
       this.changed = 0;
       this.setRatio(2 * this.ratio);
-      this.renderer.render(this.scene, this.camera);
+      this.renderAll();
+      this.aim(0);
     }
   }
 
   private setRatio(ratio: number): void {
     if (this.renderer.getPixelRatio() === ratio) return;
     this.renderer.setPixelRatio(ratio);
-    this.renderer.getDrawingBufferSize(resolution.value);
     pixelRatio.value = ratio;
   }
 }

@@ -31,6 +31,11 @@ export function originColor(origin: number): string {
   return colors[origin % colors.length]!;
 }
 
+/** Of what touches. */
+export function touchColor(): string {
+  return isDark() ? "#ff5a4d" : "#e01e10";
+}
+
 export interface Palette {
   background: string;
   grid: string;

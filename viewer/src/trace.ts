@@ -10,12 +10,28 @@ export type Shape =
   | { type: "sphere"; sphere: number[] }
   | { type: "capsule"; capsule: number[] }
   | { type: "box"; pose: Pose; size: number[] }
-  | { type: "cylinder"; pose: Pose; radius: number; length: number };
+  | { type: "cylinder"; pose: Pose; radius: number; length: number }
+  | { type: "points"; pose: Pose; radius: number; points: Packed }
+  | { type: "mesh"; pose: Pose; radius: number; triangles: Packed }
+  | { type: "octree"; pose: Pose; radius: number; cubes: Packed };
+
+/** Coordinates in 16 bits, as base64; `count` is how many there are in all. */
+export interface Packed {
+  count: number;
+  low: number[];
+  step: number;
+  data: string;
+  indices?: string;
+}
 
 export interface Link {
   name: string;
   spheres: number[][];
   capsules: number[][];
+  /** What it looks like; without it, it is seen as what is checked. */
+  visual?: (Shape & { color?: string })[];
+  /** The link that carries it, of an attached object. */
+  carrier?: string;
 }
 
 export interface Obstacle {
@@ -30,6 +46,27 @@ export interface Waypoint {
   nearest: [number, number];
   tip: number[];
   poses: Pose[];
+  time?: number;
+  velocity?: number[];
+  acceleration?: number[];
+}
+
+/** Of each joint; null where it has none. */
+export interface Limits {
+  lower: (number | null)[];
+  upper: (number | null)[];
+  velocity: (number | null)[];
+  acceleration: (number | null)[];
+}
+
+/** What touches at the start (`goal` is -1) or at a goal. */
+export interface Touch {
+  goal: number;
+  link: number;
+  other: number;
+  is_self: boolean;
+  distance: number;
+  place: number[];
 }
 
 export interface Primitive {
@@ -68,8 +105,11 @@ export interface Trace {
     nodes: number;
   };
   times: Record<string, number>;
+  limits?: Limits;
+  duration_s?: number;
   links: Link[];
   obstacles: Obstacle[];
+  touches?: Touch[];
   start: Pose[];
   goals: Pose[][];
   waypoints: Waypoint[];
@@ -78,6 +118,19 @@ export interface Trace {
   components: { count: number; shown: Arm[] };
   samples: { uniform_draws: number; shown: Arm[] };
   edges: { count: number; shown: { graph: number; tips: number[] }[] };
+  /** Another plan of the same problem. */
+  beside?: Trace;
+  live?: Live;
+}
+
+/** What the page of a service starts with. */
+export interface Live {
+  start: number[];
+  has_memory: boolean;
+  /** Links that goals are for, with those that move with each, in its frame. */
+  tips: { link: string; pose: Pose; carries: { link: number; pose: Pose }[] }[];
+  /** Links that are only seen, in the frame of the one that carries them; traces of plans lack them. */
+  welds: { link: number; to: number; pose: Pose }[];
 }
 
 /** What the distance of a primitive's keys is measured in. */
@@ -90,11 +143,25 @@ export function readTrace(): Trace {
   const text = document.getElementById("trace")?.textContent ?? "";
   const trace = JSON.parse(text) as Trace;
   if (!Array.isArray(trace.waypoints)) throw new Error("the page holds no trace");
+  const { beside } = trace;
+  if (beside?.links.length === 0) beside.links = trace.links;
+  if (beside?.obstacles.length === 0) beside.obstacles = trace.obstacles;
   return trace;
+}
+
+/** "memory" or the sampler's name. */
+export function sourceName(trace: Trace): string {
+  return trace.plan.sampler === "gl" ? "memory" : trace.plan.sampler;
 }
 
 /** Names of a primitive's obstacles; a memory of whole paths has start and goal as its only primitives. */
 export function primitiveName(trace: Trace, primitive: Primitive): string {
   if (primitive.obstacles.length === 0) return "start and goal";
   return primitive.obstacles.map((i) => trace.obstacles[i]?.name ?? "?").join(" \u2013 ");
+}
+
+/** "forearm_link \u2194 shelf". */
+export function touchName(trace: Trace, touch: Touch): string {
+  const other = touch.is_self ? trace.links[touch.other]?.name : trace.obstacles[touch.other]?.name;
+  return `${trace.links[touch.link]?.name ?? "?"} \u2194 ${other ?? "?"}`;
 }

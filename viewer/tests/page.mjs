@@ -39,18 +39,24 @@ export function mneme(...args) {
   }
 }
 
-/** A page once `ready` is in it; `complaints` collects console errors, exceptions and requests beyond the page itself. */
+/**
+ * A page once `ready` is in it, of a file without a network or of a service; `complaints` collects console errors,
+ * exceptions and requests to others.
+ */
 export async function open(browser, file, { width = 1280, height = 800, theme = "light", ready = "body.ready" } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, offline: true });
+  const isServed = file.startsWith("http:");
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, offline: !isServed });
   const page = await context.newPage();
   const complaints = [];
   page.on("console", (message) => {
     if (message.type() === "error" || message.type() === "warning") complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(error.message));
-  const address = pathToFileURL(file).href;
+  const address = isServed ? file : pathToFileURL(file).href;
   page.on("request", (request) => {
-    if (request.url() !== address && !request.url().startsWith("data:")) complaints.push(request.url());
+    const url = request.url();
+    const isOwn = isServed ? new URL(url).origin === new URL(address).origin : url === address;
+    if (!isOwn && !url.startsWith("data:")) complaints.push(url);
   });
   await page.goto(address, { timeout: 120000 });
   await page.waitForSelector(ready, { timeout: 120000 });

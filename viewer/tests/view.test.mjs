@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
@@ -14,17 +14,54 @@ if (skip) console.log(`SKIPPED: ${skip}`);
 const fetchProblems = process.env.MNEME_DATA && join(process.env.MNEME_DATA, "mbm/fetch/bookshelf_small.json");
 const noFetch = skip || (fetchProblems && existsSync(fetchProblems) ? false : "MNEME_DATA is not set");
 
+const problem3 = join(root, "scenes/planar/scenario3.yaml");
+
+/** A refused plan, which has exit code 4 and a page all the same. */
+function mnemeRefused(...args) {
+  try {
+    mneme(...args);
+  } catch (error) {
+    assert.match(error.message, /in contact/);
+    return;
+  }
+  assert.fail("the plan was not refused");
+}
+
+/** A problem of Fetch with a wall as a cloud, a tetrahedron as a mesh, and a box in the hand. */
+function writeCrowds(directory) {
+  const points = Array.from({ length: 100000 }, (_, i) => [0.9 + 0.001 * (i % 3), (i % 400) / 400 - 0.5, i / 80000]);
+  const ply = `ply\nformat ascii 1.0\nelement vertex ${points.length}\nproperty float x\nproperty float y\n` +
+    `property float z\nend_header\n${points.map((point) => point.join(" ")).join("\n")}\n`;
+  writeFileSync(join(directory, "cloud.ply"), ply);
+  writeFileSync(join(directory, "part.obj"),
+    "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const file = join(directory, "crowds.yaml");
+  const lines = [
+    "name: crowds", "robot: fetch", "frame: base_link",
+    "joints: [torso_lift_joint, shoulder_pan_joint, shoulder_lift_joint, upperarm_roll_joint, elbow_flex_joint, " +
+      "forearm_roll_joint, wrist_flex_joint, wrist_roll_joint]",
+    "scene:", "  obstacles:",
+    "    - {name: cloud, type: points, file: cloud.ply, radius: 0.005}",
+    "    - {name: part, type: mesh, file: part.obj, position: [0.5, 0.7, 0.8]}",
+    "attached:",
+    "  - {link: gripper_link, name: cube, type: box, size: [0.04, 0.04, 0.06], position: [0.04, 0, 0], " +
+      "touch: [l_gripper_finger_link, r_gripper_finger_link]}",
+    "start: [0.1, 1.32, 1.4, -0.2, 1.72, 0.0, 1.66, 0.0]", "goal: [0.2, 0.9, 1.2, -0.2, 1.72, 0.0, 1.66, 0.0]",
+  ];
+  writeFileSync(file, `${lines.join("\n")}\n`);
+  return file;
+}
+
 describe("pages", { skip }, () => {
-  let directory, browser, planar;
+  let directory, browser, planar, db;
 
   before(async () => {
     directory = mkdtempSync(join(tmpdir(), "mneme-view-"));
-    const problem = join(root, "scenes/planar/scenario3.yaml");
-    const db = join(directory, "planar.db");
-    mneme("learn", "--robot", "planar8", "--scenes", problem, "--db", db, "--starts-per-link", "1", "--paths-per-start",
+    db = join(directory, "planar.db");
+    mneme("learn", "--robot", "planar8", "--scenes", problem3, "--db", db, "--starts-per-link", "1", "--paths-per-start",
       "1", "--jobs", "1");
     planar = join(directory, "planar.html");
-    mneme("plan", problem, "--db", db, "--view", planar);
+    mneme("plan", problem3, "--db", db, "--view", planar);
     browser = await launch();
   });
   after(async () => {
@@ -112,10 +149,92 @@ describe("pages", { skip }, () => {
 
   test("a plan that failed shows start, goal and search, and says why", async () => {
     const file = join(directory, "failed.html");
-    mneme("plan", join(root, "scenes/planar/scenario3.yaml"), "--max-iterations", "200", "--view", file);
+    mneme("plan", problem3, "--max-iterations", "200", "--view", file);
     const { page, complaints, close } = await open(browser, file);
     assert.match(await page.locator("#dock").textContent(), /no path within 200 iterations/);
     assert.ok((await looks(page)).share > 0.05);
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a plan with a trajectory plays in seconds and plots joints with their limits", async () => {
+    const file = join(directory, "timed.html");
+    const out = mneme("plan", problem3, "--db", db, "--view", file, "--trajectory", join(directory, "t.csv"));
+    const duration = Number(out.match(/^motion +([\d.]+) s$/m)[1]);
+    const { page, complaints, close } = await open(browser, file);
+    await page.evaluate(() => window.mneme.seek(0.5));
+    const readout = await page.locator("#readout .end").textContent();
+    assert.equal(readout, `${(duration / 2).toFixed(2)} of ${duration.toFixed(2)} s`);
+    assert.equal(await page.locator(".joint").count(), 8);
+    // The first joint is continuous: it has limits of velocity only.
+    assert.equal(await page.locator(".joint").first().locator(".limit").count(), 0);
+    assert.equal(await page.locator(".joint").nth(1).locator(".limit").count(), 2);
+    await page.locator("[data-kind=velocity]").click();
+    assert.equal(await page.locator(".joint").first().locator(".limit").count(), 2);
+    await page.evaluate(() => window.mneme.seek(1));
+    assert.match(await page.locator(".joint b").first().textContent(), /^-?0\.00 of/);
+    const chart = await page.locator(".joint svg").first().boundingBox();
+    await page.mouse.click(chart.x + 0.25 * chart.width, chart.y + chart.height / 2);
+    assert.ok(Math.abs((await page.evaluate(() => window.mneme.fraction())) - 0.25) < 0.02);
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("two samplers are shown beside each other, and what each took", async () => {
+    const file = join(directory, "beside.html");
+    mneme("plan", problem3, "--db", db, "--view", file, "--beside", "uniform");
+    const { page, complaints, close } = await open(browser, file);
+    const names = () => page.locator("#sides .side b").allTextContents();
+    assert.deepEqual(await names(), ["memory", "uniform"]);
+    assert.equal(await page.locator(".versus > div").count(), 4);
+    await page.evaluate(() => window.mneme.seek(0.4));
+    const both = await looks(page);
+    await page.locator("[data-layer=beside]").click();
+    assert.ok(!(await page.locator("#sides").isVisible()));
+    assert.ok(difference(both, await looks(page)) > 500);
+    await page.locator("[data-layer=beside]").click();
+    assert.ok(difference(both, await looks(page)) < 50);
+    await shoot(page, "beside");
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a start in contact is shown with what touches, from near by", async () => {
+    const file = join(directory, "touching.html");
+    mnemeRefused("plan", problem3, "--start", "0.7,0,0,0,0,0,0,0", "--view", file);
+    const { page, complaints, close } = await open(browser, file);
+    const rows = await page.locator(".touching").allTextContents();
+    assert.ok(rows.length > 0);
+    assert.match(rows[0], /link_\d \u2194 circle_\d/);
+    assert.ok((await page.locator("#labels .touch").count()) > 0);
+    const near = await looks(page);
+    await page.keyboard.press("r");
+    assert.ok(difference(near, await looks(page)) > 2000);
+    await page.locator(".touching").first().click();
+    assert.ok(difference(near, await looks(page)) < 500);
+    await shoot(page, "touching");
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a cloud of 10^5 points, a mesh and an object in the hand are a page below 4 MB", async () => {
+    const file = join(directory, "crowds.html");
+    mneme("plan", writeCrowds(directory), "--max-iterations", "200000", "--view", file);
+    assert.ok(statSync(file).size < 4e6);
+    const trace = JSON.parse(readFileSync(file, "utf8").match(/id="trace">(.*?)<\/script>/s)[1]);
+    const cloud = trace.obstacles.find(({ name }) => name === "cloud").shapes[0].points;
+    assert.equal(cloud.count, 100000);
+    assert.equal(Buffer.from(cloud.data, "base64").length, 600000);
+    const { page, complaints, close } = await open(browser, file);
+    // Samples and trees would hide the arm.
+    assert.equal(await page.locator("[data-layer=samples]").isChecked(), false);
+    assert.equal(await page.locator("[data-layer=trees]").isChecked(), false);
+    await page.evaluate(() => window.mneme.seek(0.6));
+    const seen = await looks(page);
+    assert.ok(seen.share > 0.15);
+    await page.locator("[data-layer=covers]").click();
+    assert.ok(difference(seen, await looks(page)) > 20, "the object is seen as its cover");
+    await shoot(page, "crowds");
     assert.deepEqual(complaints, []);
     await close();
   });

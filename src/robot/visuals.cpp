@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "robot/visuals.h"
+
+#include "base/text_file.h"
+#include "geometry/mesh_file.h"
+#include "robot/mesh_finder.h"
+#include "robot/urdf_reader.h"
+#include "robot/xml_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// Of a <material> with an rgba value; empty without one.
+std::string color_of(const XmlElement* material) {
+  const XmlElement* color = material ? material->FirstChildElement("color") : nullptr;
+  const char* text = color ? color->Attribute("rgba") : nullptr;
+  if (text == nullptr) return "";
+  std::istringstream numbers(text);
+  std::string written = "#";
+  for (int i = 0; i < 3; ++i) {
+    double value = 0;
+    if (!(numbers >> value) || !std::isfinite(value)) return "";
+    written += fmt::format("{:02x}", std::lround(255 * std::clamp(value, 0.0, 1.0)));
+  }
+  return written;
+}
+
+std::optional<Shape> shape_of(const Solid& solid) {
+  const auto* file = std::get_if<MeshFile>(&solid);
+  if (file == nullptr) {
+    const auto* box = std::get_if<Box>(&solid);
+    return box ? Shape(*box) : Shape(std::get<Cylinder>(solid));
+  }
+  auto triangles = read_triangles(file->path, file->scale, file->pose);
+  if (!triangles) return std::nullopt;
+  return Mesh{{}, std::make_shared<Parts<Triangle>>(*std::move(triangles)), 0};
+}
+
+/// The one shape of a <visual>, which is written as that of a <collision>.
+std::optional<Shape> read_shape(const XmlElement& visual, const MeshFinder& meshes) {
+  XmlReader xml("");
+  Link link;
+  read_collision(xml, meshes, visual, link);
+  if (xml.fault()) return std::nullopt;
+  if (!link.spheres.empty()) return link.spheres.front();
+  if (!link.capsules.empty()) return link.capsules.front();
+  return link.solids.empty() ? std::nullopt : shape_of(link.solids.front());
+}
+
+std::map<std::string, std::string> named_colors(const XmlElement& robot) {
+  std::map<std::string, std::string> colors;
+  for (const auto* material = robot.FirstChildElement("material"); material;
+       material = material->NextSiblingElement("material")) {
+    if (const char* name = material->Attribute("name")) colors[name] = color_of(material);
+  }
+  return colors;
+}
+
+/// False if nothing was added.
+bool add_shapes(const XmlElement& link, const char* kind, const MeshFinder& meshes,
+                const std::map<std::string, std::string>& colors, std::vector<Visual>& visuals) {
+  const std::size_t before = visuals.size();
+  const char* name = link.Attribute("name");
+  for (const auto* element = link.FirstChildElement(kind); element && name;
+       element = element->NextSiblingElement(kind)) {
+    auto shape = read_shape(*element, meshes);
+    if (!shape) continue;
+    const XmlElement* material = element->FirstChildElement("material");
+    std::string color = color_of(material);
+    const char* named = material ? material->Attribute("name") : nullptr;
+    const auto found = colors.find(named ? named : "");
+    if (color.empty() && found != colors.end()) color = found->second;
+    visuals.push_back({name, *std::move(shape), std::move(color)});
+  }
+  return visuals.size() > before;
+}
+
+}  // namespace
+
+std::vector<Visual> read_visuals(const std::string& path,
+                                 const std::vector<std::string>& package_paths) {
+  std::vector<Visual> visuals;
+  const auto text = read_text_file(path, kMaxRobotTextSize);
+  tinyxml2::XMLDocument document;
+  XmlReader xml(path);
+  const XmlElement* robot = text ? xml.read_root(document, *text, "robot") : nullptr;
+  if (robot == nullptr) return visuals;
+  const MeshFinder meshes(path, package_paths);
+  const auto colors = named_colors(*robot);
+  for (const auto* link = robot->FirstChildElement("link"); link;
+       link = link->NextSiblingElement("link")) {
+    if (!add_shapes(*link, "visual", meshes, colors, visuals))
+      add_shapes(*link, "collision", meshes, colors, visuals);
+  }
+  return visuals;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the links of a URDF look like.
+#pragma once
+
+#include "mneme/robot.h"
+
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// For pictures only: nothing is checked against it.
+struct Visual {
+  std::string link;
+  Shape shape;        ///< in the link's frame
+  std::string color;  ///< "#rrggbb", or empty
+};
+
+/// The <visual> elements of the URDF at `path`, whose meshes are found as by read_robot. What
+/// cannot be read is left out: a picture without it is better than none.
+[[nodiscard]] std::vector<Visual> read_visuals(const std::string& path,
+                                               const std::vector<std::string>& package_paths);
+
+}  // namespace mneme::internal

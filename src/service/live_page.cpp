@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/live_page.h"
+
+#include "mneme/collision.h"
+#include "mneme/goal.h"
+#include "mneme/report.h"
+
+#include "base/as_index.h"
+#include "robot/link_shapes.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace mneme::internal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kTries = 1000;
+/// Metres, and entries of rotations: links whose poses seen from each other differ by less did not
+/// move against each other.
+constexpr double kSame = 1e-9;
+
+Configuration random_configuration(const Robot& robot, Rng& rng) {
+  Configuration q;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.group_joint(i);
+    q.push_back(joint.lower + (joint.upper - joint.lower) * rng.uniform());
+  }
+  return q;
+}
+
+/// The values that a state of the SRDF gives the joints of the group; nothing if it leaves one out.
+std::optional<Configuration> configuration_of(const Robot& robot, const NamedState& state) {
+  Configuration q;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const auto found = state.values.find(robot.group_joint(i).name);
+    if (found == state.values.end()) return std::nullopt;
+    q.push_back(found->second);
+  }
+  return q;
+}
+
+/// A state of the SRDF, zeros or anything else that is free, in this order; zeros if nothing is.
+Configuration rest_of(const Robot& robot) {
+  const Configuration zeros =
+      robot.normalized(Configuration(static_cast<std::size_t>(robot.joint_count()), 0.0));
+  const auto checker = CollisionChecker::make(robot, {});
+  if (!checker) return zeros;
+  for (const NamedState& state : robot.named_states()) {
+    const auto q = configuration_of(robot, state);
+    if (q && !robot.describe_violation(*q, "") && checker->is_valid(std::span<const double>(*q)))
+      return *q;
+  }
+  Rng rng(1);
+  Configuration q = zeros;
+  for (int i = 0; i < kTries; ++i, q = random_configuration(robot, rng))
+    if (checker->is_valid(std::span<const double>(q))) return q;
+  return zeros;
+}
+
+Problem resting(const Robot& robot, const std::string& path) {
+  return {.name = robot.name(),
+          .robot = robot,
+          .robot_path = path,
+          .scene = {},
+          .start = rest_of(robot),
+          .goals = {},
+          .warnings = {}};
+}
+
+Json pose_json(const Transform& pose) {
+  const Eigen::Quaterniond turn(pose.rotation);
+  const Vec3& p = pose.translation;
+  return {p.x(), p.y(), p.z(), turn.x(), turn.y(), turn.z(), turn.w()};
+}
+
+/// Where links stand at two configurations.
+struct TwoPoses {
+  std::vector<Transform> here, there;
+
+  explicit TwoPoses(const Robot& robot) {
+    Rng rng(1);
+    here = robot.link_poses(random_configuration(robot, rng));
+    there = robot.link_poses(random_configuration(robot, rng));
+  }
+  /// The pose of `link` in the frame of `tip`; nothing if they move against each other.
+  [[nodiscard]] std::optional<Transform> fixed_pose(int tip, int link) const {
+    const Transform a = here[as_index(tip)].inverse() * here[as_index(link)];
+    const Transform b = there[as_index(tip)].inverse() * there[as_index(link)];
+    const bool is_fixed =
+        (a.translation - b.translation).norm() < kSame && (a.rotation - b.rotation).norm() < kSame;
+    return is_fixed ? std::optional(a) : std::nullopt;
+  }
+};
+
+int index_of(const Robot& robot, const std::string& link) {
+  const auto found = std::ranges::find(robot.links(), link, &Link::name);
+  return static_cast<int>(found - robot.links().begin());
+}
+
+/// The links of the trace that stand to `tip` as they do, wherever the group goes.
+Json carried_by(const Robot& robot, int tip, const std::vector<Link>& links) {
+  const TwoPoses poses(robot);
+  Json carried = Json::array();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto pose = poses.fixed_pose(tip, index_of(robot, links[i].name));
+    if (pose) carried.push_back({{"link", i}, {"pose", pose_json(*pose)}});
+  }
+  return carried;
+}
+
+/// Per link of the trace that is only seen: a link with shapes that carries it. Traces of plans
+/// have no others.
+Json welds_json(const Robot& robot, const std::vector<Link>& links) {
+  const TwoPoses poses(robot);
+  Json welds = Json::array();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (has_shapes(links[i])) continue;
+    for (std::size_t k = 0; k < links.size(); ++k) {
+      const auto pose =
+          poses.fixed_pose(index_of(robot, links[k].name), index_of(robot, links[i].name));
+      if (!has_shapes(links[k]) || !pose) continue;
+      welds.push_back({{"link", i}, {"to", k}, {"pose", pose_json(*pose)}});
+      break;
+    }
+  }
+  return welds;
+}
+
+/// Where goals are to begin: that of the problem, or the link's pose at its goal or its start.
+Transform goal_of(const Problem& problem, const std::string& link, int index) {
+  const auto found = std::ranges::find(problem.pose_goals, link, &PoseGoal::link);
+  if (found != problem.pose_goals.end()) return found->pose;
+  const Configuration& q = problem.goals.empty() ? problem.start : problem.goals.front();
+  return problem.robot.link_poses(q)[as_index(index)];
+}
+
+Json tips_json(const Problem& problem, const PlanTrace& trace) {
+  const Robot& robot = problem.robot;
+  Json tips = Json::array();
+  for (const std::string& name : find_tips(robot)) {
+    const int index = index_of(robot, name);
+    tips.push_back({{"link", name},
+                    {"pose", pose_json(goal_of(problem, name, index))},
+                    {"carries", carried_by(robot, index, trace.links)}});
+  }
+  return tips;
+}
+
+/// An obstacle of points, triangles or cubes, or null.
+const Obstacle* find_crowd(const Scene& scene) {
+  const auto is_crowd = [](const Shape& shape) {
+    return std::visit(
+        [](const auto& solid) {
+          return requires { solid.parts; };
+        },
+        shape);
+  };
+  const auto found = std::ranges::find_if(scene.obstacles, [&](const Obstacle& obstacle) {
+    return std::ranges::any_of(obstacle.shapes, is_crowd);
+  });
+  return found == scene.obstacles.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Result<std::string> make_live_page(const Robot& robot, bool has_memory,
+                                   const ServiceSettings& settings) {
+  const Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
+  if (const Obstacle* crowd = find_crowd(problem.scene)) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("the page cannot begin with obstacle '{}': expected spheres, boxes, "
+                            "cylinders and capsules",
+                            crowd->name));
+  }
+  TraceSettings seen;
+  seen.package_paths = settings.package_paths;
+  const auto trace = make_trace(problem, {}, nullptr, 0, seen);
+  if (!trace) return tl::unexpected(trace.error());
+  Json json = Json::parse(to_json(*trace));
+  json["live"] = {{"start", problem.start},
+                  {"has_memory", has_memory},
+                  {"tips", tips_json(problem, *trace)},
+                  {"welds", welds_json(problem.robot, trace->links)}};
+  return to_page(json.dump(), "the page of the service");
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The page of a service, with real drags.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, describe, test } from "node:test";
+import { launch, mneme, open, reasonToSkip, root, shoot } from "./page.mjs";
+
+const skip = await reasonToSkip() || hasNoService();
+if (skip) console.log(`SKIPPED: ${skip}`);
+
+function hasNoService() {
+  try {
+    mneme("serve", "--help");
+    return false;
+  } catch {
+    return "mneme is built without its service";
+  }
+}
+
+/** The address of a service that runs until `stop` is called. */
+async function serve(...flags) {
+  const child = spawn(process.env.MNEME_PROGRAM, ["serve", "--listen", "127.0.0.1:0", ...flags],
+    { stdio: ["ignore", "pipe", "inherit"] });
+  const address = await new Promise((resolve, reject) => {
+    child.stdout.on("data", (text) => resolve(String(text).match(/http:\S+/)[0]));
+    child.on("exit", (code) => reject(new Error(`mneme serve ended with ${code}`)));
+  });
+  return { address, stop: () => new Promise((resolve) => child.on("exit", resolve) && child.kill("SIGTERM")) };
+}
+
+const shown = (page) => page.evaluate(() => window.mneme.live.count);
+
+/** Does something that asks for a plan, and waits until that is shown. */
+async function planned(page, action) {
+  const before = await shown(page);
+  await action();
+  await page.waitForFunction((count) => window.mneme.live.count > count, before, { timeout: 120000 });
+}
+
+/** A drag in small steps, as people do it. */
+async function drag(page, from, by) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (by.x * i) / 8, from.y + (by.y * i) / 8);
+  await page.mouse.up();
+}
+
+const place = (page, name) => page.evaluate((each) =>
+  (each === "goal" ? window.mneme.live.goalPosition() : window.mneme.live.obstaclePosition(each)), name);
+const pixels = (page, point) => page.evaluate((each) => window.mneme.project(each), point);
+const distance = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
+
+async function openLive(browser, service) {
+  const opened = await open(browser, service.address);
+  await opened.page.waitForFunction(() => window.mneme.live.count > 0, null, { timeout: 120000 });
+  return opened;
+}
+
+describe("the page of a service", { skip }, () => {
+  let directory, browser, planar, fetch;
+
+  before(async () => {
+    directory = mkdtempSync(join(tmpdir(), "mneme-live-"));
+    const problem = join(root, "scenes/planar/scenario3.yaml");
+    const db = join(directory, "planar.db");
+    mneme("learn", "--robot", "planar8", "--scenes", problem, "--db", db, "--starts-per-link", "1", "--paths-per-start",
+      "1", "--jobs", "1");
+    planar = await serve("--robot", "planar8", "--db", db, "--problem", problem);
+    fetch = await serve("--robot", "fetch", "--problem", join(root, "scenes/shelf/thick.yaml"));
+    browser = await launch();
+  });
+  after(async () => {
+    await browser?.close();
+    await planar?.stop();
+    await fetch?.stop();
+    if (directory) rmSync(directory, { recursive: true });
+  });
+
+  test("dragging the goal plans to where it is left, from memory and uniformly beside it", async () => {
+    const { page, complaints, close } = await openLive(browser, planar);
+    assert.deepEqual(await page.locator("#sides .side b").allTextContents(), ["memory", "uniform"]);
+    assert.ok((await page.locator(".primitive").count()) > 0, "what memory contributed");
+    const goal = await place(page, "goal");
+    await planned(page, async () => drag(page, await pixels(page, goal), { x: -30, y: 24 }));
+    const moved = await place(page, "goal");
+    assert.ok(distance(goal, moved) > 0.2, `moved by ${distance(goal, moved)}`);
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    const reached = await page.evaluate(() => window.mneme.live.reachedPosition());
+    assert.ok(distance(reached, moved) < 1e-3, `the arm ends at ${reached}, the goal is at ${moved}`);
+    await shoot(page, "live-planar");
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("an obstacle is dragged, made, made larger and removed, and each time it is planned", async () => {
+    const { page, complaints, close } = await openLive(browser, planar);
+    const circle = await place(page, "circle_1");
+    await planned(page, async () => drag(page, await pixels(page, circle), { x: -20, y: -12 }));
+    assert.ok(distance(circle, await place(page, "circle_1")) > 0.1);
+    await planned(page, () => page.locator("#add-ball").click());
+    assert.ok(await place(page, "ball 1"));
+    await planned(page, () => page.locator("#larger").click());
+    await planned(page, () => page.keyboard.press("Delete"));
+    assert.equal(await place(page, "ball 1"), null);
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a goal out of reach is refused in words, and the page goes on", async () => {
+    const { page, complaints, close } = await openLive(browser, planar);
+    await page.mouse.move(300, 300);
+    await page.mouse.wheel(0, 500);
+    const goal = await place(page, "goal");
+    const to = async (point) => {
+      const [from, there] = [await pixels(page, await place(page, "goal")), await pixels(page, point)];
+      await drag(page, from, { x: there.x - from.x, y: there.y - from.y });
+    };
+    await planned(page, () => to([goal[0], -9.5, 0]));
+    assert.match(await page.locator("#note").textContent(), /out of reach/);
+    await planned(page, () => to(goal));
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("the hand of Fetch is dragged in space, and the way to it scrubbed", async () => {
+    const { page, complaints, close } = await openLive(browser, fetch);
+    const goal = await place(page, "goal");
+    // The gizmo stands at the goal itself; the arrow that points up takes hold of its height.
+    const above = await pixels(page, [goal[0], goal[1], goal[2] + 0.12]);
+    await planned(page, () => drag(page, above, { x: 0, y: -9 }));
+    const moved = await place(page, "goal");
+    assert.ok(distance(goal, moved) > 0.005, `moved by ${distance(goal, moved)}`);
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    const reached = await page.evaluate(() => window.mneme.live.reachedPosition());
+    assert.ok(distance(reached, moved) < 1e-3, `the hand ends at ${reached}, the goal is at ${moved}`);
+    const box = await page.locator("#scrubber").boundingBox();
+    await page.mouse.click(box.x + 0.3 * box.width, box.y + box.height / 2);
+    assert.ok(Math.abs((await page.evaluate(() => window.mneme.fraction())) - 0.3) < 0.02);
+    await shoot(page, "live-fetch");
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+});
