@@ -16,6 +16,7 @@
 #include <map>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace mneme::internal {
@@ -71,11 +72,16 @@ std::map<std::string, std::string> named_colors(const XmlElement& robot) {
 bool add_shapes(const XmlElement& link, const char* kind, const MeshFinder& meshes,
                 const std::map<std::string, std::string>& colors, std::vector<Visual>& visuals) {
   const std::size_t before = visuals.size();
+  const bool is_checked = std::string_view(kind) == "collision";
   const char* name = link.Attribute("name");
   for (const auto* element = link.FirstChildElement(kind); element && name;
        element = element->NextSiblingElement(kind)) {
     auto shape = read_shape(*element, meshes);
-    if (!shape) continue;
+    // Spheres and capsules that are checked are seen as such anyway.
+    if (!shape || (is_checked && (std::holds_alternative<Sphere>(*shape) ||
+                                  std::holds_alternative<Capsule>(*shape)))) {
+      continue;
+    }
     const XmlElement* material = element->FirstChildElement("material");
     std::string color = color_of(material);
     const char* named = material ? material->Attribute("name") : nullptr;

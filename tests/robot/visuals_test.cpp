@@ -59,7 +59,9 @@ TEST_SUITE("unit") {
     const auto found =
         looks("<link name=\"a\">" + visual("<mesh filename=\"missing.dae\"/>") +
               visual("<sphere radius=\"1\"/>") + checked + "</link><link name=\"b\">" +
-              visual("<mesh filename=\"missing.dae\"/>") + checked + "</link><link name=\"c\"/>");
+              visual("<mesh filename=\"missing.dae\"/>") + checked +
+              "</link><link name=\"c\"><collision><geometry><sphere radius=\"1\"/></geometry>"
+              "</collision></link>");
     REQUIRE(found.size() == 2);
     CHECK(std::holds_alternative<Sphere>(found[0].shape));
     CHECK(found[1].link == "b");
