@@ -111,7 +111,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 
 /// What a problem asks of memory, which is of the robot without what it carries. Refers to it.
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
-  return {problem.robot.without_attached(), problem.scene, &problem.start, problem.goals};
+  const Configuration* start = problem.start.empty() ? nullptr : &problem.start;
+  return {problem.robot.without_attached(), problem.scene, start, problem.goals};
 }
 
 /// The result of Algorithm 2.

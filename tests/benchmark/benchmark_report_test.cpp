@@ -31,6 +31,7 @@ std::vector<std::map<std::string, std::string>> split_csv(const std::string& csv
     std::istringstream cells(line);
     std::vector<std::string> values;
     for (std::string cell; std::getline(cells, cell, ',');) values.push_back(cell);
+    if (line.ends_with(',')) values.emplace_back();
     if (names.empty()) {
       names = values;
       continue;

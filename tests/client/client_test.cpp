@@ -158,7 +158,7 @@ TEST_SUITE("flow") {
     CHECK(has(refused(client.plan(problem, wrong), ErrorCode::invalid), "rrt_connect"));
     wrong = {};
     wrong.plan.timeout_s = 1e5;
-    CHECK(has(refused(client.plan(problem, wrong), ErrorCode::invalid), "expected at most 60"));
+    CHECK(has(refused(client.plan(problem, wrong), ErrorCode::invalid), "at most 60 together"));
     const auto none = client.plan(problem, [] {
       SolveSettings hopeless;
       hopeless.plan.max_iterations = 1;

@@ -49,9 +49,16 @@ std::vector<Vec3> points_of(const Packed& packed, std::size_t per_entry = 3) {
 
 /// A ball of `rings` times `rings` quads, in two triangles each.
 std::vector<Triangle> ball(int rings) {
-  const auto at = [&](int i, int k) -> Vec3 {
-    const double a = M_PI * i / rings, b = 2 * M_PI * (k % rings) / rings;
-    return Vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a));
+  std::vector<Vec3> corners;
+  for (int i = 0; i <= rings; ++i) {
+    for (int k = 0; k < rings; ++k) {
+      const double a = M_PI * i / rings, b = 2 * M_PI * k / rings;
+      const double radius = i % rings == 0 ? 0 : std::sin(a);  // all corners at a pole are one
+      corners.emplace_back(radius * std::cos(b), radius * std::sin(b), std::cos(a));
+    }
+  }
+  const auto at = [&](int i, int k) {
+    return corners[static_cast<std::size_t>(i * rings + k % rings)];
   };
   std::vector<Triangle> triangles;
   for (int i = 0; i < rings; ++i) {
