@@ -126,14 +126,16 @@ std::string fish_flag(const FlagDescription& flag) {
 }
 
 std::string fish_completion(const Commands& commands) {
-  std::string script = "# fish completion for mneme\nfunction __mneme_at\n  set -l command\n"
-                       "  for word in (commandline -opc)[2..-1]\n"
-                       "    switch (string trim \"$command $word\")\n      case";
+  std::string script =
+      "# fish completion for mneme\nfunction __mneme_at\n  set -l command\n"
+      "  for word in (commandline -opc)[2..-1]\n"
+      "    switch (string trim \"$command $word\")\n      case";
   for (const CommandDescription& command : commands) {
     if (!command.words.empty()) script += " " + fish_word(command.words);
   }
-  script += "\n        set command (string trim \"$command $word\")\n    end\n  end\n"
-            "  test \"$command\" = \"$argv[1]\"\nend\n";
+  script +=
+      "\n        set command (string trim \"$command $word\")\n    end\n  end\n"
+      "  test \"$command\" = \"$argv[1]\"\nend\n";
   for (const CommandDescription& command : commands) {
     const std::string head =
         fmt::format("complete -c mneme -n {}", fish_word("__mneme_at '" + command.words + "'"));

@@ -78,8 +78,8 @@ void print_info(const DatabaseInfo& info) {
   line("database", info.url);
   line("robot", printable(info.space.robot_name));
   const RobotHashes hashes = hashes_of(info.space);
-  line("kinematics", hashes.kinematics.empty() ? "not noted: an older mneme made it"
-                                               : hashes.kinematics);
+  line("kinematics",
+       hashes.kinematics.empty() ? "not noted: an older mneme made it" : hashes.kinematics);
   line("robot hash", hashes.model);
   line("joints", info.space.joint_count);
   for (const KindInfo& kind : info.kinds) {
@@ -100,9 +100,10 @@ struct Comparison {
 };
 constexpr std::array kComparisons = {
     Comparison{RobotDifference::none, "none", "the robot that it was learned with"},
-    Comparison{RobotDifference::shapes, "shapes",
-               "the same joints, frames and limits; another collision model (covers, fingers, tools "
-               "or checked pairs), which does not matter: the experience applies"},
+    Comparison{
+        RobotDifference::shapes, "shapes",
+        "the same joints, frames and limits; another collision model (covers, fingers, tools "
+        "or checked pairs), which does not matter: the experience applies"},
     Comparison{RobotDifference::limits, "limits",
                "the same joints and frames; other limits: `mneme db adopt` makes the experience "
                "apply"},
@@ -268,8 +269,10 @@ Result<void> print_lookup(const DbOptions& options, const Database& database, co
     if (!options.is_json) print_matches(primitive, *matches);
     Json rows = Json::array();
     for (const Match& match : *matches) rows.push_back(to_json(match));
-    found.push_back(
-        {{"kind", lookup.kind->version}, {"key", primitive.key}, {"gap", primitive.gap}, {"matches", rows}});
+    found.push_back({{"kind", lookup.kind->version},
+                     {"key", primitive.key},
+                     {"gap", primitive.gap},
+                     {"matches", rows}});
   }
   return {};
 }

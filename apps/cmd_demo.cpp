@@ -69,7 +69,7 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   grid->count = options.primitive_count.value_or(grid->count);
   const Result<Robot> robot = load_named_robot(kRobot);
   if (!robot) return tl::unexpected(robot.error());
-  Result<Database> database = 
+  Result<Database> database =
       Database::open(options.out + "/planar.db", make_space(*robot), OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   const std::vector<PrimitiveKey> keys = cover_grid(*grid, options.job.seed);
@@ -122,9 +122,8 @@ Result<std::string> trace_of(const Problem& problem, Database& database, SolveSe
   PlanRecorder recorder;
   settings.plan.observer = &recorder;
   return solve(problem, &database, settings)
-      .and_then([&](const SolveResult& result) {
-        return make_trace(problem, result, &recorder, 0);
-      })
+      .and_then(
+          [&](const SolveResult& result) { return make_trace(problem, result, &recorder, 0); })
       .map([](const PlanTrace& trace) { return to_json(trace); });
 }
 
@@ -155,7 +154,9 @@ Result<ReportPicture> draw(const Problem& problem, const SolveResult* result) {
     caption = fmt::format("{}: planned from memory in {:.2f} ms, {} samples; click to see it move",
                           problem.name, 1e3 * result->planning_time_s, result->plan.iterations);
   }
-  return to_svg(picture).map([&](const std::string& svg) { return ReportPicture{caption, svg, ""}; });
+  return to_svg(picture).map([&](const std::string& svg) {
+    return ReportPicture{caption, svg, ""};
+  });
 }
 
 /// The rows of each case on each problem together, in the order of the plan.

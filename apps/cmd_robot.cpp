@@ -160,7 +160,8 @@ Json find_tip_poses(const Robot& robot, const Configuration& q) {
 
 void print_tips(const Json& tips) {
   for (const Json& tip : tips) {
-    fmt::print("tip {} at {:.6f}, quaternion xyzw {:.6f}\n", printable(tip["link"].get<std::string>()),
+    fmt::print("tip {} at {:.6f}, quaternion xyzw {:.6f}\n",
+               printable(tip["link"].get<std::string>()),
                fmt::join(tip["position"].get<std::vector<double>>(), ", "),
                fmt::join(tip["quat_xyzw"].get<std::vector<double>>(), ", "));
   }
@@ -247,7 +248,8 @@ void add_info(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& optio
 
 void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
                Action& action) {
-  CLI::App* command = group.add_subcommand("check", "Say what touches at a configuration, and where the tips are");
+  CLI::App* command =
+      group.add_subcommand("check", "Say what touches at a configuration, and where the tips are");
   command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
   add_robot_flags(*command, options->robot_options);

@@ -192,7 +192,9 @@ Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspac
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
   return in_root_frame(workspace.framed, *robot)
-      .and_then([&](const Scene& scene) { return decompose({*robot, scene}, options.memory); })
+      .and_then([&](const Scene& scene) {
+        return decompose({*robot, scene}, options.memory);
+      })
       .map(wrap);
 }
 

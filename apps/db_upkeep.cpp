@@ -196,9 +196,8 @@ void add_db_upkeep(CLI::App& group, Action& action) {
       upkeep.add("export", "Write all rows to a file", "planar.db planar.npz", run_export));
   upkeep.add_file(
       upkeep.add("import", "Add the rows of a file", "planar.db planar.npz", run_import));
-  CLI::App& adopt =
-      upkeep.add("adopt", "Make it the experience of a robot with other joint limits",
-                 "arm.db --robot arm.urdf", run_adopt);
+  CLI::App& adopt = upkeep.add("adopt", "Make it the experience of a robot with other joint limits",
+                               "arm.db --robot arm.urdf", run_adopt);
   adopt.add_option("--robot", upkeep.options().robot, "URDF file or name of the robot")->required();
   add_robot_flags(adopt, upkeep.options().robot_options);
   adopt.add_flag("--force", upkeep.options().is_forced,

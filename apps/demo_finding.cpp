@@ -54,8 +54,8 @@ std::string compare(const std::string& planner, const Runs& memory, const Runs& 
                        memory_ms, uniform.solved(), uniform.times_s.size());
   }
   const bool is_sooner = memory_ms <= uniform_ms;
-  return fmt::format("{} takes {:.2g} ms from memory and {:.2g} ms without, {:.2g} times {}", planner,
-                     memory_ms, uniform_ms,
+  return fmt::format("{} takes {:.2g} ms from memory and {:.2g} ms without, {:.2g} times {}",
+                     planner, memory_ms, uniform_ms,
                      is_sooner ? uniform_ms / memory_ms : memory_ms / uniform_ms,
                      is_sooner ? "sooner" : "later");
 }

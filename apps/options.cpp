@@ -163,9 +163,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::strin
   const std::string list = fmt::format("{}", fmt::join(names, ", "));
   const auto read = [=, &value](const std::string& text) {
     if (std::find(names.begin(), names.end(), text) == names.end()) {
-      throw CLI::ValidationError(
-          flag, fmt::format("unknown {} '{}': expected one of {}{}", what, text, list,
-                            did_you_mean(text, names)));
+      throw CLI::ValidationError(flag, fmt::format("unknown {} '{}': expected one of {}{}", what,
+                                                   text, list, did_you_mean(text, names)));
     }
     value = text;
   };
@@ -254,7 +253,8 @@ void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups) {
     if (option->nonpositional() && option->get_group() == "Options") option->group(rest);
   }
   for (const FlagGroup& group : groups) {
-    for (const std::string& name : group.usual) command.get_option("--" + name)->group(group.heading);
+    for (const std::string& name : group.usual)
+      command.get_option("--" + name)->group(group.heading);
     for (const std::string& name : group.more) {
       command.get_option("--" + name)->group(fmt::format("{}{}", group.heading, kMore));
     }

@@ -53,8 +53,8 @@ Json to_json(const Robot& robot, const Configuration& near,
 /// Where the search begins, or what is wrong with it.
 Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& placed) {
   const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
-  const Configuration near = options.near.value_or(
-      placed.start.value_or(placed.robot.normalized(zero)));
+  const Configuration near =
+      options.near.value_or(placed.start.value_or(placed.robot.normalized(zero)));
   if (auto violation = placed.robot.describe_violation(near, "--near")) {
     return fail(ErrorCode::invalid, *violation);
   }
@@ -73,8 +73,8 @@ Result<ExitCode> run_ik(const IkOptions& options) {
   if (!near) return tl::unexpected(near.error());
   const auto checker = CollisionChecker::make(placed->robot, placed->scene);
   if (!checker) return tl::unexpected(checker.error());
-  auto source = PoseGoalSource::make(*checker, options.poses, *near, options.settings,
-                                     kVerificationMargin);
+  auto source =
+      PoseGoalSource::make(*checker, options.poses, *near, options.settings, kVerificationMargin);
   if (!source) return tl::unexpected(source.error());
   const std::vector<Configuration> solutions = source->more();
   const std::string failure = solutions.empty() ? source->describe_failure() : "";
@@ -92,8 +92,7 @@ Result<ExitCode> run_ik(const IkOptions& options) {
 
 void add_robot_ik(CLI::App& group, Action& action) {
   const auto options = std::make_shared<IkOptions>();
-  CLI::App* command =
-      group.add_subcommand("ik", "Find configurations that bring a link to a pose");
+  CLI::App* command = group.add_subcommand("ik", "Find configurations that bring a link to a pose");
   command->footer(
       "Example:\n  mneme robot ik panda --pose panda_hand:0.4,0.1,0.5,1,0,0,0 --scene shelf.yaml");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();

@@ -36,7 +36,8 @@ void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
   const auto read = [&options](const std::string& file) {
     if (find_format(file) == nullptr) {
       throw CLI::ValidationError(
-          "--trajectory", fmt::format("'{}' ends in no format: expected .csv, .json or .yaml", file));
+          "--trajectory",
+          fmt::format("'{}' ends in no format: expected .csv, .json or .yaml", file));
     }
     options.file = file;
   };

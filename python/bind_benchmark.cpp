@@ -50,8 +50,7 @@ void bench(const std::vector<SharedProblem>& problems, const Memory* memory, con
   std::atomic<bool> cancel = false;
   plan.cancel = &cancel;
   plan.solve = [&](const Problem& problem, Database* database, const BenchCase& bench_case) {
-    return run_interruptible(cancel,
-                             [&] { return solve(problem, database, bench_case.settings); });
+    return run_interruptible(cancel, [&] { return solve(problem, database, bench_case.settings); });
   };
   const auto take = [&](const BenchmarkRow& row, const SolveResult&) -> Result<void> {
     on_row(row);
@@ -102,9 +101,8 @@ void bind_benchmark(py::module_& module) {
       py::arg("problems"), py::arg("database"), py::arg("planners"), py::arg("samplers"),
       py::arg("seeds"), py::arg("seed"), py::arg("on_row"), py::kw_only(),
       py::arg("isa") = "automatic");
-  module.def(
-      "planner_names", &planner_names,
-      "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
+  module.def("planner_names", &planner_names,
+             "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
   module.def("sampler_names", &sampler_names, "Names of all sources of configurations.");
   module.def("_needs_memory", &needs_memory);
 }

@@ -55,8 +55,8 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
   } else if (cone != 0 || turn != 0) {
     raise_invalid("cone, turn: expected quat_xyzw beside them, got none");
   }
-  const bool is_number =
-      py::isinstance<py::float_>(position_tolerance) || py::isinstance<py::int_>(position_tolerance);
+  const bool is_number = py::isinstance<py::float_>(position_tolerance) ||
+                         py::isinstance<py::int_>(position_tolerance);
   goal.position_tolerance = is_number ? Vec3(Vec3::Constant(position_tolerance.cast<double>()))
                                       : to_point(position_tolerance, "position_tolerance");
   return goal;
@@ -85,8 +85,8 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
     if (const auto fault = describe_fault(robot, goal)) raise_invalid("goals: " + *fault);
   }
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
-  const Configuration from = near.is_none() ? robot.normalized(zero)
-                                            : to_vector(near, robot.joint_count(), "near");
+  const Configuration from =
+      near.is_none() ? robot.normalized(zero) : to_vector(near, robot.joint_count(), "near");
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
@@ -103,13 +103,14 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
 
 void bind_goal(py::module_& module) {
   py::class_<PoseGoal>(module, "PoseGoal", "A region of poses for a link to reach.")
-      .def(py::init(&make_pose_goal), py::arg("link"), py::arg("position"),
-           py::arg("quat_xyzw") = py::none(), py::kw_only(), py::arg("position_tolerance") = 0.0,
-           py::arg("axis") = "z", py::arg("cone") = 0.0, py::arg("turn") = 0.0,
-           "In the frame of the robot's root link, or, for Problem.load(), of the problem's scene.\n"
-           "Without quat_xyzw any rotation. position_tolerance: metres along the axes of the pose,\n"
-           "or one number for all. The link's axis may lean by cone and the link be turned about\n"
-           "it by turn, radians; pi is any way.")
+      .def(
+          py::init(&make_pose_goal), py::arg("link"), py::arg("position"),
+          py::arg("quat_xyzw") = py::none(), py::kw_only(), py::arg("position_tolerance") = 0.0,
+          py::arg("axis") = "z", py::arg("cone") = 0.0, py::arg("turn") = 0.0,
+          "In the frame of the robot's root link, or, for Problem.load(), of the problem's scene.\n"
+          "Without quat_xyzw any rotation. position_tolerance: metres along the axes of the pose,\n"
+          "or one number for all. The link's axis may lean by cone and the link be turned about\n"
+          "it by turn, radians; pi is any way.")
       .def_readonly("link", &PoseGoal::link)
       .def_property_readonly(
           "position", [](const PoseGoal& self) { return point_array(self.pose.translation); },
@@ -123,8 +124,9 @@ void bind_goal(py::module_& module) {
                              [](const PoseGoal& self) { return std::string(to_string(self.axis)); })
       .def_readonly("cone", &PoseGoal::cone)
       .def_readonly("turn", &PoseGoal::turn)
-      .def("to_json", [](const PoseGoal& self) { return to_json(self); },
-           "Text of the goal as JSON files and requests spell it.")
+      .def(
+          "to_json", [](const PoseGoal& self) { return to_json(self); },
+          "Text of the goal as JSON files and requests spell it.")
       .def("__repr__", &describe);
   module.def(
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),

@@ -225,8 +225,8 @@ void bind_learning(py::module_& module) {
       "learn", &learn_with_keywords, py::arg("robot"), py::arg("database"), py::kw_only(),
       py::arg("primitives") = py::none(), py::arg("scenes") = py::none(),
       py::arg("problems") = py::none(), py::arg("paths") = ProblemLesson{}.paths,
-      py::arg("timeout") = ProblemLesson{}.timeout_s, py::arg("count") = py::none(), py::arg("seed") = 1, py::arg("jobs") = 0,
-      py::arg("on_progress") = py::none(),
+      py::arg("timeout") = ProblemLesson{}.timeout_s, py::arg("count") = py::none(),
+      py::arg("seed") = 1, py::arg("jobs") = 0, py::arg("on_progress") = py::none(),
       ("Learns local samplers of primitives into a database; resumable, also after Control-C.\n"
        "Primitives and scenes are for planar arms, problems for any robot.\n\n"
        "primitives: a YAML file with a range to cover, or pairs of circles of shape (n, 6).\n"

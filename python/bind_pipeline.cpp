@@ -47,9 +47,8 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
-  auto result = run_interruptible(cancel, [&] {
-    return solve(made.problem, made.database.get(), made.settings);
-  });
+  auto result = run_interruptible(
+      cancel, [&] { return solve(made.problem, made.database.get(), made.settings); });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
   made.result = unwrap(std::move(result));
@@ -113,8 +112,7 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
     raise_invalid("trajectory: there is no path: " + plan.result.plan.message);
   }
   const std::string file =
-      limits.is_none() ? ""
-                       : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
+      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
   const py::gil_scoped_release released;
   const Robot& robot = plan.problem.robot;
   const Trajectory timed =
@@ -164,8 +162,9 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly(
           "message", [=](const Plan& self) { return plan_of(self).message; },
           "Why there is no path, in words; empty if solved.")
-      .def_property_readonly("path", &path_of,
-                             "Shape (n, joint_count), float64, radians, read-only; n is 0 unless solved.")
+      .def_property_readonly(
+          "path", &path_of,
+          "Shape (n, joint_count), float64, radians, read-only; n is 0 unless solved.")
       .def_property_readonly(
           "path_length",
           [=](const Plan& self) { return path_length(self.problem.robot, plan_of(self).path); },
@@ -236,12 +235,15 @@ void bind_trajectory(py::module_& module) {
       .def_property_readonly(
           "accelerations", [](const TimedPlan& self) { return self.rows(&Point::acceleration); },
           "Shape (n, joint_count), per second squared; from each time on.")
-      .def("to_csv", [](const TimedPlan& self) { return to_csv(self.robot, self.points); },
-           "What `mneme plan --trajectory FILE.csv` writes.")
-      .def("to_yaml", [](const TimedPlan& self) { return to_yaml(self.robot, self.points); },
-           "The same of FILE.yaml, in the shape of trajectory_msgs/JointTrajectory.")
-      .def("to_json", [](const TimedPlan& self) { return to_json(self.robot, self.points); },
-           "The same of FILE.json.")
+      .def(
+          "to_csv", [](const TimedPlan& self) { return to_csv(self.robot, self.points); },
+          "What `mneme plan --trajectory FILE.csv` writes.")
+      .def(
+          "to_yaml", [](const TimedPlan& self) { return to_yaml(self.robot, self.points); },
+          "The same of FILE.yaml, in the shape of trajectory_msgs/JointTrajectory.")
+      .def(
+          "to_json", [](const TimedPlan& self) { return to_json(self.robot, self.points); },
+          "The same of FILE.json.")
       .def("__repr__", [](const TimedPlan& self) {
         return fmt::format("<mneme.Trajectory: {:.3f} s, {} points>", self.points.back().time_s,
                            self.points.size());
@@ -269,7 +271,8 @@ void bind_pipeline(py::module_& module) {
   type.def("trajectory", &time_plan, py::arg("dt") = py::none(), py::kw_only(),
            py::arg("limits") = py::none(), trajectory_help().c_str())
       .def(
-          "to_json", [](const Plan& self) {
+          "to_json",
+          [](const Plan& self) {
             const PathMeasures measures = measure_path(self.problem, self.result.plan.path);
             return to_json(self.problem, self.result, 0, &measures);
           },

@@ -40,8 +40,14 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   const int joints = robot.joint_count();
   std::vector<Configuration> rows;
   if (!goals.is_none()) rows = to_goals(goals, joints);
-  return {Problem{std::move(name), robot, "", {}, to_vector(start, joints, "start"), std::move(rows),
-                  {}, std::move(pose_goals)},
+  return {Problem{std::move(name),
+                  robot,
+                  "",
+                  {},
+                  to_vector(start, joints, "start"),
+                  std::move(rows),
+                  {},
+                  std::move(pose_goals)},
           scene};
 }
 
@@ -69,9 +75,8 @@ SharedProblem load(const ProblemArguments& arguments) {
 
 void bind_factories(py::class_<SharedProblem>& problem) {
   problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene").none(false),
-              py::arg("start"),
-              py::arg("goals") = py::none(), py::arg("name") = "problem", py::kw_only(),
-              py::arg("pose_goals") = std::vector<PoseGoal>(),
+              py::arg("start"), py::arg("goals") = py::none(), py::arg("name") = "problem",
+              py::kw_only(), py::arg("pose_goals") = std::vector<PoseGoal>(),
               "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
               "shape (k, joint_count); any of these and of the pose_goals will do. The scene is\n"
               "shared: what is added to it later counts; scene.copy() is one of its own.");

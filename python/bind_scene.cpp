@@ -52,8 +52,8 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
     raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
   }
   if (!(bounds.center.norm() + bounds.radius <= kFarthest)) {
-    raise_invalid(fmt::format("obstacle '{}': expected a shape within {} m of the origin", name,
-                              kFarthest));
+    raise_invalid(
+        fmt::format("obstacle '{}': expected a shape within {} m of the origin", name, kFarthest));
   }
   if (Obstacle* body = scene.find(name)) {
     body->shapes.push_back(shape);
@@ -237,7 +237,10 @@ void bind_text(SceneClass& scene) {
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
       "Text that Scene.parse reads back to the same scene.");
   scene.def(
-      "to_compact_json", [](const Scene& self) { return to_compact_json({self, ""}); },
+      "to_compact_json",
+      [](const Scene& self) {
+        return to_compact_json({self, ""});
+      },
       "Text of a compact file with this scene, and without start and goal.");
 }
 

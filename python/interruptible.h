@@ -40,8 +40,8 @@ class Worker {
 void run_elsewhere(const std::function<void()>& work, const std::function<void()>& on_wait);
 
 /// Runs `work()` in another thread without the lock. If a signal's handler raises in the meantime,
-/// as that of Control-C does, `cancel` is set, and the exception is raised once `work` has returned.
-/// `work` does not throw and heeds the flag.
+/// as that of Control-C does, `cancel` is set, and the exception is raised once `work` has
+/// returned. `work` does not throw and heeds the flag.
 template <class Work>
 auto run_interruptible(std::atomic<bool>& cancel, Work work) {
   std::optional<decltype(work())> result;

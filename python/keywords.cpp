@@ -29,7 +29,8 @@ std::string describe_memory_keywords() {
     names += (names.empty() ? "" : ", ") + std::string(kind->name);
   }
   return "kind: str = None\n    kind of memory: " + names +
-         "; left out, those of the database, or the robot's\n" + describe_keywords<MemorySettings>();
+         "; left out, those of the database, or the robot's\n" +
+         describe_keywords<MemorySettings>();
 }
 
 void Keywords::finish() const {

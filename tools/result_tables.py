@@ -154,24 +154,27 @@ def ratio_lines(results, names, options, where):
     return [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
 
 
-def said_of(results, names):
-    """By which commands the rows came to be."""
+def said_of(results, names, told):
+    """By which commands the rows came to be, but for those that the document has told."""
     said = []
     for origin in dict.fromkeys(json.dumps(results.origin(name), sort_keys=True) for name in names):
         origin = json.loads(origin)
-        said.append(f"`{origin['command']}`, commit {origin['commit']}, {origin['machine']}"
-                    + (f"; {origin['note']}" if origin.get("note") else ""))
-    return "From " + "; ".join(said) + ".\n"
+        if origin in told:
+            continue
+        told.append(origin)
+        parts = [origin["command"], origin["commit"] and f"commit {origin['commit']}", origin["machine"], origin.get("note")]
+        said.append(", ".join(part for part in parts if part))
+    return "\nFrom:\n\n" + "".join(f"- {origin}\n" for origin in said) if said else ""
 
 
-def block(results, kind, words):
+def block(results, kind, words, told):
     names, options, where = parse(words)
     titles, lines = (row_lines if kind == "rows" else ratio_lines)(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")
     rule = ["---"] * len(titles)
     text = "".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |\n" for line in (titles, rule, *lines))
-    return f"\n{text}\n{said_of(results, names)}"
+    return f"\n{text}{said_of(results, names, told)}"
 
 
 def documents(source):
@@ -181,9 +184,9 @@ def documents(source):
 def rewrite(source, results, is_check):
     stale = []
     for path in documents(source):
-        text = path.read_text(encoding="utf-8")
+        text, told = path.read_text(encoding="utf-8"), []
         try:
-            new = MARKED.sub(lambda m: m["open"] + block(results, m["kind"], m["words"]) + m["close"], text)
+            new = MARKED.sub(lambda m: m["open"] + block(results, m["kind"], m["words"], told) + m["close"], text)
         except Mistake as mistake:
             raise Mistake(f"{path.relative_to(source)}: {mistake}") from mistake
         if new != text:
@@ -221,8 +224,8 @@ def main():
     args = parser.parse_args()
     folder = args.source / "bench" / "results"
     if args.add:
-        if not args.command or not args.commit:
-            parser.error("--add needs --command and --commit")
+        if not args.command:
+            parser.error("--add needs --command")
         add(folder, args)
     stale = rewrite(args.source, Results(folder, args.mneme), args.check)
     for path in stale:

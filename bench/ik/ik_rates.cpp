@@ -68,9 +68,9 @@ class Times {
   }
   [[nodiscard]] double quantile(double share) {
     std::ranges::sort(seconds_);
-    return seconds_.empty()
-               ? 0
-               : seconds_[static_cast<std::size_t>(share * static_cast<double>(seconds_.size() - 1))];
+    return seconds_.empty() ? 0
+                            : seconds_[static_cast<std::size_t>(
+                                  share * static_cast<double>(seconds_.size() - 1))];
   }
   void print(const std::string& what) {
     double sum = 0;
@@ -118,7 +118,8 @@ Configuration solve_with(Solver& solver, const test::KdlChain& kdl, const Robot&
         q[joint] = out(i);
         const Joint& model = robot.group_joint(kdl.joints[i]);
         const double turn = 6.283185307179586;
-        if (model.type != JointType::prismatic && (q[joint] > model.upper || q[joint] < model.lower)) {
+        if (model.type != JointType::prismatic &&
+            (q[joint] > model.upper || q[joint] < model.lower)) {
           q[joint] = std::remainder(q[joint], turn);
         }
       }
@@ -149,8 +150,8 @@ void time_kdl(const std::string& name, const Robot&, const std::string&, std::sp
 #endif
 
 int time_robot(const std::string& name, const std::string& link, int count, int count_of_kdl) {
-  const auto covered = robot_file(name).and_then(
-      [](const std::string& path) { return load_covered_robot(path); });
+  const auto covered =
+      robot_file(name).and_then([](const std::string& path) { return load_covered_robot(path); });
   if (!covered) {
     std::fprintf(stderr, "mneme_ik_rates: %s\n", covered.error().message.c_str());
     return 1;
@@ -173,7 +174,8 @@ int time_robot(const std::string& name, const std::string& link, int count, int 
     const IkResult result = kinematics->solve(pose.goal, pose.near, settings);
     return result.solutions.empty() ? Configuration() : result.solutions.front();
   });
-  const auto fewer = std::span(poses).first(static_cast<std::size_t>(std::min(count, count_of_kdl)));
+  const auto fewer =
+      std::span(poses).first(static_cast<std::size_t>(std::min(count, count_of_kdl)));
   time_kdl(name, robot, link, fewer);
   return 0;
 }

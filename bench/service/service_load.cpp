@@ -103,9 +103,9 @@ void measure_overhead(const Problem& problem, const Options& options, httplib::C
     added_us.push_back(whole_us - solve_us);
   }
   if (added_us.empty()) return;
-  fmt::print("one client, {} plans: solve() {:.0f} us; HTTP adds {:.0f} us (p50), {:.0f} us (p95)\n",
-             added_us.size(), quantile(inside_us, 0.5), quantile(added_us, 0.5),
-             quantile(added_us, 0.95));
+  fmt::print(
+      "one client, {} plans: solve() {:.0f} us; HTTP adds {:.0f} us (p50), {:.0f} us (p95)\n",
+      added_us.size(), quantile(inside_us, 0.5), quantile(added_us, 0.5), quantile(added_us, 0.95));
 }
 
 int run(const Options& options) {

@@ -66,8 +66,8 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
 
-/// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or without
-/// underscores; otherwise nothing.
+/// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or
+/// without underscores; otherwise nothing.
 [[nodiscard]] std::string did_you_mean(std::string_view word, std::span<const std::string> names);
 
 /// Receives one line of log text without a line break. Called from the thread that works.

@@ -22,8 +22,8 @@ namespace mneme {
 
 struct ClientSettings {
   std::string address = "http://127.0.0.1:7890";  ///< http://HOST:PORT or unix:PATH
-  std::string token;       ///< of a service with --token-file; empty: none
-  double timeout_s = 120;  ///< until an answer must have come
+  std::string token;                              ///< of a service with --token-file; empty: none
+  double timeout_s = 120;                         ///< until an answer must have come
   double patience_s = 30;  ///< of waiting while the service is busy, which it says at once
 };
 

@@ -137,9 +137,9 @@ struct MemoryKind {
   /// The same with means that are fitted to the query's primitives, each when it is first drawn; a
   /// match is a group of components, the most relevant first. Origins are counted from
   /// `first_origin`. Null, or returns null, where synthesize() is the only way.
-  std::shared_ptr<const ComponentSource> (*retarget)(
-      const MemoryQuery& query, std::span<const PrimitiveRetrieval> retrievals,
-      Origin first_origin) = nullptr;
+  std::shared_ptr<const ComponentSource> (*retarget)(const MemoryQuery& query,
+                                                     std::span<const PrimitiveRetrieval> retrievals,
+                                                     Origin first_origin) = nullptr;
   /// What solved paths of the query teach: rows with kind, key and sampler. Errors: those of
   /// decompose.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,

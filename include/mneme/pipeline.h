@@ -168,9 +168,9 @@ struct SolveResult {
   std::vector<Improved> improvements;
   /// The problem's, those that its poses were resolved to at first, and the one that was reached.
   std::vector<Configuration> goals;
-  double goal_time_s = 0;            ///< of planning: resolving poses
-  double total_time_s = 0;           ///< solve() from call to return
-  double planning_time_s = 0;        ///< without what follows planning
+  double goal_time_s = 0;      ///< of planning: resolving poses
+  double total_time_s = 0;     ///< solve() from call to return
+  double planning_time_s = 0;  ///< without what follows planning
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;

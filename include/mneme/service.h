@@ -25,17 +25,17 @@ struct ServiceSettings {
   /// What clients must send as `Authorization: Bearer TOKEN`; empty for none, which only addresses
   /// of this machine allow.
   std::string token;
-  int threads = 0;              ///< plans at a time; 0: one per hardware thread
-  int queue = 64;               ///< requests that may wait for a thread; others are refused
-  int connections = 256;        ///< at a time, each with a thread that mostly waits
-  double longest_plan_s = 60;   ///< most that a request may set as time limit
+  int threads = 0;                ///< plans at a time; 0: one per hardware thread
+  int queue = 64;                 ///< requests that may wait for a thread; others are refused
+  int connections = 256;          ///< at a time, each with a thread that mostly waits
+  double longest_plan_s = 60;     ///< most that a request may set as time limit
   double request_timeout_s = 10;  ///< until all of a request must have come
-  double idle_timeout_s = 60;   ///< until a connection without requests is closed
+  double idle_timeout_s = 60;     ///< until a connection without requests is closed
   std::size_t body_bytes = std::size_t{16} << 20;  ///< longest body of a request
-  int obstacles = 10000;        ///< most in a scene
-  int points = 1000000;         ///< most points, triangles and cubes of a scene
-  int scenes = 100;             ///< most that are kept
-  int traces = 32;              ///< the last plans whose traces are kept, at least one
+  int obstacles = 10000;                           ///< most in a scene
+  int points = 1000000;                            ///< most points, triangles and cubes of a scene
+  int scenes = 100;                                ///< most that are kept
+  int traces = 32;                ///< the last plans whose traces are kept, at least one
   std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory
   /// SolveSettings::remember_after of all plans; needs a database that may be written.
   std::optional<int> remember_after;
@@ -43,7 +43,7 @@ struct ServiceSettings {
   std::shared_ptr<const Problem> shown;
   std::string robot_path;  ///< the robot's URDF, for what it looks like on that page; may be empty
   std::vector<std::string> package_paths;  ///< where meshes of its looks are searched
-  double refresh_s = 1;  ///< how often rows of other processes are looked for
+  double refresh_s = 1;                    ///< how often rows of other processes are looked for
 };
 
 /// A server, from start() to stop(). Its threads are its own.

@@ -99,8 +99,8 @@ class Trajectory {
 /// and stay within the path's tolerance; at a corner that cannot be rounded it stops. Without a
 /// verifier (null) it stops at every corner. Time-optimal up to the grid on corners, after
 /// reachability analysis (Pham and Pham, DOI 10.1109/TRO.2018.2819195). Of `settings` only the
-/// path's tolerance counts: `limits` are scaled already. Errors: an empty path; a configuration that
-/// is none of the robot; limits that are not as RateLimits says; settings out of range.
+/// path's tolerance counts: `limits` are scaled already. Errors: an empty path; a configuration
+/// that is none of the robot; limits that are not as RateLimits says; settings out of range.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,
                                               const RateLimits& limits,
                                               const TrajectorySettings& settings,

@@ -32,10 +32,10 @@ enum class VerifyMode {
 [[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
                                                    const std::string& from);
 
-/// Says that the experience of `url` is that of `space` from now on: where only joint limits differ,
-/// or where an older mneme said less. Rows stay as they are; returns the space that it was of.
-/// Errors: wrong_robot if the joints stand in other frames, or, unless `is_forced`, if the database
-/// does not say in which; invalid if there is nothing in it yet; io.
+/// Says that the experience of `url` is that of `space` from now on: where only joint limits
+/// differ, or where an older mneme said less. Rows stay as they are; returns the space that it was
+/// of. Errors: wrong_robot if the joints stand in other frames, or, unless `is_forced`, if the
+/// database does not say in which; invalid if there is nothing in it yet; io.
 [[nodiscard]] Result<ExperienceSpace> adopt_database(const std::string& url,
                                                      const ExperienceSpace& space,
                                                      bool is_forced = false);

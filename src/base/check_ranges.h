@@ -23,14 +23,14 @@ template <class Settings>
       problem = fmt::format("setting '{}' is {}: expected {} to {}", name, value, least, most);
     }
   };
-  visit_settings(settings, [&](const char* name, const auto& value, auto least, auto most,
-                               const char*) {
-    if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
-      if (value) check(name, *value, least, most);
-    } else {
-      check(name, value, least, most);
-    }
-  });
+  visit_settings(settings,
+                 [&](const char* name, const auto& value, auto least, auto most, const char*) {
+                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+                     if (value) check(name, *value, least, most);
+                   } else {
+                     check(name, value, least, most);
+                   }
+                 });
   if (!problem.empty()) return fail(ErrorCode::invalid, problem);
   return {};
 }

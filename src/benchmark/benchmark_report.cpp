@@ -74,8 +74,10 @@ constexpr std::string_view kHowLengthsFall =
     "improved, over the time since improving began, which is no planning time.</p>\n";
 
 constexpr std::string_view kHowToReadDifficulty =
-    "<p class=\"note\">A dot is a problem and a planner: how hard the problem is without, across, and "
-    "what it takes with, up. Below the line it is faster; open dots have medians that are runs without "
+    "<p class=\"note\">A dot is a problem and a planner: how hard the problem is without, across, "
+    "and "
+    "what it takes with, up. Below the line it is faster; open dots have medians that are runs "
+    "without "
     "a path, at their limit.</p>\n";
 
 constexpr std::string_view kHowToCompare =

@@ -68,8 +68,8 @@ inline constexpr int kFigureColors = 8;
 
 /// An SVG figure: one dot per planner and panel, at its median planning time with `baseline` across
 /// and with `sampler` up, both logarithmic; below the diagonal `sampler` is faster. Medians of runs
-/// without a path stand at their limit, as open dots. Colours tell planners. Empty if no planner ran
-/// with both.
+/// without a path stand at their limit, as open dots. Colours tell planners. Empty if no planner
+/// ran with both.
 [[nodiscard]] std::string difficulty_figure(const std::vector<Panel>& panels,
                                             const std::string& baseline,
                                             const std::string& sampler);

@@ -106,11 +106,13 @@ Result<bool> train_planners(const Suite& suite, const std::string& directory,
                               bench_case.setting, planner));
     }
     const std::string name = planner.substr(planner.find(':') + 1);
-    bench_case.settings.plan.experience_path = fmt::format("{}/{}.{}", directory, memory->name, name);
+    bench_case.settings.plan.experience_path =
+        fmt::format("{}/{}.{}", directory, memory->name, name);
     if (std::filesystem::exists(bench_case.settings.plan.experience_path)) continue;
     hooks.on_note(
         fmt::format("experience of {} from the problems of memory {}", planner, memory->name));
-    const Result<bool> trained = hooks.train(*memory, planner, bench_case.settings.plan.experience_path);
+    const Result<bool> trained =
+        hooks.train(*memory, planner, bench_case.settings.plan.experience_path);
     if (!trained || !*trained) return trained;
   }
   return true;
@@ -122,8 +124,8 @@ std::string memory_file(const SuiteMemory& memory, const std::string& directory)
   return memory.file.empty() ? fmt::format("{}/{}.db", directory, memory.name) : memory.file;
 }
 
-Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory, const std::vector<MemoryRow>& known,
-                                 const SuiteHooks& hooks) {
+Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory,
+                                 const std::vector<MemoryRow>& known, const SuiteHooks& hooks) {
   ReadySuite ready;
   auto problems = load_bench_problems(suite.problems, {}, hooks.on_note);
   if (!problems) return tl::unexpected(problems.error());

@@ -60,9 +60,8 @@ tl::unexpected<Error> unreadable(const std::string& path) {
 /// What a service refused, in its words.
 tl::unexpected<Error> refusal_of(const std::string& path, const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  const bool is_refusal = json.is_object() && json.contains("error") &&
-                          json["error"].is_object() && json["error"].contains("code") &&
-                          json["error"].contains("message") &&
+  const bool is_refusal = json.is_object() && json.contains("error") && json["error"].is_object() &&
+                          json["error"].contains("code") && json["error"].contains("message") &&
                           json["error"]["code"].is_string() && json["error"]["message"].is_string();
   if (!is_refusal) return unreadable(path);
   return fail(code_of(json["error"]["code"]), json["error"]["message"].get<std::string>());
@@ -96,9 +95,8 @@ class Client::State {
     while (true) {
       const httplib::Result answer = send(method, path, body);
       if (!answer) {
-        return fail(ErrorCode::io,
-                    fmt::format("{}{}: no answer: {}", settings_.address, path,
-                                httplib::to_string(answer.error())));
+        return fail(ErrorCode::io, fmt::format("{}{}: no answer: {}", settings_.address, path,
+                                               httplib::to_string(answer.error())));
       }
       if (answer->status < 400) return answer->body;
       const std::string wait = answer->get_header_value("Retry-After");
@@ -183,8 +181,7 @@ Result<std::vector<Configuration>> Client::inverse_kinematics(std::span<const Po
                                                               const Scene& scene,
                                                               const IkSettings& settings) {
   const std::string path = "/v1/ik";
-  const auto json =
-      state_->ask_json("POST", path, internal::ik_body(goals, near, scene, settings));
+  const auto json = state_->ask_json("POST", path, internal::ik_body(goals, near, scene, settings));
   if (!json) return tl::unexpected(json.error());
   try {
     std::vector<Configuration> found;

@@ -67,8 +67,7 @@ Json scene_body(const Scene& scene) {
   return body;
 }
 
-Json plan_body(const Problem& problem, const std::string& scene_id,
-               const SolveSettings& settings) {
+Json plan_body(const Problem& problem, const std::string& scene_id, const SolveSettings& settings) {
   Json body = problem_of(to_compact_json(problem, ""));
   if (!scene_id.empty()) {
     for (const char* key : {"obstacles", "circles", "allow"}) body.erase(key);

@@ -36,9 +36,9 @@ constexpr float kLongestStep = 1.0f;
 
 /// How far the tip is from where it should be, and which way it should go.
 struct TipError {
-  V3 position;  ///< metres
-  V3 rotation;  ///< axis times 2 sin(angle / 2)
-  V3 axis;      ///< of the tip, about which it may turn
+  V3 position;     ///< metres
+  V3 rotation;     ///< axis times 2 sin(angle / 2)
+  V3 axis;         ///< of the tip, about which it may turn
   M leans, turns;  ///< lanes in which the error has such a part
 };
 
@@ -111,14 +111,14 @@ class IkSolver {
   HWY_INLINE void find_lean_and_turn(const V3& x, const V3& y, TipError& error) const {
     const V zero = hn::Zero(Tag()), one = splat(1.0f);
     const V3& z = error.axis;
-    const V3 leaning =
-        inverse_half_cosine(hn::Add(one, z.z)) * V3{z.y, hn::Neg(z.x), zero};
+    const V3 leaning = inverse_half_cosine(hn::Add(one, z.z)) * V3{z.y, hn::Neg(z.x), zero};
     const V length = hn::Sqrt(squared_norm(leaning));
     const V excess = hn::Max(zero, hn::Sub(length, splat(target_.lean)));
     error.leans = hn::Gt(excess, zero);
     const V3 lean =
         hn::IfThenElseZero(error.leans, hn::Div(excess, hn::Max(length, splat(1e-6f)))) * leaning;
-    // Of the quaternion of the whole rotation, the part about the axis, which it leaves where it is.
+    // Of the quaternion of the whole rotation, the part about the axis, which it leaves where it
+    // is.
     const V w = hn::Add(one, hn::Add(x.x, hn::Add(y.y, z.z)));
     const V about = hn::Sub(y.x, x.y);
     const V norm = hn::Sqrt(hn::Max(hn::MulAdd(w, w, hn::Mul(about, about)), splat(1e-12f)));

@@ -24,9 +24,8 @@ constexpr int kSeedsToExplain = 1024;
 
 void sort_by_distance(const Robot& robot, const Configuration& near,
                       std::vector<Configuration>& configurations) {
-  std::ranges::stable_sort(configurations, {}, [&](const Configuration& q) {
-    return robot.distance(near, q);
-  });
+  std::ranges::stable_sort(configurations, {},
+                           [&](const Configuration& q) { return robot.distance(near, q); });
 }
 
 }  // namespace
@@ -48,8 +47,7 @@ std::vector<Configuration> PoseGoalSource::more() {
   std::vector<Configuration> found;
   if (calls_++ == 0) {
     for (Region& region : regions_) {
-      region.first =
-          region.kinematics.solve(region.goal, near_, settings_, checker_, clearance_);
+      region.first = region.kinematics.solve(region.goal, near_, settings_, checker_, clearance_);
       std::ranges::copy(region.first.solutions, std::back_inserter(found));
     }
     sort_by_distance(checker_->robot(), near_, found);
@@ -88,7 +86,8 @@ std::string describe_commonest(const CollisionChecker& checker,
   for (const Configuration& q : blocked.first(std::min(kMostAsked, blocked.size()))) {
     std::map<std::string, int> here;
     for (const Contact& contact : checker.contacts(q)) {
-      here[fmt::format("{} '{}'", contact.is_self ? "its own link" : "obstacle", contact.other)] = 1;
+      here[fmt::format("{} '{}'", contact.is_self ? "its own link" : "obstacle", contact.other)] =
+          1;
     }
     for (const auto& [what, one] : here) counts[what] += one;
   }
@@ -128,10 +127,11 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
     return fmt::format("it is out of reach of link '{}' by {}", goal.link,
                        describe_length(moved.closest.position));
   }
-  return fmt::format("link '{}' can be there, but not with that rotation: no solution from {} "
-                     "seeds, the closest is {} and {:.1f} degrees off",
-                     goal.link, first.seeds, describe_length(first.closest.position),
-                     kDegrees * first.closest.rotation);
+  return fmt::format(
+      "link '{}' can be there, but not with that rotation: no solution from {} "
+      "seeds, the closest is {} and {:.1f} degrees off",
+      goal.link, first.seeds, describe_length(first.closest.position),
+      kDegrees * first.closest.rotation);
 }
 
 std::string PoseGoalSource::describe_failure() const {

@@ -29,7 +29,8 @@ class KeySet {
   void add(const PrimitiveKey& key) { index_.append({{index_.size()}, {0}, key}); }
   [[nodiscard]] double nearest_error(const PrimitiveKey& key) const {
     std::vector<PrimitiveKey> keys;
-    for (KeyImage& image : memory_kinds().front()->images(key)) keys.push_back(std::move(image.key));
+    for (KeyImage& image : memory_kinds().front()->images(key))
+      keys.push_back(std::move(image.key));
     const auto matches = index_.find(keys, std::numeric_limits<double>::infinity(), 1);
     return matches.empty() ? std::numeric_limits<double>::infinity() : matches.front().error;
   }

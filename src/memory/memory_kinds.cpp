@@ -28,10 +28,10 @@ Result<const MemoryKind*> find_memory_kind(std::string_view name) {
     if (kind->name == name) return kind;
     known.emplace_back(kind->name);
   }
-  return fail(ErrorCode::invalid, fmt::format("there is no kind of memory '{}'; expected one of: "
-                                              "{}{}",
-                                              name, fmt::join(known, ", "),
-                                              did_you_mean(name, known)));
+  return fail(ErrorCode::invalid,
+              fmt::format("there is no kind of memory '{}'; expected one of: "
+                          "{}{}",
+                          name, fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 const MemoryKind* memory_kind_of(std::string_view version) {

@@ -195,8 +195,9 @@ extern constinit const MemoryKind kWholePaths = {
     .synthesize = warp_paths,
     .learn_from_paths = remember_paths,
     .learn = nullptr,
-    .no_learning_on_a_miss = "whole paths are learned from solved problems alone: "
-                             "'remember-after' does that while planning",
+    .no_learning_on_a_miss =
+        "whole paths are learned from solved problems alone: "
+        "'remember-after' does that while planning",
 };
 
 }  // namespace internal

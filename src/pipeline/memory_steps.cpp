@@ -23,8 +23,10 @@ Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& p
   row.kind = primitive.kind;
   row.key = primitive.key;
   row.sampler = std::move(sampler);
-  row.provenance = {"mneme " + std::string(version()), describe(settings) + " budget",
-                    request.settings.plan.seed, {}};
+  row.provenance = {"mneme " + std::string(version()),
+                    describe(settings) + " budget",
+                    request.settings.plan.seed,
+                    {}};
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
   return request.database->insert(std::move(rows)).map([](const auto&) {});
@@ -54,17 +56,15 @@ Result<void> retrieve(const MemoryRequest& request, const KindSettings& kind,
 Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
                    PrimitiveRetrieval& primitive, double& learning_time_s) {
   const SolveSettings& settings = request.settings;
-  const double rest_s =
-      settings.plan.timeout_s - request.stopwatch.elapsed_s() - kInsertionTime;
+  const double rest_s = settings.plan.timeout_s - request.stopwatch.elapsed_s() - kInsertionTime;
   const double budget_s = std::min(settings.learn_budget_s - learning_time_s, rest_s);
   const bool can_learn = kind.kind->no_learning_on_a_miss.empty();
   if (!primitive.matches.empty() || budget_s <= 0 || !can_learn) return {};
   const Stopwatch stopwatch;
   LearnSettings learning = settings.learn;
   if (!learning.resolution) learning.resolution = settings.resolution;
-  auto learned =
-      kind.kind->learn(request.query.robot, local_problem(request, primitive.primitive), learning,
-                       settings.plan.seed, budget_s, settings.plan.cancel);
+  auto learned = kind.kind->learn(request.query.robot, local_problem(request, primitive.primitive),
+                                  learning, settings.plan.seed, budget_s, settings.plan.cancel);
   if (!learned) return tl::unexpected(learned.error());
   // What a short budget left without a component may be no obstacle with a longer one.
   Result<void> done;
@@ -102,9 +102,8 @@ GaussianMixture make_all(Recalled recalled, int joint_count) {
 
 void append(GaussianMixture& all, const GaussianMixture& more) {
   const int joints = more.joint_count;
-  const int factors = joints == 0 ? 0
-                                  : static_cast<int>(all.factors.size()) /
-                                        (joints * (joints + 1) / 2);
+  const int factors =
+      joints == 0 ? 0 : static_cast<int>(all.factors.size()) / (joints * (joints + 1) / 2);
   const auto before = static_cast<std::size_t>(all.component_count());
   const auto count = static_cast<std::size_t>(more.component_count());
   all.joint_count = joints;
@@ -146,8 +145,10 @@ Result<int> insert_solved(const Query& query, const Path& path, const KindSettin
   auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
-    row.provenance = {"mneme " + std::string(version()), "solved problem " + query.problem.name,
-                      query.settings.plan.seed, {}};
+    row.provenance = {"mneme " + std::string(version()),
+                      "solved problem " + query.problem.name,
+                      query.settings.plan.seed,
+                      {}};
   }
   if (rows->empty()) return 0;
   return query.database->insert(std::move(*rows)).map([](const auto& ids) {

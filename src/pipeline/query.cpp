@@ -14,9 +14,9 @@ namespace mneme::internal {
 namespace {
 
 Result<void> check_settings(const SolveSettings& settings) {
-  for (const auto& checked : {check_ranges(settings), check_ranges(settings.plan),
-                              check_ranges(settings.memory), check_ranges(settings.learn),
-                              check_ranges(settings.ik)}) {
+  for (const auto& checked :
+       {check_ranges(settings), check_ranges(settings.plan), check_ranges(settings.memory),
+        check_ranges(settings.learn), check_ranges(settings.ik)}) {
     if (!checked) return checked;
   }
   if (settings.plan.improve_rounds && settings.plan.improve == 0) {
@@ -149,14 +149,14 @@ Result<Query> make_query(const Problem& problem, Database* database,
   if (auto checked = check_together(**planner, **sampler, settings); !checked) {
     return tl::unexpected(checked.error());
   }
-  auto request = make_memory_request(
-      memory_query(problem), (*sampler)->draws_from_memory ? database : nullptr, settings);
+  auto request = make_memory_request(memory_query(problem),
+                                     (*sampler)->draws_from_memory ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
   auto checker = CollisionChecker::make(problem.robot, problem.scene,
                                         {settings.resolution, settings.margin, settings.isa});
   if (!checker) return tl::unexpected(checker.error());
-  return Query{*std::move(request),           problem,    {problem.start, problem.goals},
-               **planner, **sampler, *std::move(checker)};
+  return Query{*std::move(request), problem,   {problem.start, problem.goals},
+               **planner,           **sampler, *std::move(checker)};
 }
 
 }  // namespace mneme::internal

@@ -39,9 +39,7 @@ class CountingSampler final : public Sampler {
       ++draws_;
       return stream_->next(q);
     }
-    void report(Origin origin, SampleOutcome outcome) override {
-      stream_->report(origin, outcome);
-    }
+    void report(Origin origin, SampleOutcome outcome) override { stream_->report(origin, outcome); }
 
    private:
     std::unique_ptr<SampleStream> stream_;

@@ -26,11 +26,12 @@ struct RaceResult {
 };
 
 /// Runs as many searches as SolveSettings::threads says. The first one begins alone and the others
-/// once it has taken a while; unless the settings say when, these go on escape walks at once. Of those that find a path the one wins that took the fewest
-/// iterations since then, of several the first, and all others end as soon as they cannot win any
-/// more. Which one wins depends neither on timing nor on how many threads could be started, but for
-/// the time limit. All of them share the limit on nodes. An observer sees the search that won, which
-/// is run again for it. Errors: those of the planner.
+/// once it has taken a while; unless the settings say when, these go on escape walks at once. Of
+/// those that find a path the one wins that took the fewest iterations since then, of several the
+/// first, and all others end as soon as they cannot win any more. Which one wins depends neither on
+/// timing nor on how many threads could be started, but for the time limit. All of them share the
+/// limit on nodes. An observer sees the search that won, which is run again for it. Errors: those
+/// of the planner.
 [[nodiscard]] Result<RaceResult> race(const RaceTask& task);
 
 }  // namespace mneme::internal

@@ -34,8 +34,7 @@ class Recollection {
   };
 
   /// Refers to the query.
-  Recollection(const Query& query, Recall recall)
-      : query_(query), recall_(std::move(recall)) {}
+  Recollection(const Query& query, Recall recall) : query_(query), recall_(std::move(recall)) {}
 
   [[nodiscard]] const Query& query() const { return query_; }
 
@@ -52,8 +51,7 @@ class Recollection {
   [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
   /// What was found for a stream that has drawn so often, others may have asked for more; with the
   /// components that any stream has drawn from until now where they are made then.
-  [[nodiscard]] GlSampler take(
-      std::uint64_t draws = std::numeric_limits<std::uint64_t>::max());
+  [[nodiscard]] GlSampler take(std::uint64_t draws = std::numeric_limits<std::uint64_t>::max());
 
  private:
   [[nodiscard]] std::shared_ptr<const Sampler> draw(std::vector<Source> sources);
@@ -70,8 +68,7 @@ class Recollection {
   void ask(const Source& source);
   /// Adds the components to what was found, and samples them as the kind says; null if there are
   /// none.
-  [[nodiscard]] std::shared_ptr<const Sampler> sample(const KindSettings& kind,
-                                                      Recalled recalled);
+  [[nodiscard]] std::shared_ptr<const Sampler> sample(const KindSettings& kind, Recalled recalled);
   [[nodiscard]] std::shared_ptr<const Sampler> sample_mixture(const KindSettings& kind,
                                                               GaussianMixture mixture);
   void add_to_found(const GaussianMixture& mixture);

@@ -41,9 +41,9 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
     resolved.further = std::make_unique<PoseGoalSource>(*std::move(source));
   }
   resolved.refused = refuse_query(query.checker, query.ends);
-  const bool is_for_want_of_goals =
-      resolved.refused && query.ends.goals.empty() &&
-      resolved.refused->status == PlanStatus::invalid_goal && resolved.further != nullptr;
+  const bool is_for_want_of_goals = resolved.refused && query.ends.goals.empty() &&
+                                    resolved.refused->status == PlanStatus::invalid_goal &&
+                                    resolved.further != nullptr;
   if (is_for_want_of_goals && query.is_over()) {
     resolved.refused = refuse_unresolved(query);
   } else if (is_for_want_of_goals) {

@@ -57,8 +57,10 @@ constexpr std::array<SamplerEntry, 10> kSamplers = {{
      kFromMemory},
     {"gaussian", "OMPL's sampler of valid states near obstacles", uniform_source, false, true},
     {"obstacle_based", "OMPL's sampler of valid states at obstacles", uniform_source, false, true},
-    {"bridge_test", "OMPL's sampler of valid states between obstacles", uniform_source, false, true},
-    {"max_clearance", "OMPL's sampler of valid states far from obstacles", uniform_source, false, true},
+    {"bridge_test", "OMPL's sampler of valid states between obstacles", uniform_source, false,
+     true},
+    {"max_clearance", "OMPL's sampler of valid states far from obstacles", uniform_source, false,
+     true},
 }};
 
 }  // namespace
@@ -81,8 +83,8 @@ Result<const SamplerEntry*> find_sampler(std::string_view name) {
   std::string known;
   const std::vector<std::string> names = sampler_names();
   for (const std::string& entry : names) known += (known.empty() ? "" : ", ") + entry;
-  return fail(ErrorCode::invalid, "unknown sampler '" + std::string(name) +
-                                      "': expected one of " + known + did_you_mean(name, names));
+  return fail(ErrorCode::invalid, "unknown sampler '" + std::string(name) + "': expected one of " +
+                                      known + did_you_mean(name, names));
 }
 
 }  // namespace mneme

@@ -46,8 +46,8 @@ class SettingsReader {
       constexpr bool kIsWhole = std::is_integral_v<Value>;
       const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
       if (!is_inside || !is_whole) {
-        input->fail_expecting(fmt::format("{} from {} to {}",
-                                          kIsWhole ? "a whole number" : "a number", least, most));
+        input->fail_expecting(
+            fmt::format("{} from {} to {}", kIsWhole ? "a whole number" : "a number", least, most));
       }
       value = to<Value>(number);
     }

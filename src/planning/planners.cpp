@@ -11,8 +11,13 @@ namespace {
 // To add a planner: its file, its declaration in mneme/planning.h, a row here.
 std::vector<PlannerEntry>& table() {
   static std::vector<PlannerEntry> entries = {
-      {"rrt_connect", "trees from start and goal, each reaching for the other's newest node",
-       &rrt_connect, false, false, {}, true},
+      {"rrt_connect",
+       "trees from start and goal, each reaching for the other's newest node",
+       &rrt_connect,
+       false,
+       false,
+       {},
+       true},
       {"rrt", "a single tree from the start with goal bias", &rrt},
       {"prm", "a roadmap grown until start and goal are connected", &prm},
   };
@@ -55,9 +60,8 @@ Result<const PlannerEntry*> find_planner(std::string_view name) {
         ErrorCode::unsupported,
         std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
   }
-  return fail(ErrorCode::invalid, "unknown planner '" + std::string(name) +
-                                      "': expected one of " + known +
-                                      did_you_mean(name, planner_names()));
+  return fail(ErrorCode::invalid, "unknown planner '" + std::string(name) + "': expected one of " +
+                                      known + did_you_mean(name, planner_names()));
 }
 
 PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChecker& checker,

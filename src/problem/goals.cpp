@@ -78,8 +78,7 @@ Configuration find_state(const Input& input, const Robot& robot) {
 }
 
 Eigen::Matrix3d read_unit_quaternion(const Input& input) {
-  const std::vector<double> xyzw =
-      input.finite_numbers(4, "a quaternion as x, y, z, w");
+  const std::vector<double> xyzw = input.finite_numbers(4, "a quaternion as x, y, z, w");
   const auto rotation = rotation_from_unit_quaternion(std::span(xyzw).first<4>());
   if (!rotation) input.fail(rotation.error().code, rotation.error().message);
   return *rotation;
@@ -211,8 +210,7 @@ std::string_view to_string(Axis axis) {
 
 Result<Eigen::Matrix3d> rotation_from_unit_quaternion(std::span<const double, 4> xyzw) {
   constexpr double kUnitTolerance = 1e-3;
-  const double length =
-      std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
+  const double length = std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
   if (!(std::abs(length - 1) <= kUnitTolerance)) {
     return fail(ErrorCode::invalid,
                 fmt::format("expected a quaternion of length 1, got one of length {:.6g}", length));

@@ -202,8 +202,8 @@ std::string hash_robot(std::span<const Link> links, std::span<const Joint> joint
 
 namespace {
 
-/// Joints that move the group's joints or are among them: those of the group in its order, then those
-/// that follow them, in tree order.
+/// Joints that move the group's joints or are among them: those of the group in its order, then
+/// those that follow them, in tree order.
 std::vector<int> carrying_joints(std::span<const Joint> joints, std::span<const int> group) {
   const std::vector<bool> is_moving = find_moving(joints, group);
   std::vector<bool> is_above(joints.size() + 1, false);  // of each link

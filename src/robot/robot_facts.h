@@ -39,9 +39,10 @@ using LinkPairs = std::vector<std::pair<int, int>>;
                                      std::span<const int> group,
                                      std::span<const std::pair<int, int>> self_pairs);
 
-/// 16 hexadecimal digits over what the group's joints do: 8 over the frames that they and the joints
-/// that follow them stand in on the way from the root, 8 over their limits. Joints that carry no
-/// joint of the group do not count. Values count in steps of 1e-9; databases store the result.
+/// 16 hexadecimal digits over what the group's joints do: 8 over the frames that they and the
+/// joints that follow them stand in on the way from the root, 8 over their limits. Joints that
+/// carry no joint of the group do not count. Values count in steps of 1e-9; databases store the
+/// result.
 [[nodiscard]] std::string hash_kinematics(std::span<const Joint> joints,
                                           std::span<const int> group);
 

@@ -57,8 +57,9 @@ struct Srdf {
 /// exist in a robot.
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
-/// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in tree order.
-/// Names that the robot lacks are left aside with one warning each. Returns what is malformed.
+/// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in
+/// tree order. Names that the robot lacks are left aside with one warning each. Returns what is
+/// malformed.
 [[nodiscard]] std::optional<Error> apply_srdf(std::string_view text, const std::string& source,
                                               Robot::Parts& parts);
 

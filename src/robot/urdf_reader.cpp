@@ -201,8 +201,8 @@ void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
     joint.axis = xml_.vector(*axis, "xyz", joint.axis);
   }
   const bool is_continuous = joint.type == JointType::continuous;
-  const XmlElement* limit = is_continuous ? element.FirstChildElement("limit")
-                                          : xml_.required_child(element, "limit");
+  const XmlElement* limit =
+      is_continuous ? element.FirstChildElement("limit") : xml_.required_child(element, "limit");
   if (limit == nullptr) return;
   xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
   read_rates(*limit, joint);

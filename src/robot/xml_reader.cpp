@@ -122,10 +122,10 @@ void XmlReader::check_children(const XmlElement& element,
       known.insert(known.end(), repeated);
       const bool is_xacro = name.starts_with("xacro:");
       note(child->GetLineNum(),
-           fmt::format("unknown element <{}> in <{}>; expected {}{}", name, element.Name(),
-                       is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf"
-                                : "one of: ",
-                       fmt::join(is_xacro ? std::vector<std::string_view>() : known, ", ")));
+           fmt::format(
+               "unknown element <{}> in <{}>; expected {}{}", name, element.Name(),
+               is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf" : "one of: ",
+               fmt::join(is_xacro ? std::vector<std::string_view>() : known, ", ")));
     }
     if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
       note(child->GetLineNum(),

@@ -26,7 +26,7 @@ struct ObstacleSpelling {
   bool is_scalar_first = false;     ///< order of the quaternion
   bool writes_no_rotation = false;  ///< as a quaternion, instead of leaving it out
   std::span<const std::string_view> naming = kObstacleNaming;  ///< keys besides those of the shape
-  bool may_name_files = true;  ///< of points, meshes and octrees
+  bool may_name_files = true;                                  ///< of points, meshes and octrees
 };
 inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false, false};
 inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};

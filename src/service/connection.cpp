@@ -19,14 +19,15 @@ constexpr double kMostDrainS = 1;
 using Clock = std::chrono::steady_clock;
 
 Clock::time_point after(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                            std::chrono::duration<double>(seconds));
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 /// True if one of `sockets` has an event before `deadline`.
 bool wait_for_event(std::span<pollfd> sockets, Clock::time_point deadline) {
   while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
     if (left.count() < 0) return false;
     const int count = poll(sockets.data(), sockets.size(), static_cast<int>(left.count()) + 1);
     if (count > 0) return true;

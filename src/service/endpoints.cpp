@@ -192,8 +192,8 @@ Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
   request->settings.is_over = [&] {
     return client.is_cancelled() || stopwatch.elapsed_s() > settings_.longest_plan_s;
   };
-  auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start,
-                                     request->settings, kVerificationMargin);
+  auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start, request->settings,
+                                     kVerificationMargin);
   if (!source) return refusal(source.error());
   Json solutions = Json::array();
   for (const Configuration& q : source->more()) {
@@ -239,8 +239,8 @@ Answer Endpoints::put_scene(const std::string& id, const std::string& body) {
 }
 
 Answer Endpoints::patch_scene(const std::string& id, const std::string& body) {
-  const auto kept = scenes_.change(
-      id, [&](const Scene& scene) { return edit_scene(body, scene, context()); });
+  const auto kept =
+      scenes_.change(id, [&](const Scene& scene) { return edit_scene(body, scene, context()); });
   if (!kept) return refusal(kept.error());
   return *kept == nullptr ? no_scene(id) : answer(scene_json(id, **kept));
 }
@@ -286,7 +286,9 @@ Answer Endpoints::health(bool may_plan) const {
   }
   Json joints = Json::array();
   for (int i = 0; i < robot_.joint_count(); ++i) joints.push_back(robot_.group_joint(i).name);
-  Json json = {{"status", is_stopping_ ? "stopping" : failure.empty() ? "ok" : "degraded"},
+  Json json = {{"status", is_stopping_      ? "stopping"
+                          : failure.empty() ? "ok"
+                                            : "degraded"},
                {"version", version()},
                {"robot", robot_.name()},
                {"joints", joints},

@@ -36,7 +36,8 @@ struct Answer {
 class Endpoints {
  public:
   /// The settings are complete: `threads` is above 0.
-  Endpoints(const Robot& robot, std::shared_ptr<Database> database, const ServiceSettings& settings);
+  Endpoints(const Robot& robot, std::shared_ptr<Database> database,
+            const ServiceSettings& settings);
 
   /// `socket` is that of the client, who may go away.
   [[nodiscard]] Answer plan(const std::string& body, int socket);

@@ -39,8 +39,8 @@ Result<Listener> listen_at_file(const std::string& where) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) {
-    return fail(ErrorCode::invalid, fmt::format("'{}': expected unix:PATH with 1 to {} bytes", where,
-                                                sizeof address.sun_path - 1));
+    return fail(ErrorCode::invalid, fmt::format("'{}': expected unix:PATH with 1 to {} bytes",
+                                                where, sizeof address.sun_path - 1));
   }
   path.copy(address.sun_path, path.size());
   struct stat file {};
@@ -97,8 +97,9 @@ Result<Listener> listen_at_host(const std::string& where, bool may_be_remote) {
   const bool is_number = !port.empty() && port.size() <= 5 &&
                          port.find_first_not_of("0123456789") == std::string::npos;
   if (host.empty() || !is_number || std::stoi(port) > 65535) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where));
+    return fail(
+        ErrorCode::invalid,
+        fmt::format("'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where));
   }
   const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
   if (is_bracketed) host = host.substr(1, host.size() - 2);
@@ -123,9 +124,8 @@ Result<Listener> listen_at_host(const std::string& where, bool may_be_remote) {
     return cannot_listen(where);
   }
   const bool needs_brackets = host.find(':') != std::string::npos;
-  listener.address =
-      fmt::format("http://{}{}{}:{}", needs_brackets ? "[" : "", host, needs_brackets ? "]" : "",
-                  port_of(socket));
+  listener.address = fmt::format("http://{}{}{}:{}", needs_brackets ? "[" : "", host,
+                                 needs_brackets ? "]" : "", port_of(socket));
   return listener;
 }
 

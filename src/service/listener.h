@@ -28,13 +28,14 @@ class Descriptor {
 
 struct Listener {
   Descriptor socket;
-  std::string address;      ///< as clients name it
+  std::string address;           ///< as clients name it
   std::string socket_file = {};  ///< to be removed at the end; empty for an address of a network
   ino_t file_number = 0;         ///< of socket_file
 };
 
 /// Listens at HOST:PORT or unix:PATH. A socket file that nobody listens at is replaced; it is for
-/// its owner alone. `may_be_remote` allows addresses that other machines reach. Errors: invalid, io.
+/// its owner alone. `may_be_remote` allows addresses that other machines reach. Errors: invalid,
+/// io.
 [[nodiscard]] Result<Listener> listen_at(const std::string& where, bool may_be_remote);
 /// Unless another program has put a file of its own in its place.
 void remove_socket_file(const Listener& listener);

@@ -43,8 +43,7 @@ void add_latencies(std::string& text, ServiceCounts& counts) {
       fmt::format_to(out, "mneme_request_seconds{{path=\"{}\",quantile=\"{}\"}} {:.6g}\n", path,
                      quantile, last[rank]);
     }
-    fmt::format_to(out, "mneme_request_seconds_sum{{path=\"{}\"}} {:.6g}\n", path,
-                   latencies.sum_s);
+    fmt::format_to(out, "mneme_request_seconds_sum{{path=\"{}\"}} {:.6g}\n", path, latencies.sum_s);
     fmt::format_to(out, "mneme_request_seconds_count{{path=\"{}\"}} {}\n", path, latencies.count);
   }
 }

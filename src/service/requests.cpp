@@ -173,9 +173,9 @@ void check_limits(const Input& input, const SolveSettings& settings,
                            limits.longest_plan_s));
   }
   if (settings.threads > limits.threads) {
-    input.at("threads").fail(ErrorCode::invalid,
-                             fmt::format("expected at most {}, all threads of this service",
-                                         limits.threads));
+    input.at("threads").fail(
+        ErrorCode::invalid,
+        fmt::format("expected at most {}, all threads of this service", limits.threads));
   }
   if (settings.plan.max_nodes > limits.nodes) {
     input.at("max-nodes")
@@ -209,10 +209,10 @@ Problem read_problem_of_request(const Input& input, const ProblemOptions& option
   }
   const auto named = input.find("name");
   const std::string name = named ? named->text() : kSource;
-  return read_problem_of({"", context.robot, {}},
-                         {input, input, name, "", read_scene_of_request(input, name, context),
-                          kRequestSpelling},
-                         options);
+  return read_problem_of(
+      {"", context.robot, {}},
+      {input, input, name, "", read_scene_of_request(input, name, context), kRequestSpelling},
+      options);
 }
 
 PlanRequest read_plan(const Input& input, const RequestContext& context) {
@@ -263,9 +263,8 @@ IkRequest read_ik(const Input& input, const RequestContext& context) {
 }
 
 CheckRequest read_check(const Input& input, const RequestContext& context) {
-  input.allow_keys(
-      {"robot", "joints", "frame", "scene", "obstacles", "circles", "allow", "configurations",
-       "margin"});
+  input.allow_keys({"robot", "joints", "frame", "scene", "obstacles", "circles", "allow",
+                    "configurations", "margin"});
   check_robot(input, context.robot);
   CheckRequest request;
   request.scene = read_scene_of_request(input, kSource, context);
@@ -284,14 +283,13 @@ CheckRequest read_check(const Input& input, const RequestContext& context) {
 }
 
 void remove_obstacle(const Input& name, Scene& scene) {
-  const std::size_t removed =
-      std::erase_if(scene.obstacles, [wanted = name.text()](const Obstacle& obstacle) {
-        return obstacle.name == wanted;
-      });
+  const std::size_t removed = std::erase_if(
+      scene.obstacles,
+      [wanted = name.text()](const Obstacle& obstacle) { return obstacle.name == wanted; });
   if (removed == 0) {
-    name.fail(ErrorCode::invalid,
-              fmt::format("expected the name of an obstacle of the scene, got \"{}\"",
-                          name.text()));
+    name.fail(
+        ErrorCode::invalid,
+        fmt::format("expected the name of an obstacle of the scene, got \"{}\"", name.text()));
   }
 }
 
@@ -327,16 +325,15 @@ Result<Scene> read_scene_request(std::string_view body, const std::string& id,
   });
 }
 
-Result<Scene> edit_scene(std::string_view body, const Scene& scene,
-                         const RequestContext& context) {
+Result<Scene> edit_scene(std::string_view body, const Scene& scene, const RequestContext& context) {
   return read_body(body, [&](const Input& input) {
     input.allow_keys({"frame", "remove", "obstacles", "circles", "allow"});
     Scene edited = scene;
     if (const auto names = input.find("remove")) {
       for (const Input& name : names->items()) remove_obstacle(name, edited);
     }
-    Scene added = moved(read_frame(input, context.robot),
-                        read_framed_scene(input, scene.name, context));
+    Scene added =
+        moved(read_frame(input, context.robot), read_framed_scene(input, scene.name, context));
     for (Obstacle& obstacle : added.obstacles) set_obstacle(std::move(obstacle), edited);
     check_count(input, edited, context);
     return with_allowed(input, std::move(edited));

@@ -23,12 +23,12 @@
 namespace mneme {
 namespace {
 
+using httplib::Request;
+using httplib::Response;
 using internal::Answer;
 using internal::Endpoints;
 using internal::HttpServer;
 using internal::refusal;
-using httplib::Request;
-using httplib::Response;
 
 constexpr double kGrace = 0.5;    ///< seconds for what runs when the service stops
 constexpr double kGoodbye = 0.3;  ///< seconds for the answers to what was cancelled then
@@ -117,7 +117,8 @@ std::optional<Answer> refuse_head(const Request& request, const ServiceSettings&
   if (request.path != "/healthz" && !knows(settings.token, request)) {
     return refusal(401, "unauthorized", "expected the header Authorization: Bearer TOKEN");
   }
-  const bool is_open = settings.token.empty() && address.starts_with("http:") && request.has_header("Host");
+  const bool is_open =
+      settings.token.empty() && address.starts_with("http:") && request.has_header("Host");
   if (is_open && !internal::is_own_host(request.get_header_value("Host"), address)) {
     return refusal(403, "forbidden",
                    fmt::format("expected the header Host to name this machine, as in {}: without a "
@@ -217,12 +218,12 @@ class Service::State {
 
   /// `endpoint` as metrics name it.
   [[nodiscard]] HttpServer::Handler timed(const std::string& endpoint, Handler handler) {
-    return [this, endpoint, handler = std::move(handler)](const Request& request,
-                                                          Response& response) {
-      const Stopwatch stopwatch;
-      respond(response, handler(request));
-      endpoints_.metrics().add_request(endpoint, response.status, stopwatch.elapsed_s());
-    };
+    return
+        [this, endpoint, handler = std::move(handler)](const Request& request, Response& response) {
+          const Stopwatch stopwatch;
+          respond(response, handler(request));
+          endpoints_.metrics().add_request(endpoint, response.status, stopwatch.elapsed_s());
+        };
   }
 
   static int socket() { return HttpServer::connection().socket(); }
@@ -242,8 +243,7 @@ class Service::State {
                 timed("/v1/plans/{id}/trace", [this](const Request& request) {
                   return endpoints_.trace(request.matches[1], socket());
                 }));
-    server_.Get("/healthz",
-                timed("/healthz", [this](const Request& request) {
+    server_.Get("/healthz", timed("/healthz", [this](const Request& request) {
                   return endpoints_.health(knows(settings_.token, request));
                 }));
     server_.Get("/metrics", timed("/metrics", [this](const Request&) {
@@ -297,8 +297,8 @@ class Service::State {
       const std::string message =
           is_missing ? fmt::format("there is no {} {}", request.method, request.path)
                      : "the request cannot be read, or is beyond a limit";
-      respond_and_close(response, refusal(response.status, is_missing ? "not_found" : "refused",
-                                          message));
+      respond_and_close(response,
+                        refusal(response.status, is_missing ? "not_found" : "refused", message));
     });
     server_.set_exception_handler(
         [](const Request&, Response& response, const std::exception_ptr&) {

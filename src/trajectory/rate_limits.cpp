@@ -74,8 +74,8 @@ void read_file(const std::string& file, const Robot& robot, Rates& rates) {
   const std::string text = value_or_throw(read_text_file(file));
   const InputValue value = parse_yaml(text, file);
   const Input input(value, file);
-  input.allow_keys({"joint_limits", "default_velocity_scaling_factor",
-                    "default_acceleration_scaling_factor"});
+  input.allow_keys(
+      {"joint_limits", "default_velocity_scaling_factor", "default_acceleration_scaling_factor"});
   for (const auto& [name, joint] : input.at("joint_limits").entries()) {
     const auto found = rates.find(name);
     if (found == rates.end()) {
@@ -114,10 +114,10 @@ void heed_followers(const Robot& robot, const Rates& rates, double acceleration,
 Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
                          std::string_view what) {
   if (as_index(robot.joint_count()) != rates.size()) {
-    return fail(ErrorCode::invalid, fmt::format("there are {} limits of {}, but robot '{}' has {} "
-                                                "joints in its group",
-                                                rates.size(), what, robot.name(),
-                                                robot.joint_count()));
+    return fail(ErrorCode::invalid,
+                fmt::format("there are {} limits of {}, but robot '{}' has {} "
+                            "joints in its group",
+                            rates.size(), what, robot.name(), robot.joint_count()));
   }
   for (int i = 0; i < robot.joint_count(); ++i) {
     const double rate = rates[as_index(i)];

@@ -92,7 +92,8 @@ class Corner {
 
  private:
   /// Leaves the first leg `reach` before the corner, and is on the second one `reach` after it. It
-  /// is farthest from the corner, and from the legs at most as far, in its middle: |turn| reach / 4.
+  /// is farthest from the corner, and from the legs at most as far, in its middle: |turn| reach
+  /// / 4.
   [[nodiscard]] Curve parabola(double reach) const {
     return {plus(in_.begin, in_.length - reach, in_.direction), in_.direction,
             plus(std::vector<double>(turn_.size()), 0.5 / reach, turn_), 2 * reach};

@@ -46,7 +46,8 @@ struct Slopes {
 };
 
 /// The greatest squared path speeds at which the joint is nowhere faster than `velocity`: a line
-/// over the cell. v^2 / q'^2 is convex where q' keeps its sign: its tangent in the middle lies below.
+/// over the cell. v^2 / q'^2 is convex where q' keeps its sign: its tangent in the middle lies
+/// below.
 CellLimits::Pair most_speeds(const Slopes& slopes, double velocity) {
   constexpr double kSteepest = 0.5;  // of lines, so that they stay well above 0
   const double middle = 0.5 * (slopes.first + slopes.last);
@@ -134,8 +135,7 @@ Profile find_profile(std::span<const Cell> cells) {
     // Limits are convex: a slower begin allows for that share of the end, whatever rounding says.
     const double fastest = controllable.fastest[i];
     const double share = fastest > 0 ? std::min(1.0, begin / fastest) : 0;
-    profile[i + 1] = std::max(share * controllable.ends[i],
-                              cell.limits.greatest_end(begin, most));
+    profile[i + 1] = std::max(share * controllable.ends[i], cell.limits.greatest_end(begin, most));
   }
   return profile;
 }

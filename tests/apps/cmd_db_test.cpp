@@ -44,7 +44,8 @@ TEST_SUITE("flow") {
       return run_json({"db", "info", files.database(), "--robot", robot})["difference"];
     };
     std::string urdf = read_file(source_file("robots/planar8.urdf"));
-    const auto write = [&](const std::string& name, const std::string& from, const std::string& to) {
+    const auto write = [&](const std::string& name, const std::string& from,
+                           const std::string& to) {
       std::string text = urdf;
       for (std::size_t at = text.find(from); at != std::string::npos;
            at = text.find(from, at + to.size())) {
@@ -179,9 +180,8 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a database of several kinds is queried for each of them") {
     const PlanarFiles files;
-    const ProgramRun learned =
-        run_program({"learn", "--problems", files.problem(), "--kind", "paths", "--db",
-                     files.database(), "--paths", "1"});
+    const ProgramRun learned = run_program({"learn", "--problems", files.problem(), "--kind",
+                                            "paths", "--db", files.database(), "--paths", "1"});
     REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
     CHECK(run_json({"db", "info", files.database()})["kinds"].size() == 2);
     const Json json = run_json({"db", "query", files.database(), "--problem", files.problem()});

@@ -58,7 +58,8 @@ TEST_SUITE("flow") {
     CHECK(planar8().distance(path.back(), kGoal) < 1e-6);
   }
 
-  TEST_CASE("a trajectory is written in the format of the file's ending, and its duration is told") {
+  TEST_CASE(
+      "a trajectory is written in the format of the file's ending, and its duration is told") {
     const PlanarFiles files;
     const std::vector<std::string> command = {"plan", files.problem(), "--json", "--trajectory"};
     const auto run_with = [&](const std::string& file, const std::vector<std::string>& more = {}) {
@@ -94,9 +95,9 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a trajectory that cannot be written costs nothing else") {
     const PlanarFiles files;
-    const ProgramRun run = run_program(
-        {"plan", files.problem(), "--json", "--svg", files / "plan.svg", "--trajectory",
-         files / "m.csv", "--dt", "0.0001", "--velocity-scale", "0.001"});
+    const ProgramRun run =
+        run_program({"plan", files.problem(), "--json", "--svg", files / "plan.svg", "--trajectory",
+                     files / "m.csv", "--dt", "0.0001", "--velocity-scale", "0.001"});
     CHECK(run.exit_code == 1);
     CHECK_MESSAGE(has_text(run.err, "points"), run.err);
     CHECK(Json::parse(run.out)["path"].size() >= 2);

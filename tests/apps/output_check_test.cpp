@@ -15,7 +15,8 @@ std::string write_some_runs(const PlanarFiles& files) {
 TEST_SUITE("unit") {
   TEST_CASE("no output is written over a memory") {
     const PlanarFiles files;
-    const std::string memory = files.database(), problem = files.problem(), csv = write_some_runs(files);
+    const std::string memory = files.database(), problem = files.problem(),
+                      csv = write_some_runs(files);
     const std::string before = read_file(memory);
     std::filesystem::create_symlink(memory, files / "link");
     const std::string read = "is the memory that is read; expected another file";

@@ -58,8 +58,8 @@ TEST_SUITE("flow") {
     CHECK((robot.link_poses(path.back()).back().translation -
            robot.link_poses(kGoal).back().translation)
               .norm() < 1e-4);
-    const ProgramRun told = run_program({"plan", files.problem(), "--goal-pose", tip_pose(kGoal),
-                                         "--goal-pose", "link_8:3,3,0"});
+    const ProgramRun told = run_program(
+        {"plan", files.problem(), "--goal-pose", tip_pose(kGoal), "--goal-pose", "link_8:3,3,0"});
     REQUIRE_MESSAGE(told.exit_code == 0, told.err);
     CHECK(has_text(told.out, "for 2 poses"));
   }
@@ -86,8 +86,12 @@ TEST_SUITE("unit") {
         {{"robot", "ik", "planar8", "--pose", "link_8:1,2"}, 2, {"--pose", "3 finite numbers"}},
         {{"robot", "ik", "planar8", "--pose", "link_8:1,2,nan"}, 2, {"--pose", "finite"}},
         {{"robot", "ik", "planar8", "--pose", "link_8:1,2,x"}, 2, {"--pose", "item 3 is 'x'"}},
-        {{"robot", "ik", "planar8", "--pose", "link_8:1,2,0,0,0,0,0"}, 2, {"length 1, got one of length 0"}},
-        {{"robot", "ik", "planar8", "--pose", "link_8:1,2,0,0,0,0,2"}, 2, {"length 1, got one of length 2"}},
+        {{"robot", "ik", "planar8", "--pose", "link_8:1,2,0,0,0,0,0"},
+         2,
+         {"length 1, got one of length 0"}},
+        {{"robot", "ik", "planar8", "--pose", "link_8:1,2,0,0,0,0,2"},
+         2,
+         {"length 1, got one of length 2"}},
         {{"robot", "ik", "planar8", "--pose", "nose:1,2,0"},
          1,
          {"--pose: expected a link of robot planar8, got \"nose\""}},

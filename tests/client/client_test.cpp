@@ -168,8 +168,10 @@ TEST_SUITE("flow") {
     CHECK(none->status == PlanStatus::iteration_limit);
     CHECK_FALSE(none->message.empty());
     CHECK(none->path.empty());
-    const Robot other = *load_covered_robot(*find_robot("ur5")).map(
-        [](const CoveredRobot& covered) { return covered.robot; });
+    const Robot other =
+        *load_covered_robot(*find_robot("ur5")).map([](const CoveredRobot& covered) {
+          return covered.robot;
+        });
     const Configuration zero(6, 0.0);
     CHECK(has(refused(client.plan({"", other, "", {}, zero, {zero}, {}}), ErrorCode::invalid),
               "expected the joints"));
@@ -226,14 +228,13 @@ TEST_SUITE("unit") {
     settings.plan.simplify = false;
     settings.plan.max_iterations = 7;
     settings.ik.solutions = 3;
-    CHECK(internal::plan_body(problem, "", settings)["settings"] ==
-          Json{{"planner", "prm"},
-               {"kind", "paths"},
-               {"lambda", 0.25},
-               {"threads", 2},
-               {"simplify", false},
-               {"max-iterations", 7},
-               {"ik-solutions", 3}});
+    CHECK(internal::plan_body(problem, "", settings)["settings"] == Json{{"planner", "prm"},
+                                                                         {"kind", "paths"},
+                                                                         {"lambda", 0.25},
+                                                                         {"threads", 2},
+                                                                         {"simplify", false},
+                                                                         {"max-iterations", 7},
+                                                                         {"ik-solutions", 3}});
     const Json body = internal::plan_body(problem, "cell", {});
     CHECK(body["scene"] == "cell");
     CHECK_FALSE(body.contains("obstacles"));

@@ -17,7 +17,8 @@ bool is_round(double value) { return std::abs(value * 1e5 - std::round(value * 1
 
 TEST_SUITE("unit") {
   TEST_CASE("a cube that one sphere covers well enough gets one") {
-    const LinkCover cover = cover_solid(internal::triangulate(make_box({0.06, 0.06, 0.06})), {0.025, 16});
+    const LinkCover cover =
+        cover_solid(internal::triangulate(make_box({0.06, 0.06, 0.06})), {0.025, 16});
     REQUIRE(cover.spheres.size() == 1);
     CHECK(cover.spheres[0].center.norm() < 0.002);
     CHECK(cover.spheres[0].radius == doctest::Approx(0.03 * std::sqrt(3.0)).epsilon(0.02));

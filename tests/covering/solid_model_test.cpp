@@ -115,9 +115,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a shallow tray is hollow") {
     TriangleMesh tray = internal::triangulate(make_box({0.4, 0.4, 0.1}));
-    std::erase_if(tray, [](const Triangle& t) {
-      return t.a.z() > 0 && t.b.z() > 0 && t.c.z() > 0;
-    });
+    std::erase_if(tray,
+                  [](const Triangle& t) { return t.a.z() > 0 && t.b.z() > 0 && t.c.z() > 0; });
     const SolidModel solid(tray);
     CHECK_FALSE(solid.contains({0, 0, 0.03}));
     CHECK(solid.depth({0, 0, 0}) == doctest::Approx(-0.05));

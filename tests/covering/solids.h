@@ -28,8 +28,7 @@ inline internal::TriangleMesh joined(const internal::TriangleMesh& a,
 /// A cylinder about z without its flat ends.
 inline internal::TriangleMesh make_tube(double radius, double length) {
   internal::TriangleMesh tube = internal::triangulate(Cylinder{{}, radius, length});
-  std::erase_if(
-      tube, [](const Triangle& t) { return t.a.z() == t.b.z() && t.b.z() == t.c.z(); });
+  std::erase_if(tube, [](const Triangle& t) { return t.a.z() == t.b.z() && t.b.z() == t.c.z(); });
   return tube;
 }
 

@@ -19,8 +19,9 @@ namespace {
 TEST_SUITE("oracle") {
 #ifdef MNEME_HAS_KDL
   TEST_CASE("KDL finds the link where it was to be, and reaches no pose that mneme does not") {
-    for (const auto& [name, link] : {std::pair("panda", "panda_hand"),
-                                     std::pair("fetch", "gripper_link"), std::pair("ur5", "tool0")}) {
+    for (const auto& [name, link] :
+         {std::pair("panda", "panda_hand"), std::pair("fetch", "gripper_link"),
+          std::pair("ur5", "tool0")}) {
       CAPTURE(name);
       const Robot robot = shipped_robot(name);
       const KdlChain kdl(robot, link);
@@ -41,8 +42,7 @@ TEST_SUITE("oracle") {
           CHECK(off.rot.Norm() < 1e-3);
         }
         KDL::JntArray out(kdl.lower.rows());
-        const bool is_solved =
-            peer.CartToJnt(kdl.to_kdl_joints(near), to_kdl(goal.pose), out) >= 0;
+        const bool is_solved = peer.CartToJnt(kdl.to_kdl_joints(near), to_kdl(goal.pose), out) >= 0;
         found += !result.solutions.empty();
         found_by_kdl_alone += is_solved && result.solutions.empty();
       }

@@ -40,9 +40,8 @@ TEST_SUITE("unit") {
     PoseGoalSource source = require_source(checker, {first, second});
     std::vector<Configuration> all = source.more();
     REQUIRE(all.size() >= 2);
-    CHECK(std::ranges::is_sorted(all, {}, [&](const Configuration& q) {
-      return robot.distance(kReady, q);
-    }));
+    CHECK(std::ranges::is_sorted(
+        all, {}, [&](const Configuration& q) { return robot.distance(kReady, q); }));
     const std::size_t at_once = all.size();
     for (int i = 0; i < 6; ++i) {
       for (Configuration& q : source.more()) all.push_back(std::move(q));

@@ -107,7 +107,8 @@ TEST_SUITE("law") {
     const PrimitiveKey key = key_of(robot, {kPi - 0.01, 1}, {0, 0});
     CHECK(similarity_error(kind_named("paths"), key, key_of(robot, {-kPi + 0.01, 1}, {0, 0})) ==
           doctest::Approx(0.0004).epsilon(0.01));
-    CHECK(similarity_error(kind_named("paths"), key, key_of(robot, {kPi - 0.01, 1}, {0, 0.5})) > 0.25);
+    CHECK(similarity_error(kind_named("paths"), key, key_of(robot, {kPi - 0.01, 1}, {0, 0.5})) >
+          0.25);
   }
 }
 
@@ -248,7 +249,8 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("flow") {
-  TEST_CASE("without anchors and walks, a problem takes fewer samples once its paths are remembered") {
+  TEST_CASE(
+      "without anchors and walks, a problem takes fewer samples once its paths are remembered") {
     PathMemory memory;
     SolveSettings settings;
     settings.sampler = "uniform";
@@ -280,8 +282,8 @@ TEST_SUITE("flow") {
     PathMemory memory;
     SolveSettings of_paths;
     of_paths.memory.kind = "paths";
-    const auto gl = create_gl_sampler({memory.problem.robot, memory.problem.scene},
-                                      memory.database, of_paths);
+    const auto gl =
+        create_gl_sampler({memory.problem.robot, memory.problem.scene}, memory.database, of_paths);
     REQUIRE_FALSE(gl.has_value());
     CHECK(gl.error().code == ErrorCode::invalid);
     CHECK(gl.error().message.find("start and goal") != std::string::npos);

@@ -282,7 +282,8 @@ TEST_SUITE("unit") {
     const auto gl = create_gl_sampler({robot, scene}, *database, {});
     REQUIRE(!gl.has_value());
     CHECK(gl.error().code == ErrorCode::wrong_robot);
-    for (const std::string& part : {directory / "a.db", other.kinematics_hash(), robot.kinematics_hash()}) {
+    for (const std::string& part :
+         {directory / "a.db", other.kinematics_hash(), robot.kinematics_hash()}) {
       CHECK_MESSAGE(gl.error().message.find(part) != std::string::npos, gl.error().message);
     }
     CHECK(create(other, make_scene(near_pair()), *database, {}).primitives.size() == 1);

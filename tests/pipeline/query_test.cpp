@@ -261,9 +261,8 @@ TEST_SUITE("unit") {
     const auto refused = request(planar, &foreign);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::wrong_robot);
-    for (const std::string& word :
-         {directory / "a.db", planar.name(), spatial.name(), planar.kinematics_hash(),
-          spatial.kinematics_hash()}) {
+    for (const std::string& word : {directory / "a.db", planar.name(), spatial.name(),
+                                    planar.kinematics_hash(), spatial.kinematics_hash()}) {
       CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
                     refused.error().message);
     }

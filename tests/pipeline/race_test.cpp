@@ -29,7 +29,7 @@ SolveSettings racing_settings(int threads) {
 }
 
 SolveResult require_solved(const Problem& problem, Database* database,
-                          const SolveSettings& settings) {
+                           const SolveSettings& settings) {
   auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *std::move(result);
@@ -79,8 +79,8 @@ struct Log : PlanObserver {
 TEST_SUITE("law") {
   TEST_CASE("of several searches the one with the fewest iterations wins, whatever the timing") {
     const Problem gap = planar_problem("threaded_b4");
-    const Problem shelf{"shelf", lifting_arm(), "", shelf_scene(), {0, 0, 0, 0},
-                        {{0, 0, 0.6, -0.4}}, {}};
+    const Problem shelf{"shelf",      lifting_arm(),       "", shelf_scene(),
+                        {0, 0, 0, 0}, {{0, 0, 0.6, -0.4}}, {}};
     int others = 0;
     for (const std::string planner : {"rrt_connect", "rrt", "prm"}) {
       const Problem& problem = planner == "rrt_connect" ? gap : shelf;

@@ -30,7 +30,8 @@ inline PlanSettings patient_settings(std::uint64_t seed = 1) {
 using OwnPlanner = PlanResult (*)(const PlanTask&);
 
 inline PlanResult run(OwnPlanner plan, const World& world, const PlanSettings& settings) {
-  return plan_with(plan, make_checker(world), world.query, *make_uniform_sampler(world.robot), settings);
+  return plan_with(plan, make_checker(world), world.query, *make_uniform_sampler(world.robot),
+                   settings);
 }
 
 inline double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -174,8 +175,8 @@ inline void check_tiny_range_keeps_the_time_limit(OwnPlanner plan) {
     const World world = boxed_goal();
     const CollisionChecker checker = make_checker(world);
     const std::clock_t begin_work = std::clock();
-    CHECK(plan_with(plan, checker, world.query, *make_uniform_sampler(world.robot), settings).status ==
-          PlanStatus::timeout);
+    CHECK(plan_with(plan, checker, world.query, *make_uniform_sampler(world.robot), settings)
+              .status == PlanStatus::timeout);
     // A busy machine makes it wait, but not work for longer.
     CHECK(work_seconds_since(begin_work) < 0.4 * kSlowdown);
   }
@@ -387,7 +388,8 @@ inline void check_continuous_verification(OwnPlanner plan) {
       INFO("seed ", seed, ", continuous ", is_continuous);
       PlanSettings settings = patient_settings(seed);
       settings.continuous = is_continuous;
-      const PlanResult result = plan_with(plan, checker, posts_between_states().query, *sampler, settings);
+      const PlanResult result =
+          plan_with(plan, checker, posts_between_states().query, *sampler, settings);
       REQUIRE(result.is_solved());
       bool is_free = true;
       for (const Configuration& q : dense(checker.robot(), result.path, 1e-3)) {

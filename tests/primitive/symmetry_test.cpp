@@ -36,13 +36,15 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("joint 1 is wrapped into the half-open interval from -pi to pi") {
-    CHECK(moved_configuration(kFirst, Symmetry{kHalfTurn, false}, Configuration{0.0, 1.0})[0] == -kHalfTurn);
+    CHECK(moved_configuration(kFirst, Symmetry{kHalfTurn, false}, Configuration{0.0, 1.0})[0] ==
+          -kHalfTurn);
     CHECK(moved_configuration(kFirst, Symmetry{2.0, false}, Configuration{2.0})[0] ==
           doctest::Approx(4 - 2 * kHalfTurn));
     CHECK(moved_configuration(kFirst, Symmetry{-3.0, false}, Configuration{-3.0})[0] ==
           doctest::Approx(2 * kHalfTurn - 6));
     const double just_below = std::nextafter(-kHalfTurn, -4.0);
-    CHECK(moved_configuration(kFirst, Symmetry{0, false}, Configuration{just_below})[0] < kHalfTurn);
+    CHECK(moved_configuration(kFirst, Symmetry{0, false}, Configuration{just_below})[0] <
+          kHalfTurn);
   }
 }
 
@@ -56,7 +58,8 @@ TEST_SUITE("law") {
       const PrimitiveKey key = random_pair(rng);
       REQUIRE(largest_difference(moved_key(both, key), moved_key(second, moved_key(first, key))) <
               1e-13);
-      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn), rng.uniform(-kHalfTurn, kHalfTurn), 0.3};
+      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn),
+                               rng.uniform(-kHalfTurn, kHalfTurn), 0.3};
       REQUIRE(angular_difference(
                   moved_configuration(kFirst, both, q),
                   moved_configuration(kFirst, second, moved_configuration(kFirst, first, q))) <
@@ -73,7 +76,8 @@ TEST_SUITE("law") {
       const Symmetry neither = compose(motion, inverse(motion));
       REQUIRE(!neither.is_mirrored);
       REQUIRE(std::abs(neither.rotation) < 1e-13);
-      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn), rng.uniform(-kHalfTurn, kHalfTurn)};
+      const Configuration q = {rng.uniform(-kHalfTurn, kHalfTurn),
+                               rng.uniform(-kHalfTurn, kHalfTurn)};
       REQUIRE(angular_difference(moved_configuration(kFirst, inverse(motion),
                                                      moved_configuration(kFirst, motion, q)),
                                  q) < 1e-13);

@@ -295,8 +295,7 @@ TEST_SUITE("unit") {
     const auto problem = of_finger.load();
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     CHECK(problem->robot.attached()[0].spheres.at(0).center.isApprox(Vec3(0, 0, 0.2), 1e-9));
-    CHECK(of_base.failure().find("expected a start position of joint lift") !=
-          std::string::npos);
+    CHECK(of_base.failure().find("expected a start position of joint lift") != std::string::npos);
   }
 
   TEST_CASE("attached objects that nothing carries or that have no shape are refused") {

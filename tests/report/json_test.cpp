@@ -82,8 +82,7 @@ TEST_SUITE("unit") {
     CHECK(measures.clearance->distance <= least);
     CHECK(measures.clearance->distance > 0);
 
-    const auto json =
-        nlohmann::json::parse(to_json(problem, solved_result(), 0, &measures));
+    const auto json = nlohmann::json::parse(to_json(problem, solved_result(), 0, &measures));
     CHECK(json.at("least_clearance") == measures.clearance->distance);
     CHECK(json.at("nearest_link") == measures.clearance->link);
     CHECK(json.at("nearest_obstacle") == "circle_1");

@@ -8,7 +8,6 @@
 
 #include "report/report_support.h"
 
-
 namespace mneme::test {
 
 /// A plan through the gap of report_support.h, with memory and a few samples and edges.

@@ -332,8 +332,7 @@ TEST_SUITE("law") {
       CAPTURE(change.what);
       CHECK(kinematics(change) == kinematics(kNothing));
     }
-    const std::vector<Change> limits{
-        {"limit", [](Robot::Parts& p) { p.joints[1].upper += 1e-6; }}};
+    const std::vector<Change> limits{{"limit", [](Robot::Parts& p) { p.joints[1].upper += 1e-6; }}};
     CHECK(kinematics(limits[0]).substr(0, 8) == kinematics(kNothing).substr(0, 8));
     CHECK(kinematics(limits[0]).substr(8) != kinematics(kNothing).substr(8));
     const std::vector<Change> frames{

@@ -15,9 +15,9 @@ namespace {
 
 using internal::sort_tree;
 using test::contains;
-using test::refusal;
 using test::kPi;
 using test::make_chain;
+using test::refusal;
 
 }  // namespace
 

@@ -121,8 +121,8 @@ TEST_SUITE("unit") {
     CHECK(fast.group_joint(0).acceleration == 7);
     CHECK(fast.hash() == plain.hash());
     CHECK(require_parsed(replaced(R"( velocity="1")", "")).group_joint(0).velocity == 1);
-    std::string turning = replaced(R"(lower="-1" upper="1.5" effort="1" velocity="1")",
-                                   R"(velocity="3")");
+    std::string turning =
+        replaced(R"(lower="-1" upper="1.5" effort="1" velocity="1")", R"(velocity="3")");
     turning.replace(turning.find("revolute"), 8, "continuous");
     CHECK(require_parsed(turning).group_joint(0).velocity == 3);
   }

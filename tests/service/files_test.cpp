@@ -118,21 +118,21 @@ TEST_SUITE("flow") {
       const Json& state = reply.body["states"][0];
       return state["valid"] == false && state["contacts"][0]["other"] == "a";
     };
-    Json cloud = {{"name", "a"}, {"type", "points"}, {"radius", 0.11},
-                  {"points", points_around(4, 0)}};
+    Json cloud = {
+        {"name", "a"}, {"type", "points"}, {"radius", 0.11}, {"points", points_around(4, 0)}};
     CHECK(touches(cloud));
     cloud["points"] = points_around(4, 1);
     CHECK_FALSE(touches(cloud));
-    CHECK(touches({{"name", "a"}, {"type", "mesh"},
-                   {"triangles", {4, -1, -1, 4, 1, -1, 4, 0, 1}}}));
+    CHECK(
+        touches({{"name", "a"}, {"type", "mesh"}, {"triangles", {4, -1, -1, 4, 1, -1, 4, 0, 1}}}));
     CHECK(touches({{"name", "a"}, {"type", "octree"}, {"cubes", {4, 0, 0, 0.5}}}));
 
     CHECK(put(*client, "/v1/scenes/cell", {{"obstacles", {cloud}}}).status == 200);
     Json more = cloud;
     more["name"] = "b";
     more["points"].insert(more["points"].end(), {9, 9, 9});
-    const Reply reply = reply_of(client->Patch(
-        "/v1/scenes/cell", Json{{"obstacles", {more}}}.dump(), "application/json"));
+    const Reply reply = reply_of(
+        client->Patch("/v1/scenes/cell", Json{{"obstacles", {more}}}.dump(), "application/json"));
     CHECK(reply.status == 400);
     CHECK(reply.body["error"]["message"].get<std::string>().find(
               "expected at most 8 points, triangles and cubes, got 9") != std::string::npos);

@@ -116,8 +116,11 @@ TEST_SUITE("flow") {
     body["goal"][0] = 0.5;
     body["circles"] = {{14, 0, 0.2}};
     CHECK(post(*client, "/v1/plan", body).body["solved"] == true);
-    body["attached"] = {{{"name", "rod"}, {"link", "link_8"}, {"type", "sphere"},
-                         {"p", {4, 0, 0}}, {"radius", 0.5}}};
+    body["attached"] = {{{"name", "rod"},
+                         {"link", "link_8"},
+                         {"type", "sphere"},
+                         {"p", {4, 0, 0}},
+                         {"radius", 0.5}}};
     const Reply reply = post(*client, "/v1/plan", body);
     CHECK(reply.body["status"] == "invalid_start");
     CHECK(reply.body["message"].get<std::string>().find("rod") != std::string::npos);

@@ -52,8 +52,8 @@ TEST_SUITE("flow") {
     refused(with("circles", {{1, 2}}), "x, y, radius");
     refused(with("trace", 1), "key trace");
     refused(Json::array(), "expected a map");
-    check_refused(reply_of(client->Post("/v1/plan", "{\n\"start\": [0,\n", "application/json")), 400,
-                  "request:");
+    check_refused(reply_of(client->Post("/v1/plan", "{\n\"start\": [0,\n", "application/json")),
+                  400, "request:");
     check_refused(post(*client, "/v1/check", {{"configurations", {"a"}}}), 400,
                   "key configurations");
     const auto ik_refused = [&](Json body, const std::string& part) {
@@ -82,8 +82,9 @@ TEST_SUITE("flow") {
   TEST_CASE("there is nothing but what is documented, and no file of the machine") {
     const RunningService running;
     const auto client = running.client();
-    for (const char* path : {"/v1", "/v1/plans/1/trace", "/v1/scenes/none", "/etc/passwd",
-                             "/v1/scenes/../../etc/passwd", "/v1/scenes/%2e%2e%2fetc", "//etc/passwd"}) {
+    for (const char* path :
+         {"/v1", "/v1/plans/1/trace", "/v1/scenes/none", "/etc/passwd",
+          "/v1/scenes/../../etc/passwd", "/v1/scenes/%2e%2e%2fetc", "//etc/passwd"}) {
       INFO(path);
       CHECK(reply_of(client->Get(path)).status == 404);
     }
@@ -105,16 +106,18 @@ TEST_SUITE("flow") {
     CHECK(heard.find("expected a body of at most 20000 bytes") != std::string::npos);
     const auto client = running.client();
     Json circles = {{20, 0, 1}, {20, 3, 1}, {20, 6, 1}};
-    CHECK(reply_of(client->Put("/v1/scenes/a", Json{{"circles", circles}}.dump(), "application/json"))
-              .status == 200);
+    CHECK(
+        reply_of(client->Put("/v1/scenes/a", Json{{"circles", circles}}.dump(), "application/json"))
+            .status == 200);
     check_refused(reply_of(client->Put("/v1/scenes/b", "{}", "application/json")), 400,
                   "there are 1 scenes already");
     check_refused(reply_of(client->Patch("/v1/scenes/a", R"({"circles": {"d": [20, 9, 1]}})",
                                          "application/json")),
                   400, "expected at most 3 obstacles, got 4");
     circles.push_back({20, 9, 1});
-    check_refused(post(*client, "/v1/check", {{"circles", circles}, {"configurations", Json::array()}}), 400,
-                  "expected at most 3 obstacles, got 4");
+    check_refused(
+        post(*client, "/v1/check", {{"circles", circles}, {"configurations", Json::array()}}), 400,
+        "expected at most 3 obstacles, got 4");
   }
 
   TEST_CASE("only JSON is taken, so that no page of another origin can send it unasked") {

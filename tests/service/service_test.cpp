@@ -37,8 +37,7 @@ TEST_SUITE("flow") {
     const Json body = question();
     Json upload = body;
     for (const char* key : {"start", "goals"}) upload.erase(key);
-    const Reply put =
-        reply_of(client->Put("/v1/scenes/cell", upload.dump(), "application/json"));
+    const Reply put = reply_of(client->Put("/v1/scenes/cell", upload.dump(), "application/json"));
     REQUIRE_MESSAGE(put.status == 200, put.body.dump());
     const std::size_t count = put.body["obstacles"].size();
     CHECK(count > 0);
@@ -48,9 +47,9 @@ TEST_SUITE("flow") {
     const Json path = post(*client, "/v1/plan", inside).body["path"];
     CHECK(path == post(*client, "/v1/plan", body).body["path"]);
 
-    const Json edit = {{"remove", {put.body["obstacles"][0]}},
-                       {"obstacles", {{{"name", "new"}, {"type", "sphere"}, {"p", {20, 0, 0}},
-                                       {"radius", 0.1}}}}};
+    const Json edit = {
+        {"remove", {put.body["obstacles"][0]}},
+        {"obstacles", {{{"name", "new"}, {"type", "sphere"}, {"p", {20, 0, 0}}, {"radius", 0.1}}}}};
     const Reply patched =
         reply_of(client->Patch("/v1/scenes/cell", edit.dump(), "application/json"));
     REQUIRE_MESSAGE(patched.status == 200, patched.body.dump());
@@ -66,9 +65,10 @@ TEST_SUITE("flow") {
   TEST_CASE("configurations are checked, and contacts named") {
     const RunningService running;
     const auto client = running.client();
-    Json body = {{"circles", {{4, 0, 0.5}}},
-                 {"configurations",
-                  {std::vector<double>(8, 0.0), {1.5, 0, 0, 0, 0, 0, 0, 0}, {0, 9, 0, 0, 0, 0, 0, 0}}}};
+    Json body = {
+        {"circles", {{4, 0, 0.5}}},
+        {"configurations",
+         {std::vector<double>(8, 0.0), {1.5, 0, 0, 0, 0, 0, 0, 0}, {0, 9, 0, 0, 0, 0, 0, 0}}}};
     const Reply reply = post(*client, "/v1/check", body);
     REQUIRE_MESSAGE(reply.status == 200, reply.body.dump());
     const Json& states = reply.body["states"];
@@ -189,9 +189,9 @@ TEST_SUITE("flow") {
           const int seed = (i + k) % 4;
           body["settings"] = {{"seed", seed}, {"max-iterations", 100000}};
           const auto reply = client->Post("/v1/plan", body.dump(), "application/json");
-          const bool is_right = reply && reply->status == 200 &&
-                                Json::parse(reply->body)["path"] ==
-                                    expected[static_cast<std::size_t>(seed)];
+          const bool is_right =
+              reply && reply->status == 200 &&
+              Json::parse(reply->body)["path"] == expected[static_cast<std::size_t>(seed)];
           wrong += is_right ? 0 : 1;
         }
       });

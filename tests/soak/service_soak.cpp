@@ -177,8 +177,8 @@ class Visit {
     goal.link = "link_8";
     goal.pose.translation = {rng_.uniform(-9, 9), rng_.uniform(-9, 9), 0};
     goal.cone = goal.turn = std::numbers::pi;
-    const auto found = client.inverse_kinematics({{goal}}, known.problem.start,
-                                                 known.problem.scene);
+    const auto found =
+        client.inverse_kinematics({{goal}}, known.problem.start, known.problem.scene);
     if (!found) return complain("ik: " + found.error().message);
     ledger_.count("inverse kinematics");
     for (const Configuration& q : *found) {
@@ -197,7 +197,8 @@ class Visit {
     settings.plan.seed = rng_.index(1000000);
     settings.plan.max_iterations = 20000;
     static_cast<void>(is_right(known, client.plan(known.problem, id, settings)));
-    const auto patched = client.ask("PATCH", "/v1/scenes/" + id, R"({"circles": {"far": [25, 0, 1]}})");
+    const auto patched =
+        client.ask("PATCH", "/v1/scenes/" + id, R"({"circles": {"far": [25, 0, 1]}})");
     if (!patched) complain("patch: " + patched.error().message);
     const auto gone = client.delete_scene(id);
     if (!gone) complain("delete: " + gone.error().message);
@@ -251,8 +252,13 @@ Result<std::vector<Known>> make_problems(const Robot& robot, std::uint64_t seed)
     for (int i = 0; i < 4; ++i) {
       circles.push_back({rng.uniform(-8, 8), rng.uniform(-8, 8), rng.uniform(0.3, 1.2)});
     }
-    Problem problem{fmt::format("p{}", known.size()), robot, "", make_circle_scene("c", circles),
-                    random(), {random()}, {}};
+    Problem problem{fmt::format("p{}", known.size()),
+                    robot,
+                    "",
+                    make_circle_scene("c", circles),
+                    random(),
+                    {random()},
+                    {}};
     auto checker = CollisionChecker::make(robot, problem.scene);
     if (!checker) return tl::unexpected(checker.error());
     if (refuse_query(*checker, {problem.start, problem.goals})) continue;
@@ -294,8 +300,8 @@ std::vector<Round> run_rounds(const std::string& address, const std::vector<Know
 
 /// Errors: what could not even begin.
 Result<int> soak_service(const Options& options, const std::string& directory) {
-  const auto robot = find_robot("planar8").and_then(
-      [](const std::string& path) { return load_robot(path); });
+  const auto robot =
+      find_robot("planar8").and_then([](const std::string& path) { return load_robot(path); });
   if (!robot) return tl::unexpected(robot.error());
   const auto known = make_problems(*robot, options.seed);
   if (!known) return tl::unexpected(known.error());
@@ -315,9 +321,8 @@ Result<int> soak_service(const Options& options, const std::string& directory) {
   service->stop();
   const Drift drift = drift_of(rounds);
   fmt::print("{} rounds of {} clients; resident {:.1f} MiB, grown by {} bytes and {} files\n",
-             rounds.size(), options.clients,
-             static_cast<double>(rounds.back().rss) / (1 << 20), drift.grown_bytes,
-             drift.grown_files);
+             rounds.size(), options.clients, static_cast<double>(rounds.back().rss) / (1 << 20),
+             drift.grown_bytes, drift.grown_files);
   // Clients that left have not heard what their plans left in memory.
   if (database->size() < ledger.rows()) ledger.complain("memory lost what was answered");
   int wrong = ledger.print();
@@ -335,8 +340,7 @@ int main(int count, char** arguments) {
   app.add_option("--clients", options.clients, "at a time");
   app.add_option("--seed", options.seed, "of everything");
   CLI11_PARSE(app, count, arguments);
-  std::string directory =
-      (std::filesystem::temp_directory_path() / "mneme-soak-XXXXXX").string();
+  std::string directory = (std::filesystem::temp_directory_path() / "mneme-soak-XXXXXX").string();
   if (::mkdtemp(directory.data()) == nullptr) return 2;
   const auto wrong = mneme::soak::soak_service(options, directory);
   std::filesystem::remove_all(directory);

@@ -78,10 +78,8 @@ std::optional<Trajectory> time_path(const Robot& robot, const Path& path, const 
     note_flaw(tally, name, *flaw);
   }
   if (most_slower > 0 && motion->duration_s() > 0) {
-    const auto rounded =
-        internal::round_corners(robot, path, settings.path_tolerance, &verifier);
-    const double ratio =
-        motion->duration_s() / test::dense_duration(rounded, limits, kBruteForce);
+    const auto rounded = internal::round_corners(robot, path, settings.path_tolerance, &verifier);
+    const double ratio = motion->duration_s() / test::dense_duration(rounded, limits, kBruteForce);
     tally.ratios.push_back(ratio);
     if (ratio > most_slower) note_flaw(tally, name, fmt::format("slower by {}", ratio));
   }
@@ -113,22 +111,22 @@ Tally time_random_paths(const Robot& robot, const Options& options) {
     TrajectorySettings settings;
     settings.path_tolerance = std::pow(10, rng.uniform(-4, 0));
     time_path(robot, path, limits, settings, empty.verifier(),
-              i % kComparedOnceIn == 0 ? options.most_slower : 0, fmt::format("{} {}", robot.name(), i), tally);
+              i % kComparedOnceIn == 0 ? options.most_slower : 0,
+              fmt::format("{} {}", robot.name(), i), tally);
   }
   return tally;
 }
 
-/// The first contact of a motion: by the kernels at states as close as those of verification, and in
-/// double precision by other code at states as close as those of planning.
-std::optional<std::string> find_contact(const CollisionChecker& checker,
-                                        const Trajectory& motion) {
+/// The first contact of a motion: by the kernels at states as close as those of verification, and
+/// in double precision by other code at states as close as those of planning.
+std::optional<std::string> find_contact(const CollisionChecker& checker, const Trajectory& motion) {
   constexpr double kAccuracy = 1e-5;  // of the kernels, metres
   const double step = checker.resolution() / kVerificationRefinement;
   double travelled = checker.resolution(), dt = 0;
   for (double time_s = 0; time_s < motion.duration_s(); time_s += dt) {
     const Trajectory::Point point = motion.at(time_s);
-    const double speed = std::sqrt(std::inner_product(
-        point.velocity.begin(), point.velocity.end(), point.velocity.begin(), 0.0));
+    const double speed = std::sqrt(std::inner_product(point.velocity.begin(), point.velocity.end(),
+                                                      point.velocity.begin(), 0.0));
     dt = std::clamp(step / std::max(speed, 1e-6), 1e-4, 2e-2);
     travelled += dt * speed;
     if (!checker.is_valid(std::span<const double>(point.position))) {
@@ -213,7 +211,8 @@ int main(int argc, char** argv) {
   app.add_option("--paths", options.paths, "random paths for each robot")
       ->check(CLI::Range(1, 100000000));
   app.add_option("--seed", options.seed, "seed of everything");
-  app.add_option("--problems", options.problems, "what mneme bench run takes, to be planned and timed");
+  app.add_option("--problems", options.problems,
+                 "what mneme bench run takes, to be planned and timed");
   app.add_option("--robot", options.robot.robot_path, "URDF of the problems");
   app.add_option("--srdf", options.robot.robot.srdf_path, "its SRDF");
   app.add_option("--most-slower", options.most_slower,

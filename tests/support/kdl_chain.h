@@ -62,18 +62,21 @@ struct KdlChain {
     const bool is_prismatic = joint.type == JointType::prismatic;
     if (in_group == robot.group().end()) {
       Transform X = joint.origin;
-      if (is_prismatic) X = X * Transform{Eigen::Matrix3d::Identity(), joint.axis * joint.fixed_value};
-      else if (joint.type != JointType::fixed) X = X * Transform{rotation_about(joint.axis, joint.fixed_value), Vec3::Zero()};
-      chain.addSegment(KDL::Segment(joint.name, KDL::Joint(joint.name, KDL::Joint::None), to_kdl(X)));
+      if (is_prismatic)
+        X = X * Transform{Eigen::Matrix3d::Identity(), joint.axis * joint.fixed_value};
+      else if (joint.type != JointType::fixed)
+        X = X * Transform{rotation_about(joint.axis, joint.fixed_value), Vec3::Zero()};
+      chain.addSegment(
+          KDL::Segment(joint.name, KDL::Joint(joint.name, KDL::Joint::None), to_kdl(X)));
       return;
     }
     joints.push_back(static_cast<int>(in_group - robot.group().begin()));
     const KDL::Frame origin = to_kdl(joint.origin);
-    chain.addSegment(KDL::Segment(
-        joint.name,
-        KDL::Joint(joint.name, origin.p, origin.M * to_kdl(joint.axis),
-                   is_prismatic ? KDL::Joint::TransAxis : KDL::Joint::RotAxis),
-        origin));
+    chain.addSegment(
+        KDL::Segment(joint.name,
+                     KDL::Joint(joint.name, origin.p, origin.M * to_kdl(joint.axis),
+                                is_prismatic ? KDL::Joint::TransAxis : KDL::Joint::RotAxis),
+                     origin));
   }
 };
 

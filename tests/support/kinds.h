@@ -12,7 +12,9 @@
 
 namespace mneme::test {
 
-inline const MemoryKind& kind_named(std::string_view name) { return *find_memory_kind(name).value(); }
+inline const MemoryKind& kind_named(std::string_view name) {
+  return *find_memory_kind(name).value();
+}
 
 inline MemorySettings of_kind(std::string name) { return {std::move(name), {}}; }
 

@@ -40,7 +40,7 @@ def make_source(tmp_path):
     (tmp_path / "README.md").write_text("nothing measured\n", encoding="utf-8")
     with lzma.open(folder / "mbm.csv.xz", "wt") as rows:
         rows.write("problem,machine\n1,\"a, b\"\n")
-    (folder / "mbm.json").write_text(json.dumps({"command": "mneme bench run x", "commit": "abc", "machine": "m"}),
+    (folder / "mbm.json").write_text(json.dumps({"command": "`mneme bench run x`", "commit": "abc", "machine": "m"}),
                                      encoding="utf-8")
     program = tmp_path / "mneme"
     program.write_text(f"#!/bin/sh\ngrep -q 'a, b' \"$3\" || exit 9\ncat <<'END'\n{json.dumps(ANSWER)}\nEND\n", encoding="utf-8")
@@ -68,18 +68,18 @@ def test_rows_become_a_line_each_with_failures_marked(source):
     lines = written(source, "rows mbm by=set,setting show=solved,bad,p50,mean,p95,p99,length,states")
     assert lines[0] == "| set | setting | solved | bad paths | p50 ms | mean ms | p95 ms | p99 ms | mean length | states p50 |"
     assert lines[2] == "| cage | a b | 98 of 100 | 1 | 0.12 | >20.0 | 200 | >4000 | 6.79 | 345 |"
-    assert len(lines) == 6
-    assert lines[-1] == "From `mneme bench run x`, commit abc, m."
+    assert len(lines) == 7
+    assert lines[-2:] == ["From:", "- `mneme bench run x`, commit abc, m"]
 
 
 def test_total_times_and_a_choice_of_rows(source):
     lines = written(source, "rows mbm by=setting show=p50 time=total where=setting:a_b")
-    assert lines[2:-1] == ["| a b | 0.25 |"]
+    assert lines[2:-2] == ["| a b | 0.25 |"]
 
 
 def test_several_files_have_a_line_each_over_all_sets(source):
     lines = written(source, "rows mbm mbm by=setting show=p50")
-    assert lines[2:-1] == ["| mbm | c | 0.12 |"] * 2
+    assert lines[2:-2] == ["| mbm | c | 0.12 |"] * 2
 
 
 def test_ratios_have_intervals_and_bounds(source):

@@ -37,8 +37,8 @@ Cell random_cell(Rng& rng) {
   const auto count = 1 + rng.index(16);
   for (std::size_t i = 0; i < count; ++i) {
     // Some without one of the two, and pairs that nearly cancel, as on a short cell.
-    double a = rng.uniform(-2, 2), b = rng.index(3) == 0 ? -a + rng.uniform(-0.1, 0.1)
-                                                         : rng.uniform(-2, 2);
+    double a = rng.uniform(-2, 2),
+           b = rng.index(3) == 0 ? -a + rng.uniform(-0.1, 0.1) : rng.uniform(-2, 2);
     if (rng.index(10) == 0) a = 0;
     if (rng.index(10) == 0) b = 0;
     cell.strips.push_back({a, b, rng.uniform(0.01, 1)});

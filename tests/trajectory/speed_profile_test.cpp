@@ -20,7 +20,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a short way is sped up and slowed down, a long one has a steady part") {
     for (const auto& [length, velocity, acceleration] :
          std::vector<std::array<double, 3>>{{1, 10, 1}, {1, 0.5, 1}, {1e-5, 1, 1}, {50, 2, 0.1}}) {
-      const Trajectory motion = internal::follow_fastest(slide(length), {{velocity}, {acceleration}});
+      const Trajectory motion =
+          internal::follow_fastest(slide(length), {{velocity}, {acceleration}});
       const bool is_short = length * acceleration < velocity * velocity;
       const double expected = is_short ? 2 * std::sqrt(length / acceleration)
                                        : length / velocity + velocity / acceleration;

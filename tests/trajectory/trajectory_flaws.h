@@ -117,7 +117,8 @@ inline std::optional<std::string> trajectory_flaw(const Robot& robot, const Path
   const Path way = unwrapped(robot, path);
   Trajectory::Point last = trajectory.at(-1);
   if (distance_to({way.front()}, last.position) > kPlace) return "it begins elsewhere";
-  if (distance_to({way.back()}, trajectory.at(duration).position) > kPlace) return "it ends elsewhere";
+  if (distance_to({way.back()}, trajectory.at(duration).position) > kPlace)
+    return "it ends elsewhere";
   for (int i = 0; i <= count; ++i) {
     const Trajectory::Point point = trajectory.at(i < count ? duration * i / count : duration);
     const auto flaw = [&](const std::string& what) {

@@ -178,7 +178,8 @@ TEST_SUITE("law") {
       const RateLimits limits = random_limits(empty.robot(), rng);
       const double forth = require_timed(empty, path, limits).duration_s();
       std::ranges::reverse(path);
-      CHECK(require_timed(empty, path, limits).duration_s() == doctest::Approx(forth).epsilon(0.02));
+      CHECK(require_timed(empty, path, limits).duration_s() ==
+            doctest::Approx(forth).epsilon(0.02));
     }
   }
 }
@@ -197,8 +198,7 @@ TEST_SUITE("flow") {
       REQUIRE(result->is_solved());
       const auto limits = find_rate_limits(world.robot);
       REQUIRE(limits.has_value());
-      const auto motion =
-          parameterize(world.robot, result->path, *limits, {}, &finish.verifier());
+      const auto motion = parameterize(world.robot, result->path, *limits, {}, &finish.verifier());
       REQUIRE(motion.has_value());
       const auto flaw = trajectory_flaw(world.robot, result->path, *limits, 0.1, *motion);
       CHECK_MESSAGE(!flaw, flaw.value_or(""));
