@@ -50,7 +50,7 @@ def kind_of(value):
 
 
 def files():
-    found = [path for folder in ("scenes", "examples", "bench") for ending in ("yaml", "json")
+    found = [path for folder in ("scenes", "examples", "bench/suites") for ending in ("yaml", "json")
              for path in sorted((SOURCE / folder).rglob(f"*.{ending}"))]
     return [pytest.param(path, id=str(path.relative_to(SOURCE))) for path in found]
 
