@@ -62,7 +62,7 @@ async function openLive(browser, service) {
 }
 
 describe("the page of a service", { skip }, () => {
-  let directory, browser, planar, fetch;
+  let directory, browser, planar;
 
   before(async () => {
     directory = mkdtempSync(join(tmpdir(), "mneme-live-"));
@@ -71,13 +71,11 @@ describe("the page of a service", { skip }, () => {
     mneme("learn", "--robot", "planar8", "--scenes", problem, "--db", db, "--starts-per-link", "1", "--paths-per-start",
       "1", "--jobs", "1");
     planar = await serve("--robot", "planar8", "--db", db, "--problem", problem);
-    fetch = await serve("--robot", "fetch", "--problem", join(root, "scenes/shelf/thick.yaml"));
     browser = await launch();
   });
   after(async () => {
     await browser?.close();
     await planar?.stop();
-    await fetch?.stop();
     if (directory) rmSync(directory, { recursive: true });
   });
 
@@ -107,42 +105,6 @@ describe("the page of a service", { skip }, () => {
     await planned(page, () => page.locator("#larger").click());
     await planned(page, () => page.keyboard.press("Delete"));
     assert.equal(await place(page, "ball 1"), null);
-    assert.deepEqual(complaints, []);
-    await close();
-  });
-
-  test("a goal that nothing reaches is refused in words, and the page goes on", async () => {
-    const { page, complaints, close } = await openLive(browser, planar);
-    await page.mouse.move(300, 300);
-    await page.mouse.wheel(0, 500);
-    const goal = await place(page, "goal");
-    const to = async (point) => {
-      const [from, there] = [await pixels(page, await place(page, "goal")), await pixels(page, point)];
-      await drag(page, from, { x: there.x - from.x, y: there.y - from.y });
-    };
-    await planned(page, () => to([goal[0], -9.5, 0]));
-    assert.match(await page.locator("#note").textContent(), /^goal pose: /);
-    await planned(page, () => to(goal));
-    assert.match(await page.locator("#note").textContent(), /^planned in/);
-    assert.deepEqual(complaints, []);
-    await close();
-  });
-
-  test("the hand of Fetch is dragged in space, and the way to it scrubbed", async () => {
-    const { page, complaints, close } = await openLive(browser, fetch);
-    const goal = await place(page, "goal");
-    // The gizmo stands at the goal itself; the arrow that points up takes hold of its height.
-    const above = await pixels(page, [goal[0], goal[1], goal[2] + 0.12]);
-    await planned(page, () => drag(page, above, { x: 0, y: -9 }));
-    const moved = await place(page, "goal");
-    assert.ok(distance(goal, moved) > 0.005, `moved by ${distance(goal, moved)}`);
-    assert.match(await page.locator("#note").textContent(), /^planned in/);
-    const reached = await page.evaluate(() => window.mneme.live.reachedPosition());
-    assert.ok(distance(reached, moved) < 1e-3, `the hand ends at ${reached}, the goal is at ${moved}`);
-    const box = await page.locator("#scrubber").boundingBox();
-    await page.mouse.click(box.x + 0.3 * box.width, box.y + box.height / 2);
-    assert.ok(Math.abs((await page.evaluate(() => window.mneme.fraction())) - 0.3) < 0.02);
-    await shoot(page, "live-fetch");
     assert.deepEqual(complaints, []);
     await close();
   });
