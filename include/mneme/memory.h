@@ -95,18 +95,24 @@ struct PrimitiveRetrieval {
   bool is_learned = false;     ///< there was no match, and it was learned just now
 };
 
-/// What measures best for the samplers of one kind; SolveSettings says what each means.
-struct MemoryDefaults {
+/// When a memory is asked, and how often it is drawn from.
+struct MemoryShare {
   double lambda = 0.5;
   std::optional<double> least_lambda = std::nullopt;  ///< left out: lambda stays
-  /// For a planner that goes on escape walks, which find short ways without; left out: lambda.
-  std::optional<double> lambda_beside_walks = std::nullopt;
+  int retrieve_after = 0;
+};
+
+/// What measures best for the samplers of one kind; SolveSettings says what each means.
+struct MemoryDefaults {
+  MemoryShare share = {};
+  /// For a planner that goes on escape walks, which need no memory for what is easy; left out:
+  /// share.
+  std::optional<MemoryShare> share_beside_walks = std::nullopt;
   double sigma = 0.1;
   double similarity = 1;
   int max_matches = 8;
   bool drop_invalid_means = true;
   bool retarget = false;
-  int retrieve_after = 0;
   double first_components = 1e9;
   double max_gap = 1;
 };

@@ -57,12 +57,12 @@ requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("lambda", s.lambda, 0.0, 1.0,
         "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
-        "may never get anywhere; left out, 0.8 for pairs (0.2 beside "
+        "may never get anywhere; left out, 0.8 for pairs (0.5 beside "
         "escape walks), 0.7 for whole paths, 0.5 otherwise");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
         "lambda falls with the number n of draws from memory, as lambda * 5000 / (5000 + n), to "
         "this: what does not fit costs a limited share; as much as lambda for one that stays, the "
-        "paper's rule; left out, 0.2 for pairs, lambda otherwise");
+        "paper's rule; left out, 0.2 for pairs (0.02 beside escape walks), lambda otherwise");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints); smaller repeats the past, larger explores around it; left out, 0.03 for pairs, "
@@ -85,7 +85,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "can be fitted");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; left out, 0 for pairs, 1500 for body_pairs and gaps, 2500 for paths");
+        "for it; left out, 0 for pairs (800 beside escape walks), 1500 for body_pairs and gaps, "
+        "2500 for paths");
   visit("first-components", s.first_components, 1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; the "
         "most for all from the start, the paper's rule; left out, that for pairs and gaps, 20 "

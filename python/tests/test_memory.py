@@ -20,7 +20,7 @@ def learned(robot, memory, problem):
 
 
 def test_memory_is_learned_and_drawn_from(problem, learned):
-    plan = mneme.plan(problem, learned)
+    plan = mneme.plan(problem, learned, retrieve_after=0)
     assert plan.is_solved and plan.sampler == "gl"
     (primitive,) = plan.primitives
     assert primitive["obstacles"] == ["circle_1", "circle_2"]
@@ -167,7 +167,7 @@ def test_a_kind_that_does_not_learn_on_a_miss_says_why(problem, memory):
 
 
 def test_results_outlive_the_database(problem, learned):
-    plan = mneme.plan(problem, learned)
+    plan = mneme.plan(problem, learned, retrieve_after=0)
     learned.close()
     assert plan.primitives[0]["similarity_errors"]
     assert len(plan.means) > 0

@@ -130,10 +130,10 @@ extern constinit const MemoryKind kBodyPairs = {
     .version = kBodyPairsVersion,
     .summary = "two near obstacles of any shapes, by place and moments; for arms in space",
     // Samples around a mean just inside an obstacle are at its surface, where they help.
-    .defaults = {.sigma = 0.3,
+    .defaults = {.share = {.retrieve_after = 1500},
+                 .sigma = 0.3,
                  .similarity = 0.05,
                  .drop_invalid_means = false,
-                 .retrieve_after = 1500,
                  .first_components = 20,
                  .max_gap = 0.25},
     .key_size = [](const Robot&) { return 2 * kBodyKeySize; },

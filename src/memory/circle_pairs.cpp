@@ -189,9 +189,9 @@ extern constinit const MemoryKind kCirclePairs = {
     .name = "pairs",
     .version = "pairs/1",
     .summary = "two circles and the gap between them, as in the paper; for planar arms",
-    .defaults = {.lambda = 0.8,
-                 .least_lambda = 0.2,
-                 .lambda_beside_walks = 0.2,
+    .defaults = {.share = {.lambda = 0.8, .least_lambda = 0.2},
+                 .share_beside_walks =
+                     MemoryShare{.lambda = 0.5, .least_lambda = 0.02, .retrieve_after = 800},
                  .sigma = 0.03,
                  .similarity = 2,
                  .retarget = true,

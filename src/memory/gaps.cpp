@@ -168,7 +168,10 @@ extern constinit const MemoryKind kGaps = {
     .name = "gaps",
     .version = kGapsVersion,
     .summary = "the passage between two obstacles, by the clearance around it; for arms in space",
-    .defaults = {.sigma = 0.07, .similarity = 0.03, .retrieve_after = 1500, .max_gap = 0.25},
+    .defaults = {.share = {.retrieve_after = 1500},
+                 .sigma = 0.07,
+                 .similarity = 0.03,
+                 .max_gap = 0.25},
     .key_size = [](const Robot&) { return kGapKeySize; },
     .decompose = decompose_into_gaps,
     .images =

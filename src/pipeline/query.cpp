@@ -60,19 +60,20 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
   return kinds;
 }
 
-double default_lambda(const MemoryDefaults& defaults, const SolveSettings& settings) {
+MemoryShare default_share(const MemoryDefaults& defaults, const SolveSettings& settings) {
   const auto planner = find_planner(settings.planner);
   const bool walks = planner && (*planner)->walks && settings.plan.walk != 0.0;
-  return walks ? defaults.lambda_beside_walks.value_or(defaults.lambda) : defaults.lambda;
+  return walks ? defaults.share_beside_walks.value_or(defaults.share) : defaults.share;
 }
 
 KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   const MemoryDefaults& defaults = kind.defaults;
+  const MemoryShare share = default_share(defaults, settings);
   KindSettings complete;
   complete.kind = &kind;
-  complete.lambda = settings.lambda.value_or(default_lambda(defaults, settings));
+  complete.lambda = settings.lambda.value_or(share.lambda);
   complete.least_lambda =
-      settings.least_lambda.value_or(defaults.least_lambda.value_or(complete.lambda));
+      settings.least_lambda.value_or(share.least_lambda.value_or(complete.lambda));
   complete.sigma = settings.sigma.value_or(defaults.sigma);
   complete.similarity = std::max(settings.similarity.value_or(defaults.similarity),
                                  std::numeric_limits<double>::denorm_min());
@@ -80,7 +81,7 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.drop_invalid_means = settings.drop_invalid_means.value_or(defaults.drop_invalid_means);
   complete.retarget = settings.retarget.value_or(defaults.retarget);
   // What is missing must be known before there is time to learn it.
-  const int after = settings.learn_budget_s > 0 ? 0 : defaults.retrieve_after;
+  const int after = settings.learn_budget_s > 0 ? 0 : share.retrieve_after;
   complete.retrieve_after = settings.retrieve_after.value_or(after);
   // Components are drawn from in a fraction lambda of the iterations.
   complete.widening = {settings.first_components.value_or(defaults.first_components),

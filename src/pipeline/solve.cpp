@@ -124,7 +124,9 @@ Result<GlSampler> create_gl_sampler(const MemoryQuery& query, Database& database
 
 Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem, Database* database,
                                                     const SolveSettings& settings) {
-  auto query = internal::make_query(problem, database, settings);
+  SolveSettings elsewhere = settings;
+  elsewhere.plan.walk = 0;  // Planners of others go on no walks.
+  auto query = internal::make_query(problem, database, elsewhere);
   if (!query) return tl::unexpected(query.error());
   int after = std::numeric_limits<int>::max();
   for (KindSettings& kind : query->kinds) {

@@ -128,7 +128,8 @@ TEST_SUITE("flow") {
 
   TEST_CASE("the words for people name status, times, memory and path") {
     const PlanarFiles files;
-    const ProgramRun run = run_program({"plan", files.problem(), "--db", files.database()});
+    const ProgramRun run =
+        run_program({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(has_text(run.out, "solved: rrt_connect, sampler gl, seed 1"));
     CHECK(has_text(run.out, "1 primitive, 1 sampler retrieved"));
@@ -139,7 +140,8 @@ TEST_SUITE("flow") {
   TEST_CASE("the same seed gives the same path, and with memory the sampler is gl") {
     const PlanarFiles files;
     const std::vector<std::string> command = {
-        "plan", files.problem(), "--db", files.database(), "--seed", "3", "--json"};
+        "plan", files.problem(), "--db", files.database(), "--retrieve-after",
+        "0",    "--seed",        "3",    "--json"};
     const Json first = Json::parse(run_program(command).out);
     const Json second = Json::parse(run_program(command).out);
     CHECK(first["sampler"] == "gl");
@@ -202,8 +204,8 @@ TEST_SUITE("flow") {
     std::filesystem::copy_file(files.problem(), problem);
     std::filesystem::copy_file(files.database(), database);
     std::filesystem::copy_file(source_file("robots/planar8.urdf"), robot);
-    const ProgramRun run =
-        run_program({"plan", problem, "--db", database, "--robot", robot, "--json"});
+    const ProgramRun run = run_program(
+        {"plan", problem, "--db", database, "--robot", robot, "--retrieve-after", "0", "--json"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["retrieved"] == 1);
   }

@@ -21,7 +21,7 @@ std::string write_suite(const PlanarFiles& files, const std::string& more = "") 
              "memories:\n  few: {robot: planar8, primitives: " +
                  source_file("scenes/planar/grid.yaml") +
                  ", count: 3, starts-per-link: 1, paths-per-start: 1}\n"
-                 "settings:\n  with: {memory: few, similarity: 1000}\n"
+                 "settings:\n  with: {memory: few, similarity: 1000, retrieve-after: 0}\n"
                  "  without: {planners: [prm, rrt], samplers: [uniform], max-iterations: 2000" +
                  more + "}\n");
   return path;
@@ -58,7 +58,8 @@ TEST_SUITE("flow") {
       CHECK(row.timeout_s == 5);
       CHECK_FALSE(row.machine.empty());
       const bool has_memory = row.setting == "with";
-      CHECK(row.settings == (has_memory ? "similarity=1000 memory=few" : "max-iterations=2000"));
+      CHECK(row.settings ==
+            (has_memory ? "similarity=1000 retrieve-after=0 memory=few" : "max-iterations=2000"));
     }
     CHECK(std::ranges::any_of(rows, [](const BenchmarkRow& row) { return row.components > 0; }));
     const auto memories = parse_memory_csv(read_file(out + "/memories.csv"), "memories.csv");

@@ -109,7 +109,7 @@ TEST_SUITE("unit") {
       return made.error().message;
     };
     CHECK(refusal({"cup", "hand", {}}) == "attached object 'cup' has no shapes");
-    CHECK(refusal({"cup", "hand", {Sphere{{}, 0}}}) ==
+    CHECK(refusal({"cup", "hand", {Sphere{Vec3::Zero(), 0}}}) ==
           "attached object 'cup' has a sphere that is not finite or without size");
     const double nan = std::numeric_limits<double>::quiet_NaN();
     CHECK(refusal({"cup", "hand", {Box{{}, {nan, 1, 1}}}}) ==
@@ -121,7 +121,7 @@ TEST_SUITE("unit") {
     const auto robot = attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}});
     REQUIRE(robot.has_value());
     CHECK(robot->links().back().spheres.size() == robot->attached()[0].spheres.size());
-    CHECK(attach(bare, {{"cup", "hand", {Sphere{{}, 1}}}}).error().message.find("'hand'") !=
+    CHECK(attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
           std::string::npos);
     CHECK(attach(bare, {{"cup", "tool", {}}}).error().message ==
           "attached object 'cup' has no shapes");

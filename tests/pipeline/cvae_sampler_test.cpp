@@ -104,6 +104,7 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "m.db", problem.robot);
     SolveSettings settings;
     settings.sampler = "cvae";
+    settings.retrieve_after = 0;
     settings.plan.max_iterations = 200;
     const auto missing = solve(problem, &database, settings);
     REQUIRE(!missing.has_value());

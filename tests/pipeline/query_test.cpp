@@ -58,10 +58,10 @@ TEST_SUITE("unit") {
     CHECK(planar.kind->name == "pairs");
     CHECK(planar.sigma == 0.03);
     CHECK(planar.similarity == 2);
-    CHECK(planar.retrieve_after == 0);
+    CHECK(planar.retrieve_after == 800);
     CHECK(planar.widening.first == 1e9);
-    CHECK(planar.lambda == 0.2);
-    CHECK(planar.least_lambda == 0.2);
+    CHECK(planar.lambda == 0.5);
+    CHECK(planar.least_lambda == 0.02);
     CHECK(planar.retarget);
     CHECK(planar.max_matches == 8);
     CHECK(planar.drop_invalid_means);
@@ -140,11 +140,11 @@ TEST_SUITE("unit") {
     CHECK(completed(lifting_arm(), settings).least_lambda == 0.11);
   }
 
-  TEST_CASE("beside escape walks lambda is smaller for pairs, unless it is set") {
+  TEST_CASE("beside escape walks pairs are asked later and drawn from less, unless it is set") {
     SolveSettings settings;
-    CHECK(completed(planar8(), settings).lambda == 0.2);
+    CHECK(completed(planar8(), settings).lambda == 0.5);
     settings.plan.walk = 0.3;
-    CHECK(completed(planar8(), settings).lambda == 0.2);
+    CHECK(completed(planar8(), settings).lambda == 0.5);
     settings.plan.walk = 0;
     CHECK(completed(planar8(), settings).lambda == 0.8);
     settings = {};
@@ -176,19 +176,21 @@ TEST_SUITE("unit") {
           CHECK_MESSAGE(contains(text, value), text);
           ++checked;
         };
-        if (name == "lambda") check(defaults.lambda);
-        if (name == "lambda" && defaults.lambda_beside_walks) check(*defaults.lambda_beside_walks);
-        if (name == "least-lambda" && defaults.least_lambda) check(*defaults.least_lambda);
+        for (const MemoryShare& share :
+             {defaults.share, defaults.share_beside_walks.value_or(defaults.share)}) {
+          if (name == "lambda") check(share.lambda);
+          if (name == "least-lambda" && share.least_lambda) check(*share.least_lambda);
+          if (name == "retrieve-after") check(share.retrieve_after);
+        }
         if (name == "sigma") check(defaults.sigma);
         if (name == "similarity" && defaults.similarity < 1e9) check(defaults.similarity);
         if (name == "max-matches") check(defaults.max_matches);
-        if (name == "retrieve-after") check(defaults.retrieve_after);
         if (name == "first-components" && defaults.first_components < 1e9) {
           check(defaults.first_components);
         }
       });
     }
-    CHECK(checked == 4 * 5 + 2 - 1 + 2);
+    CHECK(checked == 4 * 7 + 2 - 1 + 2);
   }
 
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {

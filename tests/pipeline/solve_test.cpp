@@ -135,6 +135,7 @@ TEST_SUITE("flow") {
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 400000;
+    settings.retrieve_after = 0;
     const auto result = solve(problem, &database, settings);
     REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
     CHECK(result->gl.mixture->component_count() > 0);
@@ -272,6 +273,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
+    settings.retrieve_after = 0;
     const SolveResult gl = solve_soundly(problem, nullptr, settings);
     CHECK(gl.sampler == "gl");
     CHECK(gl.gl.primitives.empty());
@@ -384,10 +386,11 @@ TEST_SUITE("unit") {
     problem.scene.obstacles.push_back({"crate", {crate}});
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
-    const auto refused = solve(problem, &database, {});
+    SolveSettings settings;
+    settings.retrieve_after = 0;
+    const auto refused = solve(problem, &database, settings);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().message.find("'crate'") != std::string::npos);
-    SolveSettings settings;
     settings.sampler = "uniform";
     CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
     CHECK(solve_soundly(problem, nullptr, {}).plan.is_solved());
@@ -478,6 +481,7 @@ TEST_SUITE("unit") {
     problem.start[0] = 2;
     problem.goals = {problem.start};
     SolveSettings settings;
+    settings.retrieve_after = 0;
     settings.retarget = false;
     const SolveResult dropped = solve_soundly(problem, &database, settings);
     settings.drop_invalid_means = false;

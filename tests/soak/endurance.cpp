@@ -16,6 +16,7 @@ namespace mneme::soak {
 namespace {
 
 constexpr int kPlansPerRound = 60;
+constexpr std::size_t kLeastRounds = 24;
 
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -111,7 +112,7 @@ Result<std::vector<Round>> endure(const Robot& robot, const std::string& directo
                                   std::uint64_t seed) {
   const Stopwatch stopwatch;
   std::vector<Round> rounds;
-  while (rounds.size() < 3 || stopwatch.elapsed_s() < seconds) {
+  while (rounds.size() < kLeastRounds || stopwatch.elapsed_s() < seconds) {
     const auto round = run_round(robot, directory + "/endurance.db", seed);
     if (!round) return tl::unexpected(round.error());
     rounds.push_back(*round);
@@ -120,8 +121,8 @@ Result<std::vector<Round>> endure(const Robot& robot, const std::string& directo
 }
 
 Drift drift_of(const std::vector<Round>& rounds) {
-  // The first round fills what later ones find.
-  const std::size_t cold = std::max<std::size_t>(rounds.size() / 10, 1);
+  // The first rounds fill what later ones find.
+  const std::size_t cold = std::max<std::size_t>(rounds.size() / 10, 4);
   const std::span<const Round> warm = std::span(rounds).subspan(cold);
   const std::size_t quarter = std::max<std::size_t>(warm.size() / 4, 1);
   const auto first = warm.first(quarter), last = warm.last(quarter);
