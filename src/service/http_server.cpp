@@ -27,8 +27,12 @@ constexpr std::string_view kTooManyConnections =
     "Content-Type: application/json\r\nContent-Length: 74\r\n\r\n"
     "{\"error\":{\"code\":\"busy\",\"message\":\"too many connections: try again soon\"}}";
 
-/// Answers are whole ones, as RFC 9110, 14.2 allows: httplib would hold one copy per range.
-void ignore_ranges(httplib::Request& request) { request.ranges.clear(); }
+/// Answers are whole ones and not compressed, as RFC 9110, 14.2 and 12.5.3 allow: httplib would
+/// hold one copy per range, and compress at Brotli's slowest, which takes longer than any plan.
+void ask_for_plain_answer(httplib::Request& request) {
+  request.ranges.clear();
+  request.headers.erase("Accept-Encoding");
+}
 
 }  // namespace
 
@@ -101,7 +105,7 @@ void HttpServer::serve(Thread& thread) {
   while (!connection.must_close() && connection.wait_for_request()) {
     bool is_closed_by_client = false;
     const bool is_answered =
-        process_request(connection, is_stopping_, is_closed_by_client, ignore_ranges);
+        process_request(connection, is_stopping_, is_closed_by_client, ask_for_plain_answer);
     const bool is_sent = connection.flush();
     if (!is_answered || !is_sent || is_closed_by_client || is_stopping_) break;
   }

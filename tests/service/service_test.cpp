@@ -104,8 +104,9 @@ TEST_SUITE("flow") {
   TEST_CASE("The page begins with the problem that it is given, or with the robot at rest") {
     const auto page_of = [](const ServiceSettings& settings) {
       const test::RunningService running(settings);
-      const auto answer = running.client()->Get("/");
+      const auto answer = running.client()->Get("/", {{"Accept-Encoding", "gzip, deflate, br"}});
       CHECK(answer->status == 200);
+      CHECK_FALSE(answer->has_header("Content-Encoding"));
       CHECK(answer->get_header_value("Content-Type") == "text/html; charset=utf-8");
       const std::string opening = "id=\"trace\">";
       const std::size_t begin = answer->body.find(opening) + opening.size();

@@ -71,6 +71,16 @@ function requested(name: string, shape: Shape): object {
   }
 }
 
+/** As fetch(), whose own words for a service that has gone tell nobody what to do. */
+async function reach(path: string, options: RequestInit & { signal: AbortSignal }): Promise<Response> {
+  try {
+    return await fetch(path, options);
+  } catch (error) {
+    if (options.signal.aborted) throw error;
+    throw new Error("the service does not answer: start it again, and reload the page");
+  }
+}
+
 export class LivePage {
   private readonly bodies: Body[];
   private start: number[];
@@ -79,6 +89,7 @@ export class LivePage {
   private seed = 1;
   private selected: Selected = "goal";
   private hasBeside: boolean;
+  private isAskedAtOnce = false;
   private readonly hand = new Group();
   private readonly handle = new Object3D();
   private readonly gizmo: TransformControls;
@@ -143,7 +154,9 @@ export class LivePage {
     const pose = poseOf(this.goal);
     const goal: Record<string, unknown> = { link: this.live.tips[this.tip]!.link, position: pose.slice(0, 3) };
     if (!this.first.is_planar) goal.quat_xyzw = pose.slice(3);
-    const settings = { seed: this.seed, timeout: TIMEOUT, ...(sampler ? { sampler } : {}) };
+    const settings = {
+      seed: this.seed, timeout: TIMEOUT, ...(sampler ? { sampler } : {}), ...(this.isAskedAtOnce && !sampler ? { "retrieve-after": 0 } : {}),
+    };
     const obstacles = this.obstacles().flatMap(({ name, shapes }) => shapes.map((shape, i) =>
       (shapes.length > 1 ? { body: name, ...requested(`${name} ${i + 1}`, shape) } : requested(name, shape))));
     return {
@@ -153,12 +166,12 @@ export class LivePage {
   }
 
   private async ask(sampler: string | null, signal: AbortSignal): Promise<{ answer: Answer; trace: Trace }> {
-    const response = await fetch("/v1/plan", {
+    const response = await reach("/v1/plan", {
       method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(this.request(sampler)), signal,
     });
     const answer = await response.json();
     if (!response.ok) throw new Error(answer.error?.message ?? `the service answers ${response.status}`);
-    const traced = await fetch(`/v1/plans/${answer.id}/trace`, { signal });
+    const traced = await reach(`/v1/plans/${answer.id}/trace`, { signal });
     if (!traced.ok) throw new Error("the service has no trace of the plan");
     return { answer, trace: this.adopted(await traced.json()) };
   }
@@ -205,6 +218,7 @@ export class LivePage {
       }
       this.reached = answer.path.at(-1) ?? null;
       this.viewer.show(trace);
+      this.setView();
       this.placeHandle();
       const own = trace.plan.solved ? `planned in ${seconds(trace.times.planning_time_s ?? 0)}` : trace.plan.message;
       this.say(own, !trace.plan.solved);
@@ -221,8 +235,17 @@ export class LivePage {
     }
   }
 
+  private setView(): void {
+    const { stage, panes } = this.viewer;
+    const { view } = panes[0]!;
+    view.box.expandByPoint(new Vector3().setFromMatrixPosition(this.goal));
+    stage.setView(view);
+    if (this.count === 0) stage.resetView();
+  }
+
   private say(text: string, isBad = false): void {
     this.note.textContent = text;
+    this.note.title = text;
     this.note.className = isBad ? "bad" : "";
   }
 
@@ -426,15 +449,20 @@ export class LivePage {
         void this.plan();
       }));
     if (this.live.has_memory) {
-      const beside = el("input", { type: "checkbox", id: "with-uniform" });
-      beside.checked = this.hasBeside;
-      beside.addEventListener("change", () => {
-        this.hasBeside = beside.checked;
-        void this.plan();
-      });
-      this.bar.append(el("label", {}, beside, "uniform beside"));
+      this.addSwitch("with-uniform", "uniform beside", this.hasBeside, (isOn) => (this.hasBeside = isOn));
+      this.addSwitch("at-once", "memory at once", this.isAskedAtOnce, (isOn) => (this.isAskedAtOnce = isOn));
     }
     this.bar.append(this.note);
+  }
+
+  private addSwitch(id: string, text: string, isOn: boolean, change: (isOn: boolean) => void): void {
+    const input = el("input", { type: "checkbox", id });
+    input.checked = isOn;
+    input.addEventListener("change", () => {
+      change(input.checked);
+      void this.plan();
+    });
+    this.bar.append(el("label", {}, input, text));
   }
 
   private chooseTip(tip: number): void {

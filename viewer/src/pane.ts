@@ -43,6 +43,11 @@ function robotBox(trace: Trace): Box3 {
   return box;
 }
 
+/** The start, and the goal that was reached or all that were given: a pose may have many configurations. */
+function endsOf({ start, goals, plan, waypoints }: Trace): Pose[][] {
+  return [start, ...(plan.solved && waypoints.length > 0 ? [waypoints.at(-1)!.poses] : goals)];
+}
+
 export class Pane {
   readonly motion: Motion;
   readonly scene: SceneView;
@@ -50,6 +55,7 @@ export class Pane {
   private readonly object = new Group();
   private readonly layers: Partial<Record<Layer, Object3D>> = {};
   private robot: RobotView | null = null;
+  private readonly ends: Pose[][];
   private ghosts: RobotView[] = [];
   private touchMarks = new Group();
   private frames: Frame[] = [];
@@ -64,6 +70,7 @@ export class Pane {
   constructor(readonly trace: Trace, readonly shape: RobotShape, stageScene: Scene, private readonly picture: number) {
     this.motion = new Motion(trace);
     this.scene = new SceneView(trace.obstacles, trace.is_planar, this.shade);
+    this.ends = endsOf(trace);
     this.box = robotBox(trace);
     this.object.add(this.scene.object);
     stageScene.add(this.object);
@@ -107,7 +114,7 @@ export class Pane {
         });
     this.shadowOpacity.value = colors.shadow;
     const newEnds = new Group();
-    this.ghosts = [trace.start, ...trace.goals].map((poses, i) => {
+    this.ghosts = this.ends.map((poses, i) => {
       const ghost = make(`#${pathColor(i === 0 ? 0 : 1).getHexString()}`, 0.42);
       ghost.setPoses(poses);
       newEnds.add(ghost.object);
@@ -146,8 +153,7 @@ export class Pane {
     const poses = this.motion.at(fraction)?.poses ?? this.trace.start;
     this.robot.setPoses(poses);
     // What stands still, or in the same place at the start and at goals, is drawn once.
-    const ends = [this.trace.start, ...this.trace.goals];
-    this.ghosts.forEach((ghost, i) => ghost.hideWhere(poses, ...ends.slice(0, i)));
+    this.ghosts.forEach((ghost, i) => ghost.hideWhere(poses, ...this.ends.slice(0, i)));
   }
 
   /** What touches, and its surroundings. */

@@ -45,6 +45,11 @@ function fact(name: string, value: string): Node[] {
   return [el("dt", {}, name), el("dd", {}, value)];
 }
 
+/** Easy problems do not pay for memory. */
+function notAsked(): HTMLElement {
+  return section("Memory", el("p", { class: "soft" }, "Not asked: it was over before."));
+}
+
 export class Panel {
   private readonly rows = new Map<number, HTMLElement>();
   private readonly switches = new Map<Layer, HTMLInputElement>();
@@ -61,6 +66,7 @@ export class Panel {
     if (joints) root.append(section("Joints", joints));
     if (timeParts(trace.times).length > 0) root.append(this.times());
     if (trace.primitives.length > 0) root.append(this.memory());
+    else if (trace.plan.solved && sourceName(trace) === "memory" && !trace.times.retrieval_time_s) root.append(notAsked());
     if (trace.samples.shown.length > 0) root.append(this.origins());
     root.append(this.keys());
   }

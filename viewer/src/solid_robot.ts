@@ -16,14 +16,41 @@ const UP = new Vector3(0, 1, 0);
 interface Units {
   ball: BufferGeometry;
   tube: BufferGeometry;
+  /** The radius of a ball within the flat faces of both. */
+  inner: number;
 }
 function makeUnits(around: number, along: number): Units {
-  return { ball: new SphereGeometry(1, around, along), tube: new CylinderGeometry(1, 1, 1, around, 1, true) };
+  return {
+    ball: new SphereGeometry(1, around, along), tube: new CylinderGeometry(1, 1, 1, around, 1, true),
+    inner: Math.cos(Math.PI / around) * Math.cos(Math.PI / (2 * along)),
+  };
 }
 const FINE = makeUnits(16, 10);
 /** Ghosts are seen through, and drawn twice. */
 const COARSE = makeUnits(11, 7);
 const SHADOW = makeUnits(8, 5);
+
+/** All points within `radius` of the line from `a` to `b`, which are the same for a ball. */
+interface Solid {
+  a: Vector3;
+  b: Vector3;
+  radius: number;
+}
+
+function solidsOf(link: Link): Solid[] {
+  const balls = link.spheres.map((s) => ({ a: new Vector3().fromArray(s), b: new Vector3().fromArray(s), radius: s[3]! }));
+  const capsules = link.capsules.map((c) =>
+    ({ a: new Vector3().fromArray(c), b: new Vector3().fromArray(c, 3), radius: c[6]! }));
+  return [...balls, ...capsules];
+}
+
+function contains({ a, b, radius }: Solid, point: Vector3): boolean {
+  const [x, y, z] = [b.x - a.x, b.y - a.y, b.z - a.z];
+  const [u, v, w] = [point.x - a.x, point.y - a.y, point.z - a.z];
+  const span = x * x + y * y + z * z;
+  const t = span > 0 ? Math.min(1, Math.max(0, (u * x + v * y + w * z) / span)) : 0;
+  return (u - t * x) ** 2 + (v - t * y) ** 2 + (w - t * z) ** 2 < radius * radius;
+}
 
 /** Collects solids into one geometry: a drawing call for each would take far longer than all triangles. */
 class Merger {
@@ -31,13 +58,30 @@ class Merger {
   private readonly normals: number[] = [];
   private readonly indices: number[] = [];
 
-  /** Adds `unit`, which `matrix` scales, turns and moves. */
-  add(unit: BufferGeometry, matrix: Matrix4): void {
-    const first = this.positions.length / 3;
+  /** Adds `unit`, which `matrix` scales, turns and moves, without the triangles that lie within one of `hiding`. */
+  add(unit: BufferGeometry, matrix: Matrix4, hiding: Solid[]): void {
     const part = unit.clone().applyMatrix4(matrix);
-    for (const value of part.getAttribute("position").array) this.positions.push(value);
-    for (const value of part.getAttribute("normal").array) this.normals.push(value);
-    for (const index of part.getIndex()!.array) this.indices.push(first + index);
+    const [position, normal] = [part.getAttribute("position"), part.getAttribute("normal")];
+    const hidden = Array.from({ length: position.count }, (_, i) => {
+      const corner = new Vector3().fromBufferAttribute(position, i);
+      return new Set(hiding.filter((solid) => contains(solid, corner)));
+    });
+    const places = new Map<number, number>();
+    const place = (corner: number): number => {
+      if (!places.has(corner)) {
+        places.set(corner, this.positions.length / 3);
+        this.positions.push(position.getX(corner), position.getY(corner), position.getZ(corner));
+        this.normals.push(normal.getX(corner), normal.getY(corner), normal.getZ(corner));
+      }
+      return places.get(corner)!;
+    };
+    const { array } = part.getIndex()!;
+    for (let i = 0; i < array.length; i += 3) {
+      const [a, b, c] = [array[i]!, array[i + 1]!, array[i + 2]!];
+      // Solids are convex: one that holds the corners holds what is between them.
+      if ([...hidden[a]!].some((solid) => hidden[b]!.has(solid) && hidden[c]!.has(solid))) continue;
+      this.indices.push(place(a), place(b), place(c));
+    }
   }
 
   geometry(): BufferGeometry {
@@ -49,22 +93,23 @@ class Merger {
   }
 }
 
+/** The surface of all solids together: most of what each has lies within others. */
 function coverGeometry(link: Link, units: Units): BufferGeometry {
   const merger = new Merger();
-  const addBall = (x: number, y: number, z: number, radius: number) =>
-    merger.add(units.ball, new Matrix4().makeScale(radius, radius, radius).setPosition(x, y, z));
-  for (const [x, y, z, r] of link.spheres) addBall(x!, y!, z!, r!);
-  for (const c of link.capsules) {
-    const a = new Vector3(c[0], c[1], c[2]);
-    const b = new Vector3(c[3], c[4], c[5]);
-    const radius = c[6]!;
-    for (const end of [a, b]) addBall(end.x, end.y, end.z, radius);
+  const solids = solidsOf(link);
+  const hiders = solids.map((solid) => ({ ...solid, radius: units.inner * solid.radius }));
+  solids.forEach(({ a, b, radius }, i) => {
+    const middle = a.clone().lerp(b, 0.5);
+    const reach = radius + a.distanceTo(b) / 2;
+    const hiding = hiders.filter((other, k) => k !== i && contains({ ...other, radius: other.radius + reach }, middle));
     const along = b.clone().sub(a);
-    if (along.length() < 1e-6) continue;
-    const turn = new Quaternion().setFromUnitVectors(UP, along.clone().normalize());
-    merger.add(units.tube,
-      new Matrix4().compose(a.add(b).multiplyScalar(0.5), turn, new Vector3(radius, along.length(), radius)));
-  }
+    const length = along.length();
+    const ends = length < 1e-6 ? [a] : [a, b];
+    for (const end of ends) merger.add(units.ball, new Matrix4().makeScale(radius, radius, radius).setPosition(end), hiding);
+    if (ends.length < 2) return;
+    const turn = new Quaternion().setFromUnitVectors(UP, along.normalize());
+    merger.add(units.tube, new Matrix4().compose(middle, turn, new Vector3(radius, length, radius)), hiding);
+  });
   return merger.geometry();
 }
 

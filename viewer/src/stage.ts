@@ -65,12 +65,18 @@ export class Stage {
   private readonly floors: Mesh[] = [];
   private count = 1;
   private view: View = { box: new Box3(new Vector3(), new Vector3(1, 1, 1)), floorHeight: 0, direction: new Vector3(0, 0, 1) };
+  private nextView = this.view;
   private isStale = true;
+  /** Behind the picture that is being drawn. */
+  private fence: WebGLSync | null = null;
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
   private readonly afterDraw: ((picture: number) => void)[] = [];
 
+  private readonly context: WebGL2RenderingContext;
+
   constructor(readonly canvas: HTMLCanvasElement, readonly isPlanar: boolean) {
     const { context, isSoftware } = makeContext(canvas);
+    this.context = context;
     this.isSlow = isSoftware;
     this.renderer = new WebGLRenderer({ canvas, context });
     this.renderer.setPixelRatio(this.ratio);
@@ -90,11 +96,9 @@ export class Stage {
     this.renderer.setAnimationLoop((time) => this.draw(time));
   }
 
-  /** Shows other things from where the camera is, unless it has not been moved. */
+  /** What resetView() will show: until then nothing moves under the hands of who drags it. */
   setView(view: View): void {
-    this.view = view;
-    this.applyTheme();
-    if (this.isUntouched) this.resetView();
+    this.nextView = view;
   }
 
   /** One picture, or two. */
@@ -115,7 +119,7 @@ export class Stage {
   /** Pixels at the rim that panels cover: the middle of the view moves accordingly. */
   setInsets(insets: Insets): void {
     this.insets = insets;
-    if (this.isUntouched) this.resetView();
+    if (this.isUntouched) this.fitView();
     else this.resize();
   }
 
@@ -165,7 +169,12 @@ export class Stage {
   }
 
   resetView(): void {
-    this.isUntouched = true;
+    this.view = this.nextView;
+    this.applyTheme();
+    this.fitView();
+  }
+
+  private fitView(): void {
     const center = this.view.box.getCenter(new Vector3());
     this.controls.target.copy(center);
     this.camera.zoom = 1;
@@ -284,9 +293,14 @@ export class Stage {
       resolution.value.set(width, height).multiplyScalar(this.renderer.getPixelRatio());
       this.renderer.render(this.scenes[picture]!, this.camera);
     }
+    this.context.deleteSync(this.fence);
+    this.fence = this.context.fenceSync(this.context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.context.flush();
   }
 
+  /** One picture at a time: a page that draws faster than it is shown waits for all it has drawn. */
   private draw(time: number): void {
+    if (this.isBusy()) return;
     if (this.isStale) {
       this.drawNow();
       this.changed = time;
@@ -296,6 +310,14 @@ export class Stage {
       this.renderAll();
       this.aim(0);
     }
+  }
+
+  private isBusy(): boolean {
+    const { context, fence } = this;
+    if (fence && context.clientWaitSync(fence, 0, 0) === context.TIMEOUT_EXPIRED) return true;
+    context.deleteSync(fence);
+    this.fence = null;
+    return false;
   }
 
   private setRatio(ratio: number): void {

@@ -39,6 +39,7 @@ export class Viewer {
     this.stage = new Stage(document.getElementById("canvas") as HTMLCanvasElement, isPlanar);
     this.writeTools();
     this.show(trace);
+    this.stage.resetView();
     this.stage.onDraw((picture) => this.panes[picture]?.placeLabels(this.stage));
     window.addEventListener("keydown", (event) => this.press(event));
     window.addEventListener("resize", () => this.layOut());
@@ -48,7 +49,7 @@ export class Viewer {
     if (touch) this.lookAt(touch);
   }
 
-  /** Shows another trace of the same robot from where the camera is. */
+  /** Shows another trace of the same robot from where the camera is, until the view is reset. */
   show(trace: Trace): void {
     this.trace = trace;
     this.chosen = null;

@@ -53,6 +53,11 @@ async function drag(page, from, by) {
 const place = (page, name) => page.evaluate((each) =>
   (each === "goal" ? window.mneme.live.goalPosition() : window.mneme.live.obstaclePosition(each)), name);
 const pixels = (page, point) => page.evaluate((each) => window.mneme.project(each), point);
+/** A drag from a place of the scene to another one. */
+async function carry(page, from, to) {
+  const [a, b] = [await pixels(page, from), await pixels(page, to)];
+  await drag(page, a, { x: b.x - a.x, y: b.y - a.y });
+}
 const distance = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
 
 async function openLive(browser, service) {
@@ -62,7 +67,7 @@ async function openLive(browser, service) {
 }
 
 describe("the page of a service", { skip }, () => {
-  let directory, browser, planar;
+  let directory, browser, planar, fetch;
 
   before(async () => {
     directory = mkdtempSync(join(tmpdir(), "mneme-live-"));
@@ -71,20 +76,23 @@ describe("the page of a service", { skip }, () => {
     mneme("learn", "--robot", "planar8", "--scenes", problem, "--db", db, "--starts-per-link", "1", "--paths-per-start",
       "1", "--jobs", "1");
     planar = await serve("--robot", "planar8", "--db", db, "--problem", problem);
+    fetch = await serve("--robot", "fetch", "--problem", join(root, "scenes/shelf/thick.yaml"));
     browser = await launch();
   });
   after(async () => {
     await browser?.close();
     await planar?.stop();
+    await fetch?.stop();
     if (directory) rmSync(directory, { recursive: true });
   });
 
   test("dragging the goal plans to where it is left, from memory and uniformly beside it", async () => {
     const { page, complaints, close } = await openLive(browser, planar);
     assert.deepEqual(await page.locator("#sides .side b").allTextContents(), ["memory", "uniform"]);
+    await planned(page, () => page.locator("#at-once").click());
     assert.ok((await page.locator(".primitive").count()) > 0, "what memory contributed");
     const goal = await place(page, "goal");
-    await planned(page, async () => drag(page, await pixels(page, goal), { x: -30, y: 24 }));
+    await planned(page, () => carry(page, goal, [goal[0] + 0.4, goal[1] + 0.5, 0]));
     const moved = await place(page, "goal");
     assert.ok(distance(goal, moved) > 0.2, `moved by ${distance(goal, moved)}`);
     assert.match(await page.locator("#note").textContent(), /^planned in/);
@@ -98,7 +106,7 @@ describe("the page of a service", { skip }, () => {
   test("an obstacle is dragged, made, made larger and removed, and each time it is planned", async () => {
     const { page, complaints, close } = await openLive(browser, planar);
     const circle = await place(page, "circle_1");
-    await planned(page, async () => drag(page, await pixels(page, circle), { x: -20, y: -12 }));
+    await planned(page, () => carry(page, circle, [circle[0] - 0.3, circle[1] + 0.2, 0]));
     assert.ok(distance(circle, await place(page, "circle_1")) > 0.1);
     await planned(page, () => page.locator("#add-ball").click());
     assert.ok(await place(page, "ball 1"));
@@ -106,6 +114,48 @@ describe("the page of a service", { skip }, () => {
     await planned(page, () => page.keyboard.press("Delete"));
     assert.equal(await place(page, "ball 1"), null);
     assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a goal that nothing reaches is refused in words, and the page goes on", async () => {
+    const { page, complaints, close } = await openLive(browser, planar);
+    const goal = await place(page, "goal");
+    // Eight links of one metre each do not reach it.
+    const far = [-7.5, 7, 0];
+    await planned(page, () => carry(page, goal, far));
+    assert.match(await page.locator("#note").textContent(), /^goal pose: it is out of reach/);
+    assert.match(await page.locator("#dock").textContent(), /out of reach/);
+    await planned(page, () => carry(page, far, goal));
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("the hand of Fetch is dragged in space, and the way to it scrubbed", async () => {
+    const { page, complaints, close } = await openLive(browser, fetch);
+    const goal = await place(page, "goal");
+    // The gizmo stands at the goal itself; the arrow that points up takes hold of its height.
+    const above = await pixels(page, [goal[0], goal[1], goal[2] + 0.12]);
+    await planned(page, () => drag(page, above, { x: 0, y: -9 }));
+    const moved = await place(page, "goal");
+    assert.ok(distance(goal, moved) > 0.005, `moved by ${distance(goal, moved)}`);
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    const reached = await page.evaluate(() => window.mneme.live.reachedPosition());
+    assert.ok(distance(reached, moved) < 1e-3, `the hand ends at ${reached}, the goal is at ${moved}`);
+    const box = await page.locator("#scrubber").boundingBox();
+    await page.mouse.click(box.x + 0.3 * box.width, box.y + box.height / 2);
+    assert.ok(Math.abs((await page.evaluate(() => window.mneme.fraction())) - 0.3) < 0.02);
+    await shoot(page, "live-fetch");
+    assert.deepEqual(complaints, []);
+    await close();
+  });
+
+  test("a service that has gone is said", async () => {
+    const service = await serve("--robot", "planar8");
+    const { page, close } = await openLive(browser, service);
+    await service.stop();
+    await page.locator("#seed").click();
+    await page.waitForFunction(() => /does not answer/.test(document.getElementById("note").textContent), null, { timeout: 120000 });
     await close();
   });
 });

@@ -219,7 +219,7 @@ describe("pages", { skip }, () => {
     await close();
   });
 
-  test("a cloud of 10^5 points, a mesh and an object in the hand are a page below 4 MB", () => {
+  test("a cloud of 10^5 points, a mesh and an object in the hand are a page below 4 MB", async () => {
     const file = join(directory, "crowds.html");
     mneme("plan", writeCrowds(directory), "--max-iterations", "200000", "--view", file);
     assert.ok(statSync(file).size < 4e6);
@@ -227,6 +227,17 @@ describe("pages", { skip }, () => {
     const cloud = trace.obstacles.find(({ name }) => name === "cloud").shapes[0].points;
     assert.equal(cloud.count, 100000);
     assert.equal(Buffer.from(cloud.data, "base64").length, 600000);
+    const { page, complaints, close } = await open(browser, file);
+    // Samples and trees would hide the arm.
+    assert.equal(await page.locator("[data-layer=samples]:checked, [data-layer=trees]:checked").count(), 0);
+    await page.evaluate(() => window.mneme.seek(0.6));
+    const seen = await looks(page);
+    assert.ok(seen.share > 0.15);
+    await page.locator("[data-layer=covers]").click();
+    assert.ok(difference(seen, await looks(page)) > 20, "the object is seen as its cover");
+    await shoot(page, "crowds");
+    assert.deepEqual(complaints, []);
+    await close();
   });
 
   // Within 2 s where a graphics card or an idle processor draws it; that is for people to look at, because a test must
