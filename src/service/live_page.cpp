@@ -45,22 +45,32 @@ std::optional<Configuration> configuration_of(const Robot& robot, const NamedSta
   return q;
 }
 
-/// A state of the SRDF, zeros or anything else that is free, in this order; zeros if nothing is.
+/// Each joint half-way between its limits, from where a hand reaches to all sides.
+Configuration middle_configuration(const Robot& robot) {
+  Configuration q;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.group_joint(i);
+    q.push_back((joint.lower + joint.upper) / 2);
+  }
+  return robot.normalized(q);
+}
+
+/// A state of the SRDF, the middle or anything else that is free, in this order; the middle if
+/// nothing is.
 Configuration rest_of(const Robot& robot) {
-  const Configuration zeros =
-      robot.normalized(Configuration(static_cast<std::size_t>(robot.joint_count()), 0.0));
+  const Configuration middle = middle_configuration(robot);
   const auto checker = CollisionChecker::make(robot, {});
-  if (!checker) return zeros;
+  if (!checker) return middle;
   for (const NamedState& state : robot.named_states()) {
     const auto q = configuration_of(robot, state);
     if (q && !robot.describe_violation(*q, "") && checker->is_valid(std::span<const double>(*q)))
       return *q;
   }
   Rng rng(1);
-  Configuration q = zeros;
+  Configuration q = middle;
   for (int i = 0; i < kTries; ++i, q = random_configuration(robot, rng))
     if (checker->is_valid(std::span<const double>(q))) return q;
-  return zeros;
+  return middle;
 }
 
 Problem resting(const Robot& robot, const std::string& path) {
