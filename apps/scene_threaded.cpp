@@ -83,6 +83,7 @@ Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
           {"seed", options.seed},
           {"gap", options.settings.gap},
           {"depth", options.settings.depth},
+          {"passages", options.settings.passages},
           {"dropped", made.dropped},
           {"problems", problems}};
 }
@@ -140,6 +141,8 @@ void add_scene_threaded(CLI::App& group, Action& action) {
   add_number(*command, "-n,--count", options->count, 1, kMaxCount, "problems to write");
   add_range(*command, "--gap", options->settings.gap, "metres between the two circles");
   add_range(*command, "--depth", *depth, "links from the first one that crosses the gap");
+  add_number(*command, "--passages", options->settings.passages, 1, 3,
+             "gaps: the start's, the goal's, and one in reach of the arm");
   add_isa(*command);
   add_json(*command, options->is_json);
   command->callback(

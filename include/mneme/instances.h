@@ -53,19 +53,23 @@ struct Variations {
 struct ThreadedSettings {
   std::array<double, 2> gap = {0.1, 0.3};  ///< metres between the two circles
   std::array<int, 2> depth = {3, 5};  ///< links from the first one that crosses the gap to the last
+  /// Pairs of circles. 1: the arm leaves a gap; 2: it has to get into another one, too; 3: a third
+  /// pair is in the arm's reach.
+  int passages = 1;
   std::uint64_t proof_iterations =
       2000000;  ///< of the uniform planner that proves an instance feasible
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
 
-/// A planar arm threaded through the gap of a pair of circles, to be brought out of it.
+/// A planar arm threaded through the gap of a pair of circles, to be brought out of it, and into
+/// the gap of the second pair if there is one.
 struct ThreadedInstance {
-  std::vector<std::array<double, 3>> circles;  ///< x, y, radius
-  double gap = 0;
-  int depth = 0;
+  std::vector<std::array<double, 3>> circles;  ///< x, y, radius; pair by pair
+  double gap = 0;                              ///< the first pair's
+  int depth = 0;                               ///< the start's
   Configuration start;
-  Configuration goal;  ///< no link crosses the gap
+  Configuration goal;  ///< no link crosses the first gap
   Path witness;        ///< a path that proves that there is one
 };
 
@@ -81,7 +85,7 @@ inline constexpr std::string_view kThreadedVersion = "threaded/1";
 /// iteration limit; those that it cannot solve are dropped and counted. Nothing of it looks at
 /// experience, so that what is measured on the instances is not biased towards it. Depends on
 /// robot, settings, seed and instruction set alone. Errors: a robot that is no planar arm; ranges
-/// that are empty or that no instance fits.
+/// that are empty or that no instance fits; passages other than 1 to 3.
 [[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
                                                                 const ThreadedSettings& settings,
                                                                 std::uint64_t seed);

@@ -10,11 +10,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace mneme {
 namespace {
+
+using Circles = std::vector<std::array<double, 3>>;
 
 constexpr int kThreadedAttempts = 200;
 constexpr int kGoalAttempts = 1000;
@@ -60,26 +64,55 @@ class InstanceMaker {
   /// Nothing if no arm fits; without a witness if the proof gave up.
   Result<std::optional<ThreadedInstance>> draw() {
     const PrimitiveKey key = draw_circles();
-    const auto depth_count =
-        static_cast<std::uint32_t>(settings_.depth[1] - settings_.depth[0] + 1);
-    const int depth = settings_.depth[0] + static_cast<int>(rng_.index(depth_count));
-    const auto checker = CollisionChecker::make(robot_, make_scene(key));
-    if (!checker) return tl::unexpected(checker.error());
-    const bool is_base_free =
-        std::hypot(key[0], key[1]) > key[2] && std::hypot(key[3], key[4]) > key[5];
-    if (!is_base_free) return std::nullopt;
-    const auto start = internal::sample_threaded(*checker, chain_, key, chain_.link_count() - depth,
-                                                 kThreadedAttempts, rng_);
-    const auto goal = draw_goal(*checker, key);
-    if (!start || !goal) return std::nullopt;
+    const int depth = draw_depth();
     ThreadedInstance instance;
-    instance.circles = {{key[0], key[1], key[2]}, {key[3], key[4], key[5]}};
+    instance.circles = circles_of(key);
+    std::optional<PrimitiveKey> second;
+    for (int pair = 1; pair < settings_.passages; ++pair) {
+      const PrimitiveKey further = draw_circles();
+      std::ranges::copy(circles_of(further), std::back_inserter(instance.circles));
+      if (!second) second = further;
+    }
+    const auto checker = CollisionChecker::make(robot_, make_circle_scene("", instance.circles));
+    if (!checker) return tl::unexpected(checker.error());
+    if (!std::ranges::all_of(instance.circles, is_base_outside)) return std::nullopt;
+    const auto start = draw_threaded(*checker, key, depth);
+    const auto goal = second ? draw_second_goal(*checker, key, *second) : draw_goal(*checker, key);
+    if (!start || !goal) return std::nullopt;
     instance.gap = make_primitive(key).gap;
     instance.depth = depth;
     instance.start = *start;
     instance.goal = *goal;
     instance.witness = prove(*checker, instance);
     return instance;
+  }
+
+  static Circles circles_of(const PrimitiveKey& key) {
+    return {{key[0], key[1], key[2]}, {key[3], key[4], key[5]}};
+  }
+
+  static bool is_base_outside(const std::array<double, 3>& circle) {
+    return std::hypot(circle[0], circle[1]) > circle[2];
+  }
+
+  int draw_depth() {
+    const int count = settings_.depth[1] - settings_.depth[0] + 1;
+    return settings_.depth[0] + static_cast<int>(rng_.index(static_cast<std::uint32_t>(count)));
+  }
+
+  std::optional<Configuration> draw_threaded(const CollisionChecker& checker,
+                                             const PrimitiveKey& key, int depth) {
+    return internal::sample_threaded(checker, chain_, key, chain_.link_count() - depth,
+                                     kThreadedAttempts, rng_);
+  }
+
+  /// Threaded through the second gap, and out of the first.
+  std::optional<Configuration> draw_second_goal(const CollisionChecker& checker,
+                                                const PrimitiveKey& first,
+                                                const PrimitiveKey& second) {
+    auto goal = draw_threaded(checker, second, draw_depth());
+    if (!goal || internal::first_crossing_link(chain_, first, *goal) >= 0) return std::nullopt;
+    return goal;
   }
 
   PrimitiveKey draw_circles() {
@@ -137,6 +170,10 @@ Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
       settings.depth[1] > chain->link_count()) {
     return fail(ErrorCode::invalid, "the range of depths must lie between 1 and " +
                                         std::to_string(chain->link_count()) + ", the least first");
+  }
+  if (settings.passages < 1 || settings.passages > 3) {
+    return fail(ErrorCode::invalid,
+                fmt::format("expected 1 to 3 passages, found {}", settings.passages));
   }
   return InstanceMaker(robot, *chain, settings, seed).make(count);
 }

@@ -57,6 +57,32 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE(
+      "of two passages the arm leaves one and gets into the other, a third pair is in reach") {
+    const Robot robot = planar8();
+    for (const int passages : {2, 3}) {
+      ThreadedSettings settings = easy_settings();
+      settings.passages = passages;
+      for (const ThreadedInstance& instance : require_instances(robot, 3, settings, 1).instances) {
+        REQUIRE(std::ssize(instance.circles) == 2 * passages);
+        const auto key = [&](std::size_t pair) {
+          const auto& a = instance.circles[2 * pair];
+          const auto& b = instance.circles[2 * pair + 1];
+          return PrimitiveKey{a[0], a[1], a[2], b[0], b[1], b[2]};
+        };
+        CHECK(first_crossing_link(robot, key(0), instance.start) == 8 - instance.depth);
+        CHECK(first_crossing_link(robot, key(0), instance.goal) == -1);
+        const int first_link = first_crossing_link(robot, key(1), instance.goal);
+        CHECK(first_link >= 8 - settings.depth[1]);
+        CHECK(first_link <= 8 - settings.depth[0]);
+        const CollisionChecker checker =
+            make_checker(robot, make_circle_scene("", instance.circles));
+        CheckCounters counters;
+        CHECK(find_invalid_motion(checker, instance.witness, counters) == -1);
+      }
+    }
+  }
+
   TEST_CASE("the same seed gives the same instances, more of them continue the list") {
     const Robot robot = planar8();
     const ThreadedInstances few = require_instances(robot, 3, easy_settings(), 5);
@@ -119,6 +145,10 @@ TEST_SUITE("unit") {
     refuse({0.1, 0.2}, {3, 2}, "depth");
     refuse({0.1, 0.2}, {0, 2}, "depth");
     refuse({0.1, 0.2}, {2, 9}, "8");
+    ThreadedSettings four = easy_settings();
+    four.passages = 4;
+    CHECK(make_threaded_instances(robot, 1, four, 1).error().message ==
+          "expected 1 to 3 passages, found 4");
   }
 
   TEST_CASE("a robot that is no planar arm is refused by name") {
