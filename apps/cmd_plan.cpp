@@ -276,6 +276,7 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
     print_result(loaded, result, measures);
     if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());
   }
+  for (const std::string& note : result.notes) print_note(note);
   if (!result.plan.is_solved()) print_error(result.plan.message);
   if (!result.remembered.failure.empty()) {
     print_note("the path was not remembered: " + result.remembered.failure);

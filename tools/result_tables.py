@@ -15,7 +15,7 @@ bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
 bad, p50, mean, p95, p99, max, iterations, states, length, simplification; of ratios: pairs, p50, p95, p99, mean, geometric. In
-VALUE of where _ stands for a space. With --check nothing is written: it fails if something would be.
+VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is written: it fails if something would be.
 """
 import argparse
 import csv
@@ -95,11 +95,15 @@ def cell(summary, column, time):
     return str(summary[keys.get(column, column)])
 
 
+def factor(value):
+    return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
+
+
 def ratio_cell(ratio):
     if ratio["is_at_least"] and ratio["is_at_most"]:
         return "open"
     mark = "≥ " if ratio["is_at_least"] else "≤ " if ratio["is_at_most"] else ""
-    return f"{mark}{ratio['value']:.3g} ({ratio['low']:.3g} to {ratio['high']:.3g})"
+    return f"{mark}{factor(ratio['value'])} ({factor(ratio['low'])} to {factor(ratio['high'])})"
 
 
 def parse(words):
@@ -110,7 +114,7 @@ def parse(words):
         if not equals:
             names.append(word)
         elif key == "where":
-            where.append(value.split(":", 1))
+            where.append(re.split("([:~])", value, maxsplit=1))
         elif key in ("by", "show", "time", "baseline"):
             options[key] = value.split(",") if key in ("by", "show") else value
         else:
@@ -121,7 +125,11 @@ def parse(words):
 
 
 def is_meant(line, where):
-    return all(line[key].replace(" ", "_") == value.replace(" ", "_") for key, value in where)
+    def holds(key, relation, value):
+        text = line[key].replace(" ", "_")
+        return text == value if relation == ":" else value in text
+
+    return all(holds(*condition) for condition in where)
 
 
 def together(summary):

@@ -167,11 +167,13 @@ struct SolveResult {
   /// Of paths one after the other, from the one that improving began with to the plan's; empty if
   /// it did not begin.
   std::vector<Improved> improvements;
-  /// The problem's, those that its poses were resolved to at first, and the one that was reached.
+  /// The problem's but for those in contact, those that its poses were resolved to at first, and
+  /// the one that was reached.
   std::vector<Configuration> goals;
-  double goal_time_s = 0;      ///< of planning: resolving poses
-  double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< without what follows planning
+  std::vector<std::string> notes;  ///< for people: goals that were left out, and why
+  double goal_time_s = 0;          ///< of planning: resolving poses
+  double total_time_s = 0;         ///< solve() from call to return
+  double planning_time_s = 0;      ///< without what follows planning
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;

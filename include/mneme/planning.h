@@ -165,6 +165,9 @@ struct PlanResult {
 /// the robot, or in contact, or there is no goal. Nothing if the query is sound.
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query);
+/// Takes the goals in contact out of `goals` unless all of them are. A sentence about each.
+[[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
+                                                             std::vector<Configuration>& goals);
 
 /// Ends a search that another one has beaten. Asked by the thread that plans.
 class SearchLimit {

@@ -376,6 +376,8 @@ class Plan:
     @property
     def means(self) -> npt.NDArray[np.float32]: ...
     @property
+    def notes(self) -> list[str]: ...
+    @property
     def remembered(self) -> int: ...
     @property
     def remember_failure(self) -> str: ...
@@ -434,6 +436,7 @@ class RemotePlan:
     message: str
     path: Floats
     path_length: float
+    notes: list[str]
     total_time_s: float
     planning_time_s: float
     retrieval_time_s: float

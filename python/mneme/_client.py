@@ -56,6 +56,10 @@ class RemotePlan:
         return self._answer.get("message", "")
 
     @property
+    def notes(self):
+        return self._answer.get("notes", [])
+
+    @property
     def path(self):
         rows = self._answer["path"]
         return np.array(rows, dtype=float) if rows else np.empty((0, 0))

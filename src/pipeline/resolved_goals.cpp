@@ -37,9 +37,10 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
                                        kVerificationMargin);
     if (!source) return tl::unexpected(source.error());
     std::ranges::move(source->more(), std::back_inserter(query.ends.goals));
-    query.query.goals = query.ends.goals;
     resolved.further = std::make_unique<PoseGoalSource>(*std::move(source));
   }
+  resolved.notes = drop_goals_in_contact(query.checker, query.ends.goals);
+  query.query.goals = query.ends.goals;
   resolved.refused = refuse_query(query.checker, query.ends);
   const bool is_for_want_of_goals = resolved.refused && query.ends.goals.empty() &&
                                     resolved.refused->status == PlanStatus::invalid_goal &&

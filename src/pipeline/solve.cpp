@@ -90,6 +90,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   if (!goals) return tl::unexpected(goals.error());
   result.goal_time_s = goal_stopwatch.elapsed_s();
   result.goals = query->ends.goals;
+  result.notes = std::move(goals->notes);
   if (goals->refused) {
     result.plan = *std::move(goals->refused);
   } else if (const auto planned = plan(*query, goals->further.get(), result); !planned) {

@@ -27,31 +27,42 @@ std::string describe_contacts(std::vector<Contact> contacts, double margin) {
         "{}link '{}' {} {} '{}'", i == 0 ? "" : ", ", contact.link,
         is_near(contact) ? fmt::format("is {:.2g} m from", contact.distance) : "touches",
         contact.is_self ? "link" : "obstacle", contact.other);
+    if (!is_near(contact)) text += fmt::format(" by {:.2g} mm", -1e3 * contact.distance);
   }
   if (contacts.size() > kMostNamed)
     text += fmt::format(" and {} more", contacts.size() - kMostNamed);
   return text;
 }
 
-/// Why `q` cannot be planned from or to, or nothing. The kernels decide, because they are what the
-/// planner sees; exact distances, which cost a thousand times more, have their say close to
-/// contact.
-std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
-                                        const std::string& what) {
-  const Robot& robot = checker.robot();
-  if (auto violation = robot.describe_violation(q, what)) return violation;
-  const Configuration inside = robot.normalized(q);
+/// What `q`, a configuration of the robot, is in contact with, or nothing. The kernels decide,
+/// because they are what the planner sees; exact distances, which cost a thousand times more, have
+/// their say close to contact.
+std::optional<std::string> find_contact(const CollisionChecker& checker, const Configuration& q) {
+  const Configuration inside = checker.robot().normalized(q);
   const std::vector<float> values = internal::to_floats(inside);
   CheckCounters ignored;
   if (checker.is_motion_valid(values, values, ignored, {1, kVerificationMargin})) {
     return std::nullopt;
   }
   const std::vector<Contact> contacts = checker.contacts(inside);
-  if (!contacts.empty()) return what + describe_contacts(contacts, checker.margin());
+  if (!contacts.empty()) return describe_contacts(contacts, checker.margin());
   if (!checker.is_valid(std::span<const float>(values))) {
-    return what + " is within rounding error of contact";
+    return " is within rounding error of contact";
   }
   return std::nullopt;
+}
+
+/// Why `q` cannot be planned from or to, or nothing.
+std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
+                                        const std::string& what) {
+  if (auto violation = checker.robot().describe_violation(q, what)) return violation;
+  auto contact = find_contact(checker, q);
+  if (!contact) return std::nullopt;
+  return what + *std::move(contact);
+}
+
+std::string name_of_goal(std::size_t goal, std::size_t count) {
+  return count == 1 ? "goal" : fmt::format("goal {}", goal);
 }
 
 PlanResult refusal(PlanStatus status, std::string message) {
@@ -69,12 +80,31 @@ std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const Pl
   }
   if (query.goals.empty()) return refusal(PlanStatus::invalid_goal, "there is no goal");
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
-    const std::string what = query.goals.size() == 1 ? "goal" : "goal " + std::to_string(i);
+    const std::string what = name_of_goal(i, query.goals.size());
     if (auto problem = find_problem(checker, query.goals[i], what)) {
       return refusal(PlanStatus::invalid_goal, *std::move(problem));
     }
   }
   return std::nullopt;
+}
+
+std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
+                                               std::vector<Configuration>& goals) {
+  if (goals.size() == 1) return {};
+  std::vector<std::string> notes;
+  std::vector<Configuration> kept;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const bool is_sound = !checker.robot().describe_violation(goals[i], "goal");
+    const auto contact = is_sound ? find_contact(checker, goals[i]) : std::nullopt;
+    if (contact) {
+      notes.push_back(name_of_goal(i, goals.size()) + *contact + ": left out");
+    } else {
+      kept.push_back(goals[i]);
+    }
+  }
+  if (kept.empty()) return {};
+  goals = std::move(kept);
+  return notes;
 }
 
 }  // namespace mneme

@@ -47,6 +47,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["status"] = to_string(result.plan.status);
   json["solved"] = result.plan.is_solved();
   if (!result.plan.is_solved()) json["message"] = result.plan.message;
+  if (!result.notes.empty()) json["notes"] = result.notes;
   json["path"] = result.plan.path;
   const Path& path = result.plan.path;
   json["path_length"] = path_length(problem.robot, path);

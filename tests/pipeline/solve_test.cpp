@@ -322,6 +322,22 @@ TEST_SUITE("unit") {
     CHECK(solve_soundly(problem, nullptr, {}).plan.status == PlanStatus::invalid_goal);
   }
 
+  TEST_CASE(
+      "of several goals those in contact are left out with a note, and the rest is planned to") {
+    Problem problem = easy_problem();
+    const Configuration free = problem.goals[0];
+    problem.goals = {{kPi / 4, 0, 0, 0, 0, 0, 0, 0}, free};
+    const SolveResult result = solve_soundly(problem, nullptr, {});
+    CHECK(result.plan.is_solved());
+    CHECK(result.goals == std::vector<Configuration>{free});
+    REQUIRE(result.notes.size() == 1);
+    CHECK(result.notes[0].starts_with("goal 0 is in contact: "));
+    problem.goals.pop_back();
+    const SolveResult refused = solve_soundly(problem, nullptr, {});
+    CHECK(refused.plan.status == PlanStatus::invalid_goal);
+    CHECK(refused.notes.empty());
+  }
+
   TEST_CASE("no time is a timeout") {
     SolveSettings settings;
     settings.plan.timeout_s = 0;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/support.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace mneme::test {
@@ -28,6 +30,31 @@ TEST_SUITE("unit") {
     CHECK(refused->message.find("start") != std::string::npos);
     CHECK(refused->message.find("link_3") != std::string::npos);
     CHECK(refused->message.find("circle_1") != std::string::npos);
+  }
+
+  TEST_CASE("what touches says how deep") {
+    const auto refused = refuse_query(checker_of({{9.02, 1.05, 1}}), {kStraight, {kUp}});
+    REQUIRE(refused.has_value());
+    const double depth = 1e3 * checker_of({{9.02, 1.05, 1}}).contacts(kStraight)[0].distance;
+    CHECK(refused->message.ends_with(fmt::format("'circle_1' by {:.2g} mm", -depth)));
+  }
+
+  TEST_CASE("goals in contact are left out with a note, unless all are") {
+    const CollisionChecker checker = checker_of({{5, 0, 1}});
+    std::vector<Configuration> goals = {kStraight, kUp, kStraight};
+    const std::vector<std::string> notes = drop_goals_in_contact(checker, goals);
+    CHECK(goals == std::vector<Configuration>{kUp});
+    REQUIRE(notes.size() == 2);
+    CHECK(notes[0].starts_with("goal 0 is in contact: link 'link_"));
+    CHECK(notes[1].starts_with("goal 2 is in contact: link 'link_"));
+    CHECK(notes[1].ends_with(": left out"));
+
+    std::vector<Configuration> all = {kStraight, kStraight};
+    CHECK(drop_goals_in_contact(checker, all).empty());
+    CHECK(all.size() == 2);
+    std::vector<Configuration> wrong = {kUp, Configuration(3, 0.0)};
+    CHECK(drop_goals_in_contact(checker, wrong).empty());
+    CHECK(wrong.size() == 2);
   }
 
   TEST_CASE("what is only within the margin is not said to touch, and comes last") {
