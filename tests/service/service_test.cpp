@@ -131,6 +131,24 @@ TEST_SUITE("flow") {
     CHECK(shown["goals"].size() == settings.shown->goals.size());
   }
 
+  TEST_CASE("A robot rests in the middle of its limits, from where its hand reaches to all sides") {
+    const auto panda = load_robot(test::source_file("robots/panda.urdf"));
+    REQUIRE(panda.has_value());
+    const auto service = Service::start(*panda, nullptr, test::loopback());
+    REQUIRE(service.has_value());
+    httplib::Client client(service->address());
+    const std::string page = client.Get("/")->body;
+    const std::string opening = "\"live\":{\"start\":";
+    const std::size_t begin = page.find(opening) + opening.size();
+    const test::Json start =
+        test::Json::parse(page.substr(begin, page.find(']', begin) + 1 - begin));
+    for (int i = 0; i < panda->joint_count(); ++i) {
+      const Joint& joint = panda->group_joint(i);
+      CHECK(start[static_cast<std::size_t>(i)].get<double>() ==
+            doctest::Approx((joint.lower + joint.upper) / 2));
+    }
+  }
+
   TEST_CASE("A page cannot begin with obstacles that its requests do not hold") {
     ServiceSettings settings = test::loopback();
     Problem problem = *load_problem(test::source_file("scenes/planar/scenario1.yaml"));

@@ -238,7 +238,9 @@ export class LivePage {
   private setView(): void {
     const { stage, panes } = this.viewer;
     const { view } = panes[0]!;
+    // What can be dragged is to be seen.
     view.box.expandByPoint(new Vector3().setFromMatrixPosition(this.goal));
+    for (const body of this.bodies) view.box.expandByPoint(this.middle(body));
     stage.setView(view);
     if (this.count === 0) stage.resetView();
   }
