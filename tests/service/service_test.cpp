@@ -10,6 +10,13 @@
 namespace mneme::test {
 namespace {
 
+/// The trace that a page holds.
+Json trace_in(const std::string& page) {
+  const std::string opening = "id=\"trace\">";
+  const std::size_t begin = page.find(opening) + opening.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
 TEST_SUITE("flow") {
   TEST_CASE("a plan over HTTP is the plan of the same problem in this process") {
     const RunningService running;
@@ -108,10 +115,7 @@ TEST_SUITE("flow") {
       CHECK(answer->status == 200);
       CHECK_FALSE(answer->has_header("Content-Encoding"));
       CHECK(answer->get_header_value("Content-Type") == "text/html; charset=utf-8");
-      const std::string opening = "id=\"trace\">";
-      const std::size_t begin = answer->body.find(opening) + opening.size();
-      return test::Json::parse(
-          answer->body.substr(begin, answer->body.find("</script>", begin) - begin));
+      return trace_in(answer->body);
     };
     const test::Json rest = page_of({});
     CHECK(rest["obstacles"].empty());
@@ -137,11 +141,7 @@ TEST_SUITE("flow") {
     const auto service = Service::start(*panda, nullptr, test::loopback());
     REQUIRE(service.has_value());
     httplib::Client client(service->address());
-    const std::string page = client.Get("/")->body;
-    const std::string opening = "\"live\":{\"start\":";
-    const std::size_t begin = page.find(opening) + opening.size();
-    const test::Json start =
-        test::Json::parse(page.substr(begin, page.find(']', begin) + 1 - begin));
+    const test::Json start = trace_in(client.Get("/")->body)["live"]["start"];
     for (int i = 0; i < panda->joint_count(); ++i) {
       const Joint& joint = panda->group_joint(i);
       CHECK(start[static_cast<std::size_t>(i)].get<double>() ==
