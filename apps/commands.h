@@ -71,5 +71,6 @@ void add_db_upkeep(CLI::App& group, Action& action);
 void add_robot_ik(CLI::App& group, Action& action);
 void add_robot_spheres(CLI::App& group, Action& action);
 void add_scene_threaded(CLI::App& group, Action& action);
+void add_scene_repeat(CLI::App& group, Action& action);
 
 }  // namespace mneme::app

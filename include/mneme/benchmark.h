@@ -58,6 +58,7 @@ struct BenchmarkRow {
   std::string version;                 ///< of mneme and of the compiler
   std::string started;                 ///< UTC, ISO 8601
   std::vector<Improved> improvements;  ///< SolveResult::improvements
+  std::uint64_t replayed = 0;          ///< Replay::row
 };
 
 /// The row of one call of solve() with `settings`; its path is checked again by `checker` without

@@ -7,6 +7,7 @@
 
 #include "mneme/base.h"
 #include "mneme/path.h"
+#include "mneme/problem.h"
 #include "mneme/scene.h"
 
 #include <array>
@@ -48,6 +49,18 @@ struct Variations {
 /// no obstacle has, or one that is meant twice; numbers that the obstacle's shape has no use for; a
 /// spread that leaves no positive size.
 [[nodiscard]] Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng);
+
+/// How little a task differs when a cell repeats it.
+struct RepeatSettings {
+  double obstacles = 0.02;  ///< metres that each obstacle is moved at most, whole and any way
+  double goal = 0.03;       ///< metres that the tip of the arm is moved at most, its rotation kept
+};
+/// A task like that of `problem`, whose first goal counts: obstacles and goal are moved uniformly
+/// within balls, again until start and goal are free, and the new goal is the solution of inverse
+/// kinematics nearest to the old one. Errors: no goal configuration; lengths below 0; a robot
+/// without a tip; no free repeat in 1000 tries; a scene that cannot be checked.
+[[nodiscard]] Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings,
+                                     Rng& rng);
 
 /// What `make_threaded_instances` draws from.
 struct ThreadedSettings {

@@ -115,6 +115,7 @@ struct MemoryDefaults {
   bool retarget = false;
   double first_components = 1e9;
   double max_gap = 1;
+  double replay = 0;
 };
 
 /// One way to remember. To add one: src/memory/NAME.cpp, a row in src/memory/memory_kinds.cpp, a
@@ -146,6 +147,10 @@ struct MemoryKind {
   std::shared_ptr<const ComponentSource> (*retarget)(const MemoryQuery& query,
                                                      std::span<const PrimitiveRetrieval> retrievals,
                                                      Origin first_origin) = nullptr;
+  /// The path that a row remembers, bent so that it leads from the query's start to `goal`; empty
+  /// if it remembers none. Null for a kind that does not keep whole paths.
+  Path (*bend)(const MemoryQuery& query, const Configuration& goal,
+               const Experience& row) = nullptr;
   /// What solved paths of the query teach: rows with kind, key and sampler. Errors: those of
   /// decompose.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,

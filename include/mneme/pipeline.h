@@ -41,6 +41,7 @@ struct SolveSettings {
   double component_growth = 0.5;
   double learn_budget_s = 0;
   std::optional<int> remember_after;
+  std::optional<double> replay;
   std::optional<double> resolution;
   double margin = 0;
   int threads = 1;
@@ -99,6 +100,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("remember-after", s.remember_after, 0, 1000000000,
         "insert what a solved problem teaches, as learning from problems does, if it took at least "
         "this many iterations, so that memory grows with use; left out, never. Not planning time");
+  visit(
+      "replay", s.replay, 0.0, 1e6,
+      "known tasks: before any search, the remembered whole paths whose ends are closer than this "
+      "to the query's (key distance, radians) are bent to them, checked and repaired; 0 for none; "
+      "left out, 0.5 for paths");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; left out, the "
         "robot's default (0.02 for a planar arm, 1/32 otherwise)");
@@ -154,6 +160,28 @@ struct Remembered {
   std::string failure;  ///< why nothing could be inserted; the path is found all the same
 };
 
+/// A remembered path that touches something once it is bent to a query's ends.
+struct BlockedPath {
+  std::int64_t row = 0;  ///< of the database
+  double distance = 0;   ///< of its ends from the query's, as SolveSettings::replay
+  double fraction = 0;   ///< of its length, up to the first state that is blocked
+  Configuration state;   ///< that one
+};
+
+/// What became of the known tasks near a query: see SolveSettings::replay.
+struct Replay {
+  std::int64_t row = 0;              ///< whose path the plan is; 0: none, and it was planned
+  double distance = 0;               ///< of its ends from the query's
+  bool is_repaired = false;          ///< led round what touched it
+  std::vector<BlockedPath> blocked;  ///< those that were tried, nearest first
+  /// Of the known task that is nearest, if none was near enough to be tried.
+  std::optional<double> nearest;
+  std::uint64_t iterations = 0;  ///< of searches round what blocks a path
+  double time_s = 0;             ///< 0 if there was no memory to ask
+
+  [[nodiscard]] bool is_hit() const { return row != 0; }
+};
+
 /// A path to be improved, or a shorter one that improving found.
 struct Improved {
   double time_s = 0;  ///< since improving began; 0 for the first path
@@ -163,6 +191,7 @@ struct Improved {
 struct SolveResult {
   PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
   GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
+  Replay replay;
   Remembered remembered;
   /// Of paths one after the other, from the one that improving began with to the plan's; empty if
   /// it did not begin.

@@ -40,6 +40,7 @@ void visit_columns(Row& row, Visitor&& visit) {
   visit("version", row.version);
   visit("started", row.started);
   visit("improvements", row.improvements);
+  visit("replayed", row.replayed);
 }
 
 /// The fields of one line, and where the next one begins.

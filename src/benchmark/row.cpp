@@ -96,6 +96,7 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   row.nodes = plan.nodes;
   row.path_length = row.is_solved ? path_length(problem.robot, plan.path) : 0;
   if (row.is_solved) row.improvements = result.improvements;
+  row.replayed = static_cast<std::uint64_t>(result.replay.row);
   row.learning_time_s = result.gl.learning_time_s;
   row.isa = to_string(result.isa);
   row.components = result.gl.mixture ? result.gl.mixture->component_count() : 0;

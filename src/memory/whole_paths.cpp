@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/memory.h"
 
+#include "path/path_conversion.h"
 #include "robot/joint_space.h"
 
 #include <algorithm>
@@ -53,10 +54,9 @@ LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> 
 namespace internal {
 namespace {
 
-/// The waypoints between the ends of remembered paths, each twice: warped, so that the path's ends
-/// become those of the query, and as it was. The warp of a waypoint adds the differences of the
-/// ends, each in proportion to how near the waypoint is to that end along the path. A path that was
-/// remembered the other way round is turned round.
+/// Bends remembered paths so that their ends become those of the query: adds to a waypoint the
+/// differences of the ends, each in proportion to how near the waypoint is to that end along the
+/// path. A path that leads the other way round is one of the query's reverse.
 class PathWarper {
  public:
   PathWarper(const Robot& robot, std::span<const double> start, std::span<const double> goal)
@@ -68,40 +68,60 @@ class PathWarper {
         goal_shift_(joints_),
         delta_(joints_) {}
 
+  /// The waypoints between the ends, each twice: bent and as it was.
   void add(std::span<const float> path, std::vector<float>& means) {
     const std::size_t count = path.size() / joints_;
     if (count < 3) return;
+    measure(path, count);
+    for (std::size_t i = 1; i + 1 < count; ++i) {
+      const float* q = path.data() + i * joints_;
+      means.resize(means.size() + joints_);
+      write_bent(i, q, means.data() + means.size() - joints_);
+      means.insert(means.end(), q, q + joints_);
+    }
+  }
+
+  /// The whole path from the query's start to its goal.
+  std::vector<std::vector<float>> bend(std::span<const float> path) {
+    const std::size_t count = path.size() / joints_;
+    std::vector<std::vector<float>> bent(count, std::vector<float>(joints_));
+    const bool is_reversed = measure(path, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      write_bent(i, path.data() + i * joints_, bent[i].data());
+    }
+    if (is_reversed) std::ranges::reverse(bent);
+    return bent;
+  }
+
+ private:
+  void write_bent(std::size_t i, const float* q, float* bent) const {
+    const float fraction = lengths_[i] / lengths_.back();
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const float shift = fraction * goal_shift_[j] + (1 - fraction) * start_shift_[j];
+      bent[j] = space_.into_limits(static_cast<int>(j), q[j] + shift);
+    }
+  }
+
+  float distance(const float* a, const std::vector<float>& b) {
+    return space_.difference(a, b.data(), delta_.data());
+  }
+
+  /// How far the ends are off, and arc lengths from the path's start to each waypoint. True if the
+  /// path leads from the goal to the start.
+  bool measure(std::span<const float> path, std::size_t count) {
     const float* first = path.data();
     const float* last = path.data() + (count - 1) * joints_;
     const bool is_reversed = distance(first, goal_) + distance(last, start_) <
                              distance(first, start_) + distance(last, goal_);
     space_.difference(first, (is_reversed ? goal_ : start_).data(), start_shift_.data());
     space_.difference(last, (is_reversed ? start_ : goal_).data(), goal_shift_.data());
-    measure(path, count);
-    for (std::size_t i = 1; i + 1 < count; ++i) {
-      const float* q = path.data() + i * joints_;
-      const float fraction = lengths_[i] / lengths_.back();
-      for (std::size_t j = 0; j < joints_; ++j) {
-        const float shift = fraction * goal_shift_[j] + (1 - fraction) * start_shift_[j];
-        means.push_back(space_.into_limits(static_cast<int>(j), q[j] + shift));
-      }
-      means.insert(means.end(), q, q + joints_);
-    }
-  }
-
- private:
-  float distance(const float* a, const std::vector<float>& b) {
-    return space_.difference(a, b.data(), delta_.data());
-  }
-
-  /// Arc lengths from the path's start to each waypoint.
-  void measure(std::span<const float> path, std::size_t count) {
     lengths_.assign(count, 0);
     for (std::size_t i = 1; i < count; ++i) {
       const float* q = path.data() + i * joints_;
       lengths_[i] = lengths_[i - 1] + space_.difference(q - joints_, q, delta_.data());
     }
     lengths_.back() = std::max(lengths_.back(), kLeastLength);
+    return is_reversed;
   }
 
   static constexpr float kLeastLength = 1e-6f;
@@ -158,6 +178,15 @@ GaussianMixture warp_paths(const MemoryQuery& query,
   return mixture;
 }
 
+Path bend_path(const MemoryQuery& query, const Configuration& goal, const Experience& row) {
+  if (row.sampler.component_count() < 2) return {};
+  const Robot& robot = query.robot;
+  Path path = to_path(robot, PathWarper(robot, *query.start, goal).bend(row.sampler.means));
+  path.front() = robot.normalized(*query.start);
+  path.back() = robot.normalized(goal);
+  return path;
+}
+
 /// Per path that is not empty one row whose key is that of its ends and whose means are its
 /// waypoints, ends included, in their order.
 Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
@@ -187,11 +216,13 @@ extern constinit const MemoryKind kWholePaths = {
                  .similarity = 1e9,
                  .max_matches = 50,
                  .drop_invalid_means = false,
-                 .first_components = 20},
+                 .first_components = 20,
+                 .replay = 0.5},
     .key_size = query_key_size,
     .decompose = find_queries,
     .images = images_of_query,
     .synthesize = warp_paths,
+    .bend = bend_path,
     .learn_from_paths = remember_paths,
     .learn = nullptr,
     .no_learning_on_a_miss =

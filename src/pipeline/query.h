@@ -23,6 +23,7 @@ struct KindSettings {
   int retrieve_after = 0;
   Widening widening;
   double max_gap = 0;
+  double replay = 0;
 };
 
 /// What is asked of memory. Refers to the query and the database.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The page to read first: resolve the goal -> decompose the scene -> retrieve or learn local
+// The page to read first: resolve the goal -> replay a known task, or decompose the scene -> retrieve or learn local
 // samplers -> synthesize one sampler -> plan -> shorten and verify -> improve -> remember.
 #include "mneme/pipeline.h"
 
@@ -10,6 +10,7 @@
 #include "pipeline/query.h"
 #include "pipeline/race.h"
 #include "pipeline/recollection.h"
+#include "pipeline/replay.h"
 #include "pipeline/resolved_goals.h"
 
 #include <algorithm>
@@ -57,7 +58,7 @@ void add_reached_goal(const Robot& robot, SolveResult& result) {
 }
 
 /// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
-Result<void> plan(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
+Result<void> search(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
   const Stopwatch stopwatch;
   internal::Recollection recollection(query, recall);
   const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
@@ -75,6 +76,21 @@ Result<void> plan(const Query& query, const PoseGoalSource* further_goals, Solve
   improve(query, *sampler, result);
   result.gl = recollection.take(raced->draws);
   return {};
+}
+
+/// A known task is replayed; otherwise, or if that fails, what it took is added to the search's.
+Result<void> plan(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
+  PlanResult replayed = internal::replay(query, result.replay);
+  if (replayed.is_solved()) {
+    result.plan = std::move(replayed);
+    improve(query, *make_uniform_sampler(query.problem.robot), result);
+    return {};
+  }
+  return search(query, further_goals, result).map([&] {
+    result.plan.states_checked += replayed.states_checked;
+    result.plan.motions_checked += replayed.motions_checked;
+    result.plan.planning_time_s += result.replay.time_s;
+  });
 }
 
 }  // namespace
@@ -96,7 +112,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   } else if (const auto planned = plan(*query, goals->further.get(), result); !planned) {
     return tl::unexpected(planned.error());
   }
-  result.remembered = remember(*query, result.plan);
+  if (!result.replay.is_hit()) result.remembered = remember(*query, result.plan);
   result.planner = query->planner.name;
   result.sampler = query->sampler.name;
   result.seed = settings.plan.seed;

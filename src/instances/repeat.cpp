@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/goal.h"
+#include "mneme/instances.h"
+#include "mneme/planning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace mneme {
+namespace {
+
+constexpr int kMostRepeatTries = 1000;
+/// Of inverse kinematics: the first is the old goal, others lie around it.
+constexpr int kSeeds = 16;
+/// Radians that a goal may be away from the old one: more is another way to hold the arm.
+constexpr double kSameArm = 1;
+
+Vec3 draw_within_ball(double radius, Rng& rng) {
+  for (;;) {
+    const Vec3 v(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    if (v.squaredNorm() <= 1) return radius * v;
+  }
+}
+
+Scene draw_scene(const Scene& scene, double radius, Rng& rng) {
+  Scene moved = scene;
+  for (Obstacle& obstacle : moved.obstacles) {
+    const Transform X{Eigen::Matrix3d::Identity(), draw_within_ball(radius, rng)};
+    for (Shape& shape : obstacle.shapes) shape = transformed(X, shape);
+  }
+  return moved;
+}
+
+/// Moves the arm's tip.
+class GoalMover {
+ public:
+  static Result<GoalMover> make(const Robot& robot, const Configuration& goal) {
+    const std::vector<std::string> tips = find_tips(robot);
+    if (tips.empty()) {
+      return fail(ErrorCode::unsupported, "robot " + robot.name() + " has no tip to move");
+    }
+    auto kinematics = InverseKinematics::make(robot, tips.front());
+    if (!kinematics) return tl::unexpected(kinematics.error());
+    const auto is_tip = [&](const Link& link) { return link.name == tips.front(); };
+    const auto index = std::ranges::find_if(robot.links(), is_tip) - robot.links().begin();
+    const Transform pose = robot.link_poses(goal)[static_cast<std::size_t>(index)];
+    return GoalMover(robot, goal, *std::move(kinematics), {tips.front(), pose});
+  }
+
+  std::optional<Configuration> draw(const CollisionChecker& checker, double radius,
+                                    Rng& rng) const {
+    if (radius == 0) return goal_;
+    PoseGoal moved = tip_;
+    moved.pose.translation += draw_within_ball(radius, rng);
+    IkSettings settings;
+    settings.seeds = kSeeds;
+    const IkResult found = kinematics_.solve(moved, goal_, settings, &checker);
+    if (found.solutions.empty()) return std::nullopt;
+    const Configuration& nearest = found.solutions.front();
+    return robot_.distance(nearest, goal_) < kSameArm ? std::optional(nearest) : std::nullopt;
+  }
+
+ private:
+  GoalMover(const Robot& robot, const Configuration& goal, InverseKinematics kinematics,
+            PoseGoal tip)
+      : robot_(robot), goal_(goal), kinematics_(std::move(kinematics)), tip_(std::move(tip)) {}
+
+  const Robot& robot_;
+  const Configuration& goal_;
+  InverseKinematics kinematics_;
+  PoseGoal tip_;
+};
+
+}  // namespace
+
+Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, Rng& rng) {
+  if (!(settings.obstacles >= 0 && settings.goal >= 0)) {
+    return fail(ErrorCode::invalid, "a task is repeated within lengths of 0 or more");
+  }
+  if (problem.goals.empty()) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("problem '{}': expected a goal that is a configuration", problem.name));
+  }
+  if (auto fault = problem.robot.describe_violation(problem.goals.front(), "goal")) {
+    return fail(ErrorCode::invalid, fmt::format("problem '{}': {}", problem.name, *fault));
+  }
+  const auto mover = GoalMover::make(problem.robot, problem.goals.front());
+  if (!mover) return tl::unexpected(mover.error());
+  Problem repeated = problem;
+  repeated.pose_goals.clear();
+  for (int i = 0; i < kMostRepeatTries; ++i) {
+    repeated.scene = draw_scene(problem.scene, settings.obstacles, rng);
+    const auto checker = CollisionChecker::make(problem.robot, repeated.scene);
+    if (!checker) return tl::unexpected(checker.error());
+    const auto goal = mover->draw(*checker, settings.goal, rng);
+    if (!goal) continue;
+    repeated.goals = {*goal};
+    if (!refuse_query(*checker, {repeated.start, repeated.goals})) return repeated;
+  }
+  return fail(ErrorCode::invalid,
+              fmt::format("problem '{}': its start or goal is in contact in each of {} repeats",
+                          problem.name, kMostRepeatTries));
+}
+
+}  // namespace mneme
