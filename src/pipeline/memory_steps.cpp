@@ -3,6 +3,7 @@
 #include "pipeline/memory_steps.h"
 
 #include "pipeline/drawn_components.h"
+#include "pipeline/push_off.h"
 
 #include <algorithm>
 
@@ -141,7 +142,9 @@ GaussianMixture keep_valid_components(const CollisionChecker& checker,
 namespace {
 
 Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind) {
-  const std::vector<Path> paths = {path};
+  const bool is_whole = kind.kind->bend != nullptr;
+  const std::vector<Path> paths = {is_whole ? widen(query.checker, path, query.settings.plan.seed)
+                                            : path};
   auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {

@@ -5,6 +5,7 @@
 #include "path/path_conversion.h"
 #include "path/waypoints.h"
 #include "pipeline/memory_steps.h"
+#include "pipeline/push_off.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,11 @@ constexpr std::uint64_t kLocalIterations = 100;
 /// Radians of path before and behind what is blocked that are planned anew with it.
 constexpr float kRun = 0.3f;
 /// Of shortening a repaired path.
-constexpr int kRepairPatience = 10;
+constexpr int kRepairPatience = 5;
+/// Radians of path before and behind what is blocked that are nudged with it, and metres to
+/// obstacles that this wins.
+constexpr float kNudgeRun = 0.2f;
+constexpr double kNudge = 0.005;
 constexpr double kAnyDistance = 1e6;
 /// Of seeds: what planners and improving derive from theirs comes before.
 constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
@@ -40,6 +45,8 @@ struct Block {
   float first = 0, last = 0;
   /// None of the states that were looked at is blocked: it is so between two of them.
   bool is_between = false;
+  std::vector<std::uint8_t> is_valid = {};  ///< of states along the path
+  float step = 0;                           ///< from one to the next
 
   [[nodiscard]] float length() const { return last - first; }
 };
@@ -83,6 +90,9 @@ class Replayer {
   void measure(const Path& path);
   [[nodiscard]] Block find_block(const Path& path);
   [[nodiscard]] bool repair(Path& path, const Block& block);
+  [[nodiscard]] bool passes(Path& path, bool simplify);
+  [[nodiscard]] bool nudge(Path& path, const Block& block);
+  void splice(Path& path, float first, float last, Path between) const;
   [[nodiscard]] bool lead_round(Path& path, const Block& block);
   [[nodiscard]] Configuration at(float way) const;
   void take(Path path, const Known& known);
@@ -141,11 +151,11 @@ void Replayer::replay(const std::vector<Known>& known) {
     Path path = task.kind->bend(query_.query, *task.goal, *task.match.experience);
     if (path.empty() || query_.is_over()) continue;
     if (is_free(path)) return take(std::move(path), task);
-    const Block block = find_block(path);
+    Block block = find_block(path);
     told_.blocked.push_back(
         {task.match.experience->id, task.distance(), block.first / way_.length(), at(block.first)});
     if (least && least->block.length() <= block.length()) continue;
-    least = {std::move(path), block, &task};
+    least = {std::move(path), std::move(block), &task};
   }
   if (!least || !repair(least->path, least->block)) return;
   told_.is_repaired = true;
@@ -184,7 +194,8 @@ Block Replayer::find_block(const Path& path) {
     return {middle, middle, true};
   }
   const auto last = std::ranges::find(std::views::reverse(is_valid), 0).base() - is_valid.begin();
-  return {step * static_cast<float>(first), step * static_cast<float>(last - 1), false};
+  return {step * static_cast<float>(first), step * static_cast<float>(last - 1), false,
+          std::move(is_valid), step};
 }
 
 Configuration Replayer::at(float way) const {
@@ -194,12 +205,51 @@ Configuration Replayer::at(float way) const {
 }
 
 bool Replayer::repair(Path& path, const Block& block) {
-  if (!block.is_between && !lead_round(path, block)) return false;
-  PathFinisher finisher(query_.checker, finish_settings(!block.is_between));
+  if (block.is_between) return passes(path, false);
+  Path nudged = path;
+  if (nudge(nudged, block) && passes(nudged, true)) {
+    path = std::move(nudged);
+    return true;
+  }
+  return lead_round(path, block) && passes(path, true);
+}
+
+/// Shortened a little if that is wanted, and mended where verification alone refuses it.
+bool Replayer::passes(Path& path, bool simplify) {
+  PathFinisher finisher(query_.checker, finish_settings(simplify));
   const bool is_free = finisher(path, counters_) < 0;
   result_.simplification_time_s += finisher.simplification_time_s();
   result_.verification_time_s += finisher.verification_time_s();
   return is_free;
+}
+
+/// Puts `between` in the place of what lies between two ways from the start.
+void Replayer::splice(Path& path, float first, float last, Path between) const {
+  const auto before = path.begin() + (first > 0 ? way_.locate(first).motion + 1 : 0);
+  const auto behind =
+      last < way_.length() ? path.begin() + way_.locate(last).motion + 1 : path.end();
+  Path spliced(path.begin(), before);
+  std::ranges::move(between, std::back_inserter(spliced));
+  spliced.insert(spliced.end(), behind, path.end());
+  path = std::move(spliced);
+}
+
+/// Pushes the path off what it touches, where it does and a little before and behind.
+bool Replayer::nudge(Path& path, const Block& block) {
+  const auto is_near = [&](float way) {
+    const auto run = static_cast<int>(kNudgeRun / block.step);
+    const int here = static_cast<int>(way / block.step);
+    const int end = std::min(here + run + 1, static_cast<int>(block.is_valid.size()));
+    return std::find(block.is_valid.begin() + std::max(here - run, 0), block.is_valid.begin() + end,
+                     0) != block.is_valid.begin() + end;
+  };
+  path = push_off(query_.checker, path, kNudge, is_near);
+  std::vector<float> states;
+  for (const Configuration& q : path) states.insert(states.end(), q.begin(), q.end());
+  std::vector<std::uint8_t> is_valid(path.size());
+  counters_.states += is_valid.size();
+  query_.checker.check_states(states, is_valid);
+  return std::ranges::find(is_valid, 0) == is_valid.end();
 }
 
 /// Plans anew between states before and behind the block.
@@ -223,13 +273,7 @@ bool Replayer::lead_round(Path& path, const Block& block) {
   counters_.states += local.states_checked;
   counters_.motions += local.motions_checked;
   if (!local.is_solved()) return false;
-  const auto before = path.begin() + (first > 0 ? way_.locate(first).motion + 1 : 0);
-  const auto behind =
-      last < way_.length() ? path.begin() + way_.locate(last).motion + 1 : path.end();
-  Path round(path.begin(), before);
-  std::ranges::move(local.path, std::back_inserter(round));
-  round.insert(round.end(), behind, path.end());
-  path = std::move(round);
+  splice(path, first, last, std::move(local.path));
   return true;
 }
 
