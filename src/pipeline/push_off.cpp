@@ -13,7 +13,7 @@ constexpr float kSpacing = 0.15f;
 /// Steps of a push: each leaves a little of what is in the way.
 constexpr int kPushes = 2;
 /// Metres to obstacles that a remembered path is pushed to, and that shortening it leaves.
-constexpr double kPushedClearance = 0.025, kKeptClearance = 0.02;
+constexpr double kPushedClearance = 0.035, kKeptClearance = 0.03;
 /// Of the length that was free already: clearance is not worth more.
 constexpr double kMostLengthening = 1.15;
 

@@ -18,15 +18,13 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostPaths = 3;
-constexpr std::uint64_t kLocalIterations = 100;
-/// Radians of path before and behind what is blocked that are planned anew with it.
-constexpr float kRun = 0.3f;
+constexpr std::uint64_t kLocalIterations = 200;  ///< of all local plans of a query
+/// Radians of path before and behind what is blocked that are changed with it.
+constexpr float kRun = 0.3f, kNudgeRun = 0.2f;
 /// Of shortening a repaired path.
 constexpr int kRepairPatience = 5;
-/// Radians of path before and behind what is blocked that are nudged with it, and metres to
-/// obstacles that this wins.
-constexpr float kNudgeRun = 0.2f;
-constexpr double kNudge = 0.005;
+constexpr int kMostDetours = 6;
+constexpr double kNudge = 0.005;  ///< metres to obstacles
 constexpr double kAnyDistance = 1e6;
 /// Of seeds: what planners and improving derive from theirs comes before.
 constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
@@ -40,15 +38,26 @@ struct Known {
   [[nodiscard]] double distance() const { return std::sqrt(match.similarity_error); }
 };
 
-/// The part of a path that is not free, as ways from its start.
+/// Which states along a path are free.
+struct Profile {
+  std::vector<std::uint8_t> is_valid;
+  float step = 0;  ///< radians from one to the next
+
+  [[nodiscard]] std::ptrdiff_t blocked() const { return std::ranges::count(is_valid, 0); }
+  /// One is blocked within `run` radians of `way` from the start.
+  [[nodiscard]] bool is_blocked_near(float way, float run) const {
+    const auto at = [&](float w) {
+      const auto i = static_cast<std::ptrdiff_t>(w / step);
+      return is_valid.begin() + std::clamp(i, std::ptrdiff_t{0}, std::ssize(is_valid));
+    };
+    const auto end = at(way + run + step);
+    return std::find(at(way - run), end, 0) != end;
+  }
+};
+
+/// A part of a path that is not free, as ways from its start.
 struct Block {
   float first = 0, last = 0;
-  /// None of the states that were looked at is blocked: it is so between two of them.
-  bool is_between = false;
-  std::vector<std::uint8_t> is_valid = {};  ///< of states along the path
-  float step = 0;                           ///< from one to the next
-
-  [[nodiscard]] float length() const { return last - first; }
 };
 
 class Replayer {
@@ -88,12 +97,14 @@ class Replayer {
   void replay(const std::vector<Known>& known);
   [[nodiscard]] bool is_free(const Path& path);
   void measure(const Path& path);
-  [[nodiscard]] Block find_block(const Path& path);
-  [[nodiscard]] bool repair(Path& path, const Block& block);
+  [[nodiscard]] Profile look_along(const Path& path);
+  [[nodiscard]] float first_blocked(const Profile& profile) const;
+  [[nodiscard]] bool repair(Path& path, const Profile& profile);
+  [[nodiscard]] bool has_free_waypoints(const Path& path);
+  [[nodiscard]] static Block first_block(const Profile& profile);
   [[nodiscard]] bool passes(Path& path, bool simplify);
-  [[nodiscard]] bool nudge(Path& path, const Block& block);
-  void splice(Path& path, float first, float last, Path between) const;
   [[nodiscard]] bool lead_round(Path& path, const Block& block);
+  void splice(Path& path, float first, float last, Path between) const;
   [[nodiscard]] Configuration at(float way) const;
   void take(Path path, const Known& known);
 
@@ -143,7 +154,7 @@ Result<std::vector<Known>> Replayer::find() {
 void Replayer::replay(const std::vector<Known>& known) {
   struct Blocked {
     Path path;
-    Block block;
+    Profile profile;
     const Known* known;
   };
   std::optional<Blocked> least;
@@ -151,13 +162,14 @@ void Replayer::replay(const std::vector<Known>& known) {
     Path path = task.kind->bend(query_.query, *task.goal, *task.match.experience);
     if (path.empty() || query_.is_over()) continue;
     if (is_free(path)) return take(std::move(path), task);
-    Block block = find_block(path);
+    Profile profile = look_along(path);
+    const float first = first_blocked(profile);
     told_.blocked.push_back(
-        {task.match.experience->id, task.distance(), block.first / way_.length(), at(block.first)});
-    if (least && least->block.length() <= block.length()) continue;
-    least = {std::move(path), std::move(block), &task};
+        {task.match.experience->id, task.distance(), first / way_.length(), at(first)});
+    if (least && least->profile.blocked() <= profile.blocked()) continue;
+    least = {std::move(path), std::move(profile), &task};
   }
-  if (!least || !repair(least->path, least->block)) return;
+  if (!least || !repair(least->path, least->profile)) return;
   told_.is_repaired = true;
   take(std::move(least->path), *least->known);
 }
@@ -175,27 +187,25 @@ void Replayer::measure(const Path& path) {
   way_.assign(std::move(rows));
 }
 
-/// Of a path that is_free() refused.
-Block Replayer::find_block(const Path& path) {
+Profile Replayer::look_along(const Path& path) {
   measure(path);
   const auto joints = static_cast<std::size_t>(way_.joint_count());
   const auto parts = static_cast<std::size_t>(way_.length() / query_.checker.resolution()) + 1;
-  const float step = way_.length() / static_cast<float>(parts);
+  Profile profile{std::vector<std::uint8_t>(parts + 1), way_.length() / static_cast<float>(parts)};
   std::vector<float> states((parts + 1) * joints);
-  std::vector<std::uint8_t> is_valid(parts + 1);
   for (std::size_t i = 0; i <= parts; ++i) {
-    way_.write(way_.locate(step * static_cast<float>(i)), states.data() + i * joints);
+    way_.write(way_.locate(profile.step * static_cast<float>(i)), states.data() + i * joints);
   }
-  counters_.states += is_valid.size();
-  query_.checker.check_states(states, is_valid);
-  const auto first = std::ranges::find(is_valid, 0) - is_valid.begin();
-  if (first == std::ssize(is_valid)) {
-    const float middle = 0.5f * (way_.way_to(invalid_) + way_.way_to(invalid_ + 1));
-    return {middle, middle, true};
-  }
-  const auto last = std::ranges::find(std::views::reverse(is_valid), 0).base() - is_valid.begin();
-  return {step * static_cast<float>(first), step * static_cast<float>(last - 1), false,
-          std::move(is_valid), step};
+  counters_.states += profile.is_valid.size();
+  query_.checker.check_states(states, profile.is_valid);
+  return profile;
+}
+
+/// Of a path that is_free() refused: between states that are free if it must be there.
+float Replayer::first_blocked(const Profile& profile) const {
+  const auto first = std::ranges::find(profile.is_valid, 0) - profile.is_valid.begin();
+  if (first < std::ssize(profile.is_valid)) return profile.step * static_cast<float>(first);
+  return 0.5f * (way_.way_to(invalid_) + way_.way_to(invalid_ + 1));
 }
 
 Configuration Replayer::at(float way) const {
@@ -204,14 +214,45 @@ Configuration Replayer::at(float way) const {
   return query_.problem.robot.normalized(Configuration(q.begin(), q.end()));
 }
 
-bool Replayer::repair(Path& path, const Block& block) {
-  if (block.is_between) return passes(path, false);
+/// Pushes the path off what it touches; where that is not enough, plans round it.
+bool Replayer::repair(Path& path, const Profile& profile) {
+  if (profile.blocked() == 0) return passes(path, false);
+  path = push_off(query_.checker, path, kNudge,
+                  [&](float way) { return profile.is_blocked_near(way, kNudgeRun); });
   Path nudged = path;
-  if (nudge(nudged, block) && passes(nudged, true)) {
+  if (has_free_waypoints(nudged) && passes(nudged, true)) {
     path = std::move(nudged);
     return true;
   }
-  return lead_round(path, block) && passes(path, true);
+  for (int i = 0; i < kMostDetours; ++i) {
+    const Profile left = look_along(path);
+    if (left.blocked() == 0) break;
+    if (!lead_round(path, first_block(left))) return false;
+  }
+  return passes(path, true);
+}
+
+bool Replayer::has_free_waypoints(const Path& path) {
+  std::vector<float> states;
+  for (const Configuration& q : path) states.insert(states.end(), q.begin(), q.end());
+  std::vector<std::uint8_t> is_valid(path.size());
+  counters_.states += is_valid.size();
+  query_.checker.check_states(states, is_valid);
+  return std::ranges::find(is_valid, 0) == is_valid.end();
+}
+
+/// With those that follow so closely that they are led round together.
+Block Replayer::first_block(const Profile& profile) {
+  const auto invalid = [&](std::ptrdiff_t i) {
+    return profile.is_valid[static_cast<std::size_t>(i)] == 0;
+  };
+  const auto gap = static_cast<std::ptrdiff_t>(2 * kRun / profile.step);
+  const std::ptrdiff_t first = std::ranges::find(profile.is_valid, 0) - profile.is_valid.begin();
+  std::ptrdiff_t last = first;
+  for (std::ptrdiff_t i = first; i < std::ssize(profile.is_valid) && i <= last + gap; ++i) {
+    if (invalid(i)) last = i;
+  }
+  return {profile.step * static_cast<float>(first), profile.step * static_cast<float>(last)};
 }
 
 /// Shortened a little if that is wanted, and mended where verification alone refuses it.
@@ -234,27 +275,9 @@ void Replayer::splice(Path& path, float first, float last, Path between) const {
   path = std::move(spliced);
 }
 
-/// Pushes the path off what it touches, where it does and a little before and behind.
-bool Replayer::nudge(Path& path, const Block& block) {
-  const auto is_near = [&](float way) {
-    const auto run = static_cast<int>(kNudgeRun / block.step);
-    const int here = static_cast<int>(way / block.step);
-    const int end = std::min(here + run + 1, static_cast<int>(block.is_valid.size()));
-    return std::find(block.is_valid.begin() + std::max(here - run, 0), block.is_valid.begin() + end,
-                     0) != block.is_valid.begin() + end;
-  };
-  path = push_off(query_.checker, path, kNudge, is_near);
-  std::vector<float> states;
-  for (const Configuration& q : path) states.insert(states.end(), q.begin(), q.end());
-  std::vector<std::uint8_t> is_valid(path.size());
-  counters_.states += is_valid.size();
-  query_.checker.check_states(states, is_valid);
-  return std::ranges::find(is_valid, 0) == is_valid.end();
-}
-
 /// Plans anew between states before and behind the block.
 bool Replayer::lead_round(Path& path, const Block& block) {
-  measure(path);
+  if (told_.iterations >= kLocalIterations) return false;
   const float first = std::max(0.0f, block.first - kRun);
   const float last = std::min(way_.length(), block.last + kRun);
   const PlanQuery ends = {first > 0 ? at(first) : path.front(),
@@ -262,13 +285,14 @@ bool Replayer::lead_round(Path& path, const Block& block) {
   PlanSettings settings = query_.settings.plan;
   settings.seed = derive_seed(settings.seed, kReplayTask);
   settings.timeout_s = finish_settings(false).timeout_s;
-  settings.max_iterations =
-      std::min(kLocalIterations, settings.max_iterations.value_or(kLocalIterations));
+  const std::uint64_t left = kLocalIterations - told_.iterations;
+  settings.max_iterations = std::min(left, settings.max_iterations.value_or(left));
+  settings.walk_after = 0;
   settings.simplify = settings.verify = false;
   settings.observer = nullptr;
   const auto sampler = make_uniform_sampler(query_.problem.robot);
   PlanResult local = plan_with(rrt_connect, query_.checker, ends, *sampler, settings);
-  told_.iterations = local.iterations;
+  told_.iterations += local.iterations;
   result_.iterations += local.iterations;
   counters_.states += local.states_checked;
   counters_.motions += local.motions_checked;
