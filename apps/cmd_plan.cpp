@@ -184,7 +184,11 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits), elapsed.count()};
 }
 
-void print_memory(const Problem& problem, const GlSampler& gl) {
+void print_memory(const Problem& problem, const SolveResult& result) {
+  const std::string replay = describe_replay(problem, result.replay);
+  if (!replay.empty()) fmt::print("known task  {}\n", printable(replay));
+  if (result.replay.is_hit()) return;
+  const GlSampler& gl = result.gl;
   if (gl.retrieval_time_s == 0) {
     fmt::print("memory      not asked: it was over before (--retrieve-after 0 asks at once)\n");
     return;
@@ -246,7 +250,7 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
              1e3 * loaded.load_time_s);
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
-  if (loaded.database && needs_memory(result.sampler)) print_memory(loaded.problem, result.gl);
+  if (loaded.database && needs_memory(result.sampler)) print_memory(loaded.problem, result);
   if (result.remembered.rows > 0) {
     fmt::print("remembered  {} samplers in {:.3f} ms\n", result.remembered.rows,
                1e3 * result.remembered.time_s);
@@ -349,7 +353,7 @@ std::vector<FlagGroup> help_groups() {
       {"Usual", {"help", "help-all", "robot", "start", "goal", "timeout", "seed"}, {}},
       {"Robot", {"srdf", "group", "package-path"}, {}},
       {"Memory",
-       {"db", "kind", "lambda", "sigma", "remember-after"},
+       {"db", "kind", "lambda", "sigma", "remember-after", "replay"},
        {"least-lambda", "similarity", "max-matches", "retarget", "drop-invalid-means",
         "retrieve-after", "first-components", "component-growth", "max-gap", "db-memory"}},
       {"Learning",

@@ -182,7 +182,15 @@ void bind_answer(py::class_<Plan>& type) {
           "Samplers that the path taught the database; see remember_after.")
       .def_property_readonly(
           "remember_failure", [](const Plan& self) { return self.result.remembered.failure; },
-          "Why the path taught none although it should; empty if nothing went wrong.");
+          "Why the path taught none although it should; empty if nothing went wrong.")
+      .def_property_readonly(
+          "replayed", [](const Plan& self) { return self.result.replay.row; },
+          "The row of the database whose path was replayed; 0 if it was planned.")
+      .def_property_readonly(
+          "replay",
+          [](const Plan& self) { return describe_replay(self.problem, self.result.replay); },
+          "Whether a known task was replayed, and if not, why; empty if no memory of whole paths "
+          "was asked.");
 }
 
 void bind_numbers(py::class_<Plan>& type) {

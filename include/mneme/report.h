@@ -36,6 +36,12 @@ struct PathMeasures {
 /// they are least. Some 10 us a state.
 [[nodiscard]] PathMeasures measure_path(const Problem& problem, const Path& path);
 
+/// Per blocked path of a replay what touches deepest where it is blocked first; without names if
+/// nothing does, but the planner's margin or its verification was not kept. Some 100 us.
+[[nodiscard]] std::vector<Contact> find_what_blocks(const Problem& problem, const Replay& replay);
+/// In a sentence whether a known task was replayed, and if not, why; empty if no memory was asked.
+[[nodiscard]] std::string describe_replay(const Problem& problem, const Replay& replay);
+
 /// The keys that `mneme plan --json` prints. `load_time_s` is what opening files and the database
 /// took. Without `measures` the keys of its clearance are missing, which cost more than all others;
 /// `duration_s` is that of the motion, if there is a trajectory.

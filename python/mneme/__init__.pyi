@@ -378,6 +378,10 @@ class Plan:
     @property
     def notes(self) -> list[str]: ...
     @property
+    def replayed(self) -> int: ...
+    @property
+    def replay(self) -> str: ...
+    @property
     def remembered(self) -> int: ...
     @property
     def remember_failure(self) -> str: ...
@@ -521,6 +525,7 @@ def plan(
     component_growth: float = 0.5,
     learn_budget: float = 0.0,
     remember_after: Optional[int] = None,
+    replay: Optional[float] = None,
     resolution: Optional[float] = None,
     margin: float = 0.0,
     threads: int = 1,

@@ -18,17 +18,19 @@ constexpr int kSeeds = 16;
 /// Radians that a goal may be away from the old one: more is another way to hold the arm.
 constexpr double kSameArm = 1;
 
-Vec3 draw_within_ball(double radius, Rng& rng) {
+/// Of a planar robot, within a disc.
+Vec3 draw_move(const Robot& robot, double radius, Rng& rng) {
   for (;;) {
-    const Vec3 v(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    Vec3 v(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    if (robot.is_planar()) v.z() = 0;
     if (v.squaredNorm() <= 1) return radius * v;
   }
 }
 
-Scene draw_scene(const Scene& scene, double radius, Rng& rng) {
-  Scene moved = scene;
+Scene draw_scene(const Problem& problem, double radius, Rng& rng) {
+  Scene moved = problem.scene;
   for (Obstacle& obstacle : moved.obstacles) {
-    const Transform X{Eigen::Matrix3d::Identity(), draw_within_ball(radius, rng)};
+    const Transform X{Eigen::Matrix3d::Identity(), draw_move(problem.robot, radius, rng)};
     for (Shape& shape : obstacle.shapes) shape = transformed(X, shape);
   }
   return moved;
@@ -54,7 +56,7 @@ class GoalMover {
                                     Rng& rng) const {
     if (radius == 0) return goal_;
     PoseGoal moved = tip_;
-    moved.pose.translation += draw_within_ball(radius, rng);
+    moved.pose.translation += draw_move(robot_, radius, rng);
     IkSettings settings;
     settings.seeds = kSeeds;
     const IkResult found = kinematics_.solve(moved, goal_, settings, &checker);
@@ -92,7 +94,7 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
   Problem repeated = problem;
   repeated.pose_goals.clear();
   for (int i = 0; i < kMostRepeatTries; ++i) {
-    repeated.scene = draw_scene(problem.scene, settings.obstacles, rng);
+    repeated.scene = draw_scene(problem, settings.obstacles, rng);
     const auto checker = CollisionChecker::make(problem.robot, repeated.scene);
     if (!checker) return tl::unexpected(checker.error());
     const auto goal = mover->draw(*checker, settings.goal, rng);

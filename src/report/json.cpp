@@ -37,6 +37,27 @@ Json to_json(const std::vector<Improved>& improvements) {
   return json;
 }
 
+Json to_json(const Problem& problem, const Replay& replay) {
+  Json json = {{"explanation", describe_replay(problem, replay)},
+               {"repaired", replay.is_repaired},
+               {"iterations", replay.iterations},
+               {"time_s", replay.time_s},
+               {"blocked", Json::array()}};
+  if (replay.is_hit()) json.update({{"row", replay.row}, {"distance", replay.distance}});
+  if (replay.nearest) json["nearest"] = *replay.nearest;
+  const std::vector<Contact> contacts = find_what_blocks(problem, replay);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const BlockedPath& path = replay.blocked[i];
+    Json blocked = {{"row", path.row}, {"distance", path.distance}, {"fraction", path.fraction}};
+    if (!contacts[i].link.empty()) {
+      blocked["link"] = contacts[i].link;
+      blocked[contacts[i].is_self ? "other_link" : "obstacle"] = contacts[i].other;
+    }
+    json["blocked"].push_back(std::move(blocked));
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
@@ -62,6 +83,8 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["remembered"] = result.remembered.rows;
   const std::string& failure = result.remembered.failure;
   if (!failure.empty()) json["remember_failure"] = failure;
+  json["replayed"] = result.replay.is_hit();
+  if (result.replay.time_s > 0) json["replay"] = to_json(problem, result.replay);
   json["primitives"] = result.gl.primitives.size();
   json["retrieved"] = result.gl.retrieved_count();
   json["components"] = result.gl.mixture ? result.gl.mixture->component_count() : 0;

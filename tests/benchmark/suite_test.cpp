@@ -192,6 +192,12 @@ settings:
          {"wide.json", "middle.json", "narrow.json", "starts.json", "carried.json", "reach"}) {
       test::write_file(hard / name, "");
     }
+    const test::TemporaryDirectory repeats;
+    for (const char* name :
+         {"panda.json", "fetch.json", "panda_static.json", "fetch_static.json"}) {
+      test::write_file(repeats / name, "");
+    }
+    setenv("REPEATS", (repeats / ".").c_str(), 1);
     setenv("HARD", (hard / ".").c_str(), 1);
     setenv("MEMORY", "memory.db", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);

@@ -53,6 +53,7 @@ TEST_SUITE("unit") {
                                      {"states_checked", 100},
                                      {"motions_checked", 12},
                                      {"remembered", 0},
+                                     {"replayed", false},
                                      {"primitives", 1},
                                      {"retrieved", 2},
                                      {"components", 5},
@@ -110,6 +111,35 @@ TEST_SUITE("unit") {
     const auto json = nlohmann::json::parse(to_json(test::gap_problem(), result, 0));
     CHECK(json.at("remembered") == 0);
     CHECK(json.at("remember_failure") == "disk full");
+  }
+
+  TEST_CASE("JSON says whether a known task was replayed, and what was in the way of it") {
+    Problem problem = test::gap_problem();
+    problem.scene = make_circle_scene("one", {{0.5, 0, 0.1}});
+    SolveResult result = solved_result();
+    result.replay.time_s = 0.5;
+    const auto text = [&] { return to_json(problem, result, 0); };
+    const auto replay = [&] { return nlohmann::json::parse(text()).at("replay"); };
+    CHECK(replay().at("explanation") == "not replayed: no task is known");
+    result.replay.nearest = 0.4;
+    CHECK(replay().at("explanation") == "not replayed: the nearest known task is 0.400 rad away");
+    CHECK(replay().at("nearest") == 0.4);
+    result.replay.nearest.reset();
+    result.replay.blocked = {{7, 0.25, 0.62, {0, 0, 0}}};
+    CHECK(replay().at("blocked").at(0).at("obstacle") == "circle_1");
+    CHECK(replay().at("blocked").at(0).at("row") == 7);
+    CHECK(replay().at("explanation") ==
+          "not replayed: row 7, 0.250 rad away, is blocked at 62 %: link '" +
+              replay().at("blocked").at(0).at("link").get<std::string>() +
+              "' touches obstacle 'circle_1'");
+    result.replay.row = 7;
+    result.replay.distance = 0.25;
+    result.replay.is_repaired = true;
+    CHECK(nlohmann::json::parse(text()).at("replayed") == true);
+    CHECK(replay().at("explanation").get<std::string>().starts_with("repaired row 7, 0.250 rad"));
+    result.replay.is_repaired = false;
+    CHECK(replay().at("explanation") == "replayed row 7, 0.250 rad away");
+    CHECK(replay().at("distance") == 0.25);
   }
 
   TEST_CASE("JSON survives names that are not UTF-8") {

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/push_off.h"
+#include "support/planar_memory.h"
+
+namespace mneme::test {
+namespace {
+
+/// An arm of two links that turns from `start` to `goal` past circles, and knows the straight way.
+struct Cell {
+  Problem problem{"cell", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
+  TemporaryDirectory directory;
+  Database database = make_database(directory / "m.db", problem.robot);
+  SolveSettings settings;
+
+  Cell() { settings.memory.kind = "paths"; }
+  void remember(const Path& path) {
+    auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
+    REQUIRE(rows.has_value());
+    REQUIRE(database.insert(*std::move(rows)).has_value());
+  }
+  void remember() { remember({problem.start, problem.goals.front()}); }
+  void put(const std::vector<std::array<double, 3>>& circles) {
+    problem.scene = make_circle_scene("cell", circles);
+  }
+  SolveResult solve() {
+    auto result = mneme::solve(problem, &database, settings);
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    return *std::move(result);
+  }
+  [[nodiscard]] bool is_verified(const Path& path) const {
+    const CollisionChecker checker = make_checker(problem.robot, problem.scene);
+    CheckCounters counters;
+    return !path.empty() && find_invalid_motion(checker, path, counters) < 0;
+  }
+};
+
+/// Beside the middle of the way that Cell knows, which the tip of the arm touches.
+const std::array<double, 3> kBeside = {1.95 * std::cos(1.25), 1.95 * std::sin(1.25), 0.05};
+
+/// Across all of that way.
+std::vector<std::array<double, 3>> wall() {
+  std::vector<std::array<double, 3>> circles;
+  for (double r = 0.5; r < 2.2; r += 0.15) {
+    circles.push_back({r * std::cos(1.25), r * std::sin(1.25), 0.08});
+  }
+  return circles;
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("a task of a static cell is planned once, remembered, and replayed from then on") {
+    Problem problem = planar_problem("threaded_b4");
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "m.db", problem.robot);
+    SolveSettings settings;
+    settings.memory.kind = "paths";
+    settings.remember_after = 0;
+    const SolveResult first = solve(problem, &database, settings).value();
+    CHECK_FALSE(first.replay.is_hit());
+    CHECK_FALSE(first.replay.nearest.has_value());
+    CHECK(first.replay.time_s > 0);
+    REQUIRE(first.remembered.rows == 1);
+    const SolveResult second = solve(problem, &database, settings).value();
+    REQUIRE(second.plan.is_solved());
+    CHECK(second.replay.row == database.get(0)->id);
+    CHECK(second.replay.distance < 1e-5);
+    CHECK_FALSE(second.replay.is_repaired);
+    CHECK(second.plan.iterations == 0);
+    CHECK(second.remembered.rows == 0);
+    CHECK(database.size() == 1);
+    CHECK(is_path_free(problem.robot, problem.scene, second.plan.path, 0.002));
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a known path is bent to the ends of the query, which it keeps exactly") {
+    Cell cell;
+    cell.remember({{0, 0.5}, {1, 1.5}, {2, 0.5}});
+    cell.problem.start = {0.1, 0.5};
+    cell.problem.goals = {{-0.3, 2}, {2, 0.4}};
+    const SolveResult result = cell.solve();
+    REQUIRE(result.replay.is_hit());
+    const Path& path = result.plan.path;
+    REQUIRE(path.size() == 3);
+    CHECK(path.front() == Configuration{0.1, 0.5});
+    CHECK(path[1][0] == doctest::Approx(1.05));
+    CHECK(path[1][1] == doctest::Approx(1.45));
+    CHECK(path.back() == Configuration{2, 0.4});
+    CHECK(result.replay.distance > 0.1);
+    CHECK(result.replay.distance < 0.3);
+  }
+
+  TEST_CASE("a known path serves the way back, too") {
+    Cell cell;
+    cell.remember({{0, 0.5}, {1, 1.5}, {2, 0.5}});
+    std::swap(cell.problem.start, cell.problem.goals.front());
+    const SolveResult result = cell.solve();
+    REQUIRE(result.replay.is_hit());
+    CHECK(result.plan.path.size() == 3);
+    CHECK(result.plan.path.front() == cell.problem.start);
+  }
+
+  TEST_CASE("a path that is blocked is led round what blocks it, always the same way") {
+    Cell cell;
+    cell.remember();
+    cell.put({kBeside});
+    const SolveResult result = cell.solve();
+    REQUIRE(result.replay.is_hit());
+    CHECK(result.replay.is_repaired);
+    REQUIRE(result.replay.blocked.size() == 1);
+    CHECK(result.replay.blocked.front().fraction > 0.3);
+    CHECK(result.replay.blocked.front().fraction < 0.6);
+    CHECK(cell.is_verified(result.plan.path));
+    CHECK(cell.solve().plan.path == result.plan.path);
+  }
+
+  TEST_CASE("where no way round is found planning goes on, and the result says what was tried") {
+    Cell cell;
+    cell.remember();
+    cell.put(wall());
+    cell.settings.plan.max_iterations = 300;
+    const SolveResult result = cell.solve();
+    CHECK_FALSE(result.replay.is_hit());
+    CHECK(result.plan.status == PlanStatus::iteration_limit);
+    CHECK(result.plan.iterations == 300);
+    CHECK(result.replay.iterations > 0);
+    REQUIRE(result.replay.blocked.size() == 1);
+    const BlockedPath& blocked = result.replay.blocked.front();
+    CHECK(blocked.row == cell.database.get(0)->id);
+    CHECK(blocked.fraction > 0.2);
+    CHECK(blocked.fraction < 0.6);
+    const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
+    CHECK_FALSE(checker.is_valid(std::span<const double>(blocked.state)));
+  }
+
+  TEST_CASE("a task that is not near enough is told, and left alone") {
+    Cell cell;
+    cell.remember();
+    cell.problem.goals = {{1, 0.5}};
+    const SolveResult result = cell.solve();
+    CHECK(result.plan.is_solved());
+    CHECK_FALSE(result.replay.is_hit());
+    CHECK(result.replay.blocked.empty());
+    REQUIRE(result.replay.nearest.has_value());
+    CHECK(*result.replay.nearest == doctest::Approx(std::sqrt(2)));
+    cell.settings.replay = 2;
+    CHECK(cell.solve().replay.is_hit());
+  }
+
+  TEST_CASE("replaying can be turned off, and is never without a memory of whole paths") {
+    Cell cell;
+    cell.remember();
+    cell.settings.replay = 0;
+    CHECK(cell.solve().replay.time_s == 0);
+    cell.settings.replay.reset();
+    cell.settings.memory.kind = "pairs";
+    CHECK(cell.solve().replay.time_s == 0);
+    cell.settings.sampler = "uniform";
+    CHECK(cell.solve().replay.time_s == 0);
+  }
+
+  TEST_CASE("a distance below 0 is refused by name") {
+    Cell cell;
+    cell.settings.replay = -1;
+    const auto refused = solve(cell.problem, &cell.database, cell.settings);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("replay") != std::string::npos);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("nothing comes back that is not verified, even where plans need not be") {
+    for (const bool verify : {true, false}) {
+      Cell cell;
+      cell.remember();
+      cell.settings.plan.verify = verify;
+      Rng rng(5);
+      for (int i = 0; i < 60; ++i) {
+        const double r = rng.uniform(1.2, 2), angle = rng.uniform(0.6, 1.9);
+        cell.put({{r * std::cos(angle), r * std::sin(angle), rng.uniform(0.02, 0.2)}});
+        const SolveResult result = cell.solve();
+        if (!result.replay.is_hit()) continue;
+        CHECK(is_path_free(cell.problem.robot, cell.problem.scene, result.plan.path, 0.002));
+      }
+    }
+  }
+
+  TEST_CASE("what fails costs no more however hard the query is") {
+    Cell cell;
+    cell.remember();
+    cell.put(wall());
+    std::uint64_t least = 0;
+    for (const std::uint64_t iterations : {1, 100, 1000}) {
+      cell.settings.plan.max_iterations = iterations;
+      cell.settings.replay = 0;
+      const SolveResult without = cell.solve();
+      cell.settings.replay.reset();
+      const SolveResult with = cell.solve();
+      CHECK(with.plan.iterations == without.plan.iterations);
+      const std::uint64_t cost = with.plan.states_checked - without.plan.states_checked;
+      CHECK(cost < 20000);
+      if (iterations == 100) least = cost;
+      if (iterations == 1000) CHECK(cost == least);
+    }
+  }
+
+  TEST_CASE("a widened path keeps its ends, stays free and is farther from obstacles") {
+    Cell cell;
+    const Path path = {{0, 0.5}, {2, 0.5}};
+    cell.put({{1.95 * std::cos(1.25), 1.95 * std::sin(1.25), 0.01}});
+    const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
+    REQUIRE(cell.is_verified(path));
+    const Path widened = internal::widen(checker, path, 1);
+    CHECK(widened.front() == path.front());
+    CHECK(widened.back() == path.back());
+    CHECK(cell.is_verified(widened));
+    const CollisionChecker wide = make_checker(cell.problem.robot, cell.problem.scene, 0.02);
+    CheckCounters counters;
+    CHECK(find_invalid_motion(wide, path, counters) >= 0);
+    CHECK(find_invalid_motion(wide, widened, counters) < 0);
+  }
+}
+
+}  // namespace mneme::test
