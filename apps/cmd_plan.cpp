@@ -126,6 +126,7 @@ struct PlanOptions {
   std::optional<Configuration> start;
   std::optional<Configuration> goal;
   std::vector<PoseGoal> goal_poses;
+  std::vector<OrientationConstraint> upright;
   std::string db;
   DatabaseSettings kept;
   PlanFiles files;
@@ -167,6 +168,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides->start = options.start;
   overrides->goal = options.goal;
   overrides->pose_goals = options.goal_poses;
+  overrides->constraints = options.upright;
   Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
   if (auto checked = check_files(options, *problem); !checked) {
@@ -330,6 +332,7 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   add_poses(command, "--goal-pose", options.goal_poses,
             "pose of a link instead of the problem's goals, in the frame of its scene; without the "
             "quaternion, any rotation; may be given several times, and beside --goal: any will do");
+  add_upright(command, options.upright);
   command.add_option("--db", options.db,
                      "memory: an SQLite file; made if missing when there is a --learn-budget");
   add_database_memory(command, options.kept);

@@ -157,6 +157,30 @@ CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseG
       ->type_name("LINK:X,Y,Z,QX,QY,QZ,QW");
 }
 
+CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints) {
+  const auto read = [&constraints](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const std::size_t colon = text.rfind(':');
+      const auto angle = colon == std::string::npos
+                             ? std::nullopt
+                             : parse_number<double>(std::string_view(text).substr(colon + 1));
+      if (!angle || colon == 0) {
+        throw CLI::ValidationError("--upright",
+                                   fmt::format("'{}': expected LINK:ANGLE, in radians", text));
+      }
+      constraints.emplace_back().link = text.substr(0, colon);
+      constraints.back().angle = *angle;
+    }
+  };
+  return app
+      .add_option_function<std::vector<std::string>>(
+          "--upright", read,
+          "link whose z axis leans from that of the scene by no more than an angle, all along the "
+          "path; besides the problem's constraints; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("LINK:ANGLE");
+}
+
 CLI::Option* add_choice(CLI::App& app, const std::string& flag, const std::string& what,
                         std::string& value, std::vector<std::string> names,
                         const std::string& help) {

@@ -48,6 +48,8 @@ CLI::Option* add_number_list(CLI::App& app, const std::string& flag, List& list,
 /// LINK:X,Y,Z for any rotation.
 CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseGoal>& poses,
                        const std::string& help);
+/// Links that are to stay upright, several if it is given several times.
+CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints);
 
 template <class T>
 [[nodiscard]] std::string describe_range(T least, T most) {

@@ -9,6 +9,7 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,5 +29,30 @@ struct Contact {
 /// aside here, too. False for an empty path and for one that leaves the joint limits.
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
+
+/// Keeps a direction of a link within a cone wherever the link goes: what it carries stays upright.
+struct OrientationConstraint {
+  std::string link;
+  Vec3 axis = Vec3::UnitZ();  ///< of unit length, in the link's frame
+  Vec3 up = Vec3::UnitZ();    ///< of unit length, in the root link's frame: the cone's axis
+  double angle = 0;           ///< radians that `axis` may lean from `up`
+};
+
+/// Narrower cones cannot be followed in single precision.
+inline constexpr double kLeastTilt = 0.001;  ///< radians
+/// What is checked keeps so far inside of its cone that no rounding of a path leads out of it.
+inline constexpr double kTiltMargin = 1e-5;  ///< radians
+
+/// Radians between the constraint's two directions at `q`, in double precision by link poses. The
+/// constraint passes describe_fault().
+[[nodiscard]] double tilt(const Robot& robot, const OrientationConstraint& constraint,
+                          std::span<const double> q);
+/// The largest tilt at states of `path` that are `resolution` radians or less apart.
+[[nodiscard]] double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
+                                  const std::vector<Configuration>& path, double resolution);
+/// Why the robot cannot keep the constraint, or nothing: an unknown link, one that no joint of the
+/// group turns, directions that are not of unit length, an angle below kLeastTilt.
+[[nodiscard]] std::optional<std::string> describe_fault(const Robot& robot,
+                                                        const OrientationConstraint& constraint);
 
 }  // namespace mneme

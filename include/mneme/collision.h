@@ -27,6 +27,8 @@ struct CheckerSettings {
   /// 0.
   double margin = 0;
   Isa isa = Isa::automatic;
+  /// What states and motions must keep, besides being free, to be valid.
+  std::vector<OrientationConstraint> constraints = {};
 };
 
 /// Work done by a checker on behalf of one caller. Not shared between threads.
@@ -72,7 +74,8 @@ struct LimbInfo {
   double length = 0;  ///< metres through its points, with slides at 0; positive
 };
 
-/// Decides whether configurations and straight motions of a robot are free of contact in a scene.
+/// Decides whether configurations and straight motions of a robot are valid: free of contact in a
+/// scene and, all along, within the cones of the settings' constraints less kTiltMargin.
 /// Left aside are contacts that no motion can change, such as that of the base with the table on
 /// which it stands, and those that an obstacle allows (Obstacle::may_touch).
 /// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
@@ -87,7 +90,8 @@ class CollisionChecker {
  public:
   /// Errors: an obstacle that a link may touch which the robot lacks, or that is empty, not finite,
   /// beyond 10 km (kFarthestShape) or without positive size; parts beyond 10 km (points) or 10000
-  /// km (triangles, cubes) in the frame of their own; an instruction set that this machine lacks.
+  /// km (triangles, cubes) in the frame of their own; an instruction set that this machine lacks; a
+  /// constraint that does not pass describe_fault().
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -99,6 +103,7 @@ class CollisionChecker {
   /// Metres, rounded to single precision.
   [[nodiscard]] double margin() const;
   [[nodiscard]] Isa isa() const;
+  [[nodiscard]] std::span<const OrientationConstraint> constraints() const;
 
   /// `q` has joint_count() values.
   [[nodiscard]] bool is_valid(std::span<const float> q) const;
@@ -130,6 +135,14 @@ class CollisionChecker {
   /// DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;
+  /// True if the straight motion keeps the constraints, also between any two states, and so does
+  /// whatever is no farther from it than `bow` says of each joint; empty: only the motion.
+  [[nodiscard]] bool keeps_constraints(std::span<const float> from, std::span<const float> to,
+                                       std::span<const float> bow = {}) const;
+  /// Leads `q`, by damped least squares, to a configuration nearby that keeps the constraints with
+  /// something to spare. False, and `q` as it was, if there is none that way. Without constraints,
+  /// or where they are kept, `q` stays.
+  bool project(std::span<float> q) const;
   /// Metres that a point of the robot, or one seen from another link, moves at most where joints
   /// move by `delta` from anywhere between the configurations `from` and `to`.
   [[nodiscard]] double longest_way(std::span<const float> from, std::span<const float> to,

@@ -214,7 +214,8 @@ struct PlannerEntry {
   std::function<Result<void>(const Robot& robot, std::span<const Path> paths,
                              const std::string& file)>
       train = {};
-  bool walks = false;  ///< goes on escape walks, unless PlanSettings::walk is 0
+  bool walks = false;     ///< goes on escape walks, unless PlanSettings::walk is 0
+  bool projects = false;  ///< leads its steps back to where constraints are kept
 };
 /// All planners: mneme's own, and those of add_planners(). To add one of mneme's own:
 /// src/planning/NAME.cpp, a declaration above, a row in src/planning/planners.cpp, a test; command

@@ -4,6 +4,7 @@
 /// Motion planning problems: a robot, a scene, a start and goals.
 #pragma once
 
+#include "mneme/check.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
@@ -62,6 +63,7 @@ struct Problem {
   std::vector<PoseGoal> pose_goals = {};  ///< any of these will do, too
   /// Pairs of links that may touch, besides those of the SRDF: the robot was made so.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
+  std::vector<OrientationConstraint> constraints = {};  ///< that all of the path keeps
 };
 
 /// What may be set from outside the problem's file.
@@ -75,6 +77,8 @@ struct ProblemOptions {
   std::optional<Configuration> goal;
   /// Instead of the problem's goals, or besides `goal`: in the frame of the problem's scene.
   std::vector<PoseGoal> pose_goals = {};
+  /// Besides those of the problem: `up` is in the frame of the problem's scene.
+  std::vector<OrientationConstraint> constraints = {};
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a

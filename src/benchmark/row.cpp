@@ -47,12 +47,16 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem, cons
   const auto is_within_limits = [&](const Configuration& q) {
     return !robot.describe_violation(q, "waypoint");
   };
+  const double resolution = checker.resolution() / kVerificationRefinement;
+  const auto is_kept = [&](const OrientationConstraint& constraint) {
+    return largest_tilt(robot, constraint, path, resolution) <= constraint.angle;
+  };
   return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
          (std::ranges::any_of(problem.goals, is_goal) ||
           std::ranges::any_of(problem.pose_goals, is_pose_reached)) &&
          std::all_of(path.begin(), path.end(), is_within_limits) &&
-         is_path_free(checker.robot(), checker.scene(), path,
-                      checker.resolution() / kVerificationRefinement);
+         std::ranges::all_of(problem.constraints, is_kept) &&
+         is_path_free(checker.robot(), checker.scene(), path, resolution);
 }
 
 }  // namespace

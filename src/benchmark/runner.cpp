@@ -149,6 +149,7 @@ class RunQueue {
       checking.resolution = run->bench_case->settings.resolution;
       if (const std::pair key{run->loaded, checking.resolution}; key != checked) {
         const Problem& problem = run->loaded->problem;
+        checking.constraints = problem.constraints;
         auto made = CollisionChecker::make(problem.robot, problem.scene, checking);
         if (!made) return stop(made.error());
         checker.emplace(std::move(*made));

@@ -3,6 +3,7 @@
 #include "mneme/collision.h"
 
 #include "base/as_index.h"
+#include "check/cones.h"
 #include "collision/body_reaches.h"
 #include "collision/collision_kernels.h"
 #include "collision/crowd_tables.h"
@@ -158,6 +159,7 @@ struct CollisionChecker::Tables {
   internal::SceneTables scene_tables;
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
+  internal::Cones cones;
 
   /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
   /// finite limits.
@@ -209,11 +211,18 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (!may_touch) return tl::unexpected(may_touch.error());
   scene_tables->may_touch = std::move(*may_touch);
 
+  for (const OrientationConstraint& constraint : settings.constraints) {
+    if (const auto fault = describe_fault(robot, constraint)) {
+      return fail(ErrorCode::invalid, *fault);
+    }
+  }
+
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(*checked_robot), std::move(*scene_tables),
-             &internal::collision_kernels(isa), internal::walk_kernel(isa)});
+             &internal::collision_kernels(isa), internal::walk_kernel(isa),
+             internal::Cones(robot, settings.constraints)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -223,6 +232,9 @@ double CollisionChecker::resolution() const { return tables_->resolution; }
 bool CollisionChecker::has_default_resolution() const { return tables_->has_default_resolution; }
 double CollisionChecker::margin() const { return tables_->margin; }
 Isa CollisionChecker::isa() const { return tables_->isa; }
+std::span<const OrientationConstraint> CollisionChecker::constraints() const {
+  return tables_->cones.constraints();
+}
 
 bool CollisionChecker::is_valid(std::span<const float> q) const {
   std::uint8_t is_free = 0;
@@ -242,7 +254,8 @@ void CollisionChecker::check_states(std::span<const float> configurations,
                           static_cast<int>(is_valid.size()), t.margin, is_valid.data());
   const std::size_t joints = internal::as_index(t.space.joint_count());
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
-    if (!is_within_reach(configurations.subspan(i * joints, joints))) is_valid[i] = 0;
+    const auto q = configurations.subspan(i * joints, joints);
+    if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
   }
 }
 
@@ -252,6 +265,7 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   ++counters.motions;
   const float margin = t.margin + static_cast<float>(detail.margin);
   if (!t.can_keep(detail.margin) || !is_within_reach(from) || !is_within_reach(to)) return false;
+  if (!keeps_constraints(from, to)) return false;
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
@@ -268,6 +282,10 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
   const float margin = t.margin + static_cast<float>(detail.margin);
   const std::size_t count = configurations.size() / joints - 1;
   counters.motions += count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto from = configurations.subspan(i * joints, joints);
+    if (!keeps_constraints(from, configurations.subspan((i + 1) * joints, joints))) return false;
+  }
   // So many motions at once as fit the stack.
   constexpr std::size_t kMost = 16;
   std::array<float, kMost * internal::kMaxFrames> deltas;
@@ -294,6 +312,7 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   const Tables& t = *tables_;
   ++counters.motions;
   if (!t.can_keep(detail.margin) || !is_within_reach(from) || !is_within_reach(to)) return false;
+  if (!keeps_constraints(from, to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
   FloatConfiguration end;
@@ -319,6 +338,13 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
                                      std::max(finest / ways.longest, kLeastShare / parts)};
   return t.kernels->is_sweep_free(t.checked_robot->tables, t.scene_tables, motion, counters.states);
 }
+
+bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,
+                                         std::span<const float> bow) const {
+  return tables_->cones.contain_motion(from, to, bow);
+}
+
+bool CollisionChecker::project(std::span<float> q) const { return tables_->cones.project(q); }
 
 double CollisionChecker::longest_way(std::span<const float> from, std::span<const float> to,
                                      std::span<const float> delta) const {

@@ -53,6 +53,10 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
     least[i % bow.size()] = std::min(least[i % bow.size()], states[i]);
     most[i % bow.size()] = std::max(most[i % bow.size()], states[i]);
   }
+  for (std::size_t i = bow.size(); i < states.size(); i += bow.size()) {
+    const auto from = states.subspan(i - bow.size(), bow.size());
+    if (!checker_.keeps_constraints(from, states.subspan(i, bow.size()), bow)) return false;
+  }
   const double off = checker_.longest_way(least, most, bow);
   if (verification_ == Verification::states) {
     return checker_.is_chain_valid(states, counters,

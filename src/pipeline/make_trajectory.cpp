@@ -7,8 +7,9 @@ namespace mneme {
 Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& settings,
                                    const Path& path, const RateLimits& limits,
                                    const TrajectorySettings& timing) {
-  const auto checker = CollisionChecker::make(problem.robot, problem.scene,
-                                              {settings.resolution, settings.margin, settings.isa});
+  const auto checker = CollisionChecker::make(
+      problem.robot, problem.scene,
+      {settings.resolution, settings.margin, settings.isa, problem.constraints});
   if (!checker) return tl::unexpected(checker.error());
   // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.
   const Verification wanted = settings.plan.verification();

@@ -104,7 +104,16 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
 }
 
 Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler,
-                            const SolveSettings& settings) {
+                            const SolveSettings& settings, bool is_constrained) {
+  if (is_constrained && !planner.projects) {
+    std::vector<std::string> able;
+    for (const PlannerEntry& entry : planners()) {
+      if (entry.projects) able.push_back(entry.name);
+    }
+    return fail(ErrorCode::unsupported,
+                fmt::format("planner '{}' cannot keep constraints, expected one of {}",
+                            planner.name, fmt::join(able, ", ")));
+  }
   if (settings.threads > 1 && planner.is_exclusive) {
     return fail(ErrorCode::invalid,
                 fmt::format("setting 'threads': planner '{}' searches alone in a process, expected "
@@ -148,14 +157,16 @@ Result<Query> make_query(const Problem& problem, Database* database,
   if (!sampler) return tl::unexpected(sampler.error());
   const auto planner = find_planner(settings.planner);
   if (!planner) return tl::unexpected(planner.error());
-  if (auto checked = check_together(**planner, **sampler, settings); !checked) {
+  if (auto checked = check_together(**planner, **sampler, settings, !problem.constraints.empty());
+      !checked) {
     return tl::unexpected(checked.error());
   }
   auto request = make_memory_request(memory_query(problem),
                                      (*sampler)->draws_from_memory ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
-  auto checker = CollisionChecker::make(problem.robot, problem.scene,
-                                        {settings.resolution, settings.margin, settings.isa});
+  auto checker = CollisionChecker::make(
+      problem.robot, problem.scene,
+      {settings.resolution, settings.margin, settings.isa, problem.constraints});
   if (!checker) return tl::unexpected(checker.error());
   return Query{*std::move(request), problem,   {problem.start, problem.goals},
                **planner,           **sampler, *std::move(checker)};

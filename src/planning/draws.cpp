@@ -31,6 +31,7 @@ Origin Draws::next(std::span<const float> newest, std::span<float> q) {
       q[j] = run_.space().into_limits(static_cast<int>(j), value);
     }
   }
+  run_.checker().project(q);
   run_.show_sample(q, origin);
   return origin;
 }

@@ -66,6 +66,7 @@ class PlannerRun {
   Origin draw(std::span<float> q) { return stream_->next(q); }
   Origin sample(std::span<float> q) {
     const Origin origin = draw(q);
+    checker_.project(q);
     show_sample(q, origin);
     return origin;
   }

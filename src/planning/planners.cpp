@@ -17,8 +17,9 @@ std::vector<PlannerEntry>& table() {
        false,
        false,
        {},
+       true,
        true},
-      {"rrt", "a single tree from the start with goal bias", &rrt},
+      {"rrt", "a single tree from the start with goal bias", &rrt, false, false, {}, false, true},
       {"prm", "a roadmap grown until start and goal are connected", &prm},
   };
   return entries;

@@ -52,10 +52,23 @@ std::optional<std::string> find_contact(const CollisionChecker& checker, const C
   return std::nullopt;
 }
 
+/// Which constraint `q` breaks, or nothing.
+std::optional<std::string> find_tilt(const CollisionChecker& checker, const Configuration& q) {
+  const Configuration inside = checker.robot().normalized(q);
+  for (const OrientationConstraint& constraint : checker.constraints()) {
+    const double leaning = tilt(checker.robot(), constraint, inside);
+    if (leaning <= constraint.angle - kTiltMargin) continue;
+    return fmt::format(": {} is tilted by {:.5g} rad, the constraint allows {:.5g}",
+                       constraint.link, leaning, constraint.angle);
+  }
+  return std::nullopt;
+}
+
 /// Why `q` cannot be planned from or to, or nothing.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
                                         const std::string& what) {
   if (auto violation = checker.robot().describe_violation(q, what)) return violation;
+  if (const auto tilt = find_tilt(checker, q)) return what + *tilt;
   auto contact = find_contact(checker, q);
   if (!contact) return std::nullopt;
   return what + *std::move(contact);

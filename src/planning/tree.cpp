@@ -12,6 +12,8 @@ namespace {
 /// Of squared radii; VAMP's figures.
 constexpr float kDomainGrowth = 1.0002f;
 constexpr float kLeastDomain = 1;
+/// Of the range: a projected step that gains less ends in circles.
+constexpr float kLeastProgress = 0.1f;
 
 }  // namespace
 
@@ -55,7 +57,16 @@ bool Tree::step(int node, std::span<const float> q, std::span<float> end) const 
   for (std::size_t j = 0; j < end.size(); ++j) {
     end[j] = run_.space().into_limits(static_cast<int>(j), from[j] + fraction * end[j]);
   }
+  if (!run_.checker().constraints().empty()) project(q, length, end);
   return false;
+}
+
+/// `length` is what the step had to go.
+void Tree::project(std::span<const float> q, float length, std::span<float> end) const {
+  std::vector<float> projected(end.begin(), end.end()), delta(end.size());
+  if (!run_.checker().project(projected)) return;
+  const float left = run_.space().difference(projected.data(), q.data(), delta.data());
+  if (left < length - kLeastProgress * run_.range()) std::ranges::copy(projected, end.begin());
 }
 
 int Tree::extend(int node, std::span<const float> q, bool& is_reached) {

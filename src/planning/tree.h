@@ -37,6 +37,8 @@ class Tree {
   void adapt_domain(int node, bool is_extended);
 
   /// Writes the end of one step of at most the range from `node` towards `q`; true if that is `q`.
+  /// Under constraints the end is led back to where they are kept; if that is no way towards `q` it
+  /// stays outside, where no motion is valid.
   bool step(int node, std::span<const float> q, std::span<float> end) const;
   /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is
   /// blocked. `is_reached` tells whether the step ends at `q`.
@@ -54,6 +56,7 @@ class Tree {
   void remove(int node);
 
  private:
+  void project(std::span<const float> q, float length, std::span<float> end) const;
   int append(std::span<const float> q, int parent);
 
   PlannerRun& run_;

@@ -153,4 +153,22 @@ PoseGoal read_moveit_pose_goal(const Input& goal, const FrameOf& frame_of) {
   return result;
 }
 
+OrientationConstraint read_moveit_path_constraint(const Input& constraint,
+                                                  const FrameOf& frame_of) {
+  PoseGoal region;
+  read_orientation(constraint, frame_of(constraint), region);
+  if (region.turn < std::numbers::pi) {
+    constraint.fail(ErrorCode::unsupported,
+                    fmt::format("expected a path constraint with a tolerance of pi about one axis, "
+                                "got {:.5g} at most: only leaning is limited",
+                                region.turn));
+  }
+  OrientationConstraint result;
+  result.link = constraint.at("link_name").text();
+  result.axis = Vec3::Unit(static_cast<int>(region.axis));
+  result.up = region.pose.rotation * result.axis;
+  result.angle = region.cone;
+  return result;
+}
+
 }  // namespace mneme::internal

@@ -21,5 +21,9 @@ namespace mneme::internal {
 /// constraint's header. Throws InputFailure; other constraints and regions are refused by name.
 [[nodiscard]] PoseGoal read_moveit_pose_goal(
     const Input& goal, const std::function<Transform(const Input& constraint)>& frame_of);
+/// The same for an orientation that all of a path keeps, which must leave one axis free to be
+/// turned about.
+[[nodiscard]] OrientationConstraint read_moveit_path_constraint(
+    const Input& constraint, const std::function<Transform(const Input& constraint)>& frame_of);
 
 }  // namespace mneme::internal

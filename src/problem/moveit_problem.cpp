@@ -6,6 +6,7 @@
 #include "base/text_file.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"
+#include "problem/constraints.h"
 #include "problem/goals.h"
 #include "problem/moveit_goal.h"
 #include "problem/moveit_request.h"
@@ -83,6 +84,8 @@ class MoveitReader {
     problem.robot = robot.robot;
     problem.start = read_start(robot.robot);
     if (!take_goals(overrides_, {}, problem)) read_goals(frames, problem);
+    read_path_constraints(frames, problem);
+    take_constraints(overrides_, {}, problem);
     problem.warnings = std::move(robot.warnings);
     problem.allowed_pairs = options_.allowed_pairs;
     return problem;
@@ -228,7 +231,8 @@ class MoveitReader {
     for (std::size_t i = 0; i < request_.goals.size(); ++i) {
       const Input& place = request_.goal_places[i];
       if (is_moveit_pose_goal(place)) {
-        add_pose_goal(place, read_pose_goal(place, frames, problem), problem);
+        add_pose_goal(place, read_moveit_pose_goal(place, frames_at_start(frames, problem)),
+                      problem);
         continue;
       }
       for (const auto& [joint, position] : request_.goals[i]) {
@@ -238,18 +242,26 @@ class MoveitReader {
     }
   }
 
-  static PoseGoal read_pose_goal(const Input& place, const MoveitFrames& frames,
-                                 const Problem& problem) {
-    const Robot& robot = problem.robot;
-    const FindLink find_link = links_at(robot, [&](const Input& where) {
-      if (const auto violation = robot.describe_violation(problem.start, "start")) {
-        where.fail(ErrorCode::invalid, *violation);
-      }
-      return problem.start;
-    });
-    return read_moveit_pose_goal(place, [&](const Input& constraint) {
+  /// Poses in the root link's frame of the frames of constraints, where they are at the start.
+  /// Refers to what it is given.
+  static FrameOf frames_at_start(const MoveitFrames& frames, const Problem& problem) {
+    return [&frames, &problem](const Input& constraint) {
+      const Robot& robot = problem.robot;
+      const FindLink find_link = links_at(robot, [&](const Input& where) {
+        if (const auto violation = robot.describe_violation(problem.start, "start")) {
+          where.fail(ErrorCode::invalid, *violation);
+        }
+        return problem.start;
+      });
       return frames.pose_in_root(read_frame_id(constraint), constraint, find_link);
-    });
+    };
+  }
+
+  void read_path_constraints(const MoveitFrames& frames, Problem& problem) const {
+    for (const Input& place : request_.path_constraints) {
+      add_constraint(place, read_moveit_path_constraint(place, frames_at_start(frames, problem)),
+                     problem);
+    }
   }
 
   void check_other_joint(const Robot& robot, const std::string& name, double position,

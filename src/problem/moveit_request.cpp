@@ -61,16 +61,18 @@ std::map<std::string, double> read_goal(const Input& goal) {
   return positions;
 }
 
-void refuse_path_constraints(const Input& input) {
+/// Those of orientation.
+std::vector<Input> read_path_constraints(const Input& input) {
+  constexpr std::string_view kSupported = "a path without constraints other than of orientation";
+  std::vector<Input> constraints;
   const auto path = input.find("path_constraints");
   if (path && !path->is_nothing()) {
-    refuse_constraints(
-        *path, {"position_constraints", "orientation_constraints", "visibility_constraints"},
-        "a path without constraints");
+    refuse_constraints(*path, {"position_constraints", "visibility_constraints"}, kSupported);
     if (!items_if_any(*path, "joint_constraints").empty()) {
       path->fail(ErrorCode::unsupported,
-                 "joint_constraints are not supported here; expected a path without constraints");
+                 fmt::format("joint_constraints are not supported here; expected {}", kSupported));
     }
+    constraints = items_if_any(*path, "orientation_constraints");
   }
   const auto trajectory = input.find("trajectory_constraints");
   if (trajectory && !trajectory->is_nothing() &&
@@ -78,6 +80,7 @@ void refuse_path_constraints(const Input& input) {
     trajectory->fail(ErrorCode::unsupported,
                      "trajectory_constraints are not supported; expected none");
   }
+  return constraints;
 }
 
 }  // namespace
@@ -94,8 +97,8 @@ MoveitRequest read_moveit_request(const Input& input) {
                     "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
                     "cartesian_speed_limited_link", "cartesian_speed_end_effector_link",
                     "max_cartesian_speed"});
-  refuse_path_constraints(input);
   MoveitRequest request;
+  request.path_constraints = read_path_constraints(input);
   if (const auto group = input.find("group_name"); group && !group->is_nothing()) {
     request.group = group->text();
   }

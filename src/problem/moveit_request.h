@@ -22,10 +22,10 @@ struct MoveitRequest {
   MoveitState start;                                 ///< what it says other than the scene
   std::vector<std::map<std::string, double>> goals;  ///< positions by joint; none of a pose
   std::vector<Input> goal_places;
+  std::vector<Input> path_constraints;  ///< of orientation
 };
 
-/// Throws InputFailure; goals and paths that are constrained otherwise than by joint positions are
-/// refused by name.
+/// Throws InputFailure; goals and paths that are constrained otherwise are refused by name.
 [[nodiscard]] MoveitRequest read_moveit_request(const Input& input);
 
 /// Reads `allowed_collision_matrix` of `scene`. Throws InputFailure if it is malformed; returns a

@@ -8,6 +8,7 @@
 #include "check/link_distances.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"
+#include "problem/constraints.h"
 #include "problem/goals.h"
 #include "scene/scene_input.h"
 
@@ -260,6 +261,8 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   if (!take_goals(options, X_RF, problem)) {
     for (const Input& goal : find_goals(input.problem)) read_goal(goal, X_RF, problem);
   }
+  read_constraints(input.problem, X_RF, problem);
+  take_constraints(options, X_RF, problem);
   return problem;
 }
 

@@ -51,8 +51,9 @@ void check_robot_facts(const Input& input, const Robot& robot);
 [[nodiscard]] Transform read_frame(const Input& input, const Robot& robot);
 
 struct ProblemInput {
-  Input header;   ///< has the keys robot, joints, fixed_joints and frame
-  Input problem;  ///< has the keys start, goal or goals, attached, allow; may be the same map
+  Input header;  ///< has the keys robot, joints, fixed_joints and frame
+  /// Has the keys start, goal or goals, attached, allow, constraints; may be the same map.
+  Input problem;
   std::string name;
   std::string directory;  ///< of the file
   Scene scene;            ///< in the frame that the header names

@@ -112,6 +112,18 @@ std::string describe_allowed(const Problem& problem) {
   return pairs.empty() ? "" : fmt::format("allow: [{}]\n", fmt::join(pairs, ", "));
 }
 
+/// The key `constraints`, where there is something.
+std::string describe_constraints(const Problem& problem) {
+  std::string text = problem.constraints.empty() ? "" : "constraints:\n";
+  for (const OrientationConstraint& constraint : problem.constraints) {
+    text += fmt::format("  - {{link: {}, axis: {}, up: {}, angle: {}}}\n",
+                        internal::yaml_string(constraint.link),
+                        internal::yaml_numbers({constraint.axis.data(), 3}),
+                        internal::yaml_numbers({constraint.up.data(), 3}), constraint.angle);
+  }
+  return text;
+}
+
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string result;
@@ -122,11 +134,11 @@ std::string indented(const std::string& text) {
 }  // namespace
 
 std::string to_yaml(const Problem& problem, const std::string& robot) {
-  std::string text = fmt::format("name: {}\nrobot: {}\n{}{}{}scene:\n{}start: {}\n",
-                                 internal::yaml_string(problem.name), internal::yaml_string(robot),
-                                 describe_group(problem.robot), describe_attached(problem.robot),
-                                 describe_allowed(problem), indented(to_yaml(problem.scene)),
-                                 internal::yaml_numbers(problem.start));
+  std::string text = fmt::format(
+      "name: {}\nrobot: {}\n{}{}{}{}scene:\n{}start: {}\n", internal::yaml_string(problem.name),
+      internal::yaml_string(robot), describe_group(problem.robot), describe_attached(problem.robot),
+      describe_allowed(problem), describe_constraints(problem), indented(to_yaml(problem.scene)),
+      internal::yaml_numbers(problem.start));
   std::vector<std::string> goals;
   for (const Configuration& goal : problem.goals) goals.push_back(internal::yaml_numbers(goal));
   for (const PoseGoal& goal : problem.pose_goals) goals.push_back(describe_pose(goal));
@@ -183,6 +195,13 @@ Json json_of(const PoseGoal& goal) {
           {"turn", angle_json(goal.turn)}};
 }
 
+Json json_of(const OrientationConstraint& constraint) {
+  return {{"link", constraint.link},
+          {"axis", json_of(constraint.axis)},
+          {"up", json_of(constraint.up)},
+          {"angle", constraint.angle}};
+}
+
 /// The keys of a problem that say where obstacles are.
 Json json_of(const Scene& scene) {
   Json obstacles = Json::array(), allow = Json::array();
@@ -233,6 +252,9 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   json["start"] = problem.start;
   json["goals"] = problem.goals;
   for (const PoseGoal& goal : problem.pose_goals) json["goals"].push_back(json_of(goal));
+  for (const OrientationConstraint& constraint : problem.constraints) {
+    json["constraints"].push_back(json_of(constraint));
+  }
   return text_of(std::move(file), std::move(json));
 }
 

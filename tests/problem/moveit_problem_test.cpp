@@ -48,13 +48,13 @@ TEST_SUITE("unit") {
     CHECK(request_failure("goal_constraints:\n  - visibility_constraints: [{weight: 1}]") ==
           "f:2: key goal_constraints[0].visibility_constraints: visibility_constraints are not "
           "supported; expected a goal without them");
-    CHECK(request_failure(kGoal +
-                          "path_constraints: {orientation_constraints: [{link_name: hand}]}") ==
-          "f:2: key path_constraints.orientation_constraints: orientation_constraints are not "
-          "supported; expected a path without constraints");
+    CHECK(
+        request_failure(kGoal + "path_constraints: {position_constraints: [{link_name: hand}]}") ==
+        "f:2: key path_constraints.position_constraints: position_constraints are not "
+        "supported; expected a path without constraints other than of orientation");
     CHECK(request_failure(kGoal + "path_constraints: {joint_constraints: [{joint_name: a}]}") ==
           "f:2: key path_constraints: joint_constraints are not supported here; expected a path "
-          "without constraints");
+          "without constraints other than of orientation");
     CHECK(
         request_failure(kGoal + "trajectory_constraints: {constraints: [{}]}") ==
         "f:2: key trajectory_constraints: trajectory_constraints are not supported; expected none");

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/cones.h"
+
+#include "base/as_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mneme::internal {
+namespace {
+
+/// Radians: what turns less and is not proven to stay inside is taken to leave the cone.
+constexpr double kFinestTurn = 1e-3;
+/// Of the cone's angle: how far inside projections lead, so that motions between them have room.
+constexpr double kDepth = 0.8;
+constexpr int kMostSteps = 20;
+constexpr double kMostStep = 0.5;  ///< radians
+constexpr double kDamping = 1e-3;
+
+Vec3 turned(const Vec3& axis, double angle, const Vec3& v) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return c * v + s * axis.cross(v) + (1 - c) * axis.dot(v) * axis;
+}
+
+/// Where the values of a joint come from.
+struct Drive {
+  int joint = -1;  ///< of the group; -1: it stays where it is
+  double rate = 1, offset = 0;
+};
+
+Drive drive_of(const Robot& robot, const Joint& joint) {
+  const int followed =
+      joint.mimic ? joint.mimic->joint : robot.links()[as_index(joint.child_link)].parent_joint;
+  const auto found = std::ranges::find(robot.group(), followed);
+  const double rate = joint.mimic ? joint.mimic->multiplier : 1;
+  const double offset = joint.mimic ? joint.mimic->offset : 0;
+  if (found != robot.group().end()) {
+    return {static_cast<int>(found - robot.group().begin()), rate, offset};
+  }
+  return {-1, 0, rate * robot.joints()[as_index(followed)].fixed_value + offset};
+}
+
+bool turns(const Joint& joint) {
+  return joint.type == JointType::revolute || joint.type == JointType::continuous;
+}
+
+/// Joints from the root to a link.
+std::vector<const Joint*> chain_to(const Robot& robot, int link) {
+  std::vector<const Joint*> chain;
+  for (int i = robot.links()[as_index(link)].parent_joint; i >= 0;) {
+    const Joint& joint = robot.joints()[as_index(i)];
+    chain.push_back(&joint);
+    i = robot.links()[as_index(joint.parent_link)].parent_joint;
+  }
+  std::ranges::reverse(chain);
+  return chain;
+}
+
+}  // namespace
+
+Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
+    : up_(constraint.up), angle_(constraint.angle) {
+  Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
+  for (const Joint* joint : chain_to(robot, *robot.find_link(constraint.link))) {
+    before = before * joint->origin.rotation;
+    if (!turns(*joint)) continue;
+    const Drive drive = drive_of(robot, *joint);
+    if (drive.joint < 0) {
+      before = before * Eigen::AngleAxisd(drive.offset, joint->axis).toRotationMatrix();
+      continue;
+    }
+    turns_.push_back({before, joint->axis, drive.joint, drive.rate, drive.offset});
+    before = Eigen::Matrix3d::Identity();
+  }
+  axis_ = before * constraint.axis;
+}
+
+double Cone::cosine(const float* from, const float* delta, double share) const {
+  Vec3 v = axis_;
+  for (auto turn = turns_.rbegin(); turn != turns_.rend(); ++turn) {
+    const auto j = as_index(turn->joint);
+    const double value = from[j] + (delta == nullptr ? 0 : share * delta[j]);
+    v = turn->before * turned(turn->axis, turn->rate * value + turn->offset, v);
+  }
+  return v.dot(up_);
+}
+
+double Cone::cosine_and_gradient(const float* q, std::span<double> gradient) const {
+  std::vector<Vec3> axes(turns_.size());  // after each turn, in its frame
+  Vec3 v = axis_;
+  for (std::size_t i = turns_.size(); i-- > 0;) {
+    const Turn& turn = turns_[i];
+    axes[i] = turned(turn.axis, turn.rate * q[as_index(turn.joint)] + turn.offset, v);
+    v = turn.before * axes[i];
+  }
+  Vec3 up = up_;  // in the frame of each turn
+  for (std::size_t i = 0; i < turns_.size(); ++i) {
+    const Turn& turn = turns_[i];
+    up = turn.before.transpose() * up;
+    gradient[as_index(turn.joint)] += turn.rate * up.dot(turn.axis.cross(axes[i]));
+    up = turned(turn.axis, -(turn.rate * q[as_index(turn.joint)] + turn.offset), up);
+  }
+  return v.dot(up_);
+}
+
+double Cone::longest_turn(const float* delta) const {
+  double sum = 0;
+  for (const Turn& turn : turns_) sum += std::abs(turn.rate * delta[as_index(turn.joint)]);
+  return sum;
+}
+
+bool Cone::contains_motion(const float* from, const float* delta, double slack) const {
+  const double allowed = angle_ - kTiltMargin - slack;
+  if (allowed >= std::numbers::pi) return true;
+  if (allowed < 0) return false;
+  const double least = std::cos(allowed), way = longest_turn(delta);
+  struct Stretch {
+    double begin, end, above_begin, above_end;
+  };
+  const auto above = [&](double share) { return cosine(from, delta, share) - least; };
+  std::vector<Stretch> rest = {{0, 1, above(0), above(1)}};
+  while (!rest.empty()) {
+    const Stretch s = rest.back();
+    rest.pop_back();
+    if (s.above_begin < 0 || s.above_end < 0) return false;
+    const double turn = way * (s.end - s.begin), bend = 0.5 * turn * turn;
+    const double excess = s.above_begin + bend - s.above_end;
+    const bool has_inner_least = excess > 0 && excess < 2 * bend;
+    if (!has_inner_least || 4 * bend * s.above_begin >= excess * excess) continue;
+    if (turn < kFinestTurn) return false;
+    const double middle = 0.5 * (s.begin + s.end), above_middle = above(middle);
+    rest.push_back({s.begin, middle, s.above_begin, above_middle});
+    rest.push_back({middle, s.end, above_middle, s.above_end});
+  }
+  return true;
+}
+
+Cones::Cones(const Robot& robot, std::span<const OrientationConstraint> constraints)
+    : space_(robot), constraints_(constraints.begin(), constraints.end()) {
+  for (const OrientationConstraint& constraint : constraints)
+    cones_.emplace_back(robot, constraint);
+}
+
+bool Cones::contain(std::span<const float> q) const {
+  return std::ranges::all_of(cones_, [&](const Cone& cone) {
+    return cone.angle() - kTiltMargin >= std::numbers::pi ||
+           cone.cosine(q.data()) >= std::cos(cone.angle() - kTiltMargin);
+  });
+}
+
+bool Cones::contain_motion(std::span<const float> from, std::span<const float> to,
+                           std::span<const float> bow) const {
+  if (cones_.empty()) return true;
+  std::vector<float> delta(from.size());
+  space_.difference(from.data(), to.data(), delta.data());
+  return std::ranges::all_of(cones_, [&](const Cone& cone) {
+    const double slack = bow.empty() ? 0 : cone.longest_turn(bow.data());
+    return cone.contains_motion(from.data(), delta.data(), slack);
+  });
+}
+
+bool Cones::project(std::span<float> q) const {
+  if (contain(q)) return true;
+  std::vector<float> led(q.begin(), q.end());
+  for (int step = 0; step < kMostSteps; ++step) {
+    for (const Cone& cone : cones_) {
+      if (!lean_back(cone, led)) return false;
+    }
+    if (!contain(led)) continue;
+    std::ranges::copy(led, q.begin());
+    return true;
+  }
+  return false;
+}
+
+bool Cones::lean_back(const Cone& cone, std::span<float> q) const {
+  std::vector<double> gradient(q.size());
+  const double cosine = std::clamp(cone.cosine_and_gradient(q.data(), gradient), -1.0, 1.0);
+  const double leaning = std::acos(cosine), inside = kDepth * cone.angle();
+  if (leaning <= inside) return true;
+  const double sine = std::sqrt(1 - cosine * cosine);
+  double square = 0;  // of the tilt's gradient
+  for (double& slope : gradient) {
+    slope /= -sine;
+    square += slope * slope;
+  }
+  if (!std::isfinite(square) || square < kDamping * kDamping) return false;
+  const double step = std::max(inside - leaning, -kMostStep) / (square + kDamping);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    const double value = q[j] + step * gradient[j];
+    q[j] = space_.into_limits(static_cast<int>(j), static_cast<float>(value));
+  }
+  return true;
+}
+
+}  // namespace mneme::internal
+
+namespace mneme {
+
+using internal::as_index;
+
+double tilt(const Robot& robot, const OrientationConstraint& constraint,
+            std::span<const double> q) {
+  const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(constraint.link))];
+  const Vec3 axis = X_RL.rotation * constraint.axis;
+  return std::atan2(axis.cross(constraint.up).norm(), axis.dot(constraint.up));
+}
+
+double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
+                    const std::vector<Configuration>& path, double resolution) {
+  double largest = path.empty() ? 0 : tilt(robot, constraint, path.front());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Configuration delta = robot.difference(path[i - 1], path[i]);
+    const auto parts = static_cast<int>(
+        std::max(1.0, std::ceil(robot.distance(path[i - 1], path[i]) / resolution)));
+    for (int part = 1; part <= parts; ++part) {
+      Configuration q = path[i - 1];
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * part / parts;
+      largest = std::max(largest, tilt(robot, constraint, q));
+    }
+  }
+  return largest;
+}
+
+std::optional<std::string> describe_fault(const Robot& robot,
+                                          const OrientationConstraint& constraint) {
+  constexpr double kUnitTolerance = 1e-6;
+  const auto link = robot.find_link(constraint.link);
+  if (!link) {
+    return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), constraint.link);
+  }
+  const auto is_driven = [&](const Joint* joint) {
+    return internal::turns(*joint) && internal::drive_of(robot, *joint).joint >= 0;
+  };
+  if (std::ranges::none_of(internal::chain_to(robot, *link), is_driven)) {
+    return fmt::format("no joint that is planned for turns link \"{}\"", constraint.link);
+  }
+  for (const Vec3& direction : {constraint.axis, constraint.up}) {
+    if (std::abs(direction.norm() - 1) <= kUnitTolerance) continue;
+    return fmt::format("expected directions of unit length, got one of {:.6g}", direction.norm());
+  }
+  if (!(constraint.angle >= kLeastTilt)) {
+    return fmt::format("expected an angle of {} rad or more, got {}", kLeastTilt, constraint.angle);
+  }
+  return std::nullopt;
+}
+
+}  // namespace mneme
