@@ -6,6 +6,7 @@
 #include "store/row_check.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>

@@ -17,8 +17,6 @@
 namespace mneme::internal {
 namespace {
 
-using FrameOf = std::function<Transform(const Input& constraint)>;
-
 /// Metres: wherever a robot reaches.
 constexpr double kAnywhere = 1e3;
 /// Of a rotation vector's length: a cone so much narrower has no longer ones, whatever the turn.
