@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
