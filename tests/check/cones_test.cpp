@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/cones.h"
-
 #include "base/as_index.h"
+#include "check/cones.h"
 #include "goal/posed_robots.h"
 
 #include <cmath>

@@ -96,7 +96,7 @@ double tilt_of_trajectory(const Problem& problem, const SolveSettings& settings,
   const auto trajectory = make_trajectory(problem, settings, path, *limits, timing);
   REQUIRE_MESSAGE(trajectory.has_value(), (trajectory ? "" : trajectory.error().message));
   double largest = 0;
-  for (const Trajectory::Point& point : trajectory->sample(timing.dt)) {
+  for (const Trajectory::Point& point : trajectory->sample(timing.dt).value()) {
     largest = std::max(largest, tilt(problem.robot, problem.constraints[0], point.position));
   }
   return largest;

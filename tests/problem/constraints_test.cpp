@@ -39,7 +39,7 @@ TEST_SUITE("unit") {
     check_same(read, {"arm", Vec3::UnitY(), Vec3::UnitY(), 0.2});
     write_file(directory / "again.yaml", to_yaml(*problem, "./lifter.urdf"));
     write_file(directory / "again.json", to_compact_json(*problem, "./lifter.urdf"));
-    for (const std::string where : {"again.yaml", "again.json#0"}) {
+    for (const std::string where : {"again.yaml", "again.json#p"}) {
       const auto again = load_problem(directory / where);
       REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
       REQUIRE(again->constraints.size() == 1);
