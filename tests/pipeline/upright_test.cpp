@@ -96,7 +96,9 @@ double tilt_of_trajectory(const Problem& problem, const SolveSettings& settings,
   const auto trajectory = make_trajectory(problem, settings, path, *limits, timing);
   REQUIRE_MESSAGE(trajectory.has_value(), (trajectory ? "" : trajectory.error().message));
   double largest = 0;
-  for (const Trajectory::Point& point : trajectory->sample(timing.dt).value()) {
+  const auto points = trajectory->sample(timing.dt);
+  REQUIRE(points.has_value());
+  for (const Trajectory::Point& point : *points) {
     largest = std::max(largest, tilt(problem.robot, problem.constraints[0], point.position));
   }
   return largest;
