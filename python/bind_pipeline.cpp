@@ -141,7 +141,6 @@ std::string page_of(const Plan& plan) { return unwrap(to_page(trace_of(plan), pl
 BenchmarkRow row_of(const Plan& plan, const std::string& set) {
   CheckerSettings checking;
   checking.resolution = plan.settings.resolution;
-  checking.constraints = plan.problem.constraints;
   const py::gil_scoped_release released;
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking));
