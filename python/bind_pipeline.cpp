@@ -141,6 +141,7 @@ std::string page_of(const Plan& plan) { return unwrap(to_page(trace_of(plan), pl
 BenchmarkRow row_of(const Plan& plan, const std::string& set) {
   CheckerSettings checking;
   checking.resolution = plan.settings.resolution;
+  checking.constraints = plan.problem.constraints;
   const py::gil_scoped_release released;
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking));
@@ -174,9 +175,6 @@ void bind_answer(py::class_<Plan>& type) {
                              "similarity errors (m^2) of what was retrieved.")
       .def_property_readonly("means", &components_of,
                              "Retrieved components in the scene, shape (k, joint_count), float32.")
-      .def_property_readonly(
-          "notes", [](const Plan& self) { return self.result.notes; },
-          "Goals in contact that were left out, as there were others, and why.")
       .def_property_readonly(
           "remembered", [](const Plan& self) { return self.result.remembered.rows; },
           "Samplers that the path taught the database; see remember_after.")
