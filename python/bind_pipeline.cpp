@@ -176,6 +176,9 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly("means", &components_of,
                              "Retrieved components in the scene, shape (k, joint_count), float32.")
       .def_property_readonly(
+          "notes", [](const Plan& self) { return self.result.notes; },
+          "Goals that were left out, as there were others, and why.")
+      .def_property_readonly(
           "remembered", [](const Plan& self) { return self.result.remembered.rows; },
           "Samplers that the path taught the database; see remember_after.")
       .def_property_readonly(

@@ -115,7 +115,6 @@ struct MemoryDefaults {
   bool retarget = false;
   double first_components = 1e9;
   double max_gap = 1;
-  double replay = 0;
 };
 
 /// One way to remember. To add one: src/memory/NAME.cpp, a row in src/memory/memory_kinds.cpp, a

@@ -41,7 +41,7 @@ struct SolveSettings {
   double component_growth = 0.5;
   double learn_budget_s = 0;
   std::optional<int> remember_after;
-  std::optional<double> replay;
+  double replay = 0;
   std::optional<double> resolution;
   double margin = 0;
   int threads = 1;
@@ -104,7 +104,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
       "replay", s.replay, 0.0, 1e6,
       "known tasks: before any search, the remembered whole paths whose ends are closer than this "
       "to the query's (key distance, radians) are bent to them, checked and repaired; 0 for none; "
-      "left out, 0.5 for paths");
+      "for a cell that repeats its tasks 0.5 is a good value");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "largest L2 joint distance between checked states of a motion, radians; left out, the "
         "robot's default (0.02 for a planar arm, 1/32 otherwise)");

@@ -142,9 +142,8 @@ GaussianMixture keep_valid_components(const CollisionChecker& checker,
 namespace {
 
 Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind) {
-  const bool is_whole = kind.kind->bend != nullptr;
-  const std::vector<Path> paths = {is_whole ? widen(query.checker, path, query.settings.plan.seed)
-                                            : path};
+  const std::vector<Path> paths = {
+      kind.replay > 0 ? widen(query.checker, path, query.settings.plan.seed) : path};
   auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {

@@ -88,7 +88,7 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.widening = {settings.first_components.value_or(defaults.first_components),
                        settings.component_growth / std::max(complete.lambda, 1e-3)};
   complete.max_gap = settings.memory.max_gap.value_or(defaults.max_gap);
-  complete.replay = kind.bend == nullptr ? 0 : settings.replay.value_or(defaults.replay);
+  complete.replay = kind.bend == nullptr ? 0 : settings.replay;
   return complete;
 }
 

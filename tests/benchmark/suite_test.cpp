@@ -188,8 +188,8 @@ settings:
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
                                            "ompl:Lightning", "ompl:Thunder"};
     const test::TemporaryDirectory hard;
-    for (const char* name :
-         {"wide.json", "middle.json", "narrow.json", "starts.json", "carried.json", "reach"}) {
+    for (const char* name : {"wide.json", "middle.json", "narrow.json", "two.json", "three.json",
+                             "two_narrow.json", "starts.json", "carried.json", "reach"}) {
       test::write_file(hard / name, "");
     }
     const test::TemporaryDirectory repeats;

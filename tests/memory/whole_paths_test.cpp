@@ -261,7 +261,6 @@ TEST_SUITE("flow") {
     settings.sampler = "gl";
     settings.memory.kind = "paths";
     settings.retrieve_after = 0;
-    settings.replay = 0;
     settings.plan.anchor = 0;
     settings.plan.walk = 0;
     std::uint64_t with_memory = 0, without = 0;

@@ -140,7 +140,6 @@ TEST_SUITE("flow") {
     REQUIRE(
         fixture.database.insert(learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
     fixture.settings.retrieve_after = 0;
-    fixture.settings.replay = 0;
     const auto result = solve(fixture.problem, &fixture.database, fixture.settings);
     REQUIRE(result.has_value());
     CHECK(result->plan.is_solved());

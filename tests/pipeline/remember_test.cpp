@@ -40,7 +40,6 @@ TEST_SUITE("flow") {
 
     growing.settings.remember_after = 1000000000;
     growing.settings.retrieve_after = 0;
-    growing.settings.replay = 0;
     growing.settings.plan.seed = 2;
     const SolveResult second = growing.solve_with(database);
     CHECK(second.remembered.rows == 0);

@@ -13,7 +13,10 @@ struct Cell {
   Database database = make_database(directory / "m.db", problem.robot);
   SolveSettings settings;
 
-  Cell() { settings.memory.kind = "paths"; }
+  Cell() {
+    settings.memory.kind = "paths";
+    settings.replay = 0.5;
+  }
   void remember(const Path& path) {
     auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
     REQUIRE(rows.has_value());
@@ -58,6 +61,7 @@ TEST_SUITE("flow") {
     Database database = make_database(directory / "m.db", problem.robot);
     SolveSettings settings;
     settings.memory.kind = "paths";
+    settings.replay = 0.5;
     settings.remember_after = 0;
     const SolveResult first = solve(problem, &database, settings).value();
     CHECK_FALSE(first.replay.is_hit());
