@@ -525,7 +525,7 @@ def plan(
     component_growth: float = 0.5,
     learn_budget: float = 0.0,
     remember_after: Optional[int] = None,
-    replay: Optional[float] = None,
+    replay: float = 0.0,
     resolution: Optional[float] = None,
     margin: float = 0.0,
     threads: int = 1,
