@@ -161,7 +161,7 @@ TEST_SUITE("unit") {
     cell.remember();
     cell.settings.replay = 0;
     CHECK(cell.solve().replay.time_s == 0);
-    cell.settings.replay.reset();
+    cell.settings.replay = 0.5;
     cell.settings.memory.kind = "pairs";
     CHECK(cell.solve().replay.time_s == 0);
     cell.settings.sampler = "uniform";
@@ -203,7 +203,7 @@ TEST_SUITE("law") {
       cell.settings.plan.max_iterations = iterations;
       cell.settings.replay = 0;
       const SolveResult without = cell.solve();
-      cell.settings.replay.reset();
+      cell.settings.replay = 0.5;
       const SolveResult with = cell.solve();
       CHECK(with.plan.iterations == without.plan.iterations);
       const std::uint64_t cost = with.plan.states_checked - without.plan.states_checked;
