@@ -236,12 +236,22 @@ TEST_SUITE("flow") {
     const std::string url = server->new_url();
     const Robot robot = planar8();
     const auto keys = random_keys(rounds(100), 64);
+    (void)make_database(url, robot);
+    auto watcher = connect_to(url);
+    // While nobody can save, the first one surely has something to lose.
+    for (const char* step : {"BEGIN", "LOCK TABLE mneme_experience IN SHARE ROW EXCLUSIVE MODE"}) {
+      REQUIRE(watcher.query(step).has_value());
+    }
+    const pid_t first = start_worker(url, robot, keys);
+    wait_until(url, "to_regclass('mneme_task') IS NOT NULL");
+    wait_until(url, "EXISTS (SELECT 1 FROM mneme_task WHERE attempt = 1)");
+    ::kill(first, SIGKILL);
+    REQUIRE(wait_for(first) == -1);
+    REQUIRE(watcher.query("ROLLBACK").has_value());
     std::array<pid_t, 4> workers{};
     for (pid_t& worker : workers) worker = start_worker(url, robot, keys);
-    wait_until(url, "to_regclass('mneme_task') IS NOT NULL");
-    int killed = 0;
+    int killed = 1;
     const int wanted = rounds(6);
-    auto watcher = connect_to(url);
     const auto open_tasks = [&] {
       return ask(watcher, "SELECT count(*) - count(done_generation) FROM mneme_task");
     };
