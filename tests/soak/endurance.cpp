@@ -16,7 +16,6 @@ namespace mneme::soak {
 namespace {
 
 constexpr int kPlansPerRound = 60;
-constexpr std::size_t kLeastRounds = 24;
 
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

@@ -25,18 +25,22 @@ struct Round {
 [[nodiscard]] std::int64_t resident_bytes();
 [[nodiscard]] int open_files();
 
-/// Repeats the round for `seconds`, at least 24 times. A writer inserts what was learned; a
-/// reader, which plans with it, refreshes after each plan. Databases are made in `directory`.
+/// However busy the machine is: fewer would tell drift from noise no more.
+inline constexpr std::size_t kLeastRounds = 24;
+
+/// Repeats the round for `seconds`, at least kLeastRounds times. A writer inserts what was learned;
+/// a reader, which plans with it, refreshes after each plan. Databases are made in `directory`.
 [[nodiscard]] Result<std::vector<Round>> endure(const Robot& robot, const std::string& directory,
                                                 double seconds, std::uint64_t seed);
 
-/// The first and the last quarter of the rounds after a tenth, at least four, for warming up, compared.
+/// The first and the last quarter of the rounds after a tenth, at least four, for warming up,
+/// compared.
 struct Drift {
   double time_ratio = 0;         ///< of the least times, last to first
   std::int64_t grown_bytes = 0;  ///< of the median sizes
   int grown_files = 0;
 };
-/// More than four `rounds`.
+/// At least kLeastRounds `rounds`.
 [[nodiscard]] Drift drift_of(const std::vector<Round>& rounds);
 
 }  // namespace mneme::soak

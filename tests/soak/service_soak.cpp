@@ -286,12 +286,12 @@ Round measure_round() {
   return round;
 }
 
-/// Rounds until the time is over, at least four.
+/// Rounds until the time is over, at least kLeastRounds.
 std::vector<Round> run_rounds(const std::string& address, const std::vector<Known>& known,
                               const Options& options, Ledger& ledger) {
   const Stopwatch stopwatch;
   std::vector<Round> rounds;
-  while (rounds.size() < 4 || stopwatch.elapsed_s() < options.seconds) {
+  while (rounds.size() < kLeastRounds || stopwatch.elapsed_s() < options.seconds) {
     run_round(address, known, options, static_cast<int>(rounds.size()), ledger);
     rounds.push_back(measure_round());
   }
