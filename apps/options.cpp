@@ -114,6 +114,19 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
   return app.add_option(flag, callback, help)->type_name("TEXT");
 }
 
+void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
+               const std::string& help) {
+  const auto read = [flag, &range](const std::string& text) {
+    const std::vector<double> numbers = parse_numbers(flag, text, ':');
+    if (numbers.size() > 2) {
+      throw CLI::ValidationError(flag, fmt::format("'{}' is not a range LEAST:MOST", text));
+    }
+    range = {numbers.front(), numbers.back()};
+  };
+  add_text(app, flag, read, fmt::format("{} (default {}:{})", help, range[0], range[1]))
+      ->type_name("X:X");
+}
+
 namespace {
 
 PoseGoal parse_pose(const std::string& flag, const std::string& text) {

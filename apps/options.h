@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -35,6 +36,10 @@ template <class T>
 /// A flag whose value is handed to `read`, which throws CLI::ValidationError if it is wrong.
 CLI::Option* add_text(CLI::App& app, const std::string& flag,
                       std::function<void(const std::string&)> read, const std::string& help);
+
+/// A flag of the form LEAST:MOST; a single number is both.
+void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
+               const std::string& help);
 
 /// A flag for a comma-separated list of numbers.
 template <class List>

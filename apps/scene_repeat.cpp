@@ -12,11 +12,11 @@
 #include "inputs.h"
 #include "lessons.h"
 #include "options.h"
+#include "problem_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <filesystem>
 #include <limits>
 #include <memory>
 
@@ -74,17 +74,6 @@ Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
                                               options.tasks, tasks.size()));
 }
 
-/// Adds the problem to a compact file of problems of its robot.
-void append(const Problem& problem, Json& file) {
-  const auto robot = std::filesystem::absolute(problem.robot_path).lexically_normal();
-  Json one = Json::parse(to_compact_json(problem, robot.string()));
-  if (file.is_null()) {
-    file = std::move(one);
-  } else {
-    file["problems"].push_back(std::move(one["problems"][0]));
-  }
-}
-
 /// Tasks take turns, as they do in a cell.
 Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Problem>& tasks) {
   Json file;
@@ -95,7 +84,7 @@ Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Proble
       auto repeated = repeat(tasks[task], options.settings, rng);
       if (!repeated) return tl::unexpected(repeated.error());
       repeated->name = fmt::format("t{:02}_{:04}", task + 1, i);
-      append(*repeated, file);
+      append_problem(*repeated, repeated->robot_path, file);
     }
     progress.update(i, options.count, "");
   }

@@ -8,12 +8,12 @@
 #include "files.h"
 #include "inputs.h"
 #include "options.h"
+#include "problem_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 namespace mneme::app {
@@ -31,20 +31,6 @@ struct ThreadedOptions {
   ThreadedSettings settings;
   bool is_json = false;
 };
-
-/// A flag of the form LEAST:MOST; a single number is both.
-void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
-               const std::string& help) {
-  const auto read = [flag, &range](const std::string& text) {
-    const std::vector<double> numbers = parse_numbers(flag, text, ':');
-    if (numbers.size() > 2) {
-      throw CLI::ValidationError(flag, fmt::format("'{}' is not a range LEAST:MOST", text));
-    }
-    range = {numbers.front(), numbers.back()};
-  };
-  add_text(app, flag, read, fmt::format("{} (default {}:{})", help, range[0], range[1]))
-      ->type_name("X:X");
-}
 
 Result<void> set_depth(const std::array<double, 2>& depth, ThreadedSettings& settings) {
   for (std::size_t i = 0; i < 2; ++i) {
@@ -64,13 +50,6 @@ Json to_json(const ThreadedInstance& instance, std::size_t index, std::uint64_t 
           {"gap", instance.gap},
           {"depth", instance.depth},
           {"witness", instance.witness}};
-}
-
-/// A name stays a name; a path must hold from wherever the file will be read.
-std::string robot_reference(const std::string& robot) {
-  return robot.find('/') == std::string::npos && !robot.ends_with(".urdf")
-             ? robot
-             : std::filesystem::absolute(robot).lexically_normal().string();
 }
 
 Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {

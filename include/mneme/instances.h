@@ -103,4 +103,41 @@ inline constexpr std::string_view kThreadedVersion = "threaded/1";
                                                                 const ThreadedSettings& settings,
                                                                 std::uint64_t seed);
 
+/// What `make_enclosed_instances` draws from.
+struct EnclosedSettings {
+  /// Metres that every box leaves to the robot all along the witness, at least; up to 1. The less,
+  /// the harder.
+  double clearance = 0.01;
+  int boxes = 600;                           ///< fewer where there is no room for more
+  std::array<double, 2> size = {0.05, 0.5};  ///< metres, full extents of a box; up to 10
+  int through = 2;  ///< random configurations that the witness passes on its way; up to 100
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(int made, int dropped)> on_progress;  ///< after each instance
+};
+
+/// A robot whose way from start to goal is enclosed by boxes as near as `clearance` allows.
+struct EnclosedInstance {
+  Scene scene;
+  Configuration start;
+  Configuration goal;
+  Path witness;  ///< the way that the boxes were put around
+};
+
+struct EnclosedInstances {
+  std::vector<EnclosedInstance> instances;
+  int dropped = 0;  ///< without a way even without boxes
+};
+
+/// Changes whenever the same arguments give other instances.
+inline constexpr std::string_view kEnclosedVersion = "enclosed/1";
+
+/// Random instances, for any robot, that are as hard as wanted and have a path: the path is made
+/// first, through free configurations at random, and boxes at random are kept where they leave it
+/// its clearance. Nothing of it looks at experience, nor at how long any planner takes. Depends on
+/// robot, settings, seed and instruction set alone. Errors: settings out of their ranges; a robot
+/// that finds no way between its configurations.
+[[nodiscard]] Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
+                                                                const EnclosedSettings& settings,
+                                                                std::uint64_t seed);
+
 }  // namespace mneme

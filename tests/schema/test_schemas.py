@@ -136,11 +136,14 @@ def test_scenes_and_problems_that_the_program_writes_fit(tmp_path):
     mneme("scene", "convert", SHELF / "thin.yaml", "-o", scene)
     threaded = tmp_path / "threaded.json"
     mneme("scene", "threaded", "--robot", "planar8", "-n", "1", "-o", threaded)
+    enclosed = tmp_path / "enclosed.json"
+    mneme("scene", "enclosed", "--robot", "panda", "-n", "2", "--boxes", "20", "-o", enclosed)
     written = sorted(tmp_path.glob("*.yaml"))
     assert len(written) == 3
     for path in written:
         assert complaints("scene", yaml.safe_load(path.read_text())) == [], path
-    assert complaints("compact", json.loads(threaded.read_text())) == []
+    for path in threaded, enclosed:
+        assert complaints("compact", json.loads(path.read_text())) == [], path
 
 
 SCENE = {"obstacles": [

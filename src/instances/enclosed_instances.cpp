@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Frozen: whoever changes what is drawn here, or the order of it, raises kEnclosedVersion.
+#include "mneme/instances.h"
+#include "mneme/planning.h"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+constexpr int kMostThrough = 100;
+constexpr int kMostStates = 10000;  ///< drawn for one that is free
+/// A box in the way is tried again at these parts of its size.
+constexpr std::array kShrunk = {1.0, 0.7, 0.5, 0.35};
+/// So many boxes in a row that did not fit: there is no room for more.
+constexpr int kNoRoom = 2000;
+constexpr std::uint64_t kWitnessIterations = 20000;  ///< from one free configuration to the next
+
+/// Draws one instance.
+class Enclosure {
+ public:
+  Enclosure(const CollisionChecker& empty, const Sampler& sampler, const EnclosedSettings& settings,
+            std::uint64_t seed)
+      : empty_(empty),
+        robot_(empty.robot()),
+        sampler_(sampler),
+        states_(sampler.start(seed)),
+        settings_(settings),
+        rng_(seed) {}
+
+  /// Nothing if the way is not found even without boxes.
+  Result<std::optional<EnclosedInstance>> draw() {
+    EnclosedInstance instance;
+    instance.witness = draw_witness();
+    if (instance.witness.empty()) return std::nullopt;
+    instance.start = instance.witness.front();
+    instance.goal = instance.witness.back();
+    for (int barren = 0; barren < kNoRoom && is_wanted(instance.scene);) {
+      auto box = draw_box(instance.witness);
+      if (!box) return tl::unexpected(box.error());
+      ++barren;
+      if (!*box) continue;
+      barren = 0;
+      const std::string name = fmt::format("box_{}", instance.scene.obstacles.size());
+      instance.scene.obstacles.push_back({name, {**box}});
+    }
+    return instance;
+  }
+
+ private:
+  [[nodiscard]] bool is_wanted(const Scene& scene) const {
+    return std::ssize(scene.obstacles) < settings_.boxes &&
+           (settings_.cancel == nullptr || !settings_.cancel->load());
+  }
+
+  /// Through free configurations at random; empty if the planner gives up.
+  Path draw_witness() {
+    Path witness;
+    for (int i = 0; i < settings_.through + 2; ++i) {
+      const std::optional<Configuration> next = draw_state();
+      if (!next) return {};
+      if (witness.empty()) {
+        witness.push_back(*next);
+        continue;
+      }
+      PlanSettings plan;
+      plan.timeout_s = 1e6;
+      plan.max_iterations = kWitnessIterations;
+      plan.seed = rng_.next();
+      plan.cancel = settings_.cancel;
+      const Path part =
+          plan_with(rrt_connect, empty_, {witness.back(), {*next}}, sampler_, plan).path;
+      if (part.empty()) return {};
+      std::copy(part.begin() + 1, part.end(), std::back_inserter(witness));
+    }
+    return witness;
+  }
+
+  std::optional<Configuration> draw_state() {
+    std::vector<float> q(static_cast<std::size_t>(robot_.joint_count()));
+    for (int i = 0; i < kMostStates; ++i) {
+      states_->next(q);
+      if (empty_.is_valid(q)) return Configuration(q.begin(), q.end());
+    }
+    return std::nullopt;
+  }
+
+  /// Near a link somewhere along the witness; shrunk until it leaves the witness its clearance.
+  Result<std::optional<Box>> draw_box(const Path& witness) {
+    const auto at = static_cast<std::uint32_t>(witness.size());
+    const std::vector<Transform> poses = robot_.link_poses(witness[rng_.index(at)]);
+    const Vec3 near = poses[rng_.index(static_cast<std::uint32_t>(poses.size()))].translation;
+    const double most = settings_.size[1];
+    const Vec3 off(rng_.uniform(-most, most), rng_.uniform(-most, most), rng_.uniform(-most, most));
+    const double yaw = rng_.uniform(-std::numbers::pi, std::numbers::pi);
+    const auto draw_half = [&] { return rng_.uniform(settings_.size[0], most) / 2; };
+    const Vec3 half(draw_half(), draw_half(), draw_half());
+    const Eigen::AngleAxisd turn(yaw, Vec3::UnitZ());
+    for (const double part : kShrunk) {
+      const Box box{{turn.toRotationMatrix(), near + off}, part * half};
+      if (box.half_extents.minCoeff() < settings_.size[0] / 2) break;
+      const auto fits = leaves_clearance(box, witness);
+      if (!fits) return tl::unexpected(fits.error());
+      if (*fits) return std::optional(box);
+    }
+    return std::optional<Box>();
+  }
+
+  [[nodiscard]] Result<bool> leaves_clearance(const Box& box, const Path& witness) const {
+    CheckerSettings settings;
+    settings.margin = settings_.clearance;
+    const auto is_free = [&](const CollisionChecker& checker) {
+      CheckCounters counters;
+      return checker.is_valid(std::span<const double>(witness.front())) &&
+             find_invalid_motion(checker, witness, counters) < 0;
+    };
+    return CollisionChecker::make(robot_, {"", {{"", {box}}}}, settings).map(is_free);
+  }
+
+  const CollisionChecker& empty_;
+  const Robot& robot_;
+  const Sampler& sampler_;
+  std::unique_ptr<SampleStream> states_;
+  const EnclosedSettings& settings_;
+  Rng rng_;
+};
+
+Result<void> check(const EnclosedSettings& settings) {
+  if (!(settings.clearance > 0 && settings.clearance <= 1)) {
+    return fail(ErrorCode::invalid, "the clearance must be more than 0 and at most 1 m");
+  }
+  if (!(settings.size[0] > 0 && settings.size[0] <= settings.size[1] && settings.size[1] <= 10)) {
+    return fail(ErrorCode::invalid,
+                "the range of sizes must be positive, the least first, up to 10 m");
+  }
+  if (settings.boxes < 1 || settings.through < 0 || settings.through > kMostThrough) {
+    return fail(ErrorCode::invalid,
+                fmt::format("expected at least one box, and 0 to {} configurations that the "
+                            "witness passes through",
+                            kMostThrough));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
+                                                  const EnclosedSettings& settings,
+                                                  std::uint64_t seed) {
+  if (auto good = check(settings); !good) return tl::unexpected(good.error());
+  const auto empty = CollisionChecker::make(robot, {});
+  if (!empty) return tl::unexpected(empty.error());
+  const auto sampler = make_uniform_sampler(robot);
+  EnclosedInstances made;
+  for (std::uint64_t i = 0; std::ssize(made.instances) < count; ++i) {
+    auto instance = Enclosure(*empty, *sampler, settings, derive_seed(seed, i)).draw();
+    if (!instance) return tl::unexpected(instance.error());
+    if (settings.cancel != nullptr && settings.cancel->load()) break;
+    if (!*instance) {
+      if (++made.dropped < count + 10) continue;
+      return fail(ErrorCode::invalid, "robot '" + robot.name() +
+                                          "' finds no way between random configurations even "
+                                          "without obstacles");
+    }
+    made.instances.push_back(**std::move(instance));
+    if (settings.on_progress) {
+      settings.on_progress(static_cast<int>(made.instances.size()), made.dropped);
+    }
+  }
+  return made;
+}
+
+}  // namespace mneme
