@@ -116,11 +116,14 @@ class Database {
   /// The experiences of `kind` whose key's squared distance to the nearest of `images` is less than
   /// `threshold`, nearest first, at most `max_matches` (0: all). Ties are broken by id; each row
   /// comes once. `images` are the ways to write down one key; of another length than the kind's
-  /// keys they match nothing. O(log size) for few matches. Errors, of rows that are not in memory:
-  /// corrupt, naming a damaged one; io.
+  /// keys they match nothing. O(log size) for few matches, and never more than `keys_left` allows,
+  /// if it is not null: the keys that were looked at are taken from it, by up to 64, and without
+  /// any left those that were found count. Errors, of rows that are not in memory: corrupt, naming
+  /// a damaged one; io.
   [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
                                                    std::span<const std::vector<double>> images,
-                                                   double threshold, int max_matches) const;
+                                                   double threshold, int max_matches,
+                                                   std::int64_t* keys_left = nullptr) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
   /// process and a loss of power. A row whose kind, key, mixture, settings and seed are those of a

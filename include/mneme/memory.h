@@ -206,11 +206,13 @@ void visit_settings(Settings& s, Visitor&& visit) {
                                                                double reach = 0.12);
 
 /// The stored experience of the kind whose similarity error to `primitive` is less than
-/// `threshold`, nearest first, at most `max_matches` (0: all). Errors: those of Database::find().
+/// `threshold`, nearest first, at most `max_matches` (0: all) and among so many keys as `keys_left`
+/// allows. Errors: those of Database::find().
 [[nodiscard]] Result<std::vector<Match>> find_matches(const Database& database,
                                                       const MemoryKind& kind,
                                                       const LocalPrimitive& primitive,
-                                                      double threshold, int max_matches);
+                                                      double threshold, int max_matches,
+                                                      std::int64_t* keys_left = nullptr);
 
 /// The paper's similarity error: squared Euclidean distance of two canonical keys of one kind, the
 /// least over the images of one of them. m^2, for whole paths rad^2.

@@ -174,8 +174,10 @@ struct Replay {
   double distance = 0;               ///< of its ends from the query's
   bool is_repaired = false;          ///< led round what touched it
   std::vector<BlockedPath> blocked;  ///< those that were tried, nearest first
-  /// Of the known task that is nearest, if none was near enough to be tried.
+  /// Of the known task that is nearest among those that were looked at, if none was near enough to
+  /// be tried.
   std::optional<double> nearest;
+  std::uint64_t keys = 0;        ///< of known tasks that were looked at
   std::uint64_t iterations = 0;  ///< of searches round what blocks a path
   double time_s = 0;             ///< 0 if there was no memory to ask
 

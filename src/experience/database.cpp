@@ -339,7 +339,8 @@ Result<void> Database::for_each(
 
 Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
                                              std::span<const std::vector<double>> images,
-                                             double threshold, int max_matches) const {
+                                             double threshold, int max_matches,
+                                             std::int64_t* keys_left) const {
   std::vector<KeyMatch> matches;
   const auto kinds = state_->kinds();
   const auto index = kinds->find(kind);
@@ -348,7 +349,7 @@ Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
   if (std::ranges::any_of(images, [&](const auto& key) { return key.size() != key_size; })) {
     return matches;
   }
-  const auto found = index->second.find(images, threshold, max_matches);
+  const auto found = index->second.find(images, threshold, max_matches, keys_left);
   std::vector<std::int64_t> ids;
   for (const internal::IndexMatch& match : found) ids.push_back(match.id);
   auto rows = state_->rows.load(ids, true);

@@ -170,7 +170,7 @@ double KeyTree::distance_to_box(const Node& node, const double* query) const {
 }
 
 void KeyTree::search(const double* query, NearestMatches& nearest) const {
-  if (size() > 0) search({1, 0, size()}, query, nearest);
+  if (size() > 0 && nearest.bound() > 0) search({1, 0, size()}, query, nearest);
 }
 
 void KeyTree::search(const Node& node, const double* query, NearestMatches& nearest) const {
@@ -190,6 +190,7 @@ void KeyTree::scan(const Node& leaf, const double* query, NearestMatches& neares
   const std::size_t count = leaf.end - leaf.begin;
   const double* column = data_.keys.data() + leaf.begin * key_size_;
   const double bound = nearest.bound();
+  nearest.look_at(count);
   std::array<double, kLeafSize> sums{};
   for (std::size_t number = 0; number < key_size_; ++number, column += count) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -274,11 +275,12 @@ void ExperienceIndex::remove(const std::function<bool(std::int64_t)>& is_gone) {
 }
 
 std::vector<IndexMatch> ExperienceIndex::find(std::span<const std::vector<double>> images,
-                                              double threshold, int max_matches) const {
+                                              double threshold, int max_matches,
+                                              std::int64_t* keys_left) const {
   const auto bound = static_cast<std::size_t>(std::max(max_matches, 0));
   std::vector<IndexMatch> found;
   for (std::uint32_t image = 0; image < images.size(); ++image) {
-    NearestMatches nearest(threshold, bound, image);
+    NearestMatches nearest(threshold, bound, image, keys_left);
     for (const auto& tree : trees_) tree->search(images[image].data(), nearest);
     found.insert(found.end(), nearest.matches().begin(), nearest.matches().end());
     threshold = nearest.limit();

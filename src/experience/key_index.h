@@ -33,13 +33,16 @@ inline bool is_nearer(const IndexMatch& a, const IndexMatch& b) {
 /// The nearest keys to one image under a threshold, ties by id; at most `max_matches` (0: all).
 class NearestMatches {
  public:
-  NearestMatches(double threshold, std::size_t max_matches, std::uint32_t image)
-      : threshold_(threshold), max_matches_(max_matches), image_(image) {}
+  /// `keys_left`, if it is not null, counts down the keys that may be looked at.
+  NearestMatches(double threshold, std::size_t max_matches, std::uint32_t image,
+                 std::int64_t* keys_left = nullptr)
+      : threshold_(threshold), max_matches_(max_matches), image_(image), keys_left_(keys_left) {}
 
   /// Keys that are not nearer than this need not be offered. A little more than what is still
   /// wanted, because bounds are summed in another order than distances and because keys as far as
   /// the worst match may come before it.
   [[nodiscard]] double bound() const {
+    if (keys_left_ != nullptr && *keys_left_ <= 0) return -1;
     const double worst = is_full() ? matches_.front().error : threshold_;
     return worst * (1 + 1e-12) + DBL_MIN;
   }
@@ -47,6 +50,10 @@ class NearestMatches {
   /// A threshold that leaves out nothing of what is among the nearest, of this image and others.
   [[nodiscard]] double limit() const {
     return is_full() ? std::nextafter(matches_.front().error, DBL_MAX) : threshold_;
+  }
+
+  void look_at(std::size_t keys) {
+    if (keys_left_ != nullptr) *keys_left_ -= static_cast<std::int64_t>(keys);
   }
 
   void offer(double error, std::int64_t id) {
@@ -71,6 +78,7 @@ class NearestMatches {
   double threshold_;
   std::size_t max_matches_;
   std::uint32_t image_;
+  std::int64_t* keys_left_;
   // A heap, the worst in front, if there is a bound on their number.
   std::vector<IndexMatch> matches_;
 };
@@ -148,9 +156,12 @@ class ExperienceIndex {
   void remove(const std::function<bool(std::int64_t)>& is_gone);
 
   /// The rows whose key's squared distance to the nearest of `images` is less than `threshold`:
-  /// nearest first, ties by id, at most `max_matches` (0: all).
+  /// nearest first, ties by id, at most `max_matches` (0: all). Of `keys_left`, if it is not null,
+  /// the keys that were looked at are taken, a leaf at a time; without any left, it ends with what
+  /// it has.
   [[nodiscard]] std::vector<IndexMatch> find(std::span<const std::vector<double>> images,
-                                             double threshold, int max_matches) const;
+                                             double threshold, int max_matches,
+                                             std::int64_t* keys_left = nullptr) const;
 
   [[nodiscard]] int key_size() const { return key_size_; }
   [[nodiscard]] std::int64_t size() const { return size_; }

@@ -75,11 +75,11 @@ Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
 
 Result<std::vector<Match>> find_matches(const Database& database, const MemoryKind& kind,
                                         const LocalPrimitive& primitive, double threshold,
-                                        int max_matches) {
+                                        int max_matches, std::int64_t* keys_left) {
   const std::vector<KeyImage> images = kind.images(primitive.key);
   std::vector<PrimitiveKey> keys;
   for (const KeyImage& image : images) keys.push_back(image.key);
-  return database.find(kind.version, keys, threshold, max_matches)
+  return database.find(kind.version, keys, threshold, max_matches, keys_left)
       .map([&](std::vector<KeyMatch> found) {
         std::vector<Match> matches;
         for (KeyMatch& match : found) {

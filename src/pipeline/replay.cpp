@@ -18,6 +18,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostPaths = 3;
+/// Of known tasks that are looked at, over all goals of a query: some microseconds.
+constexpr std::int64_t kMostKeys = 1024;
 constexpr std::uint64_t kLocalIterations = 200;  ///< of all local plans of a query
 /// Radians of path before and behind what is blocked that are changed with it.
 constexpr float kRun = 0.3f, kNudgeRun = 0.2f;
@@ -92,8 +94,7 @@ class Replayer {
   }
 
   Result<std::vector<Known>> find();
-  Result<void> find(const KindSettings& kind, double distance, int count,
-                    std::vector<Known>& known);
+  Result<std::vector<Known>> find(const KindSettings& kind, double distance, std::size_t count);
   void replay(const std::vector<Known>& known);
   [[nodiscard]] bool is_free(const Path& path);
   void measure(const Path& path);
@@ -118,37 +119,43 @@ class Replayer {
   Stopwatch stopwatch_;
 };
 
-Result<void> Replayer::find(const KindSettings& kind, double distance, int count,
-                            std::vector<Known>& known) {
+/// The nearest first. Goals share the keys that may be looked at.
+Result<std::vector<Known>> Replayer::find(const KindSettings& kind, double distance,
+                                          std::size_t count) {
   const auto primitives = decompose(query_, kind);
   if (!primitives) return tl::unexpected(primitives.error());
+  std::vector<Known> known;
+  const auto goals = static_cast<std::int64_t>(primitives->size());
   for (std::size_t i = 0; i < primitives->size(); ++i) {
+    const std::int64_t keys = std::max(kMostKeys / goals, std::int64_t{1});
+    std::int64_t keys_left = keys;
     auto matches = find_matches(*query_.database, *kind.kind, (*primitives)[i].primitive,
-                                distance * distance, count);
+                                distance * distance, static_cast<int>(count), &keys_left);
     if (!matches) return tl::unexpected(matches.error());
+    told_.keys += static_cast<std::uint64_t>(keys - keys_left);
     for (Match& match : *matches) {
       known.push_back({kind.kind, &query_.ends.goals[i], std::move(match)});
     }
   }
   std::ranges::stable_sort(known, {}, &Known::distance);
-  return {};
+  if (known.size() > count) known.resize(count);
+  return known;
 }
 
-/// Those that are tried, nearest first.
+/// Those that are tried.
 Result<std::vector<Known>> Replayer::find() {
-  std::vector<Known> known;
+  std::vector<Known> all;
   for (const KindSettings& kind : query_.kinds) {
     if (!(kind.replay > 0)) continue;
-    auto found = find(kind, kind.replay, kMostPaths, known);
-    if (!found) return tl::unexpected(found.error());
-    if (!known.empty()) continue;
-    std::vector<Known> nearest;
-    found = find(kind, kAnyDistance, 1, nearest);
-    if (!found) return tl::unexpected(found.error());
-    if (!nearest.empty()) told_.nearest = nearest.front().distance();
+    auto known = find(kind, kind.replay, kMostPaths);
+    if (!known) return known;
+    std::ranges::move(*known, std::back_inserter(all));
+    if (!all.empty()) continue;
+    known = find(kind, kAnyDistance, 1);
+    if (!known) return known;
+    if (!known->empty()) told_.nearest = known->front().distance();
   }
-  if (known.size() > kMostPaths) known.erase(known.begin() + kMostPaths, known.end());
-  return known;
+  return all;
 }
 
 void Replayer::replay(const std::vector<Known>& known) {

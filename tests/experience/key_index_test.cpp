@@ -184,6 +184,26 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("where few keys may be looked at, those in the nearest leaves are") {
+    Rng rng(48);
+    ExperienceIndex index(6);
+    for (int i = 0; i < 5000; ++i) add(index, i, random_key(rng));
+    const PrimitiveKey known = random_key(rng);
+    add(index, 5000, known);
+    const auto exact = index.find(keys_of(known), 1e9, 1);
+    std::int64_t left = 1000;
+    CHECK(is_same(index.find(keys_of(known), 1e-6, 1, &left), exact));
+    CHECK(left < 1000);
+    for (const std::int64_t allowed : {0, 1, 100, 300}) {
+      left = allowed;
+      const auto found = index.find(keys_of(random_key(rng)), 1e9, 0, &left);
+      CHECK(left <= 0);
+      CHECK(left > -static_cast<std::int64_t>(KeyTree::kLeafSize));
+      CHECK(found.size() <= static_cast<std::size_t>(allowed - left));
+      CHECK(found.empty() == (allowed == 0));
+    }
+  }
+
   TEST_CASE("a query that is not a number finds nothing") {
     ExperienceIndex index(6);
     for (int i = 0; i < 600; ++i) add(index, i, {3, 1, 1, 3, -1, 1});

@@ -194,6 +194,30 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("a miss looks at a bounded number of tasks, however many are known") {
+    Cell cell;
+    Rng rng(3);
+    std::vector<Path> paths;
+    for (int i = 0; i < 4000; ++i) {
+      const double turn = rng.uniform(1.6, 1.7);
+      paths.push_back({{rng.uniform(-0.5, 2.5), turn}, {rng.uniform(-0.5, 2.5), turn}});
+    }
+    auto rows = learn_from_paths(memory_query(cell.problem), paths, {"paths", {}});
+    REQUIRE(cell.database.insert(*std::move(rows)).has_value());
+    const SolveResult missed = cell.solve();
+    CHECK_FALSE(missed.replay.is_hit());
+    REQUIRE(missed.replay.nearest.has_value());
+    CHECK(*missed.replay.nearest > 1.1);
+    CHECK(missed.replay.keys > 0);
+    CHECK(missed.replay.keys <= 2 * (1024 + 64));
+    cell.problem.start = paths.back().front();
+    cell.problem.goals = {paths.back().back()};
+    const SolveResult known = cell.solve();
+    CHECK(known.replay.is_hit());
+    CHECK(known.replay.distance < 1e-5);
+    CHECK(known.replay.keys <= 1024 + 64);
+  }
+
   TEST_CASE("what fails costs no more however hard the query is") {
     Cell cell;
     cell.remember();
