@@ -24,7 +24,8 @@ constexpr int kMostStates = 10000;  ///< drawn for one that is free
 constexpr std::array kShrunk = {1.0, 0.7, 0.5, 0.35};
 /// So many boxes in a row that did not fit: there is no room for more.
 constexpr int kNoRoom = 2000;
-constexpr std::uint64_t kWitnessIterations = 20000;  ///< from one free configuration to the next
+constexpr int kMostEnds = 20;  ///< drawn for one with a way to it
+constexpr std::uint64_t kWitnessIterations = 3000;
 
 /// Draws one instance.
 class Enclosure {
@@ -63,27 +64,33 @@ class Enclosure {
            (settings_.cancel == nullptr || !settings_.cancel->load());
   }
 
-  /// Through free configurations at random; empty if the planner gives up.
+  /// Through free configurations at random; empty if there are none, or none with a way to them.
   Path draw_witness() {
-    Path witness;
-    for (int i = 0; i < settings_.through + 2; ++i) {
-      const std::optional<Configuration> next = draw_state();
-      if (!next) return {};
-      if (witness.empty()) {
-        witness.push_back(*next);
-        continue;
-      }
-      PlanSettings plan;
-      plan.timeout_s = 1e6;
-      plan.max_iterations = kWitnessIterations;
-      plan.seed = rng_.next();
-      plan.cancel = settings_.cancel;
-      const Path part =
-          plan_with(rrt_connect, empty_, {witness.back(), {*next}}, sampler_, plan).path;
+    const std::optional<Configuration> start = draw_state();
+    if (!start) return {};
+    Path witness = {*start};
+    for (int i = 0; i <= settings_.through; ++i) {
+      const Path part = draw_part(witness.back());
       if (part.empty()) return {};
       std::copy(part.begin() + 1, part.end(), std::back_inserter(witness));
     }
     return witness;
+  }
+
+  /// Free configurations of some robots fall into parts with no way between them.
+  Path draw_part(const Configuration& from) {
+    PlanSettings plan;
+    plan.timeout_s = 1e6;
+    plan.max_iterations = kWitnessIterations;
+    plan.cancel = settings_.cancel;
+    Path part;
+    for (int i = 0; i < kMostEnds && part.empty(); ++i) {
+      const std::optional<Configuration> to = draw_state();
+      if (!to) break;
+      plan.seed = rng_.next();
+      part = plan_with(rrt_connect, empty_, {from, {*to}}, sampler_, plan).path;
+    }
+    return part;
   }
 
   std::optional<Configuration> draw_state() {
