@@ -11,28 +11,34 @@ bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which
 
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
   <!-- ratios NAME show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
+  <!-- difficulty NAME show=COLUMNS baseline=SETTING -->
   <!-- /rows -->
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
-bad, p50, mean, p95, p99, max, iterations, states, length, simplification; of ratios: pairs, p50, p95, p99, mean, geometric. In
-VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is written: it fails if something would be.
+bad, p50, mean, p95, p99, max, iterations, states, length, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
+difficulty: problems by what the baseline's median needs for them, with solved, p50, mean and p95 of each setting, whose name up to a
+comma counts. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
+written: it fails if something would be.
 """
 import argparse
 import csv
 import json
 import lzma
+import math
 import pathlib
 import re
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "simplification": "simplification p50 ms"}
+BINS_MS = (0, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
 
 
@@ -57,10 +63,18 @@ class Results:
             self.known[name, baseline] = self._summarise(name, baseline)
         return self.known[name, baseline]
 
+    def packed(self, name):
+        path = self.folder / f"{name}.csv.xz"
+        if not path.exists():
+            raise Mistake(f"{path}: there is no such file of rows")
+        return path
+
+    def rows(self, name):
+        with lzma.open(self.packed(name), "rt", encoding="utf-8", newline="") as source:
+            return list(csv.DictReader(source))
+
     def _summarise(self, name, baseline):
-        packed = self.folder / f"{name}.csv.xz"
-        if not packed.exists():
-            raise Mistake(f"{packed}: there is no such file of rows")
+        packed = self.packed(name)
         with tempfile.TemporaryDirectory() as scratch:
             rows = pathlib.Path(scratch, "rows.csv")
             with lzma.open(packed) as source, rows.open("wb") as target:
@@ -162,6 +176,45 @@ def ratio_lines(results, names, options, where):
     return [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
 
 
+def times_of(rows):
+    """Planning times in ms by setting and problem; those of runs without a path are the limit."""
+    times = {}
+    for row in rows:
+        problem = (row["set"], row["problem"])
+        setting = row["setting"].partition(",")[0]
+        run = (1e3 * float(row["planning_time_s"]), row["is_valid"] == "1")
+        times.setdefault(setting, {}).setdefault(problem, []).append(run)
+    return times
+
+
+def summary_cells(runs, columns):
+    values = sorted(time for time, _ in runs)
+    rank = {"p50": 0.5, "p95": 0.95}
+    for column in columns:
+        if column == "solved":
+            yield f"{sum(is_solved for _, is_solved in runs)} of {len(runs)}"
+        elif column == "mean":
+            yield factor(statistics.fmean(values))
+        else:
+            yield factor(values[max(0, math.ceil(rank[column] * len(values)) - 1)])
+
+
+def difficulty_lines(results, names, options, where):
+    times = times_of(row for name in names for row in results.rows(name))
+    if options.get("baseline") not in times:
+        raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
+    needed = {problem: statistics.median(time for time, _ in runs) for problem, runs in times[options["baseline"]].items()}
+    lines = []
+    for low, high in zip(BINS_MS, BINS_MS[1:]):
+        meant = [problem for problem, time in needed.items() if low <= time < high]
+        for setting in times if meant else ():
+            runs = [run for problem in meant for run in times[setting].get(problem, ())]
+            title = f"{low:g} to {high:g} ms" if high < math.inf else f"{low:g} ms and more"
+            lines.append([title, setting, *summary_cells(runs, options["show"])])
+    unit = {column: f"{column} ms" for column in ("p50", "mean", "p95")}
+    return [f"{options['baseline']} needs", "", *(unit.get(column, column) for column in options["show"])], lines
+
+
 def said_of(results, names, told):
     """By which commands the rows came to be, but for those that the document has told."""
     said = []
@@ -177,7 +230,8 @@ def said_of(results, names, told):
 
 def block(results, kind, words, told):
     names, options, where = parse(words)
-    titles, lines = (row_lines if kind == "rows" else ratio_lines)(results, names, options, where)
+    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines}[kind]
+    titles, lines = make_lines(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")
     rule = ["---"] * len(titles)

@@ -123,12 +123,14 @@ class Enclosure {
     return std::optional<Box>();
   }
 
+  /// To links that no joint moves, too.
   [[nodiscard]] Result<bool> leaves_clearance(const Box& box, const Path& witness) const {
     CheckerSettings settings;
     settings.margin = settings_.clearance;
     const auto is_free = [&](const CollisionChecker& checker) {
       CheckCounters counters;
-      return checker.is_valid(std::span<const double>(witness.front())) &&
+      return checker.fixed_contacts().empty() &&
+             checker.is_valid(std::span<const double>(witness.front())) &&
              find_invalid_motion(checker, witness, counters) < 0;
     };
     return CollisionChecker::make(robot_, {"", {{"", {box}}}}, settings).map(is_free);

@@ -55,6 +55,7 @@ TEST_SUITE("law") {
         CHECK(instance.witness.front() == instance.start);
         CHECK(instance.witness.back() == instance.goal);
         CHECK(has_clearance(robot, instance, 0.99 * settings.clearance));
+        CHECK(make_checker(robot, instance.scene).fixed_contacts().empty());
         CHECK_FALSE(has_clearance(robot, instance, 5 * settings.clearance));
       }
     }

@@ -87,6 +87,29 @@ def test_ratios_have_intervals_and_bounds(source):
     assert lines[2] == ("| cage | rrt_connect, gl | rrt_connect, uniform | 100 | 3.14 (1 to 20.1) | ≥ 2 (1 to 20.1) | open |")
 
 
+def test_problems_are_binned_by_what_the_baseline_needs(source):
+    rows = ["set,problem,setting,planning_time_s,is_valid"]
+    rows += [f"a,1,planned,{time},1" for time in (0.002, 0.003, 0.5)]
+    rows += ["a,2,planned,5,0", '"a",1,"asked, arm",0.001,1', '"a",2,"asked, arm",0.02,1']
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "difficulty mbm show=solved,p50,mean,p95 baseline=planned")
+    assert lines[0] == "| planned needs |  | solved | p50 ms | mean ms | p95 ms |"
+    assert lines[2:-2] == ["| 1 to 10 ms | planned | 3 of 3 | 3 | 168 | 500 |", "| 1 to 10 ms | asked | 1 of 1 | 1 | 1 | 1 |",
+                           "| 1000 ms and more | planned | 0 of 1 | 5000 | 5000 | 5000 |",
+                           "| 1000 ms and more | asked | 1 of 1 | 20 | 20 | 20 |"]
+
+
+def test_a_baseline_that_there_is_not_is_a_mistake(source):
+    page = source / "docs" / "a.md"
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("set,problem,setting,planning_time_s,is_valid\na,1,planned,1,1\n")
+    page.write_text("<!-- difficulty mbm show=p50 baseline=none -->\n<!-- /rows -->\n", encoding="utf-8")
+    done = run(source)
+    assert done.returncode != 0
+    assert "expected one of planned" in done.stdout + done.stderr
+
+
 def test_a_stale_document_fails_the_check_and_is_left_alone(source):
     written(source, "rows mbm by=set show=p50")
     assert run(source, "--check").returncode == 0
