@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
+#include "service/live_page.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -91,6 +93,12 @@ Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
       queue_(settings.threads, settings.queue) {
   // What is computed of a robot once, so that the first client does not wait for it.
   static_cast<void>(CollisionChecker::make(robot_, {}));
+}
+
+Result<void> Endpoints::keep_scene_of_page() {
+  Scene scene = scene_of_page(settings_);
+  if (scene.obstacles.empty()) return {};
+  return scenes_.put(kPageScene, std::move(scene)).map([](const auto&) {});
 }
 
 RequestContext Endpoints::context() const {

@@ -52,6 +52,8 @@ class Endpoints {
   [[nodiscard]] Answer health(bool may_plan) const;
   [[nodiscard]] Answer metrics_text(int connections) const;
 
+  /// Error: no room for it.
+  [[nodiscard]] Result<void> keep_scene_of_page();
   [[nodiscard]] Metrics& metrics() { return metrics_; }
   /// Looks for rows of other processes.
   void refresh_memory();

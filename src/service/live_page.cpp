@@ -14,6 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 
 namespace mneme::internal {
 namespace {
@@ -162,32 +164,43 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
   return tips;
 }
 
-/// An obstacle of points, triangles or cubes, or null.
-const Obstacle* find_crowd(const Scene& scene) {
-  const auto is_crowd = [](const Shape& shape) {
+/// Of points, triangles or cubes.
+bool has_crowd(const Obstacle& obstacle) {
+  return std::ranges::any_of(obstacle.shapes, [](const Shape& shape) {
     return std::visit(
         [](const auto& solid) {
           return requires { solid.parts; };
         },
         shape);
-  };
-  const auto found = std::ranges::find_if(scene.obstacles, [&](const Obstacle& obstacle) {
-    return std::ranges::any_of(obstacle.shapes, is_crowd);
   });
-  return found == scene.obstacles.end() ? nullptr : &*found;
+}
+
+/// Pairs of the key `allow`, of obstacles that the page's requests hold.
+Json allow_json(const Scene& scene) {
+  Json pairs = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (has_crowd(obstacle)) continue;
+    for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
+  }
+  return pairs;
 }
 
 }  // namespace
 
+Scene scene_of_page(const ServiceSettings& settings) {
+  Scene scene;
+  if (settings.shown) {
+    std::ranges::copy_if(settings.shown->scene.obstacles, std::back_inserter(scene.obstacles),
+                         has_crowd);
+  }
+  return scene;
+}
+
 Result<std::string> make_live_page(const Robot& robot, bool has_memory,
                                    const ServiceSettings& settings) {
-  const Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
-  if (const Obstacle* crowd = find_crowd(problem.scene)) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("the page cannot begin with obstacle '{}': expected spheres, boxes, "
-                            "cylinders and capsules",
-                            crowd->name));
-  }
+  Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
+  // The order of a plan's scene: what its request holds, then what the service keeps.
+  std::ranges::stable_partition(problem.scene.obstacles, std::not_fn(has_crowd));
   TraceSettings seen;
   seen.package_paths = settings.package_paths;
   const auto trace = make_trace(problem, {}, nullptr, 0, seen);
@@ -195,6 +208,8 @@ Result<std::string> make_live_page(const Robot& robot, bool has_memory,
   Json json = Json::parse(to_json(*trace));
   json["live"] = {{"start", problem.start},
                   {"has_memory", has_memory},
+                  {"scene", scene_of_page(settings).obstacles.empty() ? Json() : Json(kPageScene)},
+                  {"allow", allow_json(problem.scene)},
                   {"tips", tips_json(problem, *trace)},
                   {"welds", welds_json(problem.robot, trace->links)}};
   return to_page(json.dump(), "the page of the service");

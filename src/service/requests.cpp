@@ -119,17 +119,26 @@ double read_margin(const Input& input) {
   return metres;
 }
 
-/// Of a request that may name a scene or hold one. Obstacles stay in the frame that it names.
+/// Of a request that may name a scene, hold obstacles, or both: those that it holds come first, in
+/// the place of the scene's of the same names. Without a scene they stay in the frame that the
+/// request names.
 Scene read_scene_of_request(const Input& input, const std::string& name,
                             const RequestContext& context) {
+  Scene scene = read_framed_scene(input, name, context);
   const auto id = input.find("scene");
-  if (!id) return read_framed_scene(input, name, context);
-  for (const char* key : {"obstacles", "circles", "frame"}) {
-    if (const auto other = input.find(key)) {
-      other->fail(ErrorCode::invalid, "expected no such key beside scene, which has its own");
-    }
+  if (!id) return scene;
+  if (const auto frame = input.find("frame")) {
+    frame->fail(ErrorCode::invalid,
+                "expected no frame beside scene: its obstacles, and those beside it, are in the "
+                "frame of the root link");
   }
-  return find_scene(*id, context);
+  for (Obstacle& obstacle : find_scene(*id, context).obstacles) {
+    const bool is_replaced =
+        std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name) != scene.obstacles.end();
+    if (!is_replaced) scene.obstacles.push_back(std::move(obstacle));
+  }
+  check_count(input, scene, context);
+  return scene;
 }
 
 void check_setting_names(const Input& settings, const SolveSettings& all) {

@@ -189,6 +189,8 @@ class Service::State {
   [[nodiscard]] const std::string& address() const { return server_.address(); }
 
   Result<void> start(bool has_memory) {
+    const auto kept = endpoints_.keep_scene_of_page();
+    if (!kept) return kept;
     if (has_memory) refresher_ = std::thread([this] { refresh(); });
     return server_.start();
   }

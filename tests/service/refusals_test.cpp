@@ -32,7 +32,9 @@ TEST_SUITE("flow") {
     };
     refused(with("robot", "/etc/passwd"), "expected planar8, the robot of this service");
     refused(with("joints", {"a"}), "expected the joints that this service plans for");
-    refused(with("scene", "x"), "expected no such key beside scene");
+    refused(with("scene", "x"), "there is no scene \"x\"");
+    refused({{"start", {0}}, {"goal", {0}}, {"scene", "x"}, {"frame", "link_1"}},
+            "expected no frame beside scene");
     refused({{"start", {0}}, {"goal", {0}}, {"scene", "../x"}}, "there is no scene");
     refused(with("gaol", 1), "did you mean 'goal'?");
     refused(with("goal", {0}), "expected either goal or goals");

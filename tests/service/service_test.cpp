@@ -149,17 +149,47 @@ TEST_SUITE("flow") {
     }
   }
 
-  TEST_CASE("A page cannot begin with obstacles that its requests do not hold") {
+  TEST_CASE("What a page's requests cannot hold the service keeps as a scene beside them") {
     ServiceSettings settings = test::loopback();
     Problem problem = *load_problem(test::source_file("scenes/planar/scenario1.yaml"));
     auto points = std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{20, 0, 0}});
-    problem.scene.obstacles.push_back({"scan", {PointCloud{{}, points, 0.1}}});
+    problem.scene.obstacles.insert(problem.scene.obstacles.begin(),
+                                   {"scan", {PointCloud{{}, points, 0.1}}});
+    problem.scene.obstacles.back().may_touch = {"link_1"};
     settings.shown = std::make_shared<const Problem>(problem);
     const auto service = Service::start(problem.robot, nullptr, settings);
-    REQUIRE_FALSE(service.has_value());
-    CHECK(service.error().message ==
-          "the page cannot begin with obstacle 'scan': expected spheres, boxes, cylinders and "
-          "capsules");
+    REQUIRE(service.has_value());
+    httplib::Client client(service->address());
+    const test::Json shown = trace_in(client.Get("/")->body);
+    CHECK(shown["obstacles"].back()["name"] == "scan");
+    CHECK(shown["live"]["scene"] == "page");
+    const Json allowed =
+        Json::array({Json::array({"link_1", problem.scene.obstacles.back().name})});
+    CHECK(shown["live"]["allow"] == allowed);
+    CHECK(reply_of(client.Get("/v1/scenes/page")).body["obstacles"] == Json({"scan"}));
+
+    settings.scenes = 0;
+    CHECK_FALSE(Service::start(problem.robot, nullptr, settings).has_value());
+  }
+
+  TEST_CASE("obstacles beside a scene are added to it, in the place of those of the same names") {
+    const RunningService running;
+    const auto client = running.client();
+    const auto ball = [](const std::string& name, double x, double radius) {
+      return Json{{"name", name}, {"type", "sphere"}, {"p", {x, 0, 0}}, {"radius", radius}};
+    };
+    const Json upload = {{"obstacles", Json::array({ball("a", 4, 0.5)})}};
+    CHECK(reply_of(client->Put("/v1/scenes/cell", upload.dump(), "application/json")).status ==
+          200);
+    Json body = {{"scene", "cell"}, {"configurations", Json::array({std::vector<double>(8, 0.0)})}};
+    const auto is_free = [&] {
+      return post(*client, "/v1/check", body).body["states"][0]["valid"];
+    };
+    CHECK(is_free() == false);
+    body["obstacles"] = Json::array({ball("a", 40, 0.5)});
+    CHECK(is_free() == true);
+    body["obstacles"] = Json::array({ball("b", 4, 0.5), ball("a", 40, 0.5)});
+    CHECK(is_free() == false);
   }
 
   TEST_CASE("plans that were hard are remembered, and metrics count them") {

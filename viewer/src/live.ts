@@ -40,6 +40,11 @@ const MAKERS: [string, (size: number) => Shape][] = [
   ["Cylinder", (size) => ({ type: "cylinder", pose: [0, 0, 0, 0, 0, 0, 1], radius: size / 3, length: 1.5 * size })],
 ];
 
+/** What a request holds; the rest stays where it is. */
+function isMovable({ type }: Shape): boolean {
+  return type === "sphere" || type === "capsule" || type === "box" || type === "cylinder";
+}
+
 function movedShape(shape: Shape, matrix: Matrix4, scale: number): Shape {
   const point = (list: number[], at: number) => new Vector3().fromArray(list, at).multiplyScalar(scale).applyMatrix4(matrix).toArray();
   const pose = (old: Pose): Pose => {
@@ -105,7 +110,8 @@ export class LivePage {
     this.start = live.start;
     this.hasBeside = live.has_memory;
     this.goal = poseMatrix(live.tips[0]?.pose ?? [0, 0, 0, 0, 0, 0, 1]);
-    this.bodies = first.obstacles.map(({ name, shapes }) => ({ name, shapes, moved: new Matrix4(), scale: 1 }));
+    this.bodies = first.obstacles.filter(({ shapes }) => shapes.every(isMovable))
+      .map(({ name, shapes }) => ({ name, shapes, moved: new Matrix4(), scale: 1 }));
     const { stage } = viewer;
     this.gizmo = new TransformControls(stage.camera, stage.canvas);
     this.gizmo.setSize(0.72);
@@ -159,8 +165,10 @@ export class LivePage {
     };
     const obstacles = this.obstacles().flatMap(({ name, shapes }) => shapes.map((shape, i) =>
       (shapes.length > 1 ? { body: name, ...requested(`${name} ${i + 1}`, shape) } : requested(name, shape))));
+    const { scene } = this.live;
+    const allow = this.live.allow.filter(([, name]) => this.bodies.some((body) => body.name === name));
     return {
-      name: this.first.problem, start: this.start, goal, obstacles, settings, trace: true,
+      name: this.first.problem, start: this.start, goal, obstacles, settings, trace: true, ...(scene ? { scene } : {}), allow,
       ...(sampler ? { remember: false } : {}),
     };
   }
@@ -351,7 +359,8 @@ export class LivePage {
       return { what: "goal", at: new Vector3().setFromMatrixPosition(this.goal), picture, isGrip: true };
     }
     this.aimRay(at, picture);
-    const targets: Object3D[] = [...(panes[picture]?.scene.groups ?? []), ...(picture === 0 ? [this.hand] : [])];
+    const movable = panes[picture]?.scene.groups.slice(0, this.bodies.length) ?? [];
+    const targets: Object3D[] = [...movable, ...(picture === 0 ? [this.hand] : [])];
     const [hit] = this.raycaster.intersectObjects(targets, true).filter(({ object }) => object instanceof Mesh && object.renderOrder !== -1);
     if (!hit) return null;
     let part: Object3D | null = hit.object;
@@ -484,7 +493,7 @@ export class LivePage {
   }
 
   private add(kind: string, make: (size: number) => Shape): void {
-    const names = new Set(this.bodies.map(({ name }) => name));
+    const names = new Set([...this.bodies, ...this.first.obstacles].map(({ name }) => name));
     let number = 1;
     while (names.has(`${kind.toLowerCase()} ${number}`)) ++number;
     const view = this.viewer.panes[0]!.view.box;

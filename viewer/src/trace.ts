@@ -127,6 +127,10 @@ export interface Trace {
 export interface Live {
   start: number[];
   has_memory: boolean;
+  /** The scene of the service that holds what requests cannot: points, triangles, cubes; they come last among the obstacles. */
+  scene: string | null;
+  /** Links that may touch obstacles: pairs of both names. */
+  allow: [string, string][];
   /** Links that goals are for, with those that move with each, in its frame. */
   tips: { link: string; pose: Pose; carries: { link: number; pose: Pose }[] }[];
   /** Links that are only seen, in the frame of the one that carries them; traces of plans lack them. */

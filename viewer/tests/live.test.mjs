@@ -4,7 +4,7 @@
 // The page of a service, with real drags.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
@@ -148,6 +148,26 @@ describe("the page of a service", { skip }, () => {
     await shoot(page, "live-fetch");
     assert.deepEqual(complaints, []);
     await close();
+  });
+
+  test("clouds of the problem stay where they are, and count", async () => {
+    writeFileSync(join(directory, "scan.ply"), "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n" +
+      "property float z\nend_header\n7.9 0 0\n");
+    const problem = join(directory, "scan.yaml");
+    writeFileSync(problem, ["name: scan", "robot: planar8", "scene:", "  obstacles:",
+      "    - {name: scan, type: points, file: scan.ply, radius: 0.2}", "    - {name: ball, type: sphere, position: [-3, -3, 0], radius: 0.5}",
+      "start: [1.5, 0, 0, 0, 0, 0, 0, 0]", "goal: {link: link_8, position: [7.99, 0, 0]}", ""].join("\n"));
+    const service = await serve("--robot", "planar8", "--problem", problem);
+    const { page, complaints, close } = await openLive(browser, service);
+    assert.match(await page.locator("#note").textContent(), /scan/);
+    const goal = await place(page, "goal");
+    await planned(page, () => carry(page, goal, [5, 3, 0]));
+    assert.match(await page.locator("#note").textContent(), /^planned in/);
+    assert.equal(await place(page, "scan"), null);
+    assert.ok(await place(page, "ball"));
+    assert.deepEqual(complaints, []);
+    await close();
+    await service.stop();
   });
 
   test("a service that has gone is said", async () => {
