@@ -105,6 +105,7 @@ def test_scenes_are_as_documented(service):
     assert service.ask("GET", "/v1/scenes/cell") == edited
     plan = {"scene": "cell", "start": question()["start"], "goals": [question()["goal"]]}
     assert service.ask("POST", "/v1/plan", plan)["solved"]
+    assert service.ask("POST", "/v1/plan", {**plan, "obstacles": [{**ball, "name": "other"}]})["solved"]
     service.ask("PATCH", "/v1/scenes/none", {}, status=404)
     service.ask("DELETE", "/v1/scenes/cell")
     service.ask("GET", "/v1/scenes/cell", status=404)
@@ -156,7 +157,7 @@ def test_the_page_holds_the_robot_and_asks_nobody_else(service):
 
 
 @pytest.mark.parametrize("path, change", [
-    ("/v1/plan", {"start": None}), ("/v1/plan", {"goals": [[0] * 8]}), ("/v1/plan", {"scene": "cell"}),
+    ("/v1/plan", {"start": None}), ("/v1/plan", {"goals": [[0] * 8]}), ("/v1/plan", {"scene": "cell", "frame": "base"}),
     ("/v1/plan", {"gaol": 1}), ("/v1/plan", {"clearance": "yes"}), ("/v1/plan", {"circles": [[1, 2]]}),
     ("/v1/plan", {"settings": {"lambda": 2}}), ("/v1/plan", {"settings": {"remember-after": 1}}),
     ("/v1/plan", {"settings": {"lamda": 1}}), ("/v1/plan", {"obstacles": [{"name": "a", "type": "cone"}]}),
