@@ -129,28 +129,35 @@ TEST_SUITE("unit") {
     CHECK(links[2].spheres.size() == covering->links[1].spheres.size());
   }
 
-  TEST_CASE("covers are made once, and made again if they were damaged") {
+  TEST_CASE("covers are made once for each settings, and made again if they were damaged") {
     const TemporaryDirectory files;
     const CoverCache cache(files / "cache");
-    const auto first = internal::cover_robot(make_parts(), {}, cache);
+    const Robot::Parts parts = make_parts();
+    const CoverSettings coarse{0.1, 16, 0.1};
+    const auto key_of = [&](std::size_t link, const CoverSettings& settings) {
+      return cover_key(internal::link_surface(parts.links[link]).value(), settings);
+    };
+    REQUIRE(cache.store(key_of(0, coarse), make_cover()));
+    REQUIRE(cache.store(key_of(2, {}), make_cover()));
+    const auto first = internal::cover_robot(parts, coarse, cache);
     REQUIRE(first.has_value());
-    CHECK(first->found == 0);
-    CHECK(first->stored == 2);
-    const auto second = internal::cover_robot(make_parts(), {}, cache);
+    CHECK(first->found == 1);
+    CHECK(first->stored == 1);
+    CHECK(first->covering.links[0].link == "l0");
+    CHECK(first->covering.links[0].spheres[1].radius == make_cover().spheres[1].radius);
+    const auto second = internal::cover_robot(parts, coarse, cache);
     REQUIRE(second.has_value());
     CHECK(second->found == 2);
     CHECK(second->stored == 0);
-    REQUIRE(second->covering.links[0].spheres.size() == first->covering.links[0].spheres.size());
     CHECK(second->covering.links[1].link == "l2");
-    CHECK(second->covering.links[0].spheres[0].radius ==
-          first->covering.links[0].spheres[0].radius);
-    const auto entry = std::filesystem::directory_iterator(files / "cache")->path();
-    write_file(entry.string(), "rubbish");
-    const auto third = internal::cover_robot(make_parts(), {}, cache);
+    CHECK(second->covering.links[1].spheres[0].radius ==
+          first->covering.links[1].spheres[0].radius);
+    write_file(files / ("cache/cover-" + key_of(2, coarse) + ".json"), "rubbish");
+    const auto third = internal::cover_robot(parts, coarse, cache);
     REQUIRE(third.has_value());
     CHECK(third->found == 1);
     CHECK(third->stored == 1);
-    CHECK(internal::cover_robot(make_parts(), {0.03, 16}, cache)->found == 0);
+    CHECK(cache.find(key_of(2, coarse)).has_value());
   }
 
   TEST_CASE("the first link whose solids are wrong is named") {
