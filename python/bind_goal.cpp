@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/check.h"
 #include "mneme/goal.h"
 #include "mneme/path.h"
 
@@ -16,9 +17,11 @@
 #include <pybind11/stl.h>
 
 #include <atomic>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mneme::python {
@@ -73,6 +76,54 @@ std::string describe(const PoseGoal& goal) {
                      at.y(), at.z());
 }
 
+OrientationConstraint make_constraint(std::string link, double angle, const py::object& axis,
+                                      const py::object& up) {
+  OrientationConstraint constraint{std::move(link), to_point(axis, "axis"), to_point(up, "up"),
+                                   angle};
+  for (const auto& [name, direction] :
+       {std::pair{"axis", &constraint.axis}, {"up", &constraint.up}}) {
+    const double length = direction->norm();
+    if (!(length > 0 && std::isfinite(length))) {
+      raise_invalid(fmt::format("{}: expected finite numbers, not all of them 0", name));
+    }
+    direction->normalize();
+  }
+  return constraint;
+}
+
+double tilt_at(const Robot& robot, const OrientationConstraint& constraint, const py::object& q) {
+  if (const auto fault = describe_fault(robot, constraint)) raise_invalid("constraint: " + *fault);
+  return tilt(robot, constraint, to_vector(q, robot.joint_count(), "q"));
+}
+
+void bind_constraint(py::module_& module) {
+  using Constraint = OrientationConstraint;
+  py::class_<Constraint>(module, "OrientationConstraint", "A link that stays upright on its way.")
+      .def(py::init(&make_constraint), py::arg("link"), py::arg("angle"), py::kw_only(),
+           py::arg("axis") = py::make_tuple(0, 0, 1), py::arg("up") = py::make_tuple(0, 0, 1),
+           "The axis of the link, in its own frame, leans by at most `angle` radians from `up`, a\n"
+           "direction in the frame of the robot's root link, or, for Problem.load(), of the\n"
+           "problem's scene.")
+      .def_readonly("link", &Constraint::link)
+      .def_readonly("angle", &Constraint::angle, "Radians.")
+      .def_property_readonly(
+          "axis", [](const Constraint& self) { return point_array(self.axis); },
+          "Shape (3,), of length 1.")
+      .def_property_readonly(
+          "up", [](const Constraint& self) { return point_array(self.up); },
+          "Shape (3,), of length 1.")
+      .def(
+          "tilt",
+          [](const Constraint& self, const Robot& robot, const py::object& q) {
+            return tilt_at(robot, self, q);
+          },
+          py::arg("robot"), py::arg("q"), "Radians that the link leans at a configuration.")
+      .def("__repr__", [](const Constraint& self) {
+        return fmt::format("<mneme.OrientationConstraint of '{}' within {:.4g} rad>", self.link,
+                           self.angle);
+      });
+}
+
 py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& goals,
                              const py::object& near, const Scene& scene, std::uint64_t seed,
                              const std::string& isa, const py::kwargs& arguments) {
@@ -102,6 +153,7 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
 }  // namespace
 
 void bind_goal(py::module_& module) {
+  bind_constraint(module);
   py::class_<PoseGoal>(module, "PoseGoal", "A region of poses for a link to reach.")
       .def(
           py::init(&make_pose_goal), py::arg("link"), py::arg("position"),

@@ -28,9 +28,20 @@ std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
   return rows;
 }
 
+using Constraints = std::vector<OrientationConstraint>;
+
+Constraints checked(const Robot& robot, Constraints constraints) {
+  for (const OrientationConstraint& constraint : constraints) {
+    if (const auto fault = describe_fault(robot, constraint)) {
+      raise_invalid("constraints: " + *fault);
+    }
+  }
+  return constraints;
+}
+
 SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,
                            const py::object& start, const py::object& goals, std::string name,
-                           std::vector<PoseGoal> pose_goals) {
+                           std::vector<PoseGoal> pose_goals, Constraints constraints) {
   if (goals.is_none() && pose_goals.empty()) {
     raise_invalid("goals: expected at least one configuration, or pose_goals");
   }
@@ -40,15 +51,11 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   const int joints = robot.joint_count();
   std::vector<Configuration> rows;
   if (!goals.is_none()) rows = to_goals(goals, joints);
-  return {Problem{std::move(name),
-                  robot,
-                  "",
-                  {},
-                  to_vector(start, joints, "start"),
-                  std::move(rows),
-                  {},
-                  std::move(pose_goals)},
-          scene};
+  Problem problem{
+      std::move(name),      robot, "", {}, to_vector(start, joints, "start"), std::move(rows), {},
+      std::move(pose_goals)};
+  problem.constraints = checked(robot, std::move(constraints));
+  return {std::move(problem), scene};
 }
 
 struct ProblemArguments {
@@ -57,6 +64,7 @@ struct ProblemArguments {
   py::object start;
   py::object goal;
   std::vector<PoseGoal> pose_goals;
+  Constraints constraints;
   RobotOptions options;
 };
 
@@ -67,6 +75,7 @@ SharedProblem load(const ProblemArguments& arguments) {
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   options.pose_goals = arguments.pose_goals;
+  options.constraints = arguments.constraints;
   const py::gil_scoped_release released;
   Problem problem = unwrap(load_problem(arguments.where, options));
   prepare(problem.robot);
@@ -77,24 +86,26 @@ void bind_factories(py::class_<SharedProblem>& problem) {
   problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene").none(false),
               py::arg("start"), py::arg("goals") = py::none(), py::arg("name") = "problem",
               py::kw_only(), py::arg("pose_goals") = std::vector<PoseGoal>(),
+              py::arg("constraints") = Constraints(),
               "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
               "shape (k, joint_count); any of these and of the pose_goals will do. The scene is\n"
               "shared: what is added to it later counts; scene.copy() is one of its own.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
-         py::object goal, std::vector<PoseGoal> pose_goals, const std::filesystem::path& srdf,
-         std::string group, std::vector<std::string> package_paths) {
+         py::object goal, std::vector<PoseGoal> pose_goals, Constraints constraints,
+         const std::filesystem::path& srdf, std::string group,
+         std::vector<std::string> package_paths) {
         RobotOptions options;
         options.srdf_path = srdf.string();
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
         return load({where.string(), robot.string(), std::move(start), std::move(goal),
-                     std::move(pose_goals), std::move(options)});
+                     std::move(pose_goals), std::move(constraints), std::move(options)});
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
-      py::arg("srdf") = "", py::arg("group") = "",
+      py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. What is given besides replaces what the file says.");
@@ -118,6 +129,13 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       py::arg("goal"),
       "The same problem, robot and scene shared, with another goal, or several of shape\n"
       "(k, joint_count).");
+  problem.def(
+      "with_constraints",
+      [](SharedProblem self, Constraints constraints) {
+        self.rest().constraints = checked(self.rest().robot, std::move(constraints));
+        return self;
+      },
+      py::arg("constraints"), "The same problem, robot and scene shared, with other constraints.");
   problem.def(
       "with_scene",
       [](const SharedProblem& self, const std::shared_ptr<Scene>& scene) {
@@ -157,6 +175,9 @@ void bind_problem(py::module_& module) {
       .def_property_readonly(
           "pose_goals", [](const SharedProblem& self) { return self.rest().pose_goals; },
           "Poses, and regions of them, that are goals too.")
+      .def_property_readonly(
+          "constraints", [](const SharedProblem& self) { return self.rest().constraints; },
+          "What holds all along the way; see with_constraints.")
       .def_property_readonly(
           "warnings", [](const SharedProblem& self) { return self.rest().warnings; },
           "What was left aside while reading.")

@@ -119,6 +119,10 @@ def _plain(value):
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
+def _constraint(constraint):
+    return {"link": constraint.link, "axis": constraint.axis.tolist(), "up": constraint.up.tolist(), "angle": constraint.angle}
+
+
 class Client:
     """Asks a service at `url`, such as "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
 
@@ -150,12 +154,13 @@ class Client:
     def __exit__(self, *_):
         self.close()
 
-    def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, trace=False,
-             clearance=False, remember=True, **settings):
+    def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, constraints=None,
+             trace=False, clearance=False, remember=True, **settings):
         """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
 
         goals: configurations and PoseGoals. attached: a list of what the robot carries, as problem files spell it
-        in JSON; that of a problem is its robot's. settings: those of mneme.plan(), by the same names.
+        in JSON; that of a problem is its robot's. constraints: OrientationConstraints, instead of the problem's.
+        settings: those of mneme.plan(), by the same names.
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
@@ -172,6 +177,8 @@ class Client:
             body["goals"] = _goals(goals)
         if attached is not None:
             body["attached"] = list(attached)
+        if constraints is not None:
+            body["constraints"] = [_constraint(each) for each in constraints]
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
         return RemotePlan(self.ask("POST", "/v1/plan", body), self)
 

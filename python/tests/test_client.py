@@ -130,6 +130,15 @@ def test_what_the_robot_carries_goes_along(client, problem):
     assert client.plan(start=start, goals=goal, scene=scene, attached=named, **settings).status == "invalid_start"
 
 
+def test_constraints_go_along(client, problem):
+    def within(angle):
+        return [mneme.OrientationConstraint("link_1", angle, axis=[1, 0, 0], up=[1, 0, 0])]
+
+    assert client.plan(problem, constraints=within(3.14)).is_solved
+    assert client.plan(problem, constraints=within(0.01)).status == "invalid_start"
+    assert client.plan(problem.with_constraints(within(0.01))).status == "invalid_start"
+
+
 def test_points_travel_as_numbers(client):
     cloud = mneme.Scene()
     cloud.add_points("cloud", [[4, 0.1, 0], [4, -0.1, 0]], radius=0.15)

@@ -99,3 +99,58 @@ def test_control_c_ends_a_search(panda):
 def test_a_problem_without_any_goal_is_an_error(panda):
     with pytest.raises(mneme.Error, match="at least one configuration"):
         mneme.Problem(panda, mneme.Scene(), READY)
+
+
+@pytest.fixture(scope="module")
+def fetch():
+    return mneme.Robot.load("fetch")
+
+
+TUCKED = np.array([0.1, 1.32, 0.6, -0.2, 1.0, 0.0, -1.6, 0.0])
+UPRIGHT = mneme.OrientationConstraint("gripper_link", 0.3)
+
+
+def leveled(robot, turn):
+    """A free configuration with the gripper upright."""
+    goal = mneme.PoseGoal("gripper_link", [0.7, turn, 0.9], [0, 0, np.sin(turn / 2), np.cos(turn / 2)])
+    return mneme.inverse_kinematics(robot, [goal], near=TUCKED)[0]
+
+
+def test_a_link_stays_upright_all_the_way(fetch):
+    start, goal = leveled(fetch, -0.4), leveled(fetch, 0.4)
+    problem = mneme.Problem(fetch, mneme.Scene(), start, goal, constraints=[UPRIGHT])
+    assert [(each.link, each.angle) for each in problem.constraints] == [("gripper_link", 0.3)]
+    plan = mneme.plan(problem, seed=1)
+    assert plan.is_solved, plan.message
+    for a, b in zip(plan.path, plan.path[1:]):
+        assert max(UPRIGHT.tilt(fetch, a + part * (b - a)) for part in np.linspace(0, 1, 50)) <= UPRIGHT.angle
+    assert mneme.Problem(fetch, mneme.Scene(), start, goal).with_constraints([UPRIGHT]).constraints[0].link == "gripper_link"
+
+
+def test_a_start_beyond_the_cone_is_refused_with_its_tilt(fetch):
+    tilted = mneme.OrientationConstraint("gripper_link", 0.1, axis=[2, 0, 0])
+    np.testing.assert_array_equal(tilted.axis, [1, 0, 0])
+    start = leveled(fetch, 0)
+    plan = mneme.plan(mneme.Problem(fetch, mneme.Scene(), start, start, constraints=[tilted]))
+    assert plan.status == "invalid_start"
+    assert "gripper_link" in plan.message
+
+
+def test_planners_that_keep_no_constraint_refuse_it_by_name(fetch):
+    problem = mneme.Problem(fetch, mneme.Scene(), leveled(fetch, 0), leveled(fetch, 0.2), constraints=[UPRIGHT])
+    with pytest.raises(mneme.Error, match="prm"):
+        mneme.plan(problem, planner="prm")
+
+
+@pytest.mark.parametrize("make, message", [
+    (lambda robot: mneme.OrientationConstraint("gripper_link", 0.1, axis=[0, 0, 0]), "axis: expected finite numbers"),
+    (lambda robot: mneme.OrientationConstraint("gripper_link", 0.1, up=[np.nan, 0, 1]), "finite"),
+    (lambda robot: mneme.OrientationConstraint("nose", 0.1).tilt(robot, TUCKED), "nose"),
+    (lambda robot: mneme.Problem(robot, mneme.Scene(), TUCKED, TUCKED,
+                                 constraints=[mneme.OrientationConstraint("gripper_link", 0)]), "constraints: "),
+    (lambda robot: mneme.Problem(robot, mneme.Scene(), TUCKED, TUCKED,
+                                 constraints=[mneme.OrientationConstraint("base_link", 0.2)]), "base_link"),
+])
+def test_constraints_that_a_robot_cannot_keep_are_errors(fetch, make, message):
+    with pytest.raises(mneme.Error, match=message):
+        make(fetch)
