@@ -55,8 +55,8 @@ namespace internal {
 namespace {
 
 /// Bends remembered paths so that their ends become those of the query: adds to a waypoint the
-/// differences of the ends, each in proportion to how near the waypoint is to that end along the
-/// path. A path that leads the other way round is one of the query's reverse.
+/// differences of the ends, each the more the nearer the waypoint is to that end along the path. A
+/// path that leads the other way round is one of the query's reverse.
 class PathWarper {
  public:
   PathWarper(const Robot& robot, std::span<const double> start, std::span<const double> goal)
@@ -68,7 +68,7 @@ class PathWarper {
         goal_shift_(joints_),
         delta_(joints_) {}
 
-  /// The waypoints between the ends, each twice: bent and as it was.
+  /// The waypoints between the ends, each twice: bent in proportion and as it was.
   void add(std::span<const float> path, std::vector<float>& means) {
     const std::size_t count = path.size() / joints_;
     if (count < 3) return;
@@ -76,28 +76,34 @@ class PathWarper {
     for (std::size_t i = 1; i + 1 < count; ++i) {
       const float* q = path.data() + i * joints_;
       means.resize(means.size() + joints_);
-      write_bent(i, q, means.data() + means.size() - joints_);
+      const float fraction = lengths_[i] / lengths_.back();
+      write_bent(q, 1 - fraction, fraction, means.data() + means.size() - joints_);
       means.insert(means.end(), q, q + joints_);
     }
   }
 
-  /// The whole path from the query's start to its goal.
+  /// The whole path from the query's start to its goal. What is far from an end stays as it was:
+  /// where the path is close to something, that is free, and little beside it.
   std::vector<std::vector<float>> bend(std::span<const float> path) {
     const std::size_t count = path.size() / joints_;
     std::vector<std::vector<float>> bent(count, std::vector<float>(joints_));
     const bool is_reversed = measure(path, count);
     for (std::size_t i = 0; i < count; ++i) {
-      write_bent(i, path.data() + i * joints_, bent[i].data());
+      const float fraction = lengths_[i] / lengths_.back();
+      write_bent(path.data() + i * joints_, near_end(1 - fraction), near_end(fraction),
+                 bent[i].data());
     }
     if (is_reversed) std::ranges::reverse(bent);
     return bent;
   }
 
  private:
-  void write_bent(std::size_t i, const float* q, float* bent) const {
-    const float fraction = lengths_[i] / lengths_.back();
+  /// Its fourth power leaves 6 % of a shift half way along the path.
+  static float near_end(float fraction) { return fraction * fraction * fraction * fraction; }
+
+  void write_bent(const float* q, float start_part, float goal_part, float* bent) const {
     for (std::size_t j = 0; j < joints_; ++j) {
-      const float shift = fraction * goal_shift_[j] + (1 - fraction) * start_shift_[j];
+      const float shift = goal_part * goal_shift_[j] + start_part * start_shift_[j];
       bent[j] = space_.into_limits(static_cast<int>(j), q[j] + shift);
     }
   }

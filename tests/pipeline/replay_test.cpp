@@ -91,8 +91,8 @@ TEST_SUITE("unit") {
     const Path& path = result.plan.path;
     REQUIRE(path.size() == 3);
     CHECK(path.front() == Configuration{0.1, 0.5});
-    CHECK(path[1][0] == doctest::Approx(1.05));
-    CHECK(path[1][1] == doctest::Approx(1.45));
+    CHECK(path[1][0] == doctest::Approx(1.00625));
+    CHECK(path[1][1] == doctest::Approx(1.49375));
     CHECK(path.back() == Configuration{2, 0.4});
     CHECK(result.replay.distance > 0.1);
     CHECK(result.replay.distance < 0.3);
