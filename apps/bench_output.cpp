@@ -154,7 +154,8 @@ Json to_json(const SetSummary& summary) {
           {"iterations_p50", summary.iterations_p50},
           {"states_p50", summary.states_p50},
           {"simplification_p50_s", summary.simplification_p50_s},
-          {"path_length_mean", summary.path_length_mean}};
+          {"path_length_mean", summary.path_length_mean},
+          {"duration_mean_s", summary.duration_mean_s}};
 }
 
 /// "cage#7" once for each problem whose ends are invalid.

@@ -77,6 +77,8 @@ void bind_rows(py::module_& module) {
       .def_readonly("iterations", &BenchmarkRow::iterations)
       .def_readonly("states_checked", &BenchmarkRow::states_checked)
       .def_readonly("path_length", &BenchmarkRow::path_length, "Radians.")
+      .def_readonly("duration_s", &BenchmarkRow::duration_s,
+                    "Seconds of the path's trajectory within the robot's own limits.")
       .def_readonly("components", &BenchmarkRow::components);
   module.def("_to_table", [](const std::vector<BenchmarkRow>& rows) {
     return to_table(std::span<const BenchmarkRow>(rows));

@@ -15,7 +15,7 @@ bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which
   <!-- /rows -->
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
-bad, p50, mean, p95, p99, max, iterations, states, length, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
+bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
 difficulty: problems by what the baseline's median needs for them, with solved, p50, mean and p95 of each setting, whose name up to a
 comma counts. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
@@ -37,7 +37,7 @@ MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty) (?P<words>
                     re.DOTALL | re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
-          "simplification": "simplification p50 ms"}
+          "duration": "mean duration s", "simplification": "simplification p50 ms"}
 BINS_MS = (0, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
 
@@ -103,6 +103,8 @@ def cell(summary, column, time):
         return f"{summary['solved']} of {summary['valid']}"
     if column == "length":
         return f"{summary['path_length_mean']:.2f}"
+    if column == "duration":
+        return f"{summary['duration_mean_s']:.2f}"
     if column == "simplification":
         return milliseconds(summary["simplification_p50_s"])
     keys = {"bad": "invalid_paths", "iterations": "iterations_p50", "states": "states_p50"}

@@ -59,6 +59,8 @@ struct BenchmarkRow {
   std::string started;                 ///< UTC, ISO 8601
   std::vector<Improved> improvements;  ///< SolveResult::improvements
   std::uint64_t replayed = 0;          ///< Replay::row
+  /// Of the path's trajectory within the robot's own limits (find_rate_limits); 0 without a path.
+  double duration_s = 0;
 };
 
 /// The row of one call of solve() with `settings`; its path is checked again by `checker` without
@@ -125,6 +127,7 @@ struct SetSummary {
   std::uint64_t states_p50 = 0;      ///< checked for the path, shortening and verification included
   double simplification_p50_s = 0;   ///< of solved runs
   double path_length_mean = 0;       ///< of solved runs, L2 joint distance
+  double duration_mean_s = 0;        ///< of solved runs, BenchmarkRow::duration_s
 };
 /// One per set, planner, sampler and setting in order of appearance; if there are several sets,
 /// those of all sets together follow.

@@ -459,6 +459,7 @@ class RemotePlan:
     message: str
     path: Floats
     path_length: float
+    duration_s: float
     notes: list[str]
     total_time_s: float
     planning_time_s: float

@@ -76,8 +76,8 @@ constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeo
                                   PlanStatus::invalid_goal};
 
 /// Files of older versions end before one of them.
-constexpr std::array<std::string_view, 3> kFirstNewColumns = {",setting,", ",improvements,",
-                                                              ",replayed\n"};
+constexpr std::array<std::string_view, 4> kFirstNewColumns = {",setting,", ",improvements,",
+                                                              ",replayed,", ",duration_s\n"};
 
 std::string csv_field(const std::string& text) { return internal::escape_csv(text); }
 std::string csv_field(const std::vector<Improved>& all) { return internal::to_text(all); }

@@ -41,6 +41,7 @@ void visit_columns(Row& row, Visitor&& visit) {
   visit("started", row.started);
   visit("improvements", row.improvements);
   visit("replayed", row.replayed);
+  visit("duration_s", row.duration_s);
 }
 
 /// The fields of one line, and where the next one begins.

@@ -59,6 +59,16 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem, cons
          is_path_free(checker.robot(), checker.scene(), path, resolution);
 }
 
+/// Of a path without a trajectory, 0.
+double duration_of(const Problem& problem, const SolveSettings& settings, const Path& path) {
+  return find_rate_limits(problem.robot)
+      .and_then([&](const RateLimits& limits) {
+        return make_trajectory(problem, settings, path, limits);
+      })
+      .map([](const Trajectory& trajectory) { return trajectory.duration_s(); })
+      .value_or(0.0);
+}
+
 }  // namespace
 
 std::string describe_machine() {
@@ -101,6 +111,7 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   row.path_length = row.is_solved ? path_length(problem.robot, plan.path) : 0;
   if (row.is_solved) row.improvements = result.improvements;
   row.replayed = static_cast<std::uint64_t>(result.replay.row);
+  if (row.is_solved) row.duration_s = duration_of(problem, settings, plan.path);
   row.learning_time_s = result.gl.learning_time_s;
   row.isa = to_string(result.isa);
   row.components = result.gl.mixture ? result.gl.mixture->component_count() : 0;

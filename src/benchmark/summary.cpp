@@ -48,7 +48,7 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   Rows valid;
   std::vector<std::uint64_t> iterations, states;
   std::vector<double> simplification;
-  double lengths = 0;
+  double lengths = 0, durations_s = 0;
   for (BenchmarkRow row : rows) {
     if (is_invalid_problem(row)) continue;
     summary.invalid_paths += row.is_solved && !row.is_path_valid ? 1 : 0;
@@ -58,6 +58,7 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
     if (row.is_solved) {
       simplification.push_back(row.simplification_time_s);
       lengths += row.path_length;
+      durations_s += row.duration_s;
     } else {
       row.planning_time_s = row.total_time_s = row.timeout_s;
     }
@@ -67,6 +68,7 @@ SetSummary summarize_set(const std::string& set, const Rows& rows) {
   summary.times = summarize(valid);
   summary.total_times = summarize(valid, &BenchmarkRow::total_time_s);
   summary.path_length_mean = lengths / std::max(1, summary.times.solved);
+  summary.duration_mean_s = durations_s / std::max(1, summary.times.solved);
   summary.iterations_p50 = median(std::move(iterations));
   summary.states_p50 = median(std::move(states));
   summary.simplification_p50_s = median(std::move(simplification));
@@ -181,7 +183,8 @@ std::vector<std::string> cells(const SetSummary& s) {
           internal::format_percentile(s.total_times, 100),
           std::to_string(s.iterations_p50),
           std::to_string(s.states_p50),
-          fmt::format("{:.2f}", s.path_length_mean)};
+          fmt::format("{:.2f}", s.path_length_mean),
+          fmt::format("{:.2f}", s.duration_mean_s)};
 }
 
 }  // namespace
@@ -238,7 +241,7 @@ std::string to_table(std::span<const SetSummary> summaries) {
   std::vector<std::vector<std::string>> lines = {
       {"set", "planner", "sampler", "solved/valid/total", "bad paths", "p50 ms", "mean ms",
        "p95 ms", "p99 ms", "max ms", "total p50 ms", "total p99 ms", "total max ms",
-       "iterations p50", "states p50", "mean length"}};
+       "iterations p50", "states p50", "mean length", "mean duration s"}};
   for (const SetSummary& summary : summaries) lines.push_back(cells(summary));
   const bool has_settings =
       std::ranges::any_of(summaries, [](const SetSummary& s) { return !s.setting.empty(); });

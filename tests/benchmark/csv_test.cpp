@@ -79,6 +79,7 @@ BenchmarkRow strange_row() {
   row.started = "2026-01-31T12:00:00Z";
   row.improvements = {{0, 2.5}, {0.0012, 1.5}};
   row.replayed = 12;
+  row.duration_s = 1.25;
   return row;
 }
 
@@ -93,10 +94,10 @@ TEST_SUITE("unit") {
           "problem,set,planner,sampler,seed,status,is_valid,planning_time_s,total_time_s,"
           "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
           "motions_checked,nodes,path_length,components,timeout_s,setting,settings,"
-          "learning_time_s,isa,machine,version,started,improvements,replayed\n"
+          "learning_time_s,isa,machine,version,started,improvements,replayed,duration_s\n"
           "\"a,\"\"b\"\"\nc\",s,rrt_connect,gl,3,solved,0,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,"
           "1.5,4,2,\"as, is\",range=3.55 memory=grid,0.75,avx2,a machine,mneme 1,"
-          "2026-01-31T12:00:00Z,0:2.5 0.0012:1.5,12\n");
+          "2026-01-31T12:00:00Z,0:2.5 0.0012:1.5,12,1.25\n");
     CHECK(to_csv(std::vector<BenchmarkRow>{}) == csv_header());
   }
 
@@ -122,11 +123,11 @@ TEST_SUITE("unit") {
   TEST_CASE("Files of other columns and fields that are no numbers are refused") {
     CHECK(parse_failure("a,b\n").find("f.csv:1: expected the columns problem,set,planner,") == 0);
     std::string text = to_csv(std::vector{run(1)});
-    CHECK(parse_failure(text + "a,b\n") == "f.csv: line 3: expected 28 fields, got 2");
+    CHECK(parse_failure(text + "a,b\n") == "f.csv: line 3: expected 29 fields, got 2");
     const std::size_t status = text.rfind("solved");
     CHECK(parse_failure(text.replace(status, 6, "dreamt")) ==
           "f.csv: line 2: column status: expected a status, got \"dreamt\"");
-    text.replace(text.rfind(",,0,"), 4, ",,x,");
+    text.replace(text.rfind(",,0,,"), 5, ",,x,,");
     CHECK(
         parse_failure(text.replace(status, 6, "solved")) ==
         "f.csv: line 2: column learning_time_s: expected a finite number of 0 or more, got \"x\"");
@@ -154,7 +155,7 @@ TEST_SUITE("unit") {
       BenchmarkRow row = strange_row();
       row.improvements.clear();
       std::string line = to_csv(std::vector{row});
-      line.insert(line.rfind(','), std::string("\"") + wrong + "\"");
+      line.insert(line.rfind(',', line.rfind(',') - 1), std::string("\"") + wrong + "\"");
       CHECK(parse_failure(line) ==
             "f.csv: line 2: column improvements: expected SECONDS:LENGTH pairs of numbers of 0 or "
             "more, got \"" +
@@ -178,8 +179,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("So do those that end before the column improvements") {
     std::string old = to_csv(std::vector{run(1)});
-    const std::string columns = ",improvements,replayed";
-    old.erase(old.find(columns), columns.size()).erase(old.rfind(",,0"), 3);
+    const std::string columns = ",improvements,replayed,duration_s";
+    old.erase(old.find(columns), columns.size()).erase(old.rfind(",,0,0"), 5);
     const auto runs = parse_csv(old, "f.csv");
     REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
     REQUIRE(runs->rows.size() == 1);
@@ -189,11 +190,20 @@ TEST_SUITE("unit") {
 
   TEST_CASE("So do those that end before the column replayed") {
     std::string old = to_csv(std::vector{run(1)});
-    const std::string column = ",replayed";
-    old.erase(old.find(column), column.size()).erase(old.rfind(",0"), 2);
+    const std::string columns = ",replayed,duration_s";
+    old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0"), 4);
     const auto runs = parse_csv(old, "f.csv");
     REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
     CHECK(runs->rows.at(0).replayed == 0);
+  }
+
+  TEST_CASE("So do those that end before the column duration_s") {
+    std::string old = to_csv(std::vector{run(1)});
+    const std::string column = ",duration_s";
+    old.erase(old.find(column), column.size()).erase(old.rfind(",0"), 2);
+    const auto runs = parse_csv(old, "f.csv");
+    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
+    CHECK(runs->rows.at(0).duration_s == 0);
   }
 }
 

@@ -197,6 +197,13 @@ settings:
          {"panda.json", "fetch.json", "panda_static.json", "fetch_static.json"}) {
       test::write_file(repeats / name, "");
     }
+    const test::TemporaryDirectory enclosed;
+    for (const char* robot : {"panda", "fetch", "ur5"}) {
+      for (const char* level : {"wide", "narrow", "tight"}) {
+        test::write_file(enclosed / std::string(robot) + "_" + level + ".json", "");
+      }
+    }
+    setenv("ENCLOSED", (enclosed / ".").c_str(), 1);
     setenv("REPEATS", (repeats / ".").c_str(), 1);
     setenv("HARD", (hard / ".").c_str(), 1);
     setenv("MEMORY", "memory.db", 1);

@@ -174,6 +174,8 @@ TEST_SUITE("unit") {
     rows[1].simplification_time_s = 0.125;
     rows[0].path_length = 3;
     rows[1].path_length = 7;
+    rows[0].duration_s = 2;
+    rows[1].duration_s = 9;
     rows[0].total_time_s = 1.5;
     rows[1].total_time_s = 0.75;
     const SetSummary summary = summarize_sets(rows).at(0);
@@ -182,6 +184,7 @@ TEST_SUITE("unit") {
     CHECK(summary.times.max == 4);
     CHECK(summary.simplification_p50_s == 0.25);
     CHECK(summary.path_length_mean == 3);
+    CHECK(summary.duration_mean_s == 2);
     CHECK(summary.total_times.p50 == 1.5);
     CHECK(summary.total_times.max == 4);
   }
