@@ -16,8 +16,8 @@ bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
 bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
-difficulty: problems by what the baseline's median needs for them, with solved, p50, mean and p95 of each setting, whose name up to a
-comma counts. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
+difficulty: tasks, which are problems whose names agree up to an underscore, by the baseline's median for them, with solved, p50,
+mean and p95 of each setting, whose name up to a comma counts. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
 """
 import argparse
@@ -179,13 +179,13 @@ def ratio_lines(results, names, options, where):
 
 
 def times_of(rows):
-    """Planning times in ms by setting and problem; those of runs without a path are the limit."""
+    """Planning times in ms by setting and task; those of runs without a path are the limit."""
     times = {}
     for row in rows:
-        problem = (row["set"], row["problem"])
+        task = (row["set"], row["problem"].partition("_")[0])
         setting = row["setting"].partition(",")[0]
         run = (1e3 * float(row["planning_time_s"]), row["is_valid"] == "1")
-        times.setdefault(setting, {}).setdefault(problem, []).append(run)
+        times.setdefault(setting, {}).setdefault(task, []).append(run)
     return times
 
 
@@ -205,12 +205,12 @@ def difficulty_lines(results, names, options, where):
     times = times_of(row for name in names for row in results.rows(name))
     if options.get("baseline") not in times:
         raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
-    needed = {problem: statistics.median(time for time, _ in runs) for problem, runs in times[options["baseline"]].items()}
+    needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[options["baseline"]].items()}
     lines = []
     for low, high in zip(BINS_MS, BINS_MS[1:]):
-        meant = [problem for problem, time in needed.items() if low <= time < high]
+        meant = [task for task, time in needed.items() if low <= time < high]
         for setting in times if meant else ():
-            runs = [run for problem in meant for run in times[setting].get(problem, ())]
+            runs = [run for task in meant for run in times[setting].get(task, ())]
             title = f"{low:g} to {high:g} ms" if high < math.inf else f"{low:g} ms and more"
             lines.append([title, setting, *summary_cells(runs, options["show"])])
     unit = {column: f"{column} ms" for column in ("p50", "mean", "p95")}

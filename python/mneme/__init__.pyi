@@ -459,7 +459,6 @@ class RemotePlan:
     message: str
     path: Floats
     path_length: float
-    duration_s: float
     notes: list[str]
     total_time_s: float
     planning_time_s: float
@@ -618,6 +617,8 @@ class BenchmarkRow:
     def states_checked(self) -> int: ...
     @property
     def path_length(self) -> float: ...
+    @property
+    def duration_s(self) -> float: ...
     @property
     def components(self) -> int: ...
 
