@@ -127,6 +127,7 @@ struct PlanOptions {
   std::optional<Configuration> goal;
   std::vector<PoseGoal> goal_poses;
   std::vector<OrientationConstraint> upright;
+  std::optional<double> self_filter;
   std::string db;
   DatabaseSettings kept;
   PlanFiles files;
@@ -169,6 +170,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides->goal = options.goal;
   overrides->pose_goals = options.goal_poses;
   overrides->constraints = options.upright;
+  overrides->self_filter = options.self_filter;
   Result<Problem> problem = read_problem(options.problem, *overrides);
   if (!problem) return tl::unexpected(problem.error());
   if (auto checked = check_files(options, *problem); !checked) {
@@ -333,6 +335,11 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
             "pose of a link instead of the problem's goals, in the frame of its scene; without the "
             "quaternion, any rotation; may be given several times, and beside --goal: any will do");
   add_upright(command, options.upright);
+  command
+      .add_option("--self-filter", options.self_filter,
+                  "metres: points of clouds that are nearer to the robot at its start are its own "
+                  "and left out; 0: only those in contact (default: none)")
+      ->type_name("X");
   command.add_option("--db", options.db,
                      "memory: an SQLite file; made if missing when there is a --learn-budget");
   add_database_memory(command, options.kept);

@@ -66,6 +66,7 @@ struct ProblemArguments {
   std::vector<PoseGoal> pose_goals;
   Constraints constraints;
   RobotOptions options;
+  std::optional<double> self_filter;
 };
 
 SharedProblem load(const ProblemArguments& arguments) {
@@ -76,6 +77,7 @@ SharedProblem load(const ProblemArguments& arguments) {
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   options.pose_goals = arguments.pose_goals;
   options.constraints = arguments.constraints;
+  options.self_filter = arguments.self_filter;
   const py::gil_scoped_release released;
   Problem problem = unwrap(load_problem(arguments.where, options));
   prepare(problem.robot);
@@ -95,20 +97,23 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
          py::object goal, std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
-         std::vector<std::string> package_paths) {
+         std::vector<std::string> package_paths, std::optional<double> self_filter) {
         RobotOptions options;
         options.srdf_path = srdf.string();
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
         return load({where.string(), robot.string(), std::move(start), std::move(goal),
-                     std::move(pose_goals), std::move(constraints), std::move(options)});
+                     std::move(pose_goals), std::move(constraints), std::move(options),
+                     self_filter});
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
-      py::arg("package_paths") = std::vector<std::string>(),
+      py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
-      "request of MoveIt. What is given besides replaces what the file says.");
+      "request of MoveIt. What is given besides replaces what the file says. self_filter: metres;\n"
+      "points of clouds that are nearer to the robot at its start are left out, which warnings\n"
+      "tell.");
 }
 
 void bind_variations(py::class_<SharedProblem>& problem) {
@@ -147,6 +152,16 @@ void bind_variations(py::class_<SharedProblem>& problem) {
 }  // namespace
 
 void bind_problem(py::module_& module) {
+  module.def(
+      "drop_own_points",
+      [](Scene& scene, const Robot& robot, const py::object& q, double distance) {
+        return unwrap(
+            drop_own_points(scene, robot, to_vector(q, robot.joint_count(), "q"), distance));
+      },
+      py::arg("scene"), py::arg("robot"), py::arg("q"), py::arg("distance"),
+      "Takes out of the scene's clouds the points that are nearer than distance, metres, to the\n"
+      "robot at q, shape (joint_count,), which sensors see too. A sentence for each obstacle that\n"
+      "lost some.");
   module.def(
       "list_problems",
       [](const std::filesystem::path& path) { return unwrap(list_problems(path.string())); },

@@ -79,6 +79,9 @@ struct ProblemOptions {
   std::vector<PoseGoal> pose_goals = {};
   /// Besides those of the problem: `up` is in the frame of the problem's scene.
   std::vector<OrientationConstraint> constraints = {};
+  /// Metres of drop_own_points at the start, instead of what the problem says; its notes become
+  /// warnings. MoveIt's scenes have no clouds.
+  std::optional<double> self_filter = std::nullopt;
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a
@@ -87,6 +90,15 @@ struct ProblemOptions {
 /// goals are not validated here: that is part of planning.
 [[nodiscard]] Result<Problem> load_problem(const std::string& where,
                                            const ProblemOptions& options = {});
+
+/// Takes out of the scene's clouds the points of the robot itself, which sensors see too: those
+/// that are, with their radius, nearer than `distance` metres to a link's cover, or to what the
+/// robot carries, at `q`. With 0 no cloud is in contact there afterwards. A cloud without points
+/// left goes. A sentence for each obstacle that lost points. Errors: a distance that is below 0 or
+/// not finite; `q` is no configuration of the robot.
+[[nodiscard]] Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robot,
+                                                               std::span<const double> q,
+                                                               double distance);
 
 /// The scene of a scene file or of a problem, as the file gives it: no robot is read. `where` is
 /// what load_problem takes, or a scene file.

@@ -49,7 +49,7 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
                "this is a scene; expected a problem, which names robot, scene, start and goal");
   }
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "goal", "goals", "allow", "attached", "constraints"});
+                    "start", "goal", "goals", "allow", "attached", "constraints", "self_filter"});
   const auto named = input.find("name");
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
   return internal::read_problem({input, input, name, internal::directory_of(path),

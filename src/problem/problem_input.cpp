@@ -10,6 +10,7 @@
 #include "problem/attached_input.h"
 #include "problem/constraints.h"
 #include "problem/goals.h"
+#include "problem/self_filter.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -245,16 +246,18 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                                 contacts.link_pairs().end());
   if (!contacts.link_pairs().empty()) robot = allow(allowing);
   robot.robot = attach_to(robot.robot, std::move(attached), input.problem);
-  const std::vector<std::string>& notes = input.scene.warnings;
-  robot.warnings.insert(robot.warnings.end(), notes.begin(), notes.end());
-  for (std::string& note : describe_fixed_contacts(robot.robot, scene)) {
-    robot.warnings.push_back(std::move(note));
-  }
+  Configuration start = read_start(input.problem, robot.robot, options);
+  const auto add_notes = [&](const std::vector<std::string>& more) {
+    robot.warnings.insert(robot.warnings.end(), more.begin(), more.end());
+  };
+  add_notes(input.scene.warnings);
+  add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
+  add_notes(describe_fixed_contacts(robot.robot, scene));
   Problem problem{input.name,
                   robot.robot,
                   robot.path,
                   std::move(scene),
-                  read_start(input.problem, robot.robot, options),
+                  std::move(start),
                   {},
                   std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);

@@ -225,10 +225,10 @@ Problem read_problem_of_request(const Input& input, const ProblemOptions& option
 }
 
 PlanRequest read_plan(const Input& input, const RequestContext& context) {
-  input.allow_keys({"name",         "index",    "robot",     "joints",    "links",
-                    "joint_limits", "frame",    "scene",     "obstacles", "circles",
-                    "attached",     "allow",    "start",     "goal",      "goals",
-                    "constraints",  "settings", "clearance", "trace",     "remember"});
+  input.allow_keys({"name",      "index", "robot",     "joints",      "links",       "joint_limits",
+                    "frame",     "scene", "obstacles", "circles",     "attached",    "allow",
+                    "start",     "goal",  "goals",     "constraints", "self_filter", "settings",
+                    "clearance", "trace", "remember"});
   PlanRequest request{read_problem_of_request(input, {}, context), read_settings(input, context)};
   request.wants_clearance = read_switch(input, "clearance", false);
   request.wants_trace = read_switch(input, "trace", false);

@@ -70,9 +70,10 @@ struct DistanceByParts {
   template <class Part>
   double operator()(const Crowd<Part>& crowd) const {
     const Transform to_parts = crowd.pose.inverse();
+    const Vec3 from = to_parts * a, to = to_parts * b;
     double least = std::numeric_limits<double>::infinity();
     for (const Part& part : crowd.parts->list()) {
-      least = std::min(least, internal::distance_between(to_parts * a, to_parts * b, part));
+      least = std::min(least, internal::distance_between(from, to, part));
     }
     return std::max(0.0, least - crowd.radius);
   }
