@@ -15,6 +15,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
+#include <optional>
 
 namespace mneme::python {
 namespace {

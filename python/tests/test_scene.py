@@ -209,6 +209,19 @@ def test_points_and_meshes_are_added_from_arrays(robot):
     assert checker.is_valid(straight)
 
 
+def test_points_of_the_robot_itself_are_dropped(tmp_path):
+    robot = mneme.Robot.load("planar8")
+    scene = mneme.Scene()
+    scene.add_points("scan", [[1, 0, 0], [9, 9, 0]], radius=0.05)
+    file = tmp_path / "p.yaml"
+    file.write_text(mneme.Problem(robot, scene, np.zeros(8), np.ones(8)).to_yaml("planar8"))
+    assert mneme.Problem.load(file).warnings == []
+    assert "1 of 2 points" in mneme.Problem.load(file, self_filter=0.02).warnings[0]
+    assert len(mneme.drop_own_points(scene, robot, np.zeros(8), 0)) == 1
+    assert mneme.drop_own_points(scene, robot, np.zeros(8), 0) == []
+    assert raised(mneme.drop_own_points, scene, robot, np.zeros(8), -1)[0] == "invalid"
+
+
 def test_what_was_left_aside_of_a_scene_is_told(tmp_path):
     header = "ply\nformat ascii 1.0\nelement vertex 2\n"
     header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
