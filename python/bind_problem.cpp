@@ -150,9 +150,7 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       py::arg("scene").none(false), "The same problem in another scene, which is shared.");
 }
 
-}  // namespace
-
-void bind_problem(py::module_& module) {
+void bind_functions(py::module_& module) {
   module.def(
       "drop_own_points",
       [](Scene& scene, const Robot& robot, const py::object& q, double distance) {
@@ -167,6 +165,12 @@ void bind_problem(py::module_& module) {
       "list_problems",
       [](const std::filesystem::path& path) { return unwrap(list_problems(path.string())); },
       py::arg("path"), "Names of the problems in a compact file, for Problem.load('PATH#NAME').");
+}
+
+}  // namespace
+
+void bind_problem(py::module_& module) {
+  bind_functions(module);
   py::class_<SharedProblem> problem(
       module, "Problem", "A robot, a scene, a start and goals: the motion planning question.");
   bind_factories(problem);
