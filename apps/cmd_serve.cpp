@@ -14,11 +14,11 @@
 
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <utility>
 #include <pthread.h>
-#include <signal.h>
 
 namespace mneme::app {
 namespace {

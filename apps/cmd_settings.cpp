@@ -31,7 +31,7 @@ Json settings_of() {
                                const char* meaning) {
     using Setting = std::remove_cvref_t<decltype(value)>;
     using Value = SettingValue<Setting>;
-    constexpr bool kIsOptional = SettingTraits<Setting>::is_optional;
+    constexpr bool kIsOptional = SettingTraits<Setting>::kIsOptional;
     Json& setting = all.emplace_back(
         Json{{"name", name}, {"type", kTypeName<Value>}, {"optional", kIsOptional}});
     if constexpr (kIsOptional) {

@@ -66,7 +66,7 @@ void add_completion(CLI::App& program, Action& action);
 void add_manual(CLI::App& program, Action& action);
 void add_settings_list(CLI::App& program, Action& action);
 // The same for parts of a group that have a file of their own.
-void add_bench_report(CLI::App& group, Action& action);
+void add_bench_report(CLI::App& bench, Action& action);
 void add_db_upkeep(CLI::App& group, Action& action);
 void add_robot_ik(CLI::App& group, Action& action);
 void add_robot_spheres(CLI::App& group, Action& action);

@@ -24,12 +24,12 @@ namespace mneme {
 template <class T>
 struct SettingTraits {
   using Value = T;
-  static constexpr bool is_optional = false;
+  static constexpr bool kIsOptional = false;
 };
 template <class T>
 struct SettingTraits<std::optional<T>> {
   using Value = T;
-  static constexpr bool is_optional = true;
+  static constexpr bool kIsOptional = true;
 };
 template <class T>
 using SettingValue = typename SettingTraits<std::remove_const_t<T>>::Value;

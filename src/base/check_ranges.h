@@ -25,7 +25,7 @@ template <class Settings>
   };
   visit_settings(settings,
                  [&](const char* name, const auto& value, auto least, auto most, const char*) {
-                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+                   if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::kIsOptional) {
                      if (value) check(name, *value, least, most);
                    } else {
                      check(name, value, least, most);

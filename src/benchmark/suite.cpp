@@ -27,7 +27,7 @@ SettingTexts all_texts(const SolveSettings& settings) {
   SettingTexts texts;
   visit_all_settings(
       settings, [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
-        if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+        if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::kIsOptional) {
           texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
         } else {
           texts.emplace_back(name, fmt::format("{}", value));

@@ -19,7 +19,7 @@ class SettingsWriter {
   template <class T>
   void operator()(std::string_view name, const T& value, SettingValue<T>, SettingValue<T>,
                   std::string_view) const {
-    if constexpr (SettingTraits<T>::is_optional) {
+    if constexpr (SettingTraits<T>::kIsOptional) {
       if (value) map_[std::string(name)] = *value;
     } else {
       map_[std::string(name)] = value;

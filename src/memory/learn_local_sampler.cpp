@@ -78,7 +78,7 @@ std::string describe(const LearnSettings& settings) {
   std::string text;
   visit_settings(settings, [&](const char* name, const auto& value, auto, auto, const char*) {
     text += fmt::format("{}{}=", text.empty() ? "" : " ", name);
-    if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::is_optional) {
+    if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::kIsOptional) {
       text += value ? fmt::format("{}", *value) : "default";
     } else {
       text += fmt::format("{}", value);

@@ -28,7 +28,7 @@ TEST_SUITE("unit") {
       std::string text = row.substr(std::min(row.size(), flag.size() + 7));
       text = text.substr(0, text.find(" |"));
       using Setting = std::remove_cvref_t<decltype(value)>;
-      if constexpr (SettingTraits<Setting>::is_optional) {
+      if constexpr (SettingTraits<Setting>::kIsOptional) {
         CHECK(!value.has_value());
         CHECK(text == "-");
       } else if constexpr (std::is_same_v<Setting, bool>) {

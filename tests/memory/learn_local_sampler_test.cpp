@@ -222,7 +222,7 @@ TEST_SUITE("unit") {
     visit_settings(changed, [&](const char*, auto& value, auto, auto, const char*) {
       using Setting = std::remove_cvref_t<decltype(value)>;
       const Setting before = value;
-      if constexpr (SettingTraits<Setting>::is_optional) {
+      if constexpr (SettingTraits<Setting>::kIsOptional) {
         value = before ? Setting() : Setting(1);
       } else if constexpr (std::is_same_v<Setting, bool>) {
         value = !before;

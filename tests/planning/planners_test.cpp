@@ -61,7 +61,7 @@ TEST_SUITE("unit") {
                    [&](const char* name, auto& value, auto least, auto most, const char* sentence) {
                      CHECK(names.insert(name).second);
                      using Setting = std::remove_reference_t<decltype(value)>;
-                     if constexpr (SettingTraits<Setting>::is_optional) {
+                     if constexpr (SettingTraits<Setting>::kIsOptional) {
                        CHECK(!value.has_value());
                        CHECK(least < most);
                      } else {
