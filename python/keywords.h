@@ -44,7 +44,7 @@ class Keywords {
       known_.push_back(keyword);
       if (!arguments_.contains(keyword)) return;
       const py::object given = arguments_[keyword.c_str()];
-      if constexpr (SettingTraits<Setting>::is_optional) {
+      if constexpr (SettingTraits<Setting>::kIsOptional) {
         value.reset();
         if (given.is_none()) return;
         read(keyword, given, value.emplace(), static_cast<Value>(least), static_cast<Value>(most));
@@ -105,7 +105,7 @@ template <class Settings>
                         std::same_as<Value, bool> ? "bool"
                         : std::integral<Value>    ? "int"
                                                   : "float");
-    if constexpr (SettingTraits<Setting>::is_optional) {
+    if constexpr (SettingTraits<Setting>::kIsOptional) {
       text += " = None";
       if constexpr (!std::same_as<Value, bool>) {
         text += fmt::format(", {} to {}", static_cast<Value>(least), static_cast<Value>(most));
