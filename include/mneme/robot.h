@@ -54,12 +54,20 @@ struct MeshFile {
 /// Collision geometry that is not checked as it is, but covered with spheres (covering.h).
 using Solid = std::variant<Box, Cylinder, MeshFile>;
 
+/// What spheres of a link cover.
+struct Cover {
+  Mesh surface;          ///< of the solids, in the link's frame; all that it encloses is covered
+  int sphere_count = 0;  ///< the last ones of the link's spheres are the cover
+  double excess = 0;     ///< metres that they stick out at most, by samples
+};
+
 struct Link {
   std::string name;
-  int parent_joint = -1;          ///< -1 for the root
-  std::vector<Sphere> spheres;    ///< in the link's frame
-  std::vector<Capsule> capsules;  ///< in the link's frame
-  std::vector<Solid> solids;      ///< in the link's frame; a Robot has none
+  int parent_joint = -1;            ///< -1 for the root
+  std::vector<Sphere> spheres;      ///< in the link's frame
+  std::vector<Capsule> capsules;    ///< in the link's frame
+  std::vector<Solid> solids;        ///< in the link's frame; a Robot has none
+  std::optional<Cover> cover = {};  ///< of solids that became spheres
 };
 
 /// An object that a link carries, such as what a gripper holds.

@@ -119,19 +119,32 @@ namespace {
 /// What became of one link.
 struct Attempt {
   Result<LinkCover> cover;
+  TriangleMesh surface = {};
   bool is_found = false;
   bool is_stored = false;
 };
 
 Attempt attempt(const Link& link, const CoverSettings& settings, const CoverCache& cache) {
-  const auto surface = link_surface(link);
+  auto surface = link_surface(link);
   if (!surface) return {tl::unexpected(surface.error())};
   const std::string key = cover_key(*surface, settings);
   std::optional<LinkCover> known = cache.find(key);
-  Attempt result{known ? *std::move(known) : cover_solid(*surface, settings), known.has_value()};
-  if (!result.is_found) result.is_stored = cache.store(key, *result.cover);
+  const bool is_found = known.has_value();
+  Attempt result{is_found ? *std::move(known) : cover_solid(*surface, settings), {}, is_found};
+  if (!is_found) result.is_stored = cache.store(key, *result.cover);
   result.cover->link = link.name;
+  result.surface = *std::move(surface);
   return result;
+}
+
+/// Puts the spheres in the place of the solids.
+void replace_solids(Link& link, Attempt made) {
+  const std::vector<Sphere>& spheres = made.cover->spheres;
+  link.solids.clear();
+  link.spheres.insert(link.spheres.end(), spheres.begin(), spheres.end());
+  link.cover = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
+                static_cast<int>(spheres.size()),
+                made.cover->max_excess};
 }
 
 /// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has.
@@ -202,14 +215,12 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
   });
   CachedCovering result;
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const Attempt& made = attempts[i];
+    Attempt& made = attempts[i];
     if (!made.cover) return tl::unexpected(made.cover.error());
-    links[i]->solids.clear();
-    links[i]->spheres.insert(links[i]->spheres.end(), made.cover->spheres.begin(),
-                             made.cover->spheres.end());
     result.covering.links.push_back(*made.cover);
     result.found += made.is_found ? 1 : 0;
     result.stored += made.is_stored ? 1 : 0;
+    replace_solids(*links[i], std::move(made));
   }
   result.covering.parts = std::move(parts);
   return result;

@@ -39,29 +39,6 @@ double distance2_to_box(const Vec3& p, const Vec3& low, const Vec3& high) {
   return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
 }
 
-bool meets_box(const Vec3& origin, const Vec3& inverse, const Vec3& low, const Vec3& high) {
-  const Vec3 t0 = (low - origin).cwiseProduct(inverse);
-  const Vec3 t1 = (high - origin).cwiseProduct(inverse);
-  return t0.cwiseMin(t1).maxCoeff() <= t0.cwiseMax(t1).minCoeff();
-}
-
-/// Where along the line the triangle is crossed: 1 ahead, -1 behind, 0 not at all. By Moller and
-/// Trumbore, DOI 10.1080/10867651.1997.10487468.
-int crossing(const Vec3& origin, const Vec3& direction, const Triangle& t) {
-  const Vec3 ab = t.b - t.a;
-  const Vec3 ac = t.c - t.a;
-  const Vec3 p = direction.cross(ac);
-  const double determinant = ab.dot(p);
-  if (determinant == 0) return 0;
-  const Vec3 offset = origin - t.a;
-  const double u = offset.dot(p) / determinant;
-  if (u < 0 || u > 1) return 0;
-  const Vec3 q = offset.cross(ab);
-  const double v = direction.dot(q) / determinant;
-  if (v < 0 || u + v > 1) return 0;
-  return ac.dot(q) / determinant > 0 ? 1 : -1;
-}
-
 }  // namespace
 
 TriangleTree::TriangleTree(TriangleMesh mesh) : mesh_(std::move(mesh)) {
@@ -119,39 +96,23 @@ void TriangleTree::nearest(int index, const Vec3& point, double& least2) const {
   if (far2 < least2) nearest(far, point, least2);
 }
 
-bool TriangleTree::is_odd_both_ways(const Vec3& origin, const Vec3& direction) const {
-  const Vec3 inverse = direction.cwiseInverse();
-  int ahead = 0;
-  int behind = 0;
+Crossings TriangleTree::crossings_of(const Line& line) const {
+  Crossings crossings;
   std::vector<int> open = {0};
   while (!open.empty()) {
     const int index = open.back();
     open.pop_back();
     const Node& node = nodes_[as_index(index)];
-    if (!meets_box(origin, inverse, node.low, node.high)) continue;
-    for (int i = 0; i < node.count; ++i) {
-      const int side = crossing(origin, direction, mesh_[as_index(node.first + i)]);
-      ahead += side > 0 ? 1 : 0;
-      behind += side < 0 ? 1 : 0;
-    }
+    if (!line.meets({node.low, node.high})) continue;
+    for (int i = 0; i < node.count; ++i) line.cross(mesh_[as_index(node.first + i)], crossings);
     if (node.count == 0) open.insert(open.end(), {index + 1, node.right});
   }
-  return ahead % 2 == 1 && behind % 2 == 1;
+  return crossings;
 }
 
 bool TriangleTree::is_enclosed(const Vec3& point) const {
-  if (nodes_.empty()) return false;
-  // In no plane that models tend to have faces in, so that a line rarely runs along an edge.
-  static const std::array<Vec3, 5> kDirections = {
-      Vec3(0.8165, 0.4373, 0.3767), Vec3(-0.3419, 0.8721, 0.3503), Vec3(0.2911, -0.3673, 0.8834),
-      Vec3(-0.6173, -0.5231, 0.5877), Vec3(0.4813, -0.6329, -0.6067)};
-  int yes = 0;
-  int no = 0;
-  for (const Vec3& direction : kDirections) {
-    ++(is_odd_both_ways(point, direction) ? yes : no);
-    if (std::max(yes, no) == 3) break;
-  }
-  return yes == 3;
+  return !nodes_.empty() &&
+         internal::is_enclosed(point, [&](const Line& line) { return crossings_of(line); });
 }
 
 }  // namespace mneme::internal

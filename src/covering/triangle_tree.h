@@ -5,6 +5,7 @@
 #pragma once
 
 #include "covering/triangle_mesh.h"
+#include "geometry/enclosure.h"
 
 #include <limits>
 #include <vector>
@@ -21,8 +22,7 @@ class TriangleTree {
   /// Distance from `point` to the nearest triangle; infinite if that is not less than `limit`.
   [[nodiscard]] double distance(const Vec3& point,
                                 double limit = std::numeric_limits<double>::infinity()) const;
-  /// True if most of five fixed lines through `point` cross the surface an odd number of times on
-  /// either side. The direction in which triangles turn does not matter, and holes rarely do.
+  /// By the vote of lines (geometry/enclosure.h).
   [[nodiscard]] bool is_enclosed(const Vec3& point) const;
 
  private:
@@ -35,7 +35,7 @@ class TriangleTree {
   };
   int build(int first, int count);
   void nearest(int node, const Vec3& point, double& least2) const;
-  [[nodiscard]] bool is_odd_both_ways(const Vec3& origin, const Vec3& direction) const;
+  [[nodiscard]] Crossings crossings_of(const Line& line) const;
 
   TriangleMesh mesh_;
   std::vector<Node> nodes_;

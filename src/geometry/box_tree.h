@@ -37,11 +37,12 @@ class BoxTree {
   /// Positions of parts in their list.
   [[nodiscard]] const std::vector<int>& order() const { return order_; }
 
-  /// The part nearest to something that lies in `around`; `distance_to(i)` is its distance from
-  /// part i.
+  /// The part nearest to something that lies in `around`, if it is closer than `limit`;
+  /// `distance_to(i)` is its distance from part i.
   template <class DistanceTo>
-  [[nodiscard]] NearestPart nearest(const AxisBox& around, const DistanceTo& distance_to) const {
-    NearestPart best;
+  [[nodiscard]] NearestPart nearest(const AxisBox& around, const DistanceTo& distance_to,
+                                    double limit = std::numeric_limits<double>::infinity()) const {
+    NearestPart best{-1, limit};
     if (!nodes_.empty()) search(0, around, distance_to, best);
     return best;
   }

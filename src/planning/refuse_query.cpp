@@ -7,37 +7,73 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 
 namespace mneme {
 namespace {
 
 bool is_near(const Contact& contact) { return contact.distance >= 0; }
 
+std::string describe(const Contact& contact) {
+  const std::string_view kind = contact.is_self ? "link" : "obstacle";
+  return is_near(contact) ? fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link,
+                                        contact.distance, kind, contact.other)
+                          : fmt::format("link '{}' touches {} '{}' by {:.2g} mm", contact.link,
+                                        kind, contact.other, -1e3 * contact.distance);
+}
+
+std::string describe(const CoveredContact& behind) {
+  const bool are_two = behind.covers == 2;
+  const std::string covers =
+      fmt::format("{} out by up to {:.2g} mm",
+                  are_two ? "the covers together stick" : "a cover sticks", 1e3 * behind.excess);
+  if (behind.distance == 0) return fmt::format(" ({}; what is covered touches, too)", covers);
+  return fmt::format(" ({}; what is covered is {:.2g} mm away)", covers, 1e3 * behind.distance);
+}
+
+/// Why a configuration is refused, and what would help.
+struct Refusal {
+  std::string reason;
+  std::string advice = {};
+};
+
+/// `room` is the least distance between what is covered, metres per cover.
+std::string advise(double room) {
+  constexpr double kFinest = 0.001;
+  const double excess = kFinest * std::floor(room / kFinest);
+  if (!(excess >= kFinest) || !std::isfinite(excess)) return {};
+  return fmt::format(
+      ". Try finer covers (`mneme robot spheres --excess {:.3g}`), or `allow` what may touch",
+      excess);
+}
+
 /// Contacts first, then what is only within the margin.
-std::string describe_contacts(std::vector<Contact> contacts, double margin) {
+Refusal describe_contacts(const CollisionChecker& checker, const Configuration& q,
+                          std::vector<Contact> contacts) {
   constexpr std::size_t kMostNamed = 4;
   std::stable_partition(contacts.begin(), contacts.end(), std::not_fn(is_near));
   std::string text = is_near(contacts.front())
-                         ? fmt::format(" is within the margin of {:.4g} m: ", margin)
+                         ? fmt::format(" is within the margin of {:.4g} m: ", checker.margin())
                          : " is in contact: ";
-  for (std::size_t i = 0; i < std::min(contacts.size(), kMostNamed); ++i) {
-    const Contact& contact = contacts[i];
-    text += fmt::format(
-        "{}link '{}' {} {} '{}'", i == 0 ? "" : ", ", contact.link,
-        is_near(contact) ? fmt::format("is {:.2g} m from", contact.distance) : "touches",
-        contact.is_self ? "link" : "obstacle", contact.other);
-    if (!is_near(contact)) text += fmt::format(" by {:.2g} mm", -1e3 * contact.distance);
+  double room = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const auto behind = look_behind_covers(checker.robot(), checker.scene(), q, contacts[i]);
+    const double margin = contacts[i].is_self ? 0 : checker.margin();
+    room = behind ? std::min(room, (behind->distance - margin) / behind->covers) : 0;
+    if (i >= kMostNamed) continue;
+    text += (i == 0 ? "" : ", ") + describe(contacts[i]) + (behind ? describe(*behind) : "");
   }
   if (contacts.size() > kMostNamed)
     text += fmt::format(" and {} more", contacts.size() - kMostNamed);
-  return text;
+  return {std::move(text), advise(room)};
 }
 
 /// What `q`, a configuration of the robot, is in contact with, or nothing. The kernels decide,
 /// because they are what the planner sees; exact distances, which cost a thousand times more, have
 /// their say close to contact.
-std::optional<std::string> find_contact(const CollisionChecker& checker, const Configuration& q) {
+std::optional<Refusal> find_contact(const CollisionChecker& checker, const Configuration& q) {
   const Configuration inside = checker.robot().normalized(q);
   const std::vector<float> values = internal::to_floats(inside);
   CheckCounters ignored;
@@ -45,9 +81,9 @@ std::optional<std::string> find_contact(const CollisionChecker& checker, const C
     return std::nullopt;
   }
   const std::vector<Contact> contacts = checker.contacts(inside);
-  if (!contacts.empty()) return describe_contacts(contacts, checker.margin());
+  if (!contacts.empty()) return describe_contacts(checker, inside, contacts);
   if (!checker.is_valid(std::span<const float>(values))) {
-    return " is within rounding error of contact";
+    return Refusal{" is within rounding error of contact"};
   }
   return std::nullopt;
 }
@@ -69,9 +105,9 @@ std::optional<std::string> find_problem(const CollisionChecker& checker, const C
                                         const std::string& what) {
   if (auto violation = checker.robot().describe_violation(q, what)) return violation;
   if (const auto tilt = find_tilt(checker, q)) return what + *tilt;
-  auto contact = find_contact(checker, q);
+  const auto contact = find_contact(checker, q);
   if (!contact) return std::nullopt;
-  return what + *std::move(contact);
+  return what + contact->reason + contact->advice;
 }
 
 std::string name_of_goal(std::size_t goal, std::size_t count) {
@@ -110,7 +146,7 @@ std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
     const bool is_sound = !checker.robot().describe_violation(goals[i], "goal");
     const auto contact = is_sound ? find_contact(checker, goals[i]) : std::nullopt;
     if (contact) {
-      notes.push_back(name_of_goal(i, goals.size()) + *contact + ": left out");
+      notes.push_back(name_of_goal(i, goals.size()) + contact->reason + ": left out");
     } else {
       kept.push_back(goals[i]);
     }

@@ -127,6 +127,13 @@ TEST_SUITE("unit") {
     CHECK(links[0].capsules.size() == 1);
     CHECK(links[1].spheres.size() == 1);
     CHECK(links[2].spheres.size() == covering->links[1].spheres.size());
+    CHECK_FALSE(links[1].cover.has_value());
+    for (const std::size_t i : {0, 1}) {
+      const Cover& cover = links[2 * i].cover.value();
+      CHECK(cover.sphere_count == std::ssize(covering->links[i].spheres));
+      CHECK(cover.excess == covering->links[i].max_excess);
+    }
+    CHECK(links[0].cover->surface.parts->list().size() == 12);
   }
 
   TEST_CASE("covers are made once for each settings, and made again if they were damaged") {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/covering.h"
+
 #include "support/support.h"
 
 #include <fmt/format.h>
@@ -13,6 +15,26 @@ CollisionChecker checker_of(const std::vector<std::array<double, 3>>& circles) {
   auto checker = CollisionChecker::make(planar8(), make_circle_scene("circles", circles));
   REQUIRE(checker.has_value());
   return *checker;
+}
+
+/// Two links in a row, the second one of which is a covered box.
+Robot covered_arm() {
+  const auto parts = parse_robot_parts(
+      R"(<robot name="arm"><link name="l0"/>
+      <link name="l1"><collision><origin xyz="0.4 0 0"/><geometry><box size="1 0.2 0.2"/></geometry>
+      </collision></link><link name="l2"/>
+      <joint name="j1" type="revolute"><parent link="l0"/><child link="l1"/>
+      <origin xyz="1 0 0"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1"/></joint>
+      <joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/>
+      <origin xyz="1 0 0"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1"/></joint>
+      </robot>)",
+      "arm.urdf");
+  REQUIRE(parts.has_value());
+  const auto covering = cover_robot(*parts);
+  REQUIRE(covering.has_value());
+  const auto robot = make_robot(covering->parts);
+  REQUIRE(robot.has_value());
+  return *robot;
 }
 
 const Configuration kStraight(8, 0.0);
@@ -37,6 +59,34 @@ TEST_SUITE("unit") {
     REQUIRE(refused.has_value());
     const double depth = 1e3 * checker_of({{5, 0.9, 1}}).contacts(kStraight)[0].distance;
     CHECK(refused->message.ends_with(fmt::format("'circle_1' by {:.2g} mm", -depth)));
+  }
+
+  TEST_CASE("a cover that touches says how far it sticks out, and where its solid is") {
+    // The arm's second link is a box between x = 0.9 and x = 1.9, 0.2 m thick.
+    const Robot robot = covered_arm();
+    const double excess = 1e3 * robot.links()[1].cover->excess;
+    REQUIRE(excess > 3);
+    const auto refuse = [&](const Shape& shape, double margin = 0) {
+      const auto checker =
+          CollisionChecker::make(robot, {"scene", {{"shelf", {shape}}}}, {.margin = margin});
+      REQUIRE(checker.has_value());
+      const auto refused = refuse_query(*checker, {Configuration{0, 0}, {Configuration{0, 1}}});
+      REQUIRE(refused.has_value());
+      return refused->message;
+    };
+    const Box above{{Eigen::Matrix3d::Identity(), {1.4, 0, 0.202}}, {0.5, 0.1, 0.1}};
+    const std::string message = refuse(above);
+    INFO(message);
+    CHECK(message.starts_with("start is in contact: link 'l1' touches obstacle 'shelf' by "));
+    CHECK(message.find(fmt::format(" mm (a cover sticks out by up to {:.2g} mm; what is covered is "
+                                   "2 mm away). Try finer covers (`mneme robot spheres --excess "
+                                   "0.002`), or `allow` what may touch",
+                                   excess)) != std::string::npos);
+    Box lower = above;
+    lower.pose.translation.z() -= 0.003;
+    CHECK(refuse(lower).ends_with(" mm; what is covered touches, too)"));
+    CHECK(refuse(Sphere{{1.4, 0, 0.01}, 0.01}).ends_with(" mm; what is covered touches, too)"));
+    CHECK(refuse(above, 0.0015).ends_with("what is covered is 2 mm away)"));
   }
 
   TEST_CASE("goals in contact are left out with a note, unless all are") {

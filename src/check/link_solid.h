@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Links as they were before they were covered.
+#pragma once
+
+#include "mneme/robot.h"
+
+#include <vector>
+
+namespace mneme::internal {
+
+/// The shapes that a link has besides its cover, and what that covers, at a pose.
+class LinkSolid {
+ public:
+  LinkSolid(const Link& link, const Transform& X_WL);
+
+  /// Metres, by distance_to_solid (geometry/solid_distance.h): 0 if they meet.
+  [[nodiscard]] double distance_to(const Shape& shape) const;
+  [[nodiscard]] double distance_to(const LinkSolid& other) const;
+
+ private:
+  std::vector<Capsule> shapes_;
+  std::vector<Mesh> surfaces_;  ///< one, or none if nothing was covered
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/enclosure.h"
+
+#include <Eigen/Geometry>
+
+namespace mneme::internal {
+
+bool Line::meets(const AxisBox& box) const {
+  const Vec3 t0 = (box.low - origin_).cwiseProduct(inverse_);
+  const Vec3 t1 = (box.high - origin_).cwiseProduct(inverse_);
+  return t0.cwiseMin(t1).maxCoeff() <= t0.cwiseMax(t1).minCoeff();
+}
+
+// By Moller and Trumbore, DOI 10.1080/10867651.1997.10487468.
+void Line::cross(const Triangle& t, Crossings& crossings) const {
+  const Vec3 ab = t.b - t.a;
+  const Vec3 ac = t.c - t.a;
+  const Vec3 p = direction_.cross(ac);
+  const double determinant = ab.dot(p);
+  if (determinant == 0) return;
+  const Vec3 offset = origin_ - t.a;
+  const double u = offset.dot(p) / determinant;
+  if (u < 0 || u > 1) return;
+  const Vec3 q = offset.cross(ab);
+  const double v = direction_.dot(q) / determinant;
+  if (v < 0 || u + v > 1) return;
+  ++(ac.dot(q) / determinant > 0 ? crossings.ahead : crossings.behind);
+}
+
+const std::array<Vec3, 5>& line_directions() {
+  static const std::array<Vec3, 5> directions = {
+      Vec3(0.8165, 0.4373, 0.3767), Vec3(-0.3419, 0.8721, 0.3503), Vec3(0.2911, -0.3673, 0.8834),
+      Vec3(-0.6173, -0.5231, 0.5877), Vec3(0.4813, -0.6329, -0.6067)};
+  return directions;
+}
+
+}  // namespace mneme::internal

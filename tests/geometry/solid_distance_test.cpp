@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/solid_distance.h"
+
+#include "geometry/fcl_shapes.h"
+#include "geometry/random_crowds.h"
+#include "support/support.h"
+
+#include <array>
+
+namespace mneme::test {
+namespace {
+
+using internal::distance_to_solid;
+
+std::vector<Triangle> surface_of(const Box& box) {
+  const auto corner = [&](int i) {
+    const Vec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    return Vec3(box.pose * sign.cwiseProduct(box.half_extents));
+  };
+  constexpr std::array<std::array<int, 4>, 6> kFaces = {
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  std::vector<Triangle> triangles;
+  for (const auto& f : kFaces) {
+    triangles.push_back({corner(f[0]), corner(f[1]), corner(f[2])});
+    triangles.push_back({corner(f[0]), corner(f[2]), corner(f[3])});
+  }
+  return triangles;
+}
+
+Box random_box(Rng& rng) {
+  return {random_pose(rng, 0.8), random_vector(rng, 0.8).cwiseAbs() + Vec3::Constant(0.02)};
+}
+
+Mesh joined(const Box& a, const Box& b) {
+  std::vector<Triangle> triangles = surface_of(a);
+  for (const Triangle& t : surface_of(b)) triangles.push_back(t);
+  return crowd_of(std::move(triangles));
+}
+
+/// From a solid box, part by part.
+struct FromBox {
+  const Box& box;
+  template <class Solid>
+  double operator()(const Solid& solid) const {
+    return fcl_distance(box, solid);
+  }
+  double operator()(const Sphere& s) const {
+    return std::max(0.0, distance(s.center, box) - s.radius);
+  }
+  double operator()(const Capsule& s) const {
+    return std::max(0.0, distance_to_segment(s.a, s.b, box) - s.radius);
+  }
+  double operator()(const PointCloud& s) const {
+    double least = 1e9;
+    for (const auto& [x, y, z] : s.parts->list()) {
+      least = std::min(least, distance(s.pose * Vec3(x, y, z), box));
+    }
+    return std::max(0.0, least - s.radius);
+  }
+  double operator()(const Octree& s) const {
+    double least = 1e9;
+    for (const Cube& cube : s.parts->list()) {
+      const Box part{s.pose * Transform{Eigen::Matrix3d::Identity(), cube.center},
+                     Vec3::Constant(cube.half_extent)};
+      least = std::min(least, fcl_distance(box, part));
+    }
+    return least;
+  }
+  double operator()(const Mesh& s) const {
+    double least = 1e9;
+    for (const Triangle& t : s.parts->list()) {
+      const Mesh part{s.pose, std::make_shared<Parts<Triangle>>(std::vector{t}), 0};
+      least = std::min(least, fcl_distance(box, part));
+    }
+    return std::max(0.0, least - s.radius);
+  }
+};
+
+TEST_SUITE("oracle") {
+  TEST_CASE("the surface of a box is as far from any shape as the box") {
+    Rng rng(71);
+    int apart = 0, together = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Box box = random_box(rng);
+      const Mesh surface = crowd_of(surface_of(box));
+      const Shape shape =
+          i % 8 < 4 ? random_shape(i % 8, rng)
+                    : transformed(random_pose(rng, 1.5),
+                                  std::array{random_cloud, random_mesh, random_octree}[i % 3](rng));
+      const double expected = std::visit(FromBox{box}, shape);
+      INFO("seed 71, pair " << i << ", " << shape_name(shape));
+      CHECK(distance_to_solid(surface, shape) == doctest::Approx(expected).epsilon(1e-5));
+      (expected > 0 ? apart : together) += 1;
+    }
+    CHECK(apart > 100);
+    CHECK(together > 60);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("poses of the surface and of the world do not matter") {
+    Rng rng(72);
+    for (int i = 0; i < 60; ++i) {
+      const Mesh surface = crowd_of(surface_of(random_box(rng)));
+      const Shape shape = random_shape(i % kShapeKinds, rng);
+      const Transform X = random_pose(rng, 2.0);
+      CHECK(distance_to_solid(std::get<Mesh>(transformed(X, surface)), transformed(X, shape)) ==
+            doctest::Approx(distance_to_solid(surface, shape)).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  const Box kBox{{}, {0.5, 0.5, 0.5}};
+
+  TEST_CASE("what lies wholly inside touches") {
+    const Mesh surface = crowd_of(surface_of(kBox));
+    const Vec3 middle(0.1, 0.05, -0.1);
+    const std::vector<CloudPoint> points = {{2, 0, 0}, {0.1F, 0.1F, 0.1F}};
+    const std::vector<Shape> inside = {Sphere{middle, 0.1},
+                                       Capsule{middle, -middle, 0.05},
+                                       Box{{Eigen::Matrix3d::Identity(), middle}, {0.1, 0.1, 0.1}},
+                                       Cylinder{{}, 0.1, 0.1},
+                                       crowd_of(points, 0.01),
+                                       crowd_of(surface_of(Box{{}, {0.1, 0.1, 0.1}})),
+                                       crowd_of(std::vector<Cube>{{middle, 0.1}})};
+    for (const Shape& shape : inside) {
+      INFO(shape_name(shape));
+      CHECK(distance_to_solid(surface, shape) == 0);
+    }
+  }
+
+  TEST_CASE("what holds all of the surface touches it, but for a mesh") {
+    const Mesh surface = crowd_of(surface_of(kBox));
+    CHECK(distance_to_solid(surface, Sphere{Vec3::Zero(), 3}) == 0);
+    CHECK(distance_to_solid(surface, Box{{}, {2, 2, 2}}) == 0);
+    CHECK(distance_to_solid(surface, Cylinder{{}, 2, 4}) == 0);
+    CHECK(distance_to_solid(surface, crowd_of(std::vector<Cube>{{Vec3::Zero(), 2}})) == 0);
+    CHECK(distance_to_solid(surface, crowd_of(surface_of(Box{{}, {2, 2, 2}}))) ==
+          doctest::Approx(1.5));
+  }
+
+  TEST_CASE("where two solids overlap is inside") {
+    const Mesh both = joined(kBox, {{Eigen::Matrix3d::Identity(), {0.4, 0, 0}}, {0.5, 0.5, 0.5}});
+    CHECK(distance_to_solid(both, Sphere{{0.2, 0, 0}, 0.05}) == 0);
+    CHECK(distance_to_solid(both, Sphere{{-0.3, 0, 0}, 0.05}) == 0);
+    CHECK(distance_to_solid(both, Sphere{{1.5, 0, 0}, 0.05}) == doctest::Approx(0.55));
+  }
+
+  TEST_CASE("an opening does not let the outside in") {
+    std::vector<Triangle> open = surface_of(kBox);
+    open.resize(10);
+    CHECK(distance_to_solid(crowd_of(open), Sphere{Vec3::Zero(), 0.05}) == 0);
+    CHECK(distance_to_solid(crowd_of(open), Sphere{{0, 0, 2}, 0.05}) == doctest::Approx(1.45));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
