@@ -94,7 +94,7 @@ TEST_SUITE("unit") {
         {[](auto& p) { p.links[1].spheres[0].radius = 1e7; }, "link 'l1': a sphere", 1, -1},
         {[](auto& p) { p.joints[0].origin.translation.x() = -1e7; }, "within 1000000 m", -1, 0},
         {[](auto& p) {
-           p.links[1].capsules = {{{}, {}, -1}};
+           p.links[1].capsules = {{Vec3::Zero(), Vec3::Zero(), -1}};
          },
          "link 'l1': a capsule", 1, -1},
         {[](auto& p) { p.joints[2].child_link = 1; }, "child of two joints, 'j1' and 'j3'", -1, 2},
