@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/solid_distance.h"
-
 #include "geometry/fcl_shapes.h"
 #include "geometry/random_crowds.h"
+#include "geometry/solid_distance.h"
 #include "support/support.h"
 
 #include <array>
