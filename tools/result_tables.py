@@ -12,16 +12,20 @@ bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
   <!-- ratios NAME show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
   <!-- difficulty NAME show=COLUMNS baseline=SETTING -->
+  <!-- growth NAME show=QUERIES baseline=SETTING -->
   <!-- /rows -->
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
 bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
 difficulty: tasks, which are problems whose names agree up to an underscore, by the baseline's median for them, with solved, p50,
-mean and p95 of each setting, whose name up to a comma counts. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
+mean and p95 of each setting, whose name up to a comma counts. growth: sums of
+total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
+from which on it has taken less in all. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
 """
 import argparse
 import csv
+import itertools
 import json
 import lzma
 import math
@@ -33,7 +37,7 @@ import subprocess
 import sys
 import tempfile
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
@@ -217,6 +221,30 @@ def difficulty_lines(results, names, options, where):
     return [f"{options['baseline']} needs", "", *(unit.get(column, column) for column in options["show"])], lines
 
 
+def cumulative(rows):
+    return list(itertools.accumulate(float(row["total_time_s"]) for row in rows))
+
+
+def growth_lines(results, names, options, where):
+    by_set = {}
+    for row in (row for name in names for row in results.rows(name)):
+        by_set.setdefault(row["set"], {}).setdefault(row["setting"], []).append(row)
+    lines = []
+    for title, settings in by_set.items():
+        base = settings.pop(options.get("baseline"), [])
+        for setting, grown in settings.items():
+            if [row["problem"] for row in grown] != [row["problem"] for row in base]:
+                raise Mistake(f"set {title}: expected baseline={options.get('baseline')} and {setting} on the same problems in the same order")
+            times, base_times = cumulative(grown), cumulative(base)
+            behind = [i for i, (this, that) in enumerate(zip(times, base_times)) if this >= that]
+            pays = behind[-1] + 2 if behind else 1
+            replayed = sum(row["replayed"] != "0" for row in grown)
+            sums = [f"{base_times[int(n) - 1]:.3g} → {times[int(n) - 1]:.3g}" for n in options["show"]]
+            lines.append([title, setting.partition(",")[0], f"{replayed} of {len(grown)}", *sums, factor(base_times[-1] / times[-1]),
+                          str(pays) if pays <= len(times) else "not yet"])
+    return ["", "", "replayed", *(f"s after {n}" for n in options["show"]), "in all", "pays from query"], lines
+
+
 def said_of(results, names, told):
     """By which commands the rows came to be, but for those that the document has told."""
     said = []
@@ -232,7 +260,7 @@ def said_of(results, names, told):
 
 def block(results, kind, words, told):
     names, options, where = parse(words)
-    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines}[kind]
+    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines, "growth": growth_lines}[kind]
     titles, lines = make_lines(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")

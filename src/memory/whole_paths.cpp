@@ -66,7 +66,8 @@ class PathWarper {
         goal_(goal.begin(), goal.end()),
         start_shift_(joints_),
         goal_shift_(joints_),
-        delta_(joints_) {}
+        delta_(joints_),
+        at_(joints_) {}
 
   /// The waypoints between the ends, each twice: bent in proportion and as it was.
   void add(std::span<const float> path, std::vector<float>& means) {
@@ -82,24 +83,46 @@ class PathWarper {
     }
   }
 
-  /// The whole path from the query's start to its goal. What is far from an end stays as it was:
-  /// where the path is close to something, that is free, and little beside it.
+  /// The whole path from the query's start to its goal. What is further from an end than kRunPerShift
+  /// times its shift stays as it was: where the path is close to something, that is free, and
+  /// little beside it.
   std::vector<std::vector<float>> bend(std::span<const float> path) {
     const std::size_t count = path.size() / joints_;
-    std::vector<std::vector<float>> bent(count, std::vector<float>(joints_));
     const bool is_reversed = measure(path, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const float fraction = lengths_[i] / lengths_.back();
-      write_bent(path.data() + i * joints_, near_end(1 - fraction), near_end(fraction),
-                 bent[i].data());
+    const float length = lengths_.back();
+    const float start_run = run_of(start_off_), goal_run = run_of(goal_off_);
+    std::vector<float> ways = lengths_;
+    for (const float way : {start_run, length - goal_run}) {
+      if (way > kLeastLength && way < length - kLeastLength) ways.push_back(way);
+    }
+    std::ranges::sort(ways);
+    std::vector<std::vector<float>> bent;
+    for (const float way : ways) {
+      write_at(path, way, at_.data());
+      write_bent(at_.data(), std::max(0.0f, 1 - way / start_run),
+                 std::max(0.0f, 1 - (length - way) / goal_run), bent.emplace_back(joints_).data());
     }
     if (is_reversed) std::ranges::reverse(bent);
     return bent;
   }
 
  private:
-  /// Its fourth power leaves 6 % of a shift half way along the path.
-  static float near_end(float fraction) { return fraction * fraction * fraction * fraction; }
+  float run_of(float shift) const {
+    return std::clamp(kRunPerShift * shift, kLeastLength, lengths_.back());
+  }
+
+  /// The configuration at `way` from the path's start.
+  void write_at(std::span<const float> path, float way, float* q) {
+    const auto next = std::ranges::upper_bound(lengths_, way);
+    const auto i = std::min<std::size_t>(static_cast<std::size_t>(next - lengths_.begin()),
+                                         lengths_.size() - 1) -
+                   1;
+    const float* from = path.data() + i * joints_;
+    space_.difference(from, from + joints_, delta_.data());
+    const float length = lengths_[i + 1] - lengths_[i];
+    const float part = length > 0 ? (way - lengths_[i]) / length : 0;
+    for (std::size_t j = 0; j < joints_; ++j) q[j] = from[j] + part * delta_[j];
+  }
 
   void write_bent(const float* q, float start_part, float goal_part, float* bent) const {
     for (std::size_t j = 0; j < joints_; ++j) {
@@ -119,8 +142,9 @@ class PathWarper {
     const float* last = path.data() + (count - 1) * joints_;
     const bool is_reversed = distance(first, goal_) + distance(last, start_) <
                              distance(first, start_) + distance(last, goal_);
-    space_.difference(first, (is_reversed ? goal_ : start_).data(), start_shift_.data());
-    space_.difference(last, (is_reversed ? start_ : goal_).data(), goal_shift_.data());
+    start_off_ =
+        space_.difference(first, (is_reversed ? goal_ : start_).data(), start_shift_.data());
+    goal_off_ = space_.difference(last, (is_reversed ? start_ : goal_).data(), goal_shift_.data());
     lengths_.assign(count, 0);
     for (std::size_t i = 1; i < count; ++i) {
       const float* q = path.data() + i * joints_;
@@ -131,9 +155,12 @@ class PathWarper {
   }
 
   static constexpr float kLeastLength = 1e-6f;
+  /// Less brings an end to its place by a sharper corner.
+  static constexpr float kRunPerShift = 2;
   JointSpace space_;
   std::size_t joints_;
-  std::vector<float> start_, goal_, start_shift_, goal_shift_, delta_, lengths_;
+  std::vector<float> start_, goal_, start_shift_, goal_shift_, delta_, at_, lengths_;
+  float start_off_ = 0, goal_off_ = 0;  ///< lengths of the shifts
 };
 
 Result<std::vector<LocalPrimitive>> find_queries(const MemoryQuery& query, double) {

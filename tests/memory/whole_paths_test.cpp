@@ -5,6 +5,7 @@
 #include "support/kinds.h"
 #include "support/planar_memory.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mneme::test {
@@ -130,6 +131,26 @@ TEST_SUITE("unit") {
     const GaussianMixture mixture = warp(robot, {0.2, 0}, {0, 2.6}, {&row});
     REQUIRE(mixture.component_count() == 2);
     check_row(mixture, 0, {0.1, 1.3});
+  }
+
+  TEST_CASE("a known task is bent near its ends alone, whichever way round it was remembered") {
+    const Robot robot = planar_arm({1, 1, 1});
+    const Path path = {{0, 0, 0}, {0.4, 1, 0}, {1, 1, 1}, {1, 2, 1}};
+    const std::vector<Configuration> goal = {{1.06, 2.08, 1}};
+    for (const bool is_reversed : {false, true}) {
+      Path stored = path;
+      if (is_reversed) std::ranges::reverse(stored);
+      const Experience row = remember(robot, stored);
+      const Path bent =
+          kind_named("paths").bend({robot, Scene{}, &path.front(), goal}, goal.front(), row);
+      REQUIRE(bent.size() == 5);
+      CHECK(bent.front() == path.front());
+      CHECK(bent.back() == goal.front());
+      for (std::size_t i = 1; i < 3; ++i) CHECK(robot.distance(bent[i], path[i]) < 1e-6);
+      // The goal is 0.1 away: what is more than 0.2 before it is as it was.
+      const Configuration unmoved = {1, 1.8, 1};
+      CHECK(robot.distance(bent[3], unmoved) < 1e-6);
+    }
   }
 
   TEST_CASE("components stand in the order of the matches and count for their goal") {

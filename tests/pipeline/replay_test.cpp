@@ -89,10 +89,10 @@ TEST_SUITE("unit") {
     const SolveResult result = cell.solve();
     REQUIRE(result.replay.is_hit());
     const Path& path = result.plan.path;
-    REQUIRE(path.size() == 3);
+    REQUIRE(path.size() == 5);
     CHECK(path.front() == Configuration{0.1, 0.5});
-    CHECK(path[1][0] == doctest::Approx(1.00625));
-    CHECK(path[1][1] == doctest::Approx(1.49375));
+    CHECK(path[2][0] == doctest::Approx(1));
+    CHECK(path[2][1] == doctest::Approx(1.5));
     CHECK(path.back() == Configuration{2, 0.4});
     CHECK(result.replay.distance > 0.1);
     CHECK(result.replay.distance < 0.3);
