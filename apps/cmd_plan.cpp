@@ -276,7 +276,8 @@ Result<std::optional<Trajectory>> time_path(const PlanOptions& options, const Lo
 
 void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const SolveResult& result,
                   const std::optional<Trajectory>& trajectory) {
-  const PathMeasures measures = measure_path(loaded.problem, result.plan.path);
+  const PathMeasures measures =
+      measure_path(loaded.problem.robot, checked_scene(loaded.problem, result), result.plan.path);
   if (options.is_json) {
     const auto duration_s = trajectory ? std::optional(trajectory->duration_s()) : std::nullopt;
     fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));

@@ -176,6 +176,11 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly("means", &components_of,
                              "Retrieved components in the scene, shape (k, joint_count), float32.")
       .def_property_readonly(
+          "checked_scene",
+          [](const Plan& self) { return checked_scene(self.problem, self.result); },
+          "The problem's scene as it was checked: a copy, in which links whose covers alone touch "
+          "at the start or at a goal are checked by what they cover.")
+      .def_property_readonly(
           "notes", [](const Plan& self) { return self.result.notes; },
           "Goals that were left out, as there were others, and why.")
       .def_property_readonly(
@@ -285,7 +290,9 @@ void bind_pipeline(py::module_& module) {
       .def(
           "to_json",
           [](const Plan& self) {
-            const PathMeasures measures = measure_path(self.problem, self.result.plan.path);
+            const PathMeasures measures =
+                measure_path(self.problem.robot, checked_scene(self.problem, self.result),
+                             self.result.plan.path);
             return to_json(self.problem, self.result, 0, &measures);
           },
           "The text that `mneme plan --json` prints.")

@@ -201,16 +201,25 @@ struct SolveResult {
   /// The problem's but for those in contact, those that its poses were resolved to at first, and
   /// the one that was reached.
   std::vector<Configuration> goals;
-  std::vector<std::string> notes;  ///< for people: goals that were left out, and why
-  double goal_time_s = 0;          ///< of planning: resolving poses
-  double total_time_s = 0;         ///< solve() from call to return
-  double planning_time_s = 0;      ///< without what follows planning
+  /// For people: goals that were left out, pairs that were checked by solid, and why.
+  std::vector<std::string> notes;
+  /// The problem's with the pairs that were checked by solid (make_query_checker), if there are
+  /// any.
+  std::optional<Scene> scene;
+  double goal_time_s = 0;      ///< of planning: resolving poses
+  double total_time_s = 0;     ///< solve() from call to return
+  double planning_time_s = 0;  ///< without what follows planning
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;
   Isa isa = Isa::scalar;
 };
+
+/// The problem's scene as solve() checked it.
+[[nodiscard]] inline const Scene& checked_scene(const Problem& problem, const SolveResult& result) {
+  return result.scene ? *result.scene : problem.scene;
+}
 
 /// Resolves goals that are poses, decomposes the scene, retrieves or learns local samplers,
 /// synthesizes one sampler, plans, shortens and verifies. `database` may be null: then samplers

@@ -169,6 +169,21 @@ struct PlanResult {
 [[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
                                                              std::vector<Configuration>& goals);
 
+/// Metres that what is covered must be away, beyond the margin, where covers touch.
+inline constexpr double kSolidClearance = 1e-3;
+
+/// A checker for the way between the ends of a query.
+struct QueryChecker {
+  CollisionChecker checker;
+  std::vector<std::string> notes;  ///< pairs that are checked by solid, and why: a sentence each
+};
+/// CollisionChecker::make. Where, at the start or at a goal, nothing but covers of links touches
+/// obstacles, and what they cover is kSolidClearance away, these links are checked against these
+/// obstacles by solid (Obstacle::by_solid in the checker's scene): everywhere, not only there.
+[[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
+                                                      const CheckerSettings& settings,
+                                                      const PlanQuery& ends);
+
 /// Ends a search that another one has beaten. Asked by the thread that plans.
 class SearchLimit {
  public:

@@ -33,8 +33,8 @@ struct PathMeasures {
   std::optional<LeastClearance> clearance;  ///< nothing without obstacles
 };
 /// Looks at exact distances along `path` at the planners' resolution, and sixteen times finer where
-/// they are least. Some 10 us a state.
-[[nodiscard]] PathMeasures measure_path(const Problem& problem, const Path& path);
+/// they are least. Some 10 us a state. `scene` is checked_scene() of what was solved.
+[[nodiscard]] PathMeasures measure_path(const Robot& robot, const Scene& scene, const Path& path);
 
 /// Per blocked path of a replay what touches deepest where it is blocked first; without names if
 /// nothing does, but the planner's margin or its verification was not kept. Some 100 us.

@@ -24,6 +24,9 @@ struct Obstacle {
   /// Names of links, and of objects attached to them, that may touch it: they are not checked
   /// against it, with a margin neither.
   std::vector<std::string> may_touch = {};
+  /// Names of covered links that are checked against it by what they cover (Link::cover), exactly
+  /// and slowly, instead of by their spheres. Not written to files.
+  std::vector<std::string> by_solid = {};
 };
 
 /// The workspace W = {wo_1 .. wo_M} of the paper.

@@ -35,8 +35,11 @@ constexpr double kSameConfiguration = 1e-4;
 /// Metres and radians that a pose may be off, as IkSettings leave it.
 constexpr double kSamePosition = 1e-4, kSameRotation = 1e-3;
 
-bool is_path_valid(const CollisionChecker& checker, const Problem& problem, const Path& path) {
+bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
+                   const SolveResult& result) {
   const Robot& robot = problem.robot;
+  const Path& path = result.plan.path;
+  const Scene& scene = result.scene ? *result.scene : checker.scene();
   const auto is_goal = [&](const Configuration& goal) {
     return robot.distance(path.back(), goal) < kSameConfiguration;
   };
@@ -56,7 +59,7 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem, cons
           std::ranges::any_of(problem.pose_goals, is_pose_reached)) &&
          std::all_of(path.begin(), path.end(), is_within_limits) &&
          std::ranges::all_of(problem.constraints, is_kept) &&
-         is_path_free(checker.robot(), checker.scene(), path, resolution);
+         is_path_free(robot, scene, path, resolution);
 }
 
 /// Of a path without a trajectory, 0.
@@ -98,7 +101,7 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   const bool is_late = plan.is_solved() && plan.planning_time_s > row.timeout_s;
   row.status = is_late ? PlanStatus::timeout : plan.status;
   row.is_solved = plan.is_solved() && !is_late;
-  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, plan.path);
+  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, result);
   row.planning_time_s = row.is_solved ? plan.planning_time_s : row.timeout_s;
   row.total_time_s = result.total_time_s;
   row.retrieval_time_s = result.gl.retrieval_time_s;

@@ -27,18 +27,37 @@ Vec3 center_of(const Capsule& posed) {
 
 }  // namespace
 
-Result<std::vector<int>> find_allowed_links(const Robot& robot, const Obstacle& obstacle) {
-  std::vector<int> links;
+namespace {
+
+bool contains(const std::vector<int>& links, int link) {
+  return std::ranges::find(links, link) != links.end();
+}
+
+Error unknown_link(const Robot& robot, const Obstacle& obstacle, std::string_view what,
+                   const std::string& name) {
+  return {ErrorCode::invalid,
+          fmt::format("obstacle '{}' {} '{}', but robot '{}' has no link and no attached object of "
+                      "this name",
+                      obstacle.name, what, name, robot.name())};
+}
+
+}  // namespace
+
+Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle) {
+  NamedLinks links;
   for (const std::string& name : obstacle.may_touch) {
     const auto link = robot.find_link(name);
     if (!link) {
-      return fail(
-          ErrorCode::invalid,
-          fmt::format("obstacle '{}' may be touched by '{}', but robot '{}' has no link and "
-                      "no attached object of this name",
-                      obstacle.name, name, robot.name()));
+      return tl::unexpected(unknown_link(robot, obstacle, "may be touched by", name));
     }
-    links.push_back(*link);
+    links.may_touch.push_back(*link);
+  }
+  for (const std::string& name : obstacle.by_solid) {
+    const auto link = robot.find_link(name);
+    if (!link) {
+      return tl::unexpected(unknown_link(robot, obstacle, "is checked by the solid of", name));
+    }
+    if (robot.links()[as_index(*link)].cover) links.by_solid.push_back(*link);
   }
   return links;
 }
@@ -47,12 +66,22 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
   std::vector<ObstacleShape> shapes;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& obstacle = scene.obstacles[i];
-    std::vector<int> may_touch;
-    for (const std::string& name : obstacle.may_touch) {
-      if (const auto link = robot.find_link(name)) may_touch.push_back(*link);
-    }
+    const auto find_known = [&](const std::vector<std::string>& names) {
+      std::vector<int> links;
+      for (const std::string& name : names) {
+        if (const auto link = robot.find_link(name)) links.push_back(*link);
+      }
+      return links;
+    };
+    const ObstacleShape any{static_cast<int>(i),
+                            nullptr,
+                            {},
+                            find_known(obstacle.may_touch),
+                            find_known(obstacle.by_solid)};
     for (const Shape& shape : obstacle.shapes) {
-      shapes.push_back({static_cast<int>(i), &shape, bounding_sphere(shape), may_touch});
+      ObstacleShape& added = shapes.emplace_back(any);
+      added.shape = &shape;
+      added.bound = bounding_sphere(shape);
     }
   }
   return shapes;
@@ -71,6 +100,7 @@ void LinkDistances::add_links(const Robot& robot) {
     Body body{shapes_of(robot.links()[i]), {}, {}, is_moving[i]};
     body.bound = bound_of(body.shapes);
     for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
+    if (robot.links()[i].cover) body.solid.emplace(robot.links()[i]);
     links_.push_back(std::move(body));
   }
 }
@@ -86,7 +116,17 @@ PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
 
 double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
                               double enough) const {
-  if (std::ranges::find(other.may_touch, link) != other.may_touch.end()) return kInfinity;
+  if (contains(other.may_touch, link)) return kInfinity;
+  const double gap = between_shapes(posed, link, other, enough);
+  const std::optional<LinkSolid>& solid = at(link).solid;
+  if (gap > enough || !solid || !contains(other.by_solid, link)) return gap;
+  const Transform X_LW = posed.poses[as_index(link)].inverse();
+  const double exact = solid->distance_to(transformed(X_LW, *other.shape));
+  return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
+}
+
+double LinkDistances::between_shapes(const PosedLinks& posed, int link, const ObstacleShape& other,
+                                     double enough) const {
   const Body& body = at(link);
   const auto i = as_index(link);
   const double radius = body.bound.radius;

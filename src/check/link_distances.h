@@ -10,7 +10,9 @@
 #include "mneme/scene.h"
 
 #include "base/as_index.h"
+#include "check/link_solid.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,14 +24,18 @@ struct ObstacleShape {
   const Shape* shape = nullptr;
   Sphere bound;
   std::vector<int> may_touch = {};  ///< links that nothing checks against it
+  std::vector<int> by_solid = {};   ///< links that are checked by what they cover
 };
 /// All shapes of the scene, which must outlive them, in its order. Names of links that the robot
 /// lacks are left aside.
 [[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene);
 
-/// Indices of the links that an obstacle names. Error: a name that the robot lacks.
-[[nodiscard]] Result<std::vector<int>> find_allowed_links(const Robot& robot,
-                                                          const Obstacle& obstacle);
+/// Indices of the links that an obstacle names: that may touch it, and that are covered and checked
+/// by_solid. Error: a name that the robot lacks.
+struct NamedLinks {
+  std::vector<int> may_touch, by_solid;
+};
+[[nodiscard]] Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle);
 
 /// Where links stand at one configuration.
 struct PosedLinks {
@@ -54,9 +60,15 @@ class LinkDistances {
   /// Whether a joint of the group moves the link.
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
 
+  /// Metres from the link's origin that none of its shapes goes beyond.
+  [[nodiscard]] double reach(int link) const {
+    return at(link).bound.center.norm() + at(link).bound.radius;
+  }
+
   /// Metres between the surfaces of a link and an obstacle, exact if that is at most `enough`, and
   /// otherwise anything above it. In contact negative, by at most the radius of the link's shape.
-  /// Infinite for a link that may touch it.
+  /// Infinite for a link that may touch it. What is checked by_solid is in contact if what is
+  /// covered is.
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
   /// The same of two links; in contact negative by at most the sum of the radii.
@@ -69,9 +81,12 @@ class LinkDistances {
     std::vector<Sphere> bounds;
     Sphere bound;
     bool is_moving = false;
+    std::optional<LinkSolid> solid = {};  ///< of a covered link
   };
   [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
   void add_links(const Robot& robot);
+  [[nodiscard]] double between_shapes(const PosedLinks& posed, int link, const ObstacleShape& other,
+                                      double enough) const;
   std::vector<Body> links_;
 };
 

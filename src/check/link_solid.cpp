@@ -13,11 +13,11 @@
 
 namespace mneme::internal {
 
-LinkSolid::LinkSolid(const Link& link, const Transform& X_WL) : shapes_(shapes_of(link, X_WL)) {
+LinkSolid::LinkSolid(const Link& link) : shapes_(shapes_of(link)) {
   if (!link.cover) return;
   const auto cover_end = shapes_.begin() + std::ssize(link.spheres);
   shapes_.erase(cover_end - link.cover->sphere_count, cover_end);
-  surfaces_.push_back(std::get<Mesh>(transformed(X_WL, link.cover->surface)));
+  surfaces_.push_back(link.cover->surface);
 }
 
 double LinkSolid::distance_to(const Shape& shape) const {
@@ -31,12 +31,18 @@ double LinkSolid::distance_to(const Shape& shape) const {
   return std::max(0.0, least);
 }
 
-double LinkSolid::distance_to(const LinkSolid& other) const {
+double LinkSolid::distance_to(const LinkSolid& other, const Transform& X_LO) const {
   double least = std::numeric_limits<double>::infinity();
-  for (const Capsule& shape : other.shapes_) least = std::min(least, distance_to(shape));
-  for (const Mesh& surface : other.surfaces_) least = std::min(least, distance_to(surface));
+  const auto include = [&](const Shape& shape) {
+    least = std::min(least, distance_to(transformed(X_LO, shape)));
+  };
+  for (const Capsule& shape : other.shapes_) include(shape);
+  for (const Mesh& surface : other.surfaces_) include(surface);
   // A surface says nothing of what lies inside of it.
-  for (const Mesh& surface : surfaces_) least = std::min(least, other.distance_to(surface));
+  const Transform X_OL = X_LO.inverse();
+  for (const Mesh& surface : surfaces_) {
+    least = std::min(least, other.distance_to(transformed(X_OL, surface)));
+  }
   return least;
 }
 
@@ -47,26 +53,28 @@ namespace mneme {
 std::optional<CoveredContact> look_behind_covers(const Robot& robot, const Scene& scene,
                                                  std::span<const double> q,
                                                  const Contact& contact) {
+  using internal::as_index, internal::LinkSolid;
   const std::vector<Transform> poses = robot.link_poses(q);
   CoveredContact result;
-  const auto solid_of = [&](const std::string& name) {
-    const int i = robot.find_link(name).value();
-    const Link& link = robot.links()[internal::as_index(i)];
-    result.covers += link.cover ? 1 : 0;
-    result.excess += link.cover ? link.cover->excess : 0;
-    return internal::LinkSolid(link, poses[internal::as_index(i)]);
+  const auto look_at = [&](const std::string& name) {
+    const std::size_t link = as_index(robot.find_link(name).value());
+    const std::optional<Cover>& cover = robot.links()[link].cover;
+    result.covers += cover ? 1 : 0;
+    result.excess += cover ? cover->excess : 0;
+    return link;
   };
-  const internal::LinkSolid solid = solid_of(contact.link);
+  const std::size_t link = look_at(contact.link);
+  const std::size_t other = contact.is_self ? look_at(contact.other) : link;
+  if (result.covers == 0) return std::nullopt;
+  const LinkSolid solid(robot.links()[link]);
+  const Transform X_LW = poses[link].inverse();
   if (contact.is_self) {
-    const internal::LinkSolid other = solid_of(contact.other);
-    if (result.covers == 0) return std::nullopt;
-    result.distance = solid.distance_to(other);
+    result.distance = solid.distance_to(LinkSolid(robot.links()[other]), X_LW * poses[other]);
     return result;
   }
-  if (result.covers == 0) return std::nullopt;
   result.distance = std::numeric_limits<double>::infinity();
   for (const Shape& shape : scene.find(contact.other)->shapes) {
-    result.distance = std::min(result.distance, solid.distance_to(shape));
+    result.distance = std::min(result.distance, solid.distance_to(transformed(X_LW, shape)));
   }
   return result;
 }

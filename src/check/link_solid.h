@@ -10,14 +10,16 @@
 
 namespace mneme::internal {
 
-/// The shapes that a link has besides its cover, and what that covers, at a pose.
+/// The shapes that a link has besides its cover, and what that covers, in the link's frame.
 class LinkSolid {
  public:
-  LinkSolid(const Link& link, const Transform& X_WL);
+  explicit LinkSolid(const Link& link);
 
-  /// Metres, by distance_to_solid (geometry/solid_distance.h): 0 if they meet.
+  /// Metres from a shape in the link's frame, by distance_to_solid (geometry/solid_distance.h): 0
+  /// if they meet.
   [[nodiscard]] double distance_to(const Shape& shape) const;
-  [[nodiscard]] double distance_to(const LinkSolid& other) const;
+  /// The same from a link that stands at X_LO.
+  [[nodiscard]] double distance_to(const LinkSolid& other, const Transform& X_LO) const;
 
  private:
   std::vector<Capsule> shapes_;

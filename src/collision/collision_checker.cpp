@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "check/cones.h"
+#include "check/solid_pairs.h"
 #include "collision/body_reaches.h"
 #include "collision/collision_kernels.h"
 #include "collision/crowd_tables.h"
@@ -160,6 +161,7 @@ struct CollisionChecker::Tables {
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
+  internal::SolidPairs solids;
 
   /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
   /// finite limits.
@@ -218,11 +220,12 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   }
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  internal::SolidPairs solids(robot, (*checked_robot)->links, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(*checked_robot), std::move(*scene_tables),
              &internal::collision_kernels(isa), internal::walk_kernel(isa),
-             internal::Cones(robot, settings.constraints)});
+             internal::Cones(robot, settings.constraints), std::move(solids)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -256,6 +259,7 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
     if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
+    if (is_valid[i] != 0 && !t.solids.are_apart(q, t.margin)) is_valid[i] = 0;
   }
 }
 
@@ -270,7 +274,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
   return t.kernels->is_motion_free(t.checked_robot->tables, t.scene_tables, from.data(),
-                                   delta.data(), states, margin, counters.states);
+                                   delta.data(), states, margin, counters.states) &&
+         t.solids.stay_apart(from, {delta.data(), from.size()}, margin);
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
@@ -302,6 +307,10 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     if (!t.kernels->is_chain_free(t.checked_robot->tables, t.scene_tables, chain, margin,
                                   counters.states)) {
       return false;
+    }
+    for (std::size_t i = 0; i < some; ++i) {
+      const std::span<const float> delta(deltas.data() + i * joints, joints);
+      if (!t.solids.stay_apart({points + i * joints, joints}, delta, margin)) return false;
     }
   }
   return true;
@@ -336,7 +345,9 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
                                      detail.is_to_goal,
                                      static_cast<int>(parts),
                                      std::max(finest / ways.longest, kLeastShare / parts)};
-  return t.kernels->is_sweep_free(t.checked_robot->tables, t.scene_tables, motion, counters.states);
+  return t.kernels->is_sweep_free(t.checked_robot->tables, t.scene_tables, motion,
+                                  counters.states) &&
+         t.solids.stay_apart(from, {delta.data(), from.size()}, t.margin + margin);
 }
 
 bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,

@@ -38,7 +38,8 @@ void store(const Matrix& m, float* out) {
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
-/// Which groups may touch which obstacles (see SceneTables::may_touch). Error: an obstacle names a
+/// Which groups may touch which obstacles (see SceneTables::may_touch), or are checked by solid
+/// instead. Error: an obstacle names a
 /// link that the robot lacks.
 [[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                                        const RobotTables& tables,

@@ -222,11 +222,13 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
   const std::size_t words = (shape_count + kObstacleBlock - 1) / kObstacleBlock;
   std::size_t first = 0;
   for (const Obstacle& obstacle : scene.obstacles) {
-    const auto links = find_allowed_links(robot, obstacle);
-    if (!links) return tl::unexpected(links.error());
-    if (!links->empty()) bits.resize(words * tables.groups.size());
+    auto named = find_named_links(robot, obstacle);
+    if (!named) return tl::unexpected(named.error());
+    std::vector<int>& links = named->may_touch;
+    links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
+    if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size(); ++group) {
-      if (std::ranges::find(*links, tables.link_of_group[group]) == links->end()) continue;
+      if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;
       for (std::size_t i = first; i < first + obstacle.shapes.size(); ++i) {
         bits[group * words + i / kObstacleBlock] |=
             static_cast<std::uint16_t>(1u << i % kObstacleBlock);

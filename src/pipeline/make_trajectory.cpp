@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/pipeline.h"
 
+#include "pipeline/query.h"
+
 namespace mneme {
 
 Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& settings,
                                    const Path& path, const RateLimits& limits,
                                    const TrajectorySettings& timing) {
-  const auto checker = CollisionChecker::make(
-      problem.robot, problem.scene,
-      {settings.resolution, settings.margin, settings.isa, problem.constraints});
-  if (!checker) return tl::unexpected(checker.error());
+  const auto made = internal::make_query_checker(problem, settings);
+  if (!made) return tl::unexpected(made.error());
   // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.
   const Verification wanted = settings.plan.verification();
-  const MotionVerifier verifier(*checker,
+  const MotionVerifier verifier(made->checker,
                                 wanted == Verification::none ? Verification::states : wanted);
   return parameterize(problem.robot, path, limits, timing, &verifier);
 }

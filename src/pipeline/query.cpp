@@ -152,6 +152,13 @@ Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* da
   return request;
 }
 
+Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings) {
+  return mneme::make_query_checker(
+      problem.robot, problem.scene,
+      {settings.resolution, settings.margin, settings.isa, problem.constraints},
+      {problem.start, problem.goals});
+}
+
 Result<Query> make_query(const Problem& problem, Database* database,
                          const SolveSettings& settings) {
   const auto sampler = find_sampler(settings.sampler);
@@ -165,12 +172,15 @@ Result<Query> make_query(const Problem& problem, Database* database,
   auto request = make_memory_request(memory_query(problem),
                                      (*sampler)->draws_from_memory ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
-  auto checker = CollisionChecker::make(
-      problem.robot, problem.scene,
-      {settings.resolution, settings.margin, settings.isa, problem.constraints});
-  if (!checker) return tl::unexpected(checker.error());
-  return Query{*std::move(request), problem,   {problem.start, problem.goals},
-               **planner,           **sampler, *std::move(checker)};
+  auto made = make_query_checker(problem, settings);
+  if (!made) return tl::unexpected(made.error());
+  return Query{*std::move(request),
+               problem,
+               {problem.start, problem.goals},
+               **planner,
+               **sampler,
+               std::move(made->checker),
+               std::move(made->notes)};
 }
 
 }  // namespace mneme::internal

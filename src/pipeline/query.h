@@ -50,7 +50,11 @@ struct Query : MemoryRequest {
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
   CollisionChecker checker;
+  std::vector<std::string> notes;  ///< for people, about the checker
 };
+/// The checker for a problem with these settings.
+[[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,
+                                                      const SolveSettings& settings);
 /// Errors besides: an unknown planner or sampler, or two that do not go together; a scene that
 /// cannot be checked.
 [[nodiscard]] Result<Query> make_query(const Problem& problem, Database* database,

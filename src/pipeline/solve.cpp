@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The page to read first: resolve the goal -> replay a known task, or decompose the scene -> retrieve or learn local
-// samplers -> synthesize one sampler -> plan -> shorten and verify -> improve -> remember.
+// The page to read first: resolve the goal -> replay a known task, or decompose the scene ->
+// retrieve or learn local samplers -> synthesize one sampler -> plan -> shorten and verify ->
+// improve -> remember.
 #include "mneme/pipeline.h"
 
 #include "pipeline/improve.h"
@@ -30,18 +31,18 @@ using internal::Recalled;
 Result<Recalled> recall(const MemoryRequest& request, const KindSettings& kind, GlSampler& gl) {
   const Stopwatch stopwatch;
   const double learned_before_s = gl.learning_time_s;
-  auto primitives = decompose(request, kind);                                    // line 1
+  auto primitives = decompose(request, kind);  // line 1
   if (!primitives) return tl::unexpected(primitives.error());
   std::vector<PrimitiveRetrieval> known;
-  for (PrimitiveRetrieval& primitive : *primitives) {                            // line 2
+  for (PrimitiveRetrieval& primitive : *primitives) {  // line 2
     if (request.is_over()) break;
-    const auto done = retrieve(request, kind, primitive).and_then([&] {          // lines 3 to 5
-      return learn(request, kind, primitive, gl.learning_time_s);                // lines 6 and 7
+    const auto done = retrieve(request, kind, primitive).and_then([&] {  // lines 3 to 5
+      return learn(request, kind, primitive, gl.learning_time_s);        // lines 6 and 7
     });
     if (!done) return tl::unexpected(done.error());
     known.push_back(std::move(primitive));
   }
-  Recalled recalled = synthesize(request, kind, known,                           // line 10
+  Recalled recalled = synthesize(request, kind, known,  // line 10
                                  static_cast<Origin>(gl.primitives.size()));
   std::ranges::move(known, std::back_inserter(gl.primitives));
   gl.retrieval_time_s += stopwatch.elapsed_s() - (gl.learning_time_s - learned_before_s);
@@ -106,7 +107,9 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   if (!goals) return tl::unexpected(goals.error());
   result.goal_time_s = goal_stopwatch.elapsed_s();
   result.goals = query->ends.goals;
-  result.notes = std::move(goals->notes);
+  result.notes = query->notes;
+  std::ranges::move(goals->notes, std::back_inserter(result.notes));
+  if (!query->notes.empty()) result.scene = query->checker.scene();
   if (goals->refused) {
     result.plan = *std::move(goals->refused);
   } else if (const auto planned = plan(*query, goals->further.get(), result); !planned) {

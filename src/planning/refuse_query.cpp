@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/planning.h"
 
-#include "path/path_conversion.h"
+#include "planning/end_contacts.h"
 
 #include <fmt/format.h>
 
@@ -70,21 +70,13 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
   return {std::move(text), advise(room)};
 }
 
-/// What `q`, a configuration of the robot, is in contact with, or nothing. The kernels decide,
-/// because they are what the planner sees; exact distances, which cost a thousand times more, have
-/// their say close to contact.
+/// What `q`, a configuration of the robot, is in contact with, or nothing.
 std::optional<Refusal> find_contact(const CollisionChecker& checker, const Configuration& q) {
+  if (internal::is_clear(checker, q)) return std::nullopt;
   const Configuration inside = checker.robot().normalized(q);
-  const std::vector<float> values = internal::to_floats(inside);
-  CheckCounters ignored;
-  if (checker.is_motion_valid(values, values, ignored, {1, kVerificationMargin})) {
-    return std::nullopt;
-  }
   const std::vector<Contact> contacts = checker.contacts(inside);
   if (!contacts.empty()) return describe_contacts(checker, inside, contacts);
-  if (!checker.is_valid(std::span<const float>(values))) {
-    return Refusal{" is within rounding error of contact"};
-  }
+  if (!checker.is_valid(inside)) return Refusal{" is within rounding error of contact"};
   return std::nullopt;
 }
 

@@ -23,10 +23,8 @@ constexpr int kRefinement = 16;
 
 class ClearanceSearch {
  public:
-  explicit ClearanceSearch(const Problem& problem)
-      : robot_(problem.robot),
-        links_(problem.robot),
-        obstacles_(internal::obstacle_shapes(problem.robot, problem.scene)) {}
+  ClearanceSearch(const Robot& robot, const Scene& scene)
+      : robot_(robot), links_(robot), obstacles_(internal::obstacle_shapes(robot, scene)) {}
 
   [[nodiscard]] Clearance along(const Path& path) {
     if (obstacles_.empty() || path.empty()) return nearest_;
@@ -77,16 +75,15 @@ class ClearanceSearch {
 
 }  // namespace
 
-PathMeasures measure_path(const Problem& problem, const Path& path) {
+PathMeasures measure_path(const Robot& robot, const Scene& scene, const Path& path) {
   PathMeasures measures;
   if (path.empty()) return measures;
-  measures.length = path_length(problem.robot, path);
-  measures.straight = problem.robot.distance(path.front(), path.back());
-  const Clearance clearance = ClearanceSearch(problem).along(path);
+  measures.length = path_length(robot, path);
+  measures.straight = robot.distance(path.front(), path.back());
+  const Clearance clearance = ClearanceSearch(robot, scene).along(path);
   if (clearance.link < 0) return measures;
-  measures.clearance = {clearance.distance,
-                        problem.robot.links()[internal::as_index(clearance.link)].name,
-                        problem.scene.obstacles[internal::as_index(clearance.obstacle)].name};
+  measures.clearance = {clearance.distance, robot.links()[internal::as_index(clearance.link)].name,
+                        scene.obstacles[internal::as_index(clearance.obstacle)].name};
   return measures;
 }
 

@@ -83,14 +83,15 @@ Configuration along(const Robot& robot, std::span<const double> from, std::span<
 
 class Tracer {
  public:
-  Tracer(const Problem& problem, const TraceSettings& settings, Looks looks, PlanTrace& trace)
+  Tracer(const Problem& problem, const Scene& scene, const TraceSettings& settings, Looks looks,
+         PlanTrace& trace)
       : robot_(problem.robot),
         settings_(settings),
         trace_(trace),
         link_indices_(seen_links(robot_, looks)),
         skeleton_(robot_),
         links_(robot_),
-        obstacles_(obstacle_shapes(robot_, problem.scene)) {
+        obstacles_(obstacle_shapes(robot_, scene)) {
     for (const int i : link_indices_) {
       const Link& link = robot_.links()[as_index(i)];
       trace_.links.push_back(link);
@@ -361,7 +362,8 @@ Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
   trace.result.gl.primitives.clear();
   trace.result.gl.mixture = nullptr;
   trace.limits = internal::limits_of(problem.robot, timed.limits);
-  internal::Tracer tracer(problem, settings, internal::find_looks(problem, settings), trace);
+  internal::Tracer tracer(problem, checked_scene(problem, result), settings,
+                          internal::find_looks(problem, settings), trace);
   trace.start = tracer.poses_at(problem.start);
   // Those that poses were resolved to count, too.
   const auto& goals = result.goals.empty() ? problem.goals : result.goals;

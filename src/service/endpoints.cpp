@@ -168,7 +168,9 @@ Answer Endpoints::plan(const std::string& body, int socket) {
   if (!outcome) return refusal(outcome.error());
   const SolveResult& result = outcome->result;
   std::optional<PathMeasures> measures;
-  if (request->wants_clearance) measures = measure_path(request->problem, result.plan.path);
+  if (request->wants_clearance)
+    measures = measure_path(request->problem.robot, checked_scene(request->problem, result),
+                            result.plan.path);
   turn.reset();
 
   metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/box_surface.h"
 #include "geometry/fcl_shapes.h"
 #include "geometry/random_crowds.h"
 #include "geometry/solid_distance.h"
@@ -11,21 +12,6 @@ namespace mneme::test {
 namespace {
 
 using internal::distance_to_solid;
-
-std::vector<Triangle> surface_of(const Box& box) {
-  const auto corner = [&](int i) {
-    const Vec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-    return Vec3(box.pose * sign.cwiseProduct(box.half_extents));
-  };
-  constexpr std::array<std::array<int, 4>, 6> kFaces = {
-      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
-  std::vector<Triangle> triangles;
-  for (const auto& f : kFaces) {
-    triangles.push_back({corner(f[0]), corner(f[1]), corner(f[2])});
-    triangles.push_back({corner(f[0]), corner(f[2]), corner(f[3])});
-  }
-  return triangles;
-}
 
 Box random_box(Rng& rng) {
   return {random_pose(rng, 0.8), random_vector(rng, 0.8).cwiseAbs() + Vec3::Constant(0.02)};

@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
     Problem problem = test::gap_problem();
     const Path path = {{0, 0, 0}, {0.6, 0, 0}, {0.3, 0.4, 0}};
     problem.scene = make_circle_scene("one", {{2.0, 2.0, 0.1}, {2.5, 2.5, 0.1}});
-    const PathMeasures measures = measure_path(problem, path);
+    const PathMeasures measures = measure_path(problem.robot, problem.scene, path);
     CHECK(measures.length == doctest::Approx(0.6 + 0.5));
     CHECK(measures.straight == doctest::Approx(0.5));
     REQUIRE(measures.clearance.has_value());
@@ -77,7 +77,7 @@ TEST_SUITE("unit") {
     // No state of a hundred between is nearer by more than the refined step allows.
     double least = 1e9;
     for (const Configuration& q : {path[0], path[1], path[2]}) {
-      const PathMeasures one = measure_path(problem, {q});
+      const PathMeasures one = measure_path(problem.robot, problem.scene, {q});
       least = std::min(least, one.clearance->distance);
     }
     CHECK(measures.clearance->distance <= least);
@@ -88,8 +88,8 @@ TEST_SUITE("unit") {
     CHECK(json.at("nearest_link") == measures.clearance->link);
     CHECK(json.at("nearest_obstacle") == "circle_1");
     problem.scene.obstacles.clear();
-    CHECK_FALSE(measure_path(problem, path).clearance.has_value());
-    CHECK(measure_path(problem, {}).length == 0);
+    CHECK_FALSE(measure_path(problem.robot, problem.scene, path).clearance.has_value());
+    CHECK(measure_path(problem.robot, problem.scene, {}).length == 0);
   }
 
   TEST_CASE("JSON of a failure says why, and has an empty path") {
