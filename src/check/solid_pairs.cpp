@@ -14,6 +14,8 @@ namespace {
 
 /// Metres: where there is less room, a motion is taken to touch.
 constexpr double kLeastRoom = 1e-4;
+/// Metres: whether there is more room is not looked at, because covers alone tell so much.
+constexpr double kMostRoom = 0.01;
 
 }  // namespace
 
@@ -55,9 +57,9 @@ bool SolidPairs::stay_all_apart(std::span<const float> from, std::span<const flo
     const PosedLinks posed = pose(at(share));
     double step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const double enough = margin + kLeastRoom + ways[i];
+      const double enough = margin + std::min(kLeastRoom + ways[i], kMostRoom);
       const double gap = links_.between(posed, pairs_[i].link, pairs_[i].obstacle, enough);
-      const double room = gap - margin;
+      const double room = std::min(gap, enough) - margin;
       if (!(room >= kLeastRoom)) return false;
       step = std::min(step, room / ways[i]);
     }

@@ -73,6 +73,13 @@ AxisBox bounds(const Convex& solid) {
   return box;
 }
 
+/// About its centroid.
+double radius_of(const Triangle& t) {
+  const Vec3 center = t.centroid();
+  return std::sqrt(std::max(
+      {(t.a - center).squaredNorm(), (t.b - center).squaredNorm(), (t.c - center).squaredNorm()}));
+}
+
 Vec3 point_of(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
 Vec3 point_of(const Triangle& t) { return t.a; }
 Vec3 point_of(const Cube& cube) { return cube.center; }
@@ -113,8 +120,16 @@ class FromSurface {
  private:
   template <class Convex>
   double from_convex(const Convex& s) const {
-    const auto distance_to = [&](int i) { return gap(surface_.parts->list()[as_index(i)], s); };
-    return unless_inside(tree_->nearest(bounds(s), distance_to).distance, s.pose.translation);
+    const Shape solid = s;
+    double least = std::numeric_limits<double>::infinity();
+    const auto distance_to = [&](int i) {
+      const Triangle& t = surface_.parts->list()[as_index(i)];
+      const double bound = distance(t.centroid(), solid) - radius_of(t);
+      if (bound < least) least = std::min(least, gap(t, s));
+      return least;
+    };
+    static_cast<void>(tree_->nearest(bounds(s), distance_to));
+    return unless_inside(least, s.pose.translation);
   }
 
   /// `distance`, or 0 if it is none or `point` may be inside.
