@@ -134,6 +134,11 @@ class Database {
   /// was lost during the very last step.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
 
+  /// Whether memory may grow again, for what planning has cost: adds `iterations` to those that
+  /// came together in this process; once there are `price` of them, begins anew and says yes. With
+  /// a row for each yes, K iterations insert at most K / price rows, whatever the queries are.
+  [[nodiscard]] bool earns_row(std::uint64_t iterations, std::uint64_t price);
+
   /// Reads what other processes have added since it was opened or refreshed, and forgets rows that
   /// were set aside; Matches stay valid. Returns the number of rows that came. One small question
   /// to the database if nothing changed. Errors: io, corrupt; then nothing changed in memory.

@@ -98,8 +98,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "seconds per query for learning primitives that have no match; counts as planning time "
         "and ends with the time limit; for kinds of memory that learn on a miss: pairs");
   visit("remember-after", s.remember_after, 0, 1000000000,
-        "insert what a solved problem teaches, as learning from problems does, if it took at least "
-        "this many iterations, so that memory grows with use; left out, never. Not planning time");
+        "insert what a solved problem teaches, as learning from problems does, once this many "
+        "iterations came together since that was done last, so that memory grows with use: at once "
+        "for what is hard, now and then for the rest; left out, never. Not planning time");
   visit(
       "replay", s.replay, 0.0, 1e6,
       "known tasks: before any search, the remembered whole paths whose ends are closer than this "

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <unordered_set>
 #include <utility>
@@ -99,7 +100,8 @@ struct Database::State {
   const std::string url;
   const ExperienceSpace space;
   const bool is_too_large;
-  const std::string index_file;  // empty if there is no place for one
+  std::atomic<std::uint64_t> iterations = 0;  ///< since a row was earned
+  const std::string index_file;               // empty if there is no place for one
   internal::RowLoader rows;
 
   std::mutex writing;
@@ -382,6 +384,16 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows)
   if (fresh.count > 0) state_->change({}, std::move(fresh));
   state_->reached = appended->state;
   return appended->ids;
+}
+
+bool Database::earns_row(std::uint64_t iterations, std::uint64_t price) {
+  std::uint64_t before = state_->iterations;
+  for (;;) {
+    const bool is_earned = before + iterations >= price;
+    if (state_->iterations.compare_exchange_weak(before, is_earned ? 0 : before + iterations)) {
+      return is_earned;
+    }
+  }
 }
 
 Result<std::int64_t> Database::refresh() {

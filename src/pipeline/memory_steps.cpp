@@ -164,9 +164,10 @@ Remembered remember(const Query& query, const PlanResult& plan) {
   Remembered remembered;
   const std::optional<int> after = query.settings.remember_after;
   // Paths with OMPL's defaults are not verified: they teach nothing.
-  const bool is_wanted = after && plan.is_solved() && query.database != nullptr &&
-                         plan.iterations >= static_cast<std::uint64_t>(*after) &&
-                         !query.settings.plan.ompl_defaults;
+  const bool is_wanted =
+      after && plan.is_solved() && query.database != nullptr &&
+      !query.settings.plan.ompl_defaults &&
+      query.database->earns_row(plan.iterations, static_cast<std::uint64_t>(*after));
   if (!is_wanted) return remembered;
   // What a scene asks of a path and what a constraint asks of it cannot be told apart later.
   if (!query.problem.constraints.empty()) {

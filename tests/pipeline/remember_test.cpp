@@ -48,6 +48,19 @@ TEST_SUITE("flow") {
     CHECK(second.gl.mixture->component_count() > 0);
   }
 
+  TEST_CASE("what is easy is remembered once enough of it came together") {
+    Growing growing;
+    growing.settings.retrieve_after = 1000000000;
+    Database database = growing.open(OpenMode::create);
+    const std::uint64_t iterations = growing.solve_with(database).plan.iterations;
+    REQUIRE(iterations > 0);
+    growing.settings.remember_after = static_cast<int>(2 * iterations + 1);
+    CHECK(growing.solve_with(database).remembered.rows == 0);
+    CHECK(growing.solve_with(database).remembered.rows == 0);
+    CHECK(growing.solve_with(database).remembered.rows == 1);
+    CHECK(growing.solve_with(database).remembered.rows == 0);
+  }
+
   TEST_CASE("nothing is remembered unless it is asked for") {
     Growing growing;
     Database database = growing.open(OpenMode::create);
