@@ -120,9 +120,11 @@ Result<std::vector<Problem>> load_problem_lesson(const std::vector<std::string>&
   const auto found = find_bench_problems(files).and_then(
       [&](auto problems) { return take_part(std::move(problems), part); });
   if (!found) return tl::unexpected(found.error());
+  ProblemOptions options = overrides;
+  options.cache = make_compact_file_cache();
   std::vector<Problem> problems;
   for (const BenchProblem& entry : *found) {
-    Result<Problem> problem = load_problem(entry.where, overrides);
+    Result<Problem> problem = load_problem(entry.where, options);
     if (!problem) return tl::unexpected(problem.error());
     if (!problems.empty() && problems.front().robot.hash() != problem->robot.hash()) {
       return fail(

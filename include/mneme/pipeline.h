@@ -99,8 +99,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "and ends with the time limit; for kinds of memory that learn on a miss: pairs");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "insert what a solved problem teaches, as learning from problems does, once this many "
-        "iterations came together since that was done last, so that memory grows with use: at once "
-        "for what is hard, now and then for the rest; left out, never. Not planning time");
+        "iterations came together since the last: what is hard at once; left out, never");
   visit(
       "replay", s.replay, 0.0, 1e6,
       "known tasks: before any search, the remembered whole paths whose ends are closer than this "

@@ -8,6 +8,7 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,6 +67,10 @@ struct Problem {
   std::vector<OrientationConstraint> constraints = {};  ///< that all of the path keeps
 };
 
+/// The compact file that was read last.
+struct CompactFileCache;
+[[nodiscard]] std::shared_ptr<CompactFileCache> make_compact_file_cache();
+
 /// What may be set from outside the problem's file.
 struct ProblemOptions {
   std::string robot_path;  ///< URDF to use instead of the one that the problem names
@@ -82,6 +87,8 @@ struct ProblemOptions {
   /// Metres of drop_own_points at the start, instead of what the problem says; its notes become
   /// warnings. MoveIt's scenes have no clouds.
   std::optional<double> self_filter = std::nullopt;
+  /// Of whoever loads many problems, so that a file is not read again for each; one thread's alone.
+  std::shared_ptr<CompactFileCache> cache = nullptr;
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a

@@ -135,6 +135,7 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
                                                        const OnNote& on_note) {
   std::vector<LoadedProblem> problems;
   std::set<std::string> warnings;
+  const auto cache = make_compact_file_cache();
   for (const SuiteProblems& entry : found) {
     auto all = find_bench_problems({entry.where}).and_then([&](auto list) {
       return take_part(std::move(list), entry.part);
@@ -143,6 +144,7 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
     ProblemOptions options = overrides;
     if (!entry.robot.empty()) options.robot_path = entry.robot;
     if (!entry.srdf.empty()) options.robot.srdf_path = entry.srdf;
+    options.cache = cache;
     for (const BenchProblem& bench : *all) {
       Result<Problem> problem = load_problem(bench.where, options);
       if (!problem) return tl::unexpected(problem.error());

@@ -203,6 +203,13 @@ settings:
         test::write_file(enclosed / std::string(robot) + "_" + level + ".json", "");
       }
     }
+    const test::TemporaryDirectory growth;
+    for (const char* robot : {"panda", "fetch"}) {
+      for (const char* cell : {"static", "moved", "new", "narrow", "random"}) {
+        test::write_file(growth / std::string(robot) + "_" + cell + ".json", "");
+      }
+    }
+    setenv("GROWTH", (growth / ".").c_str(), 1);
     setenv("ENCLOSED", (enclosed / ".").c_str(), 1);
     setenv("REPEATS", (repeats / ".").c_str(), 1);
     setenv("HARD", (hard / ".").c_str(), 1);
