@@ -11,6 +11,7 @@
 #include "mneme/problem.h"
 #include "mneme/report.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -198,6 +199,10 @@ struct BenchCase {
   SolveSettings settings;         ///< with planner and sampler
   std::string description;        ///< of the settings, for the rows
   bool is_serial = false;         ///< its runs take turns: see PlannerEntry::is_exclusive
+
+  [[nodiscard]] bool is_of_set(const std::string& set) const {
+    return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
+  }
 };
 /// Appends a case for each of `planners` with each of `samplers`.
 void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,

@@ -28,6 +28,22 @@ Result<void> open_for_robots(const std::string& name, const std::string& path, O
   return {};
 }
 
+/// An empty memory becomes one of the robot that is planned for with it first.
+Result<void> begin_memory(const std::string& name, const std::string& path, const BenchPlan& plan) {
+  const Result<Database> any = Database::inspect(path);
+  if (!any) return tl::unexpected(any.error());
+  if (any->size() > 0) return {};
+  for (const LoadedProblem& loaded : plan.problems) {
+    const bool is_used = std::any_of(plan.cases.begin(), plan.cases.end(), [&](const BenchCase& c) {
+      return c.memory == name && c.is_of_set(loaded.set);
+    });
+    if (!is_used) continue;
+    const auto made = Database::open(path, make_space(loaded.problem.robot), OpenMode::create);
+    return made ? Result<void>() : tl::unexpected(made.error());
+  }
+  return {};
+}
+
 Result<void> check_sets(const SuiteSetting& setting, const std::vector<LoadedProblem>& problems) {
   for (const std::string& set : setting.sets) {
     const bool is_known = std::any_of(problems.begin(), problems.end(),
@@ -141,8 +157,10 @@ Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& director
     const auto learned = learn_memory(memory, path, known, hooks, ready.memories.emplace_back());
     if (!learned) return tl::unexpected(learned.error());
     if ((ready.is_interrupted = !*learned)) return ready;
-    const OpenMode mode =
-        learns_online(suite, memory.name) ? OpenMode::read_write : OpenMode::read_only;
+    const bool grows = learns_online(suite, memory.name);
+    const auto begun = grows ? begin_memory(memory.name, path, ready.plan) : Result<void>();
+    if (!begun) return tl::unexpected(begun.error());
+    const OpenMode mode = grows ? OpenMode::read_write : OpenMode::read_only;
     const auto opened = open_for_robots(memory.name, path, mode, ready.plan);
     if (!opened) return tl::unexpected(opened.error());
   }

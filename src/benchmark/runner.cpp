@@ -40,18 +40,13 @@ RunName name_without_seed(RunName name) {
   return name;
 }
 
-bool is_of_set(const BenchCase& bench_case, const std::string& set) {
-  const auto& sets = bench_case.sets;
-  return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
-}
-
 std::vector<BenchRun> all_runs(const BenchPlan& plan) {
   std::vector<BenchRun> runs;
   for (int i = 0; i < plan.seed_count; ++i) {
     for (const LoadedProblem& loaded : plan.problems) {
       const std::size_t first = runs.size();
       for (const BenchCase& bench_case : plan.cases) {
-        if (is_of_set(bench_case, loaded.set)) {
+        if (bench_case.is_of_set(loaded.set)) {
           runs.push_back({&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(i)});
         }
       }
@@ -217,7 +212,7 @@ std::size_t BenchPlan::run_count() const {
   std::size_t count = 0;
   for (const LoadedProblem& loaded : problems) {
     count += static_cast<std::size_t>(std::count_if(
-        cases.begin(), cases.end(), [&](const BenchCase& c) { return is_of_set(c, loaded.set); }));
+        cases.begin(), cases.end(), [&](const BenchCase& c) { return c.is_of_set(loaded.set); }));
   }
   return count * static_cast<std::size_t>(seed_count);
 }

@@ -263,6 +263,28 @@ settings:
     CHECK(notes[0].starts_with("left out: ompl:RRT"));
   }
 
+  TEST_CASE("A memory that grows while its suite runs may begin as an empty file") {
+    const test::TemporaryDirectory directory;
+    const std::string problem = test::source_file("scenes/planar/scenario1.yaml");
+    test::write_file(directory / "m.db", "");
+    test::write_file(directory / "small.yaml",
+                     "problems: [" + problem + "]\nmemories:\n  m: {file: " + (directory / "m.db") +
+                         "}\nsettings:\n  grows: {memory: m, remember-after: 0}\n");
+    const auto suite = load_suite(directory / "small.yaml");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    SuiteHooks hooks;
+    hooks.on_note = [](const std::string&) {};
+    auto ready = prepare_suite(*suite, directory / "memories", {}, hooks);
+    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
+    REQUIRE(ready->plan.memories.size() == 1);
+    const Problem& scenario = ready->plan.problems.at(0).problem;
+    SolveSettings settings = ready->plan.cases.at(0).settings;
+    settings.memory.kind = "paths";
+    const auto solved = solve(scenario, ready->plan.memories.begin()->second.get(), settings);
+    REQUIRE(solved.has_value());
+    CHECK(solved->remembered.rows > 0);
+  }
+
   TEST_CASE("A memory that is learned from problems may name its kind") {
     const std::string head = "problems: [a.yaml]\nmemories:\n  m: {problems: [b.yaml], ";
     const auto suite = read(head + "kind: paths}\nsettings:\n  s: {memory: m}\n");
