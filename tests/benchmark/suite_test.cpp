@@ -10,9 +10,24 @@
 #include <algorithm>
 #include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace mneme {
 namespace {
+
+// The files of problems that script/hard, script/repeats, script/enclosed and script/growth make.
+std::vector<std::string> made_by_scripts() {
+  std::vector<std::string> names = {"wide.json",  "middle.json",     "narrow.json", "two.json",
+                                    "three.json", "two_narrow.json", "starts.json", "carried.json",
+                                    "reach",      "panda.json",      "fetch.json"};
+  for (const std::string robot : {"panda", "fetch", "ur5"}) {
+    for (const char* cell : {"static", "moved", "new", "narrow", "random", "wide", "tight"}) {
+      names.push_back(robot + "_" + cell + ".json");
+    }
+  }
+  return names;
+}
 
 TEST_SUITE("unit") {
   TEST_CASE("Settings are told by what differs from the defaults, in order of declaration") {
@@ -187,32 +202,11 @@ settings:
                                            "ompl:BKPIECE1",  "ompl:KPIECE1",    "ompl:BiEST",
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
                                            "ompl:Lightning", "ompl:Thunder"};
-    const test::TemporaryDirectory hard;
-    for (const char* name : {"wide.json", "middle.json", "narrow.json", "two.json", "three.json",
-                             "two_narrow.json", "starts.json", "carried.json", "reach"}) {
-      test::write_file(hard / name, "");
+    const test::TemporaryDirectory made;
+    for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
+    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD"}) {
+      setenv(directory, (made / ".").c_str(), 1);
     }
-    const test::TemporaryDirectory repeats;
-    for (const char* name :
-         {"panda.json", "fetch.json", "panda_static.json", "fetch_static.json"}) {
-      test::write_file(repeats / name, "");
-    }
-    const test::TemporaryDirectory enclosed;
-    for (const char* robot : {"panda", "fetch", "ur5"}) {
-      for (const char* level : {"wide", "narrow", "tight"}) {
-        test::write_file(enclosed / std::string(robot) + "_" + level + ".json", "");
-      }
-    }
-    const test::TemporaryDirectory growth;
-    for (const char* robot : {"panda", "fetch"}) {
-      for (const char* cell : {"static", "moved", "new", "narrow", "random"}) {
-        test::write_file(growth / std::string(robot) + "_" + cell + ".json", "");
-      }
-    }
-    setenv("GROWTH", (growth / ".").c_str(), 1);
-    setenv("ENCLOSED", (enclosed / ".").c_str(), 1);
-    setenv("REPEATS", (repeats / ".").c_str(), 1);
-    setenv("HARD", (hard / ".").c_str(), 1);
     setenv("MEMORY", "memory.db", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
     int count = 0;
