@@ -121,7 +121,7 @@ Result<std::vector<Problem>> load_problem_lesson(const std::vector<std::string>&
       [&](auto problems) { return take_part(std::move(problems), part); });
   if (!found) return tl::unexpected(found.error());
   ProblemOptions options = overrides;
-  options.cache = make_compact_file_cache();
+  options.cache = make_problem_cache();
   std::vector<Problem> problems;
   for (const BenchProblem& entry : *found) {
     Result<Problem> problem = load_problem(entry.where, options);

@@ -67,9 +67,9 @@ struct Problem {
   std::vector<OrientationConstraint> constraints = {};  ///< that all of the path keeps
 };
 
-/// The compact file that was read last.
-struct CompactFileCache;
-[[nodiscard]] std::shared_ptr<CompactFileCache> make_compact_file_cache();
+/// The compact file and the robots that were read last.
+struct ProblemCache;
+[[nodiscard]] std::shared_ptr<ProblemCache> make_problem_cache();
 
 /// What may be set from outside the problem's file.
 struct ProblemOptions {
@@ -87,8 +87,9 @@ struct ProblemOptions {
   /// Metres of drop_own_points at the start, instead of what the problem says; its notes become
   /// warnings. MoveIt's scenes have no clouds.
   std::optional<double> self_filter = std::nullopt;
-  /// Of whoever loads many problems, so that a file is not read again for each; one thread's alone.
-  std::shared_ptr<CompactFileCache> cache = nullptr;
+  /// Of whoever loads many problems, so that neither their file nor their robot is read again for
+  /// each; one thread's alone.
+  std::shared_ptr<ProblemCache> cache = nullptr;
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a

@@ -107,6 +107,8 @@ struct RobotOptions {
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   /// Values of movable joints outside the group, by name; default 0. Clamped to the joint's limits.
   std::map<std::string, double> fixed_values = {};
+
+  friend bool operator==(const RobotOptions&, const RobotOptions&) = default;
 };
 
 /// A set of joints to plan for, as an SRDF names it.

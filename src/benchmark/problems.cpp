@@ -135,7 +135,7 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
                                                        const OnNote& on_note) {
   std::vector<LoadedProblem> problems;
   std::set<std::string> warnings;
-  const auto cache = make_compact_file_cache();
+  const auto cache = make_problem_cache();
   for (const SuiteProblems& entry : found) {
     auto all = find_bench_problems({entry.where}).and_then([&](auto list) {
       return take_part(std::move(list), entry.part);

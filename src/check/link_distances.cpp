@@ -151,30 +151,35 @@ double LinkDistances::between_shapes(const PosedLinks& posed, int link, const Ob
   return least;
 }
 
+std::vector<LinkDistances::PosedShape> LinkDistances::near_shapes(const PosedLinks& posed, int link,
+                                                                  int other, double enough) const {
+  const Body& body = at(link);
+  const double reach = at(other).bound.radius;
+  std::vector<PosedShape> near;
+  for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+    const Capsule capsule = moved(body.shapes[s], posed.poses[as_index(link)]);
+    const PosedShape shape{capsule, center_of(capsule), body.bounds[s].radius};
+    if (are_apart(shape.middle, posed.centers[as_index(other)], shape.reach + reach, enough)) {
+      continue;
+    }
+    near.push_back(shape);
+  }
+  return near;
+}
+
 double LinkDistances::between(const PosedLinks& posed, int first, int second, double enough) const {
   const Body &one = at(first), &two = at(second);
   const auto i = as_index(first), j = as_index(second);
   if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {
     return kInfinity;
   }
+  const std::vector<PosedShape> others = near_shapes(posed, second, first, enough);
   double least = kInfinity;
-  for (std::size_t s = 0; s < one.shapes.size(); ++s) {
-    const Capsule p = moved(one.shapes[s], posed.poses[i]);
-    const Vec3 middle = center_of(p);
-    const double reach = one.bounds[s].radius;
-    // A link's bound is that of its only shape.
-    if (one.shapes.size() > 1 &&
-        are_apart(middle, posed.centers[j], reach + two.bound.radius, std::min(enough, least))) {
-      continue;
-    }
-    for (std::size_t t = 0; t < two.shapes.size(); ++t) {
-      const Capsule q = moved(two.shapes[t], posed.poses[j]);
-      const double radii = reach + two.bounds[t].radius;
-      if (two.shapes.size() > 1 &&
-          are_apart(middle, center_of(q), radii, std::min(enough, least))) {
-        continue;
-      }
-      least = std::min(least, segment_distance(p.a, p.b, q.a, q.b) - p.radius - q.radius);
+  for (const PosedShape& p : near_shapes(posed, first, second, enough)) {
+    for (const PosedShape& q : others) {
+      if (are_apart(p.middle, q.middle, p.reach + q.reach, std::min(enough, least))) continue;
+      least = std::min(least, segment_distance(p.capsule.a, p.capsule.b, q.capsule.a, q.capsule.b) -
+                                  p.capsule.radius - q.capsule.radius);
     }
   }
   return least;

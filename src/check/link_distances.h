@@ -83,8 +83,17 @@ class LinkDistances {
     bool is_moving = false;
     std::optional<LinkSolid> solid = {};  ///< of a covered link
   };
+  /// In the robot's frame, with the sphere around it.
+  struct PosedShape {
+    Capsule capsule;
+    Vec3 middle;
+    double reach = 0;
+  };
   [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
   void add_links(const Robot& robot);
+  /// Shapes of the link that may be within `enough` of the other link.
+  [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link, int other,
+                                                    double enough) const;
   [[nodiscard]] double between_shapes(const PosedLinks& posed, int link, const ObstacleShape& other,
                                       double enough) const;
   std::vector<Body> links_;

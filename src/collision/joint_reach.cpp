@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -25,115 +27,164 @@ struct JointBox {
   std::array<double, kMostJoints> middle = {}, half = {};
 };
 
-/// Moves two spheres by the joints between them, in the frame that carries both.
+/// A frame row that lies between the spheres.
+struct Crossing {
+  Transform mount;  ///< of the joint in the parent's frame
+  bool is_prismatic = false;
+  double multiplier = 1, offset = 0;
+  std::size_t joint = 0;   ///< of those between the spheres
+  double slide = 0;        ///< metres that a prismatic joint moves at most
+  bool is_upward = false;  ///< from child to parent on the way from one set to the other
+
+  [[nodiscard]] Transform pose(const JointBox& box) const {
+    const double value = multiplier * box.middle[joint] + offset;
+    if (is_prismatic) return mount * Transform{Eigen::Matrix3d::Identity(), value * Vec3::UnitZ()};
+    return mount * Transform{rotation_about(Vec3::UnitZ(), value), Vec3::Zero()};
+  }
+};
+
+/// Metres per unit of each crossing's joint that spheres move at most against what lies beyond it:
+/// by their distance from its axis, which is exact for the first and bounded for the others.
+std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const Sphere> spheres) {
+  std::vector<double> speeds;
+  double radius = 0;
+  for (const Crossing& crossing : path) {
+    double to_axis = 0;
+    if (speeds.empty()) {
+      for (const Sphere& sphere : spheres) {
+        const Vec3 point =
+            crossing.is_upward ? sphere.center : crossing.mount.inverse() * sphere.center;
+        radius = std::max(radius, point.norm());
+        to_axis = std::max(to_axis, std::hypot(point.x(), point.y()));
+      }
+    } else {
+      if (!crossing.is_upward) radius += crossing.mount.translation.norm();
+      to_axis = radius;
+    }
+    speeds.push_back(std::abs(crossing.multiplier) * (crossing.is_prismatic ? 1.0 : to_axis));
+    radius += crossing.slide;
+    if (crossing.is_upward) radius += crossing.mount.translation.norm();
+  }
+  return speeds;
+}
+
+/// Moves two sets of spheres by the joints between them.
 class Linkage {
  public:
-  Linkage(const Robot& robot, const RobotTables& tables, const CarriedSphere& a,
-          const CarriedSphere& b)
-      : robot_(robot), tables_(tables), a_(a.sphere.center), b_(b.sphere.center) {
+  Linkage(const Robot& robot, const RobotTables& tables, const CarriedSpheres& a,
+          const CarriedSpheres& b)
+      : a_(a.spheres), b_(b.spheres) {
+    std::vector<Crossing> down;
     int from_a = a.frame, from_b = b.frame;
     while (from_a != from_b) {
-      int& lower = from_a > from_b ? from_a : from_b;
-      (from_a > from_b ? rows_to_a_ : rows_to_b_).push_back(lower - 1);
-      lower = row(lower - 1).parent;
+      const bool is_upward = from_a > from_b;
+      int& lower = is_upward ? from_a : from_b;
+      const FrameRow& row = tables.frames[as_index(lower - 1)];
+      (is_upward ? path_ : down).push_back(crossing(robot, row, is_upward));
+      lower = row.parent;
     }
-    measure(rows_to_a_, a_);
-    measure(rows_to_b_, b_);
+    path_.insert(path_.end(), down.rbegin(), down.rend());
+    add_speeds();
   }
 
-  /// Group joints that move one sphere against the other.
+  /// Group joints that move one set against the other.
   [[nodiscard]] std::size_t joint_count() const { return joints_.size(); }
 
+  /// All values that the joints may have.
   [[nodiscard]] JointBox limits() const {
     JointBox box;
     for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const auto [lower, upper] = limits_of(joints_[i]);
+      const auto [lower, upper] = joints_[i].limits;
       box.middle[i] = 0.5 * (lower + upper);
       box.half[i] = 0.5 * (upper - lower);
     }
     return box;
   }
 
-  /// Between the centres, with the joints at the middle of the box.
-  [[nodiscard]] double distance(const JointBox& box) const {
-    return (posed(rows_to_a_, a_, box) - posed(rows_to_b_, b_, box)).norm();
+  /// Between the surfaces of the nearest two, with the joints at the middle of the box.
+  [[nodiscard]] double gap(const JointBox& box) const {
+    Transform X_AB;
+    for (const Crossing& crossing : path_) {
+      const Transform pose = crossing.pose(box);
+      X_AB = X_AB * (crossing.is_upward ? pose.inverse() : pose);
+    }
+    double least = std::numeric_limits<double>::infinity();
+    for (const Sphere& b : b_) {
+      const Vec3 center = X_AB * b.center;
+      for (const Sphere& a : a_) {
+        least = std::min(least, (a.center - center).norm() - a.radius - b.radius);
+      }
+    }
+    return least;
   }
 
-  /// How much the distance can change within the box by joint `i`.
+  /// How much the gap can change within the box by joint `i`.
   [[nodiscard]] double change(const JointBox& box, std::size_t i) const {
-    return box.half[i] * speed_[i];
+    return box.half[i] * joints_[i].speed;
   }
 
  private:
-  [[nodiscard]] const FrameRow& row(int index) const { return tables_.frames[as_index(index)]; }
+  struct MovingJoint {
+    int index = 0;  ///< in the group
+    std::pair<double, double> limits;
+    double speed = 0;  ///< metres per unit, at most
+  };
 
-  [[nodiscard]] std::pair<double, double> limits_of(int joint) const {
-    const Joint& group_joint = robot_.group_joint(joint);
-    if (group_joint.type == JointType::continuous) return {-std::numbers::pi, std::numbers::pi};
-    return {group_joint.lower, group_joint.upper};
+  static std::pair<double, double> limits_of(const Joint& joint) {
+    if (joint.type == JointType::continuous) return {-std::numbers::pi, std::numbers::pi};
+    return {joint.lower, joint.upper};
   }
 
-  static double value_of(const FrameRow& frame, double joint_value) {
-    return frame.multiplier * joint_value + frame.offset;
-  }
-
-  std::size_t position_of(int joint) {
-    const auto found = std::find(joints_.begin(), joints_.end(), joint);
-    if (found != joints_.end()) return static_cast<std::size_t>(found - joints_.begin());
-    joints_.push_back(joint);
-    speed_.push_back(0);
-    return joints_.size() - 1;
-  }
-
-  /// Adds what a joint's motion can do to a point at the end of the chain, from there inwards.
-  void measure(const std::vector<int>& rows, const Vec3& point) {
-    double radius = point.norm();
-    for (const int index : rows) {
-      const FrameRow& frame = row(index);
-      speed_[position_of(frame.joint)] +=
-          std::abs(static_cast<double>(frame.multiplier)) * (frame.is_prismatic ? 1.0 : radius);
-      radius += Eigen::Map<const Eigen::Vector3f>(frame.translation).cast<double>().norm();
-      if (!frame.is_prismatic) continue;
-      const auto [lower, upper] = limits_of(frame.joint);
-      radius += std::max(std::abs(value_of(frame, lower)), std::abs(value_of(frame, upper)));
-    }
-  }
-
-  [[nodiscard]] Vec3 posed(const std::vector<int>& rows, Vec3 point, const JointBox& box) const {
+  Crossing crossing(const Robot& robot, const FrameRow& row, bool is_upward) {
     using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-    for (const int index : rows) {
-      const FrameRow& frame = row(index);
-      const auto joint = std::find(joints_.begin(), joints_.end(), frame.joint) - joints_.begin();
-      const double value = value_of(frame, box.middle[as_index(joint)]);
-      point = frame.is_prismatic ? Vec3(point + value * Vec3::UnitZ())
-                                 : Vec3(rotation_about(Vec3::UnitZ(), value) * point);
-      point = Eigen::Map<const RowMajor>(frame.rotation).cast<double>() * point +
-              Eigen::Map<const Eigen::Vector3f>(frame.translation).cast<double>();
+    auto joint = std::ranges::find(joints_, row.joint, &MovingJoint::index);
+    if (joint == joints_.end()) {
+      joints_.push_back({row.joint, limits_of(robot.group_joint(row.joint))});
+      joint = std::prev(joints_.end());
     }
-    return point;
+    Crossing result{{Eigen::Map<const RowMajor>(row.rotation).cast<double>(),
+                     Eigen::Map<const Eigen::Vector3f>(row.translation).cast<double>()},
+                    row.is_prismatic,
+                    row.multiplier,
+                    row.offset,
+                    static_cast<std::size_t>(joint - joints_.begin()),
+                    0,
+                    is_upward};
+    if (!row.is_prismatic) return result;
+    for (const double value : {joint->limits.first, joint->limits.second}) {
+      result.slide = std::max(result.slide, std::abs(result.multiplier * value + result.offset));
+    }
+    return result;
   }
 
-  const Robot& robot_;
-  const RobotTables& tables_;
-  Vec3 a_, b_;
-  std::vector<int> rows_to_a_, rows_to_b_;  ///< from the sphere inwards
-  std::vector<int> joints_;
-  std::vector<double> speed_;  ///< metres per unit of each joint, at most
+  /// Either set may be thought at rest, so that the slower motion bounds both.
+  void add_speeds() {
+    const std::vector<double> of_a = find_speeds(path_, a_);
+    std::vector<Crossing> back(path_.rbegin(), path_.rend());
+    for (Crossing& crossing : back) crossing.is_upward = !crossing.is_upward;
+    const std::vector<double> of_b = find_speeds(back, b_);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      joints_[path_[i].joint].speed += std::min(of_a[i], of_b[path_.size() - 1 - i]);
+    }
+  }
+
+  std::span<const Sphere> a_, b_;
+  std::vector<Crossing> path_;  ///< from the first set to the second
+  std::vector<MovingJoint> joints_;
 };
 
 }  // namespace
 
-bool can_meet(const Robot& robot, const RobotTables& tables, const CarriedSphere& a,
-              const CarriedSphere& b) {
+bool can_meet(const Robot& robot, const RobotTables& tables, const CarriedSpheres& a,
+              const CarriedSpheres& b) {
   const Linkage linkage(robot, tables, a, b);
   if (linkage.joint_count() > kMostJoints) return true;
-  const double reach = a.sphere.radius + b.sphere.radius + kSafety;
   std::vector<JointBox> boxes = {linkage.limits()};
   for (int looked_at = 0; !boxes.empty(); ++looked_at) {
     if (looked_at == kMostBoxes) return true;
     JointBox box = boxes.back();
     boxes.pop_back();
-    const double gap = linkage.distance(box) - reach;
+    const double gap = linkage.gap(box) - kSafety;
     if (gap < 0) return true;
     std::size_t widest = 0;
     double change = 0;

@@ -31,8 +31,12 @@ Ball to_ball(const Sphere& sphere) {
   return ball;
 }
 
-Sphere to_sphere(const Ball& ball) {
-  return {Vec3(ball.center[0], ball.center[1], ball.center[2]), ball.radius};
+std::vector<Sphere> to_spheres(std::span<const Ball> balls) {
+  std::vector<Sphere> spheres;
+  for (const Ball& ball : balls) {
+    spheres.push_back({Vec3(ball.center[0], ball.center[1], ball.center[2]), ball.radius});
+  }
+  return spheres;
 }
 
 /// A rotation that takes the z axis to the unit vector `axis`, or to its opposite if `is_reversed`
@@ -395,16 +399,14 @@ class RobotTablesBuilder {
   }
 
   [[nodiscard]] bool can_groups_meet(int link_a, int a, int link_b, int b) const {
-    const auto meet = [&](const Ball& first, const Ball& second) {
-      return can_meet(robot_, tables_, {placements_[as_index(link_a)].frame, to_sphere(first)},
-                      {placements_[as_index(link_b)].frame, to_sphere(second)});
+    const auto meet = [&](std::span<const Ball> first, std::span<const Ball> second) {
+      const std::vector<Sphere> p = to_spheres(first), q = to_spheres(second);
+      return can_meet(robot_, tables_, {placements_[as_index(link_a)].frame, p},
+                      {placements_[as_index(link_b)].frame, q});
     };
     const GroupRow& first = tables_.groups[as_index(a)];
     const GroupRow& second = tables_.groups[as_index(b)];
-    if (!meet(first.ball, second.ball)) return false;
-    return std::ranges::any_of(balls_of(first), [&](const Ball& p) {
-      return std::ranges::any_of(balls_of(second), [&](const Ball& q) { return meet(p, q); });
-    });
+    return meet({&first.ball, 1}, {&second.ball, 1}) && meet(balls_of(first), balls_of(second));
   }
 
   /// Of a group's spheres, or the one around a capsule.

@@ -18,19 +18,6 @@
 #include <numeric>
 #include <utility>
 
-namespace mneme {
-
-struct CompactFileCache {
-  std::string path;
-  internal::InputValue value;
-};
-
-std::shared_ptr<CompactFileCache> make_compact_file_cache() {
-  return std::make_shared<CompactFileCache>();
-}
-
-}  // namespace mneme
-
 namespace mneme::internal {
 namespace {
 
@@ -235,9 +222,12 @@ FramedScene extract_compact_scene(const CompactAddress& address) {
 }
 
 Problem read_compact_problem(const CompactAddress& address, const ProblemOptions& options) {
-  const auto cache = options.cache ? options.cache : make_compact_file_cache();
-  if (cache->path != address.path) *cache = {address.path, read_file(address.path)};
-  const CompactProblem found = find_in_file(cache->value, address);
+  const auto cache = options.cache ? options.cache : make_problem_cache();
+  if (cache->file_path != address.path) {
+    cache->file = read_file(address.path);
+    cache->file_path = address.path;
+  }
+  const CompactProblem found = find_in_file(cache->file, address);
   return read_problem({found.header, found.problem, found.name, directory_of(address.path),
                        read_compact_scene(found.problem, found.name), kCompactSpelling},
                       options);

@@ -17,6 +17,9 @@
 #include <filesystem>
 
 namespace mneme {
+
+std::shared_ptr<ProblemCache> make_problem_cache() { return std::make_shared<ProblemCache>(); }
+
 namespace {
 
 using internal::Input;

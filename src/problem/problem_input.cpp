@@ -26,6 +26,7 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr std::size_t kShownJoints = 3;
+constexpr std::size_t kCachedRobots = 8;
 
 bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
 
@@ -64,9 +65,20 @@ std::vector<std::string> joint_names(const Input& list) {
 
 }  // namespace
 
-ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options) {
+ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
+                                ProblemCache* cache) {
+  if (cache) {
+    const auto known = std::ranges::find_if(cache->robots, [&](const CachedRobot& candidate) {
+      return candidate.robot.path == path && candidate.options == options;
+    });
+    if (known != cache->robots.end()) return known->robot;
+  }
   CoveredRobot covered = value_or_throw(load_covered_robot(path, options));
-  return {path, std::move(covered.robot), std::move(covered.notes)};
+  ProblemRobot robot{path, std::move(covered.robot), std::move(covered.notes)};
+  if (!cache) return robot;
+  if (cache->robots.size() == kCachedRobots) cache->robots.erase(cache->robots.begin());
+  cache->robots.push_back({options, robot});
+  return robot;
 }
 
 ProblemRobot read_robot(const Input& input, const std::string& directory,
@@ -86,13 +98,13 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   } else if (const auto group = input.find("group"); group && options.group.empty()) {
     options.group = group->text();
   }
-  ProblemRobot result = load_problem_robot(path, options);
+  ProblemRobot result = load_problem_robot(path, options, overrides.cache.get());
   std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
   if (const auto fixed_joints = input.find("fixed_joints")) {
     std::map<std::string, double> values;
     for (const auto& [name, value] : fixed_joints->entries()) values[name] = value.finite_number();
     if (fix_joints(result, options, values, *fixed_joints)) {
-      result.robot = load_problem_robot(path, options).robot;
+      result.robot = load_problem_robot(path, options, overrides.cache.get()).robot;
     }
   }
   for (const std::string& warning : result.robot.warnings()) result.warnings.push_back(warning);

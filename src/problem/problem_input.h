@@ -22,8 +22,30 @@ struct ProblemRobot {
   std::vector<std::string> warnings;
 };
 
-/// load_covered_robot, whose notes become warnings. Throws InputFailure.
-[[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options);
+/// A robot as these options made it.
+struct CachedRobot {
+  RobotOptions options;
+  ProblemRobot robot;
+};
+
+}  // namespace mneme::internal
+
+namespace mneme {
+
+struct ProblemCache {
+  std::string file_path;
+  internal::InputValue file;
+  std::vector<internal::CachedRobot> robots;  ///< few, the latest at the end
+};
+
+}  // namespace mneme
+
+namespace mneme::internal {
+
+/// load_covered_robot, whose notes become warnings, or what `cache` (which may be null) has of it.
+/// Throws InputFailure.
+[[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
+                                              ProblemCache* cache);
 
 /// Reads the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` of `input`, and the robot.
 /// What `options` say stands for what the keys say; paths of the keys are relative to `directory`.

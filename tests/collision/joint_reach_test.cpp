@@ -37,43 +37,67 @@ Robot row_of_links(const std::vector<JointType>& types, double limit) {
   return *robot;
 }
 
-bool meet(const Robot& robot, const internal::CarriedSphere& a, const internal::CarriedSphere& b) {
+struct Carried {
+  int frame = 0;
+  std::vector<Sphere> spheres;
+};
+
+bool meet(const Robot& robot, const Carried& a, const Carried& b) {
   const auto tables = internal::make_robot_tables(robot);
   REQUIRE(tables.has_value());
-  const bool result = internal::can_meet(robot, *tables, a, b);
-  CHECK(result == internal::can_meet(robot, *tables, b, a));
+  const internal::CarriedSpheres p{a.frame, a.spheres}, q{b.frame, b.spheres};
+  const bool result = internal::can_meet(robot, *tables, p, q);
+  CHECK(result == internal::can_meet(robot, *tables, q, p));
   return result;
+}
+
+std::vector<Sphere> random_spheres(Rng& rng) {
+  std::vector<Sphere> spheres(1 + rng.index(4));
+  for (Sphere& sphere : spheres) sphere = {random_vector(rng, 1), rng.uniform(0.02, 0.2)};
+  return spheres;
+}
+
+double gap(const std::vector<Transform>& poses, const Carried& a, const Carried& b) {
+  double least = 1e9;
+  for (const Sphere& p : a.spheres) {
+    for (const Sphere& q : b.spheres) {
+      const Vec3 between = poses[static_cast<std::size_t>(a.frame)] * p.center -
+                           poses[static_cast<std::size_t>(b.frame)] * q.center;
+      least = std::min(least, between.norm() - p.radius - q.radius);
+    }
+  }
+  return least;
 }
 
 }  // namespace
 
 TEST_SUITE("unit") {
   TEST_CASE("limits decide whether a joint can fold one sphere onto another") {
-    const internal::CarriedSphere base{0, {{0, 0, 0}, 0.1}}, tip{1, {{1, 0, 0}, 0.1}};
+    const Carried base{0, {{{0, 0, 0}, 0.1}}}, tip{1, {{{1, 0, 0}, 0.1}}};
     const auto revolute = JointType::revolute;
     CHECK(meet(row_of_links({revolute}, 3.1), base, tip));
     CHECK_FALSE(meet(row_of_links({revolute}, 2.8), base, tip));
     CHECK(meet(row_of_links({JointType::continuous}, 0), base, tip));
     // The same two links further along, where other joints move both.
-    const internal::CarriedSphere second{1, {{0, 0, 0}, 0.1}}, third{2, {{1, 0, 0}, 0.1}};
+    const Carried second{1, {{{0, 0, 0}, 0.1}}}, third{2, {{{1, 0, 0}, 0.1}}};
     CHECK_FALSE(meet(row_of_links({revolute, revolute, revolute}, 2.8), second, third));
   }
 
   TEST_CASE("sliding joints reach as far as their limits") {
-    const internal::CarriedSphere base{0, {{1, 0, 1}, 0.1}}, slider{1, {{0, 0, 0}, 0.1}};
+    const Carried base{0, {{{1, 0, 1}, 0.1}}}, slider{1, {{{0, 0, 0}, 0.1}}};
     CHECK(meet(row_of_links({JointType::prismatic}, 0.9), base, slider));
     CHECK_FALSE(meet(row_of_links({JointType::prismatic}, 0.7), base, slider));
   }
 
   TEST_CASE("spheres that nothing moves against each other either touch or never do") {
     const Robot robot = row_of_links({JointType::revolute}, 1);
-    CHECK(meet(robot, {1, {{0, 0, 0}, 0.1}}, {1, {{0.15, 0, 0}, 0.1}}));
-    CHECK_FALSE(meet(robot, {1, {{0, 0, 0}, 0.1}}, {1, {{0.25, 0, 0}, 0.1}}));
+    CHECK(meet(robot, {1, {{{0, 0, 0}, 0.1}}}, {1, {{{0.15, 0, 0}, 0.1}}}));
+    CHECK_FALSE(meet(robot, {1, {{{0, 0, 0}, 0.1}}}, {1, {{{0.25, 0, 0}, 0.1}}}));
   }
 
   TEST_CASE("more joints than are looked at rule nothing out") {
     const Robot robot = row_of_links(std::vector(3, JointType::revolute), 0.01);
-    CHECK(meet(robot, {0, {{0, 0, 0}, 0.1}}, {3, {{1, 0, 0}, 0.1}}));
+    CHECK(meet(robot, {0, {{{0, 0, 0}, 0.1}}}, {3, {{{1, 0, 0}, 0.1}}}));
   }
 }
 
@@ -85,14 +109,11 @@ TEST_SUITE("law") {
       const double limit = rng.uniform(0.2, 3);
       const std::array kinds = {JointType::revolute, JointType::continuous, JointType::prismatic};
       const Robot robot = row_of_links({kinds.at(rng.index(3)), kinds.at(rng.index(3))}, limit);
-      const internal::CarriedSphere a{0, {random_vector(rng, 1), rng.uniform(0.05, 0.4)}};
-      const internal::CarriedSphere b{2, {random_vector(rng, 1), rng.uniform(0.05, 0.4)}};
+      const Carried a{0, random_spheres(rng)}, b{2, random_spheres(rng)};
       const bool can_meet = meet(robot, a, b);
       double least = 1e9;
       for (int i = 0; i < 1000; ++i) {
-        const std::vector<Transform> poses = robot.link_poses(random_configuration(robot, rng));
-        const Vec3 p = poses[0] * a.sphere.center, q = poses[2] * b.sphere.center;
-        least = std::min(least, (p - q).norm() - a.sphere.radius - b.sphere.radius);
+        least = std::min(least, gap(robot.link_poses(random_configuration(robot, rng)), a, b));
       }
       if (least < 0) CHECK(can_meet);
       apart += !can_meet;

@@ -152,6 +152,22 @@ TEST_SUITE("unit") {
     CHECK(seven.scene.obstacles[1].shapes.size() == 2);
   }
 
+  TEST_CASE("with a cache problems share their robot, unless options make another") {
+    const File file;
+    ProblemOptions options;
+    options.cache = make_problem_cache();
+    const auto links_of = [&](const std::string& name) {
+      return load_problem(file.path() + "#" + name, options).value().robot.links().data();
+    };
+    const Link* links = links_of("one");
+    CHECK(links_of("7") == links);
+    options.robot.allowed_pairs = {{"link_1", "link_3"}};
+    CHECK(links_of("7") != links);
+    options.robot.allowed_pairs.clear();
+    CHECK(links_of("3") == links);
+    CHECK(file.load("3").value().robot.links().data() != links);
+  }
+
   TEST_CASE("an address without a name is refused with the first names") {
     const File file;
     const std::string expected =
