@@ -19,6 +19,7 @@
 
 #include <limits>
 #include <memory>
+#include <numbers>
 
 namespace mneme::app {
 namespace {
@@ -31,6 +32,7 @@ constexpr double kMostMetres = 10;
 
 struct RepeatOptions {
   std::vector<std::string> problems;
+  std::string part;
   std::string output;
   std::string robot;
   RobotOptions robot_options;
@@ -57,7 +59,7 @@ Result<void> prove(const Problem& problem) {
 Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
   const auto overrides = problem_options(options.robot, options.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
-  auto problems = load_problem_lesson(options.problems, "", *overrides);
+  auto problems = load_problem_lesson(options.problems, options.part, *overrides);
   if (!problems) return problems;
   std::vector<Problem> tasks;
   for (Problem& problem : *problems) {
@@ -126,6 +128,8 @@ void add_scene_repeat(CLI::App& group, Action& action) {
           "compact files, problems (FILE.json#NAME, YAML) or directories of them; those in "
           "contact are left out")
       ->required();
+  command->add_option("--part", options->part,
+                      "I/N: every N-th problem beginning with the I-th, such as 2/2");
   command->add_option("--robot", options->robot,
                       "robot to use instead of the problems': a URDF file or a name");
   add_robot_flags(*command, options->robot_options);
@@ -137,6 +141,10 @@ void add_scene_repeat(CLI::App& group, Action& action) {
              "metres that each obstacle is moved at most");
   add_number(*command, "--goal", options->settings.goal, 0, kMostMetres,
              "metres that the tip of the arm is moved at most at the goal");
+  add_number(*command, "--base", options->settings.base, 0, kMostMetres,
+             "metres that the robot's base stands elsewhere at most");
+  add_number(*command, "--turn", options->settings.turn, 0, std::numbers::pi,
+             "radians that the robot's base is turned at most");
   add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
              "seed of all random numbers; the n-th repeat of a task depends on it and on n alone");
   add_json(*command, options->is_json);

@@ -53,7 +53,10 @@ Result<LearnedMemory> learn_grid(const SuiteMemory& memory, const std::string& p
 Result<std::vector<Problem>> load_lessons(const SuiteMemory& memory) {
   std::vector<Problem> all;
   for (const SuiteProblems& entry : memory.problems) {
-    Result<std::vector<Problem>> loaded = load_problem_lesson({entry.where}, entry.part, {});
+    ProblemOptions overrides;
+    overrides.robot_path = entry.robot;
+    overrides.robot.srdf_path = entry.srdf;
+    Result<std::vector<Problem>> loaded = load_problem_lesson({entry.where}, entry.part, overrides);
     if (!loaded) return loaded;
     std::move(loaded->begin(), loaded->end(), std::back_inserter(all));
   }

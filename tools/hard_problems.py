@@ -1,13 +1,16 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes hard problems of others, for bench/suites/hard.yaml.
+"""Makes hard or foreign problems of others, for bench/suites/hard.yaml and transfer.yaml.
 
 usage: hard_problems.py starts PROBLEMS.json URDF -o OUT.json          random starts within the joints' limits
        hard_problems.py carry PROBLEMS.json LINK OBJECT -o OUT.json    that link, a gripper, carries a stick instead of the object
+       hard_problems.py meshes PROBLEMS.json -o OUT.json               obstacles as triangles
+       hard_problems.py clouds PROBLEMS.json -o OUT.json               what a sensor would see of all obstacles: one cloud
        hard_problems.py reach MNEME URDF SRDF SCENE.yaml .. -o DIRECTORY
                                                   from a tucked arm to a random place in the shelf of each scene
 
+Meshes and clouds are those of boxes and cylinders; round sides have 32 faces within the cylinder. Points are at most 2 cm apart, and 5 mm thick.
 --seed N makes others. Starts, and what is carried, may be in contact: benchmarks leave such problems out, and say how many there
 were. Goals in shelves are MNEME's inverse kinematics, free of contact; scenes where it finds none are counted and left out.
 """
@@ -23,6 +26,8 @@ import xml.etree.ElementTree
 STICK = {"name": "stick", "type": "box", "p": [0.09, 0, 0], "q": [1, 0, 0, 0], "size": [0.03, 0.03, 0.16]}
 # Fetch with its arm tucked, as in MotionBenchMaker's problems.
 TUCKED = [0.1, 1.32, 1.4, -0.2, 1.72, 0, 1.66, 0]
+SIDES = 32  # of a cylinder
+APART = 0.02  # metres between points of a cloud, at most
 # Of the gripper, behind the two cylinders in front: metres.
 REACH = ((0.96, 1.04), (-0.03, 0.03), (0.86, 0.94))
 
@@ -52,6 +57,73 @@ def with_stick(compact, link, carried):
     for problem in compact["problems"]:
         problem["obstacles"] = [obstacle for obstacle in problem["obstacles"] if obstacle["name"] != carried]
         problem["attached"] = [{"link": link, **STICK}]
+    return compact
+
+
+def turned(q, p):
+    """The vector p, turned by the quaternion q: w, x, y, z."""
+    w, *v = q
+    cross = [v[1] * p[2] - v[2] * p[1] + w * p[0], v[2] * p[0] - v[0] * p[2] + w * p[1], v[0] * p[1] - v[1] * p[0] + w * p[2]]
+    return [p[i] + 2 * (v[(i + 1) % 3] * cross[(i + 2) % 3] - v[(i + 2) % 3] * cross[(i + 1) % 3]) for i in range(3)]
+
+
+def faces_of(obstacle):
+    """Corner and two edges of each parallelogram of the surface, and two edges of each triangle, in the obstacle's own frame."""
+    if obstacle["type"] == "box":
+        x, y, z = (0.5 * size for size in obstacle["size"])
+        edges = [[2 * x, 0, 0], [0, 2 * y, 0], [0, 0, 2 * z]]
+        for side in (-1, 1):
+            corner = [side * x, side * y, side * z]
+            for i in range(3):
+                yield corner, *([-side * value for value in edges[k]] for k in range(3) if k != i), False
+        return
+    if obstacle["type"] != "cylinder":
+        raise ValueError(f"obstacle '{obstacle['name']}': expected a box or a cylinder, got a {obstacle['type']}")
+    radius, length = obstacle["radius"], obstacle["length"]
+    rim = [(radius * math.cos(angle), radius * math.sin(angle)) for angle in (math.tau * i / SIDES for i in range(SIDES + 1))]
+    for (x, y), (next_x, next_y) in zip(rim, rim[1:]):
+        yield [x, y, -0.5 * length], [next_x - x, next_y - y, 0], [0, 0, length], False
+        for z in (-0.5 * length, 0.5 * length):
+            yield [0, 0, z], [x, y, 0], [next_x, next_y, 0], True
+
+
+def placed(obstacle, local):
+    return [round(place + value, 5) for place, value in zip(obstacle["p"], turned(obstacle["q"], local))]
+
+
+def along(corner, edge, share, other, other_share):
+    return [c + share * e + other_share * o for c, e, o in zip(corner, edge, other)]
+
+
+def triangles_of(obstacle):
+    for corner, edge, other, is_triangle in faces_of(obstacle):
+        a, b, c, d = (placed(obstacle, along(corner, edge, i, other, k)) for i, k in ((0, 0), (1, 0), (0, 1), (1, 1)))
+        yield from (*a, *b, *c)
+        if not is_triangle:
+            yield from (*b, *c, *d)
+
+
+def points_of(obstacle):
+    for corner, edge, other, is_triangle in faces_of(obstacle):
+        steps = [max(1, math.ceil(math.hypot(*side) / APART)) for side in (edge, other)]
+        for i in range(steps[0] + 1):
+            for k in range(steps[1] + 1):
+                share, other_share = i / steps[0], k / steps[1]
+                if not is_triangle or share + other_share <= 1:
+                    yield tuple(placed(obstacle, along(corner, edge, share, other, other_share)))
+
+
+def as_meshes(compact):
+    for problem in compact["problems"]:
+        problem["obstacles"] = [{"name": obstacle["name"], "type": "mesh", "triangles": list(triangles_of(obstacle))}
+                                for obstacle in problem["obstacles"]]
+    return compact
+
+
+def as_clouds(compact):
+    for problem in compact["problems"]:
+        points = dict.fromkeys(point for obstacle in problem["obstacles"] for point in points_of(obstacle))
+        problem["obstacles"] = [{"name": "scan", "type": "points", "radius": 0.005, "points": [value for point in points for value in point]}]
     return compact
 
 
@@ -90,6 +162,7 @@ def write_reaches(mneme, urdf, srdf, scenes, folder, chance):
 
 
 WANTED = {"starts": (2, 2, "PROBLEMS.json URDF"), "carry": (3, 3, "PROBLEMS.json LINK OBJECT"),
+          "meshes": (1, 1, "PROBLEMS.json"), "clouds": (1, 1, "PROBLEMS.json"),
           "reach": (4, math.inf, "MNEME URDF SRDF SCENE.yaml ..")}
 
 
@@ -106,14 +179,16 @@ def write(arguments):
     compact = read_compact(arguments.inputs[0])
     if arguments.kind == "starts":
         compact = with_random_starts(compact, joint_limits(arguments.inputs[1]), chance)
-    else:
+    elif arguments.kind == "carry":
         compact = with_stick(compact, *arguments.inputs[1:])
+    else:
+        compact = as_meshes(compact) if arguments.kind == "meshes" else as_clouds(compact)
     output.write_text(json.dumps(compact), encoding="utf-8")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("kind", choices=["starts", "carry", "reach"])
+    parser.add_argument("kind", choices=list(WANTED))
     parser.add_argument("inputs", nargs="+")
     parser.add_argument("-o", "--output", required=True)
     parser.add_argument("--seed", type=int, default=1)

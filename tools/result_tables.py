@@ -1,18 +1,21 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the tables of measured figures in documents from the rows in bench/results.
+"""Writes the measured figures of documents from what was measured, in bench/results.
 
 usage: result_tables.py SOURCE_DIRECTORY MNEME [--check]
-       result_tables.py SOURCE_DIRECTORY MNEME --add NAME ROWS.csv --command TEXT --commit REV [--note TEXT]
+       result_tables.py SOURCE_DIRECTORY MNEME --add NAME FILE .. --command TEXT --commit REV [--note TEXT] [--memories FILE.csv]
 
-bench/results/NAME.csv.xz are rows of `mneme bench run`, NAME.json says by which command, of which commit. MNEME, which has
-`bench report`, summarises them. Documents have tables between markers:
+bench/results/NAME.csv.xz are rows of `mneme bench run`, of one or several FILEs that end with .csv; NAME.txt is what any other
+program printed, of one FILE of another ending. NAME.memories.csv is what a suite left of its memories. NAME.json says by which command, of which commit, on which machine. MNEME, which
+has `bench report`, summarises rows. Documents have tables between markers, and what programs printed as it is:
 
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
-  <!-- ratios NAME show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
-  <!-- difficulty NAME show=COLUMNS baseline=SETTING -->
+  <!-- ratios NAME [NAME ..] show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
+  <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [where=COLUMN:VALUE ..] -->
   <!-- growth NAME show=QUERIES baseline=SETTING -->
+  <!-- cost NAME baseline=SETTING -->
+  <!-- output NAME -->
   <!-- /rows -->
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
@@ -20,7 +23,8 @@ bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplificat
 difficulty: tasks, which are problems whose names agree up to an underscore, by the baseline's median for them, with solved, p50,
 mean and p95 of each setting, whose name up to a comma counts. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
-from which on it has taken less in all. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
+from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, its mean
+planning time without (the baseline's) and with it, and after how many queries that is gained. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
 """
 import argparse
@@ -29,7 +33,9 @@ import itertools
 import json
 import lzma
 import math
+import os
 import pathlib
+import platform
 import re
 import shutil
 import statistics
@@ -37,12 +43,12 @@ import subprocess
 import sys
 import tempfile
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|output) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "duration": "mean duration s", "simplification": "simplification p50 ms"}
-BINS_MS = (0, 1, 10, 100, 1000, math.inf)
+BINS_MS = (0, 0.1, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
 
 
@@ -72,6 +78,21 @@ class Results:
         if not path.exists():
             raise Mistake(f"{path}: there is no such file of rows")
         return path
+
+    def memories(self, name):
+        path = self.folder / f"{name}.memories.csv"
+        try:
+            with path.open(encoding="utf-8", newline="") as source:
+                return list(csv.DictReader(source))
+        except OSError as problem:
+            raise Mistake(f"{path}: {problem.strerror}") from problem
+
+    def output(self, name):
+        path = self.folder / f"{name}.txt"
+        try:
+            return path.read_text(encoding="utf-8")
+        except OSError as problem:
+            raise Mistake(f"{path}: {problem.strerror}") from problem
 
     def rows(self, name):
         with lzma.open(self.packed(name), "rt", encoding="utf-8", newline="") as source:
@@ -139,8 +160,8 @@ def parse(words):
             options[key] = value.split(",") if key in ("by", "show") else value
         else:
             raise Mistake(f"'{word}': expected by=, show=, time=, baseline= or where=")
-    if not names or "show" not in options:
-        raise Mistake(f"'{words}': expected the name of a file of rows and show=")
+    if not names:
+        raise Mistake(f"'{words}': expected the name of a file of rows")
     return names, options, where
 
 
@@ -176,10 +197,11 @@ def ratio_lines(results, names, options, where):
     lines = []
     for name in names:
         ratios = results.summary(name, options.get("baseline", "uniform"))["ratios"]
-        lines += [[ratio[column] for column in RATIO_NAMES] +
+        head = [name] if len(names) > 1 else []
+        lines += [head + [ratio[column] for column in RATIO_NAMES] +
                   [str(ratio["pairs"]) if column == "pairs" else ratio_cell(ratio[column]) for column in options["show"]]
                   for ratio in ratios if is_meant(ratio, where)]
-    return [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
+    return [""] * (len(names) > 1) + [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
 
 
 def times_of(rows):
@@ -206,7 +228,7 @@ def summary_cells(runs, columns):
 
 
 def difficulty_lines(results, names, options, where):
-    times = times_of(row for name in names for row in results.rows(name))
+    times = times_of(row for name in names for row in results.rows(name) if is_meant(row, where))
     if options.get("baseline") not in times:
         raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
     needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[options["baseline"]].items()}
@@ -245,6 +267,28 @@ def growth_lines(results, names, options, where):
     return ["", "", "replayed", *(f"s after {n}" for n in options["show"]), "in all", "pays from query"], lines
 
 
+def cost_lines(results, names, options, where):
+    rows = [row for row in results.rows(names[0]) if is_meant(row, where) and not row["status"].startswith("invalid")]
+    means = {}
+    for row in rows:
+        means.setdefault(row["setting"].replace(" ", "_"), []).append(1e3 * float(row["planning_time_s"]))
+    if options.get("baseline") not in means:
+        raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(means)}")
+    means = {setting: statistics.fmean(times) for setting, times in means.items()}
+    without = means[options["baseline"]]
+    lines = []
+    for memory in results.memories(names[0]):
+        drawing = [row["setting"] for row in rows if row["settings"].endswith(f"memory={memory['name']}")]
+        if not drawing or float(memory["learning_time_s"]) == 0:
+            continue
+        with_it = means[drawing[0].replace(" ", "_")]
+        pays = 1e3 * float(memory["learning_time_s"]) / (without - with_it) if with_it < without else math.inf
+        lines.append([memory["name"], drawing[0], memory["primitives"], memory["components"], f"{int(memory['bytes']) / 1e6:.2f}",
+                      factor(float(memory["learning_time_s"])), f"{factor(without)} → {factor(with_it)}",
+                      f"{math.ceil(pays)} queries" if pays < math.inf else "never"])
+    return ["memory", "setting", "rows", "components", "MB", "s to learn", "mean ms", "gained after"], lines
+
+
 def said_of(results, names, told):
     """By which commands the rows came to be, but for those that the document has told."""
     said = []
@@ -259,8 +303,13 @@ def said_of(results, names, told):
 
 
 def block(results, kind, words, told):
+    if kind == "output":
+        return f"\n```text\n{results.output(words)}```\n{said_of(results, [words], told)}"
     names, options, where = parse(words)
-    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines, "growth": growth_lines}[kind]
+    if kind != "cost" and "show" not in options:
+        raise Mistake(f"'{words}': expected show=")
+    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines, "growth": growth_lines,
+                  "cost": cost_lines}[kind]
     titles, lines = make_lines(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")
@@ -293,15 +342,42 @@ def machine_of(rows):
         return next(csv.DictReader(lines))["machine"]
 
 
+def this_machine():
+    """As rows of benchmarks name it."""
+    models = re.findall("^model name[^:]*: *(.*)", pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.MULTILINE)
+    return f"{models[0] if models else platform.machine()}, {os.cpu_count()} hardware threads, {platform.system()} {platform.release()}"
+
+
+def pack(files, target):
+    """Rows of several runs of a benchmark as those of one."""
+    header = None
+    with lzma.open(target, "wb", preset=9) as packed:
+        for path in files:
+            first, *lines = path.read_bytes().splitlines(keepends=True)
+            if header not in (None, first):
+                raise Mistake(f"{path}: its columns differ from those of {files[0]}")
+            packed.writelines(lines if header else [first, *lines])
+            header = first
+
+
 def add(folder, args):
-    rows = pathlib.Path(args.add[1])
+    name, *files = args.add[0], *map(pathlib.Path, args.add[1:])
     folder.mkdir(parents=True, exist_ok=True)
-    with rows.open("rb") as source, lzma.open(folder / f"{args.add[0]}.csv.xz", "wb", preset=9) as target:
-        shutil.copyfileobj(source, target)
-    origin = {"command": args.command, "commit": args.commit, "machine": machine_of(rows)}
+    if all(path.suffix == ".csv" for path in files):
+        machine = machine_of(files[0])
+        pack(files, folder / f"{name}.csv.xz")
+        if args.memories:
+            shutil.copyfile(args.memories, folder / f"{name}.memories.csv")
+    elif len(files) == 1:
+        machine = this_machine()
+        text = files[0].read_text(encoding="utf-8")
+        (folder / f"{name}.txt").write_text("".join(f"{line.rstrip()}\n" for line in text.splitlines()), encoding="utf-8")
+    else:
+        raise Mistake(f"--add {name}: expected files of rows, which end with .csv, or one of another ending")
+    origin = {"command": args.command, "commit": args.commit, "machine": machine}
     if args.note:
         origin["note"] = args.note
-    (folder / f"{args.add[0]}.json").write_text(json.dumps(origin, indent=2) + "\n", encoding="utf-8")
+    (folder / f"{name}.json").write_text(json.dumps(origin, indent=2) + "\n", encoding="utf-8")
 
 
 def main():
@@ -309,15 +385,16 @@ def main():
     parser.add_argument("source", type=pathlib.Path)
     parser.add_argument("mneme")
     parser.add_argument("--check", action="store_true")
-    parser.add_argument("--add", nargs=2, metavar=("NAME", "ROWS"))
+    parser.add_argument("--add", nargs="+", metavar=("NAME", "FILE"))
     parser.add_argument("--command", default="")
     parser.add_argument("--commit", default="")
     parser.add_argument("--note", default="")
+    parser.add_argument("--memories")
     args = parser.parse_args()
     folder = args.source / "bench" / "results"
     if args.add:
-        if not args.command:
-            parser.error("--add needs --command")
+        if not args.command or len(args.add) < 2:
+            parser.error("--add needs a name, files and --command")
         add(folder, args)
     stale = rewrite(args.source, Results(folder, args.mneme), args.check)
     for path in stale:

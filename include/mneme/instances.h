@@ -54,11 +54,15 @@ struct Variations {
 struct RepeatSettings {
   double obstacles = 0.02;  ///< metres that each obstacle is moved at most, whole and any way
   double goal = 0.03;       ///< metres that the tip of the arm is moved at most, its rotation kept
+  /// Metres that the robot's base stands elsewhere at most, along x and y: seen from it, all
+  /// obstacles and the pose of the tip at the goal are moved together.
+  double base = 0;
+  double turn = 0;  ///< radians that the base is turned at most, about its own z
 };
 /// A task like that of `problem`, whose first goal counts: obstacles and goal are moved uniformly
 /// within balls, again until start and goal are free, and the new goal is the solution of inverse
-/// kinematics nearest to the old one. Errors: no goal configuration; lengths below 0; a robot
-/// without a tip; no free repeat in 1000 tries; a scene that cannot be checked.
+/// kinematics nearest to the old one. Errors: no goal configuration; lengths or a turn below 0; a
+/// robot without a tip; no free repeat in 1000 tries; a scene that cannot be checked.
 [[nodiscard]] Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings,
                                      Rng& rng);
 

@@ -95,20 +95,27 @@ class SuiteReader {
   }
 
  private:
-  /// Relative to the suite; `${NAME}` stands for an environment variable.
-  [[nodiscard]] std::string resolve(const Input& input) const {
+  /// The text, in which `${NAME}` stands for an environment variable.
+  [[nodiscard]] static std::string expand(const Input& input) {
     std::string text = input.text();
-    const std::size_t begin = text.find("${");
-    const std::size_t end = text.find('}', begin);
-    if (begin != std::string::npos && end != std::string::npos) {
+    for (std::size_t begin = text.find("${"); begin != std::string::npos;) {
+      const std::size_t end = text.find('}', begin);
+      if (end == std::string::npos) break;
       const std::string name = text.substr(begin + 2, end - begin - 2);
       const char* value = std::getenv(name.c_str());
       if (value == nullptr) {
         input.fail(ErrorCode::io, fmt::format("the environment variable {} is not set", name));
       }
-      text.replace(begin, end - begin + 1, value);
+      const std::string_view found = value;
+      text.replace(begin, end - begin + 1, found);
+      begin = text.find("${", begin + found.size());
     }
-    return (path_.parent_path() / text).lexically_normal().string();
+    return text;
+  }
+
+  /// A path relative to the suite.
+  [[nodiscard]] std::string resolve(const Input& input) const {
+    return (path_.parent_path() / expand(input)).lexically_normal().string();
   }
 
   SuiteProblems read_entry(const Input& input) const {
@@ -116,7 +123,7 @@ class SuiteReader {
     input.allow_keys({"file", "set", "part", "robot", "srdf"});
     SuiteProblems problems{resolve(input.at("file")), "", ""};
     if (const auto set = input.find("set")) problems.set = set->text();
-    if (const auto part = input.find("part")) problems.part = part->text();
+    if (const auto part = input.find("part")) problems.part = expand(*part);
     if (const auto robot = input.find("robot")) problems.robot = resolve(*robot);
     if (const auto srdf = input.find("srdf")) problems.srdf = resolve(*srdf);
     return problems;

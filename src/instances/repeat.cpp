@@ -15,22 +15,35 @@ namespace {
 constexpr int kMostRepeatTries = 1000;
 /// Of inverse kinematics: the first is the old goal, others lie around it.
 constexpr int kSeeds = 16;
-/// Radians that a goal may be away from the old one: more is another way to hold the arm.
+/// Radians that a goal may be away from the old one where the base stays: more is another way to
+/// hold the arm.
 constexpr double kSameArm = 1;
 
-/// Of a planar robot, within a disc.
-Vec3 draw_move(const Robot& robot, double radius, Rng& rng) {
+/// Within a ball, or a disc of the x-y plane.
+Vec3 draw_move(bool is_flat, double radius, Rng& rng) {
   for (;;) {
     Vec3 v(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
-    if (robot.is_planar()) v.z() = 0;
+    if (is_flat) v.z() = 0;
     if (v.squaredNorm() <= 1) return radius * v;
   }
 }
 
-Scene draw_scene(const Problem& problem, double radius, Rng& rng) {
+bool has_fixed_base(const RepeatSettings& settings) {
+  return settings.base == 0 && settings.turn == 0;
+}
+
+/// Where the world is, seen from the base.
+Transform draw_world(const RepeatSettings& settings, Rng& rng) {
+  if (has_fixed_base(settings)) return {};
+  const double turn = rng.uniform(-settings.turn, settings.turn);
+  return {rotation_about(Vec3::UnitZ(), turn), draw_move(true, settings.base, rng)};
+}
+
+Scene draw_scene(const Problem& problem, const Transform& world, double radius, Rng& rng) {
   Scene moved = problem.scene;
   for (Obstacle& obstacle : moved.obstacles) {
-    const Transform X{Eigen::Matrix3d::Identity(), draw_move(problem.robot, radius, rng)};
+    const Vec3 move = draw_move(problem.robot.is_planar(), radius, rng);
+    const Transform X = world * Transform{Eigen::Matrix3d::Identity(), move};
     for (Shape& shape : obstacle.shapes) shape = transformed(X, shape);
   }
   return moved;
@@ -52,17 +65,20 @@ class GoalMover {
     return GoalMover(robot, goal, *std::move(kinematics), {tips.front(), pose});
   }
 
-  std::optional<Configuration> draw(const CollisionChecker& checker, double radius,
-                                    Rng& rng) const {
-    if (radius == 0) return goal_;
+  std::optional<Configuration> draw(const CollisionChecker& checker, const Transform& world,
+                                    const RepeatSettings& repeat, Rng& rng) const {
+    const bool is_fixed = has_fixed_base(repeat);
+    if (is_fixed && repeat.goal == 0) return goal_;
     PoseGoal moved = tip_;
-    moved.pose.translation += draw_move(robot_, radius, rng);
+    moved.pose.translation += draw_move(robot_.is_planar(), repeat.goal, rng);
+    moved.pose = world * moved.pose;
     IkSettings settings;
     settings.seeds = kSeeds;
     const IkResult found = kinematics_.solve(moved, goal_, settings, &checker);
     if (found.solutions.empty()) return std::nullopt;
     const Configuration& nearest = found.solutions.front();
-    return robot_.distance(nearest, goal_) < kSameArm ? std::optional(nearest) : std::nullopt;
+    if (is_fixed && robot_.distance(nearest, goal_) >= kSameArm) return std::nullopt;
+    return nearest;
   }
 
  private:
@@ -79,8 +95,9 @@ class GoalMover {
 }  // namespace
 
 Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, Rng& rng) {
-  if (!(settings.obstacles >= 0 && settings.goal >= 0)) {
-    return fail(ErrorCode::invalid, "a task is repeated within lengths of 0 or more");
+  if (!(settings.obstacles >= 0 && settings.goal >= 0 && settings.base >= 0 &&
+        settings.turn >= 0)) {
+    return fail(ErrorCode::invalid, "a task is repeated within lengths and turns of 0 or more");
   }
   if (problem.goals.empty()) {
     return fail(ErrorCode::unsupported,
@@ -94,10 +111,11 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
   Problem repeated = problem;
   repeated.pose_goals.clear();
   for (int i = 0; i < kMostRepeatTries; ++i) {
-    repeated.scene = draw_scene(problem, settings.obstacles, rng);
+    const Transform world = draw_world(settings, rng);
+    repeated.scene = draw_scene(problem, world, settings.obstacles, rng);
     const auto checker = CollisionChecker::make(problem.robot, repeated.scene);
     if (!checker) return tl::unexpected(checker.error());
-    const auto goal = mover->draw(*checker, settings.goal, rng);
+    const auto goal = mover->draw(*checker, world, settings, rng);
     if (!goal) continue;
     repeated.goals = {*goal};
     if (!refuse_query(*checker, {repeated.start, repeated.goals})) return repeated;

@@ -20,7 +20,8 @@ namespace {
 std::vector<std::string> made_by_scripts() {
   std::vector<std::string> names = {"wide.json",  "middle.json",     "narrow.json", "two.json",
                                     "three.json", "two_narrow.json", "starts.json", "carried.json",
-                                    "reach",      "panda.json",      "fetch.json"};
+                                    "reach",      "panda.json",      "fetch.json",  "starts",
+                                    "base",       "meshes",          "clouds",      "new"};
   for (const std::string robot : {"panda", "fetch", "ur5"}) {
     for (const char* cell : {"static", "moved", "new", "narrow", "random", "wide", "tight"}) {
       names.push_back(robot + "_" + cell + ".json");
@@ -191,6 +192,14 @@ settings:
     const auto suite = read("problems: ['${MNEME_SUITE_TEST}/a.yaml']\nsamplers: [uniform]\n");
     REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
     CHECK(suite->problems[0].where == "/there/a.yaml");
+    setenv("MNEME_SUITE_PART", "2/3", 1);
+    const auto both =
+        read("problems: [{file: '${MNEME_SUITE_TEST}/${MNEME_SUITE_TEST}.yaml', part: "
+             "'${MNEME_SUITE_PART}'}]\nsamplers: [uniform]\n");
+    REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
+    CHECK(both->problems[0].where == "/there/there.yaml");
+    CHECK(both->problems[0].part == "2/3");
+    unsetenv("MNEME_SUITE_PART");
     unsetenv("MNEME_SUITE_TEST");
     CHECK(failure("problems: ['${MNEME_SUITE_TEST}/a.yaml']\n")
               .find("the environment variable MNEME_SUITE_TEST is not set") != std::string::npos);
@@ -204,10 +213,13 @@ settings:
                                            "ompl:Lightning", "ompl:Thunder"};
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
-    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD"}) {
+    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER",
+                                  "ABLATIONS"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
-    setenv("MEMORY", "memory.db", 1);
+    for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);
+    setenv("ROBOT", "panda", 1);
+    setenv("FOLD", "1", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
     int count = 0;
     for (const auto& entry :

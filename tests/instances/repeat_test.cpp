@@ -38,6 +38,31 @@ TEST_SUITE("law") {
       }
     }
   }
+
+  TEST_CASE("where the base stands elsewhere, obstacles and the tip at the goal stay together") {
+    const Problem problem = task();
+    Rng rng(2);
+    const auto middle_of = [](const Problem& of, std::size_t k) {
+      return bounding_sphere(of.scene.obstacles[k].shapes[0]).center;
+    };
+    for (int i = 0; i < 20; ++i) {
+      const auto repeated = repeat(problem, {0, 0, 0.2, 0.5}, rng);
+      REQUIRE_MESSAGE(repeated.has_value(), (repeated ? "" : repeated.error().message));
+      CHECK(repeated->start == problem.start);
+      const Vec3 tip = tip_of(problem.robot, problem.goals[0]);
+      const Vec3 moved = tip_of(problem.robot, repeated->goals[0]);
+      CHECK(std::abs(moved.norm() - tip.norm()) <= 0.2 + 1e-3);
+      for (std::size_t k = 0; k < problem.scene.obstacles.size(); ++k) {
+        CHECK((middle_of(*repeated, k) - moved).norm() ==
+              doctest::Approx((middle_of(problem, k) - tip).norm()).epsilon(1e-3));
+      }
+      const Vec3 across = middle_of(problem, 1) - middle_of(problem, 0);
+      const Vec3 turned = middle_of(*repeated, 1) - middle_of(*repeated, 0);
+      const double turn = std::acos(across.normalized().dot(turned.normalized()));
+      CHECK(turn <= 0.5 + 1e-6);
+      CHECK(turn > 0);
+    }
+  }
 }
 
 TEST_SUITE("unit") {
@@ -51,6 +76,7 @@ TEST_SUITE("unit") {
   TEST_CASE("what cannot be repeated is refused by name") {
     Rng rng(1);
     CHECK_FALSE(repeat(task(), {-1, 0}, rng).has_value());
+    CHECK_FALSE(repeat(task(), {0, 0, 0, -1}, rng).has_value());
     Problem problem = task();
     problem.goals.clear();
     CHECK(repeat(problem, {}, rng).error().message.find(problem.name) != std::string::npos);

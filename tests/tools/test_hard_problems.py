@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/hard_problems.py makes the problems that it says, and refuses what it cannot use."""
 import json
+import math
 import pathlib
 import stat
 import subprocess
@@ -14,6 +15,16 @@ URDF = """<robot name="arm"><joint name="a" type="revolute"><limit lower="-1" up
 <joint name="b" type="continuous"/><joint name="c" type="prismatic"><limit upper="0.5"/></joint></robot>"""
 PROBLEMS = {"joints": ["a", "b", "c"], "problems": [
     {"index": i, "start": [0, 0, 0], "goal": [1, 1, 0], "obstacles": [{"name": "can"}, {"name": "shelf"}]} for i in range(50)]}
+
+
+def area(numbers):
+    """Of triangles, nine numbers each."""
+    total = 0
+    for i in range(0, len(numbers), 9):
+        a, b, c = numbers[i:i + 3], numbers[i + 3:i + 6], numbers[i + 6:i + 9]
+        u, v = [x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)]
+        total += 0.5 * math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+    return total
 
 
 class HardProblems(unittest.TestCase):
@@ -62,6 +73,35 @@ class HardProblems(unittest.TestCase):
         self.assertIn("goal: [1, 2]", text)
         self.assertIn(str(self.folder.resolve() / "open.yaml"), text)
 
+    def solids(self, kind, *obstacles):
+        text = json.dumps({"joints": ["a"], "problems": [{"start": [0], "goal": [1], "obstacles": list(obstacles)}]})
+        (self.folder / "solids.json").write_text(text, encoding="utf-8")
+        return self.made(kind, "solids.json")[0]["obstacles"]
+
+    def test_meshes_have_the_surface_of_the_solids(self):
+        turn = [math.cos(0.4), 0, 0, math.sin(0.4)]
+        box, can = self.solids("meshes", {"name": "b", "type": "box", "p": [1, 2, 3], "q": turn, "size": [0.2, 0.4, 0.6]},
+                               {"name": "c", "type": "cylinder", "p": [0, 0, 1], "q": [0, 1, 0, 0], "radius": 0.1, "length": 0.5})
+        self.assertEqual((box["type"], box["name"]), ("mesh", "b"))
+        self.assertAlmostEqual(area(box["triangles"]), 2 * (0.08 + 0.12 + 0.24), places=3)
+        self.assertAlmostEqual(area(can["triangles"]), math.tau * 0.1 * 0.6, delta=0.01)
+        self.assertAlmostEqual(max(box["triangles"][2::3]), 3.3)
+        corner = [0.1 * math.cos(0.8) + 0.2 * math.sin(0.8), 0.1 * math.sin(0.8) - 0.2 * math.cos(0.8)]
+        xy = {(round(x - 1, 3), round(y - 2, 3)) for x, y in zip(box["triangles"][::3], box["triangles"][1::3])}
+        self.assertIn(tuple(round(value, 3) for value in corner), xy)
+
+    def test_clouds_leave_no_hole_in_the_surface(self):
+        scan, = self.solids("clouds", {"name": "c", "type": "cylinder", "p": [0, 0, 0], "q": [1, 0, 0, 0], "radius": 0.1, "length": 0.3},
+                            {"name": "b", "type": "box", "p": [5, 0, 0], "q": [1, 0, 0, 0], "size": [0.1, 0.1, 0.1]})
+        points = list(zip(*(scan["points"][i::3] for i in range(3))))
+        for i in range(100):
+            angle, height = 0.37 * i, 0.15 - 0.003 * i
+            side = (0.1 * math.cos(angle), 0.1 * math.sin(angle), height)
+            end = (0.001 * i * math.cos(angle), 0.001 * i * math.sin(angle), 0.15)
+            self.assertLess(min(math.dist(side, point) for point in points), 0.0151)
+            self.assertLess(min(math.dist(end, point) for point in points), 0.0151)
+        self.assertTrue(any(x > 4.9 for x, _, _ in points))
+
     def test_what_it_cannot_use_is_named(self):
         (self.folder / "other.json").write_text("[]", encoding="utf-8")
         (self.folder / "broken.json").write_text("{", encoding="utf-8")
@@ -70,6 +110,9 @@ class HardProblems(unittest.TestCase):
         self.assertIn("broken.json: ", self.refusal("carry", "broken.json", "a", "b"))
         self.assertIn("missing.json", self.refusal("carry", "missing.json", "a", "b"))
         self.assertIn("joint 'a' is none of the URDF's; expected limits", self.refusal("starts", "all.json", "bare.urdf"))
+        ball = {"joints": ["a"], "problems": [{"obstacles": [{"name": "ball", "type": "sphere"}]}]}
+        (self.folder / "ball.json").write_text(json.dumps(ball), encoding="utf-8")
+        self.assertIn("obstacle 'ball': expected a box or a cylinder, got a sphere", self.refusal("meshes", "ball.json"))
         self.assertIn("starts: expected PROBLEMS.json URDF, got 1 arguments", self.refusal("starts", "all.json"))
         self.assertIn("scene.yaml: no such robot", self.refusal("reach", self.failing_mneme(), "a.urdf", "a.srdf", "scene.yaml"))
 

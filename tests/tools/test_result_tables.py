@@ -85,6 +85,9 @@ def test_several_files_have_a_line_each_over_all_sets(source):
 def test_ratios_have_intervals_and_bounds(source):
     lines = written(source, "ratios mbm show=pairs,p50,p95,p99")
     assert lines[2] == ("| cage | rrt_connect, gl | rrt_connect, uniform | 100 | 3.14 (1 to 20.1) | ≥ 2 (1 to 20.1) | open |")
+    both = written(source, "ratios mbm mbm show=pairs")
+    assert both[0] == "|  | set | this | against | pairs |"
+    assert both[2:-2] == ["| mbm | cage | rrt_connect, gl | rrt_connect, uniform | 100 |"] * 2
 
 
 def test_problems_are_binned_by_what_the_baseline_needs(source):
@@ -124,7 +127,7 @@ def test_a_stale_document_fails_the_check_and_is_left_alone(source):
 
 @pytest.mark.parametrize("marker, message", [
     ("rows other by=set show=p50", "other.csv.xz: there is no such file of rows"),
-    ("rows mbm by=set", "expected the name of a file of rows and show="),
+    ("rows mbm by=set", "expected show="),
     ("rows mbm show=p50 shwo=p95", "'shwo=p95': expected by="),
     ("rows mbm show=p50 where=set:nowhere", "no rows are meant")])
 def test_mistakes_name_document_and_word(source, marker, message):
@@ -142,3 +145,56 @@ def test_rows_are_added_with_what_made_them(source):
     assert lzma.open(folder / "new.csv.xz", "rt").read() == rows.read_text(encoding="utf-8")
     assert json.loads((folder / "new.json").read_text(encoding="utf-8")) == {
         "command": "c", "commit": "r", "machine": "a, b", "note": "n"}
+
+
+def test_rows_of_several_runs_become_one_file(source):
+    for name in "ab":
+        (source / f"{name}.csv").write_text(f"problem,machine\n{name},m\n", encoding="utf-8")
+    done = run(source, "--add", "both", source / "a.csv", source / "b.csv", "--command", "c", "--commit", "r")
+    assert done.returncode == 0, done.stderr
+    assert lzma.open(source / "bench" / "results" / "both.csv.xz", "rt").read() == "problem,machine\na,m\nb,m\n"
+
+
+def test_rows_of_other_columns_are_refused(source):
+    (source / "a.csv").write_text("problem,machine\na,m\n", encoding="utf-8")
+    (source / "b.csv").write_text("problem,set,machine\na,s,m\n", encoding="utf-8")
+    done = run(source, "--add", "both", source / "a.csv", source / "b.csv", "--command", "c", "--commit", "r")
+    assert done.returncode == 1
+    assert "b.csv: its columns differ" in done.stderr
+
+
+def test_what_a_program_printed_stands_as_it_is_with_its_command(source):
+    (source / "soak.log").write_text("robot  plans\nfetch     12   \n", encoding="utf-8")
+    assert run(source, "--add", "soak", source / "soak.log", "--command", "`soak`", "--commit", "r").returncode == 0
+    assert written(source, "output soak")[:4] == ["```text", "robot  plans", "fetch     12", "```"]
+    text = (source / "docs" / "a.md").read_text(encoding="utf-8")
+    assert "- `soak`, commit r, " in text and "hardware threads" in text
+    assert run(source, "--check").returncode == 0
+
+
+def test_output_that_there_is_not_is_a_mistake(source):
+    (source / "docs" / "a.md").write_text("<!-- output none -->\n<!-- /rows -->\n", encoding="utf-8")
+    done = run(source, "--check")
+    assert done.returncode == 1
+    assert "none.txt: No such file or directory" in done.stderr
+
+
+def test_difficulty_of_some_sets_only(source):
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("set,problem,setting,planning_time_s,is_valid\na,1,planned,0.00005,1\nb,1,planned,5,1\n")
+    lines = written(source, "difficulty mbm show=solved baseline=planned where=set:a")
+    assert lines[2:-2] == ["| 0 to 0.1 ms | planned | 1 of 1 |"]
+
+
+def test_a_memory_is_paid_for_by_what_its_queries_gain(source):
+    folder = source / "bench" / "results"
+    with lzma.open(folder / "mbm.csv.xz", "wt") as packed:
+        packed.write("set,problem,setting,settings,status,planning_time_s\n")
+        packed.writelines(f"a,{i},no memory,range=1,solved,0.03\na,{i},grid,range=1 memory=first 12,solved,0.01\n" for i in range(2))
+        packed.write("a,3,grid,range=1 memory=first 12,invalid_start,5\na,1,worse,memory=large,solved,0.5\n")
+    (folder / "mbm.memories.csv").write_text("name,primitives,components,bytes,learning_time_s\nfirst 12,12,99,2500000,1.5\n"
+                                             "large,800,9,1,2\nthere already,1,1,1,0\nunused,1,1,1,3\n", encoding="utf-8")
+    lines = written(source, "cost mbm baseline=no_memory")
+    assert lines[0] == "| memory | setting | rows | components | MB | s to learn | mean ms | gained after |"
+    assert lines[2:-2] == ["| first 12 | grid | 12 | 99 | 2.50 | 1.5 | 30 → 10 | 75 queries |",
+                           "| large | worse | 800 | 9 | 0.00 | 2 | 30 → 500 | never |"]
