@@ -214,6 +214,9 @@ void append_cases(const BenchCase& setting, const std::vector<std::string>& plan
 /// Solves a problem as the case says, whose settings have the run's seed.
 using SolveRun = std::function<Result<SolveResult>(const Problem& problem, Database* database,
                                                    const BenchCase& bench_case)>;
+/// By mneme, or by the rival that has the planner's place.
+[[nodiscard]] Result<SolveResult> solve_case(const Problem& problem, Database* database,
+                                             const BenchCase& bench_case);
 
 /// Problems x cases x seeds.
 struct BenchPlan {
@@ -230,7 +233,7 @@ struct BenchPlan {
   int hopeless_after = 0;
   /// By the name of the memory and the hash of the robot.
   std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories;
-  SolveRun solve;                             ///< empty for mneme::solve()
+  SolveRun solve = solve_case;
   const std::atomic<bool>* cancel = nullptr;  ///< ends the run under way, which leaves no row
 
   [[nodiscard]] std::size_t run_count() const;

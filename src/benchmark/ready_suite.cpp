@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
+#include "mneme/rivals.h"
 
 #include <fmt/format.h>
 
@@ -69,7 +70,7 @@ Result<void> add_setting(const SuiteSetting& setting, const OnNote& on_note, Rea
   }
   std::vector<std::string> planners;
   for (const std::string& planner : setting.planners) {
-    if (find_planner(planner)) {
+    if (find_rival(planner) != nullptr || find_planner(planner)) {
       planners.push_back(planner);
     } else {
       on_note(fmt::format("left out: {}, because this build has no OMPL", planner));

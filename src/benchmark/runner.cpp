@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
+#include "mneme/rivals.h"
 
 #include <fmt/format.h>
 
@@ -168,9 +169,7 @@ class RunQueue {
     bench_case.settings.plan.seed = run.seed;
     bench_case.settings.plan.cancel = plan_.cancel;
     const std::string started = current_time();
-    const Result<SolveResult> result = plan_.solve
-                                           ? plan_.solve(problem, memory_of(run), bench_case)
-                                           : solve(problem, memory_of(run), bench_case.settings);
+    const Result<SolveResult> result = plan_.solve(problem, memory_of(run), bench_case);
     if (!result) return stop(result.error());
     if (result->plan.status == PlanStatus::cancelled) {
       const std::lock_guard lock(mutex_);
@@ -207,6 +206,18 @@ class RunQueue {
 };
 
 }  // namespace
+
+Result<SolveResult> solve_case(const Problem& problem, Database* database,
+                               const BenchCase& bench_case) {
+  const SolveSettings& settings = bench_case.settings;
+  const Rival* rival = find_rival(settings.planner);
+  if (rival == nullptr) return solve(problem, database, settings);
+  return rival->solve(problem, database, settings).map([&](SolveResult result) {
+    result.planner = settings.planner;
+    result.sampler = settings.sampler;
+    return result;
+  });
+}
 
 std::size_t BenchPlan::run_count() const {
   std::size_t count = 0;

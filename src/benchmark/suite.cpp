@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
+#include "mneme/rivals.h"
 
 #include "base/text_file.h"
 #include "pipeline/settings_input.h"
@@ -60,6 +61,12 @@ std::vector<std::string> read_names(const Input& input, const Find& find) {
     input.fail(ErrorCode::parse, entry.error().message);
   }
   return names;
+}
+
+Result<void> find_planner_or_rival(std::string_view name) {
+  if (find_rival(name) != nullptr) return {};
+  const auto planner = find_planner(name);
+  return planner ? Result<void>() : tl::unexpected(planner.error());
 }
 
 /// True of what names a file in a directory and nothing elsewhere.
@@ -193,7 +200,7 @@ class SuiteReader {
 
   void read_common(const Input& map, SuiteSetting& setting) const {
     if (const auto planners = map.find("planners")) {
-      setting.planners = read_names(*planners, find_planner);
+      setting.planners = read_names(*planners, find_planner_or_rival);
     }
     if (const auto samplers = map.find("samplers")) {
       setting.samplers = read_names(*samplers, find_sampler);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "apps/planar_files.h"
+#include "support/planar_memory.h"
 
 #include <nlohmann/json.hpp>
 
@@ -135,6 +136,23 @@ TEST_SUITE("flow") {
     check_bad_inputs({{{"bench", "run", files / "old.yaml", "--out", files / "other"},
                        1,
                        {"setting a", "ompl:Lightning", "learned from problems"}}});
+  }
+
+  TEST_CASE("A memory is of the robot that the problems it learns from are given") {
+    const PlanarFiles files;
+    const auto thin = planar_arm_urdf("planar8", planar8_lengths(), 0.02);
+    REQUIRE(thin.has_value());
+    write_file(files / "thin.urdf", *thin);
+    write_file(files / "given.yaml",
+               "problems: [{file: problem.yaml, robot: thin.urdf}]\nseeds: 1\nsamplers: [gl]\n"
+               "memories: {m: {problems: [{file: problem.yaml, robot: thin.urdf}], paths: 1}}\n"
+               "settings: {a: {memory: m}}\n");
+    const ProgramRun run =
+        run_program({"bench", "run", files / "given.yaml", "--out", files / "out"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const auto memory = Database::inspect(files / "out/memories/m.db");
+    REQUIRE(memory.has_value());
+    CHECK(hashes_of(memory->space()).model == load_robot(files / "thin.urdf")->hash());
   }
 
   TEST_CASE("A suite that was killed goes on where it was") {

@@ -269,6 +269,27 @@ settings:
     CHECK(notes[0].starts_with("left out: ompl:RRT"));
   }
 
+  TEST_CASE("Rivals take the place of planners, and their rows have their names") {
+    const test::TemporaryDirectory directory;
+    test::write_file(directory / "m.db", "");
+    test::write_file(directory / "small.yaml",
+                     "problems: [" + test::source_file("scenes/planar/scenario1.yaml") +
+                         "]\nplanners: [cache, ert_connect]\nsamplers: [gl]\ntimeout: 0.2\n"
+                         "memories: {m: {file: m.db}}\nsettings: {s: {memory: m, replay: 0.5}}\n");
+    const auto suite = load_suite(directory / "small.yaml");
+    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    auto ready = prepare_suite(*suite, directory / "memories", {}, {{}, {}, [](const auto&) {}});
+    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
+    std::vector<std::string> names;
+    ready->plan.seed_count = 1;
+    const auto ran = run_bench(ready->plan, {}, [&](const BenchmarkRow& row, const SolveResult&) {
+      names.push_back(row.planner + " " + row.sampler);
+      return Result<void>();
+    });
+    REQUIRE_MESSAGE(ran.has_value(), (ran ? "" : ran.error().message));
+    CHECK(names == std::vector<std::string>{"cache gl", "ert_connect gl"});
+  }
+
   TEST_CASE("A memory that grows while its suite runs may begin as an empty file") {
     const test::TemporaryDirectory directory;
     const std::string problem = test::source_file("scenes/planar/scenario1.yaml");

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// A cache of paths as MoveIt 2's (moveit_ros trajectory_cache, DOI 10.5281/zenodo.11215428): what
+// was planned between ends like the query's is returned again, the fastest first, without a look at
+// the scene. What departs: docs/baselines.md.
+#include "pipeline/memory_steps.h"
+#include "rivals/solvers.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+enum class Rank { fastest, nearest };
+
+struct Entry {
+  std::int64_t row = 0;
+  double similarity_error = 0;  ///< of its ends
+  double duration_s = 0;        ///< of its trajectory
+  Path path;                    ///< with the query's ends in place of its own
+};
+
+Path stored_path(const MemoryQuery& query, const Configuration& goal, const Experience& row) {
+  const std::vector<float>& means = row.sampler.means;
+  const auto joints = static_cast<std::ptrdiff_t>(row.sampler.joint_count);
+  Path path;
+  for (auto q = means.begin(); q != means.end(); q += joints) {
+    path.push_back(query.robot.normalized(Configuration(q, q + joints)));
+  }
+  path.front() = query.robot.normalized(*query.start);
+  path.back() = query.robot.normalized(goal);
+  return path;
+}
+
+/// The rows whose ends are as near as KindSettings::replay says; not those that lead the other way.
+Result<std::vector<Entry>> look_up(const MemoryRequest& request) {
+  std::vector<Entry> entries;
+  for (const KindSettings& kind : request.kinds) {
+    if (!(kind.replay > 0)) continue;
+    const auto primitives = decompose(request, kind);
+    if (!primitives) return tl::unexpected(primitives.error());
+    for (std::size_t i = 0; i < primitives->size(); ++i) {
+      const auto rows = request.database->find(
+          kind.kind->version, {&(*primitives)[i].primitive.key, 1}, kind.replay * kind.replay, 0);
+      if (!rows) return tl::unexpected(rows.error());
+      for (const KeyMatch& row : *rows) {
+        entries.push_back({row.experience->id, row.similarity_error, 0,
+                           stored_path(request.query, request.query.goals[i], *row.experience)});
+      }
+    }
+  }
+  return entries;
+}
+
+/// A cache stores them with its trajectories.
+void add_durations(const Robot& robot, std::vector<Entry>& entries) {
+  const auto limits = find_rate_limits(robot);
+  if (!limits) return;
+  for (Entry& entry : entries) {
+    const auto trajectory = parameterize(robot, entry.path, *limits, {}, nullptr);
+    if (trajectory) entry.duration_s = trajectory->duration_s();
+  }
+}
+
+bool is_free(const CollisionChecker& checker, const Path& path, PlanResult& work) {
+  CheckCounters counters;
+  const Stopwatch stopwatch;
+  const bool is_free = find_invalid_motion(checker, path, counters) < 0;
+  work.verification_time_s += stopwatch.elapsed_s();
+  work.states_checked += counters.states;
+  work.motions_checked += counters.motions;
+  return is_free;
+}
+
+/// Plans without memory where nothing was found; `looked_s` is what looking took.
+Result<SolveResult> plan_instead(const Problem& problem, SolveSettings settings, double looked_s) {
+  settings.sampler = "uniform";
+  return solve(problem, nullptr, settings).map([&](SolveResult result) {
+    result.plan.planning_time_s += looked_s;
+    result.total_time_s += looked_s;
+    return result;
+  });
+}
+
+Result<SolveResult> fetch(const Problem& problem, Database* database, const SolveSettings& given,
+                          Rank rank, bool looks_at_scene) {
+  const Stopwatch stopwatch;
+  const SolveSettings settings = with_own_planner(given);
+  const auto request = make_memory_request(memory_query(problem), database, settings);
+  if (!request) return tl::unexpected(request.error());
+  auto entries = look_up(*request);
+  if (!entries) return tl::unexpected(entries.error());
+  const Stopwatch ranking;
+  if (rank == Rank::fastest && entries->size() > 1) add_durations(problem.robot, *entries);
+  const double ranking_s = ranking.elapsed_s();
+  std::ranges::stable_sort(*entries, {},
+                           rank == Rank::fastest ? &Entry::duration_s : &Entry::similarity_error);
+  double tables_s = 0;
+  std::optional<CollisionChecker> checker;
+  if (looks_at_scene) {
+    const Stopwatch making;
+    auto made = make_query_checker(problem, settings);
+    if (!made) return tl::unexpected(made.error());
+    checker.emplace(std::move(made->checker));
+    tables_s = making.elapsed_s();
+  }
+  SolveResult result;
+  const auto found = std::ranges::find_if(*entries, [&](const Entry& entry) {
+    return !checker || is_free(*checker, entry.path, result.plan);
+  });
+  const double total_s = stopwatch.elapsed_s() - ranking_s;
+  if (found == entries->end()) return plan_instead(problem, settings, total_s);
+  result.plan.status = PlanStatus::solved;
+  result.plan.path = std::move(found->path);
+  result.plan.planning_time_s = total_s - tables_s - result.plan.verification_time_s;
+  result.planning_time_s = result.plan.planning_time_s;
+  result.total_time_s = total_s;
+  result.replay.row = found->row;
+  result.goals = problem.goals;
+  result.seed = settings.plan.seed;
+  return result;
+}
+
+}  // namespace
+
+Result<SolveResult> fetch_fastest(const Problem& problem, Database* database,
+                                  const SolveSettings& settings) {
+  return fetch(problem, database, settings, Rank::fastest, false);
+}
+
+Result<SolveResult> fetch_nearest(const Problem& problem, Database* database,
+                                  const SolveSettings& settings) {
+  return fetch(problem, database, settings, Rank::nearest, false);
+}
+
+Result<SolveResult> fetch_free(const Problem& problem, Database* database,
+                               const SolveSettings& settings) {
+  return fetch(problem, database, settings, Rank::fastest, true);
+}
+
+}  // namespace mneme::internal

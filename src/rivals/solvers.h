@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the table of rivals calls.
+#pragma once
+
+#include "mneme/rivals.h"
+
+#include "pipeline/query.h"
+
+namespace mneme::internal {
+
+// src/rivals/path_cache.cpp
+[[nodiscard]] Result<SolveResult> fetch_fastest(const Problem& problem, Database* database,
+                                                const SolveSettings& settings);
+[[nodiscard]] Result<SolveResult> fetch_nearest(const Problem& problem, Database* database,
+                                                const SolveSettings& settings);
+[[nodiscard]] Result<SolveResult> fetch_free(const Problem& problem, Database* database,
+                                             const SolveSettings& settings);
+// src/rivals/ert_connect.cpp
+[[nodiscard]] Result<SolveResult> solve_by_ert_connect(const Problem& problem, Database* database,
+                                                       const SolveSettings& settings);
+
+/// The settings with a planner that mneme has, which a rival's name is not.
+[[nodiscard]] inline SolveSettings with_own_planner(SolveSettings settings) {
+  settings.planner = SolveSettings{}.planner;
+  return settings;
+}
+
+}  // namespace mneme::internal
