@@ -87,30 +87,33 @@ def faces_of(obstacle):
             yield [0, 0, z], [x, y, 0], [next_x, next_y, 0], True
 
 
-def placed(obstacle, local):
-    return [round(place + value, 5) for place, value in zip(obstacle["p"], turned(obstacle["q"], local))]
+def placed_faces(obstacle):
+    """As faces_of, where the obstacle is."""
+    for corner, edge, other, is_triangle in faces_of(obstacle):
+        corner = [place + value for place, value in zip(obstacle["p"], turned(obstacle["q"], corner))]
+        yield corner, turned(obstacle["q"], edge), turned(obstacle["q"], other), is_triangle
 
 
 def along(corner, edge, share, other, other_share):
-    return [c + share * e + other_share * o for c, e, o in zip(corner, edge, other)]
+    return tuple(round(c + share * e + other_share * o, 5) for c, e, o in zip(corner, edge, other))
 
 
 def triangles_of(obstacle):
-    for corner, edge, other, is_triangle in faces_of(obstacle):
-        a, b, c, d = (placed(obstacle, along(corner, edge, i, other, k)) for i, k in ((0, 0), (1, 0), (0, 1), (1, 1)))
+    for corner, edge, other, is_triangle in placed_faces(obstacle):
+        a, b, c, d = (along(corner, edge, i, other, k) for i, k in ((0, 0), (1, 0), (0, 1), (1, 1)))
         yield from (*a, *b, *c)
         if not is_triangle:
             yield from (*b, *c, *d)
 
 
 def points_of(obstacle):
-    for corner, edge, other, is_triangle in faces_of(obstacle):
+    for corner, edge, other, is_triangle in placed_faces(obstacle):
         steps = [max(1, math.ceil(math.hypot(*side) / APART)) for side in (edge, other)]
         for i in range(steps[0] + 1):
             for k in range(steps[1] + 1):
                 share, other_share = i / steps[0], k / steps[1]
                 if not is_triangle or share + other_share <= 1:
-                    yield tuple(placed(obstacle, along(corner, edge, share, other, other_share)))
+                    yield along(corner, edge, share, other, other_share)
 
 
 def as_meshes(compact):

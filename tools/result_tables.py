@@ -20,7 +20,7 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
 bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
-difficulty: tasks, which are problems whose names agree up to an underscore, by the baseline's median for them, with solved, p50,
+difficulty: tasks, which are problems whose names agree up to their last underscore, by the baseline's median for them, with solved, p50,
 mean and p95 of each setting, whose name up to a comma counts. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
 from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, its mean
@@ -205,10 +205,12 @@ def ratio_lines(results, names, options, where):
 
 
 def times_of(rows):
-    """Planning times in ms by setting and task; those of runs without a path are the limit."""
+    """Planning times in ms by setting and task, of pairs of a file's name and a row; those of runs without a path are the limit."""
     times = {}
-    for row in rows:
-        task = (row["set"], row["problem"].partition("_")[0])
+    for name, row in rows:
+        if row.get("status", "").startswith("invalid"):
+            continue
+        task = (name, row["set"], re.sub("_[^_#]*$", "", row["problem"]))
         setting = row["setting"].partition(",")[0]
         run = (1e3 * float(row["planning_time_s"]), row["is_valid"] == "1")
         times.setdefault(setting, {}).setdefault(task, []).append(run)
@@ -228,7 +230,7 @@ def summary_cells(runs, columns):
 
 
 def difficulty_lines(results, names, options, where):
-    times = times_of(row for name in names for row in results.rows(name) if is_meant(row, where))
+    times = times_of((name, row) for name in names for row in results.rows(name) if is_meant(row, where))
     if options.get("baseline") not in times:
         raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
     needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[options["baseline"]].items()}

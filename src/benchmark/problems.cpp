@@ -9,7 +9,9 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
+#include <utility>
 
 namespace mneme {
 namespace {
@@ -80,6 +82,18 @@ Result<void> append_directory(const fs::path& directory, std::vector<BenchProble
   return {};
 }
 
+/// Files that a suite takes together as one set may share names, which would then be taken for one
+/// problem: these get the name of their own set before them.
+void tell_apart(const std::vector<std::string>& own_sets, std::vector<LoadedProblem>& problems) {
+  const auto key = [](const LoadedProblem& of) { return std::pair(of.set, of.problem.name); };
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> sets_of;
+  for (std::size_t i = 0; i < problems.size(); ++i) sets_of[key(problems[i])].insert(own_sets[i]);
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    if (sets_of[key(problems[i])].size() == 1) continue;
+    problems[i].problem.name = fmt::format("{}#{}", own_sets[i], problems[i].problem.name);
+  }
+}
+
 }  // namespace
 
 Result<std::vector<BenchProblem>> find_bench_problems(const std::vector<std::string>& arguments) {
@@ -134,6 +148,7 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
                                                        const ProblemOptions& overrides,
                                                        const OnNote& on_note) {
   std::vector<LoadedProblem> problems;
+  std::vector<std::string> own_sets;
   std::set<std::string> warnings;
   const auto cache = make_problem_cache();
   for (const SuiteProblems& entry : found) {
@@ -152,8 +167,10 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
         if (warnings.insert(warning).second) on_note("warning: " + warning);
       }
       problems.push_back({entry.set.empty() ? bench.set : entry.set, std::move(*problem)});
+      own_sets.push_back(bench.set);
     }
   }
+  tell_apart(own_sets, problems);
   return problems;
 }
 

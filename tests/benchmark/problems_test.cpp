@@ -32,11 +32,30 @@ TEST_SUITE("unit") {
     REQUIRE(found.has_value());
     CHECK(found->size() >= 6);
     for (const BenchProblem& problem : *found) {
-      CHECK(problem.set == "planar");
+      const bool is_compact = problem.where.find(".json#") != std::string::npos;
+      CHECK(problem.set == (is_compact ? "scenario3_narrow" : "planar"));
       CHECK(problem.where.find("grid") == std::string::npos);
     }
     const test::TemporaryDirectory empty;
     CHECK_FALSE(find_bench_problems({empty / ""}).has_value());
+  }
+
+  TEST_CASE("Problems of one name, of several files that are one set, are told apart") {
+    const test::TemporaryDirectory made;
+    const std::string text =
+        R"({"robot": "planar8", "problems": [{"name": "a", "start": [0, 0, 0, 0, 0, 0, 0, 0],
+            "goal": [1, 0, 0, 0, 0, 0, 0, 0], "circles": []}]})";
+    for (const char* file : {"cage.json", "box.json"}) test::write_file(made / file, text);
+    const auto ignore = [](const std::string&) {};
+    const auto names_of = [&](const std::string& set) {
+      const auto loaded = load_bench_problems({{made / "", set, ""}}, {}, ignore);
+      REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+      std::vector<std::string> names;
+      for (const LoadedProblem& problem : *loaded) names.push_back(problem.problem.name);
+      return names;
+    };
+    CHECK(names_of("hard") == std::vector<std::string>{"box#a", "cage#a"});
+    CHECK(names_of("") == std::vector<std::string>{"a", "a"});
   }
 }
 

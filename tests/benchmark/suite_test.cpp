@@ -193,9 +193,9 @@ settings:
     REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
     CHECK(suite->problems[0].where == "/there/a.yaml");
     setenv("MNEME_SUITE_PART", "2/3", 1);
-    const auto both =
-        read("problems: [{file: '${MNEME_SUITE_TEST}/${MNEME_SUITE_TEST}.yaml', part: "
-             "'${MNEME_SUITE_PART}'}]\nsamplers: [uniform]\n");
+    const auto both = read(
+        "problems: [{file: '${MNEME_SUITE_TEST}/${MNEME_SUITE_TEST}.yaml', part: "
+        "'${MNEME_SUITE_PART}'}]\nsamplers: [uniform]\n");
     REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
     CHECK(both->problems[0].where == "/there/there.yaml");
     CHECK(both->problems[0].part == "2/3");
@@ -213,8 +213,8 @@ settings:
                                            "ompl:Lightning", "ompl:Thunder"};
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
-    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER",
-                                  "ABLATIONS"}) {
+    for (const char* directory :
+         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
     for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);
