@@ -10,6 +10,7 @@
 #include "mneme/robot.h"
 
 #include <concepts>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -22,6 +23,7 @@ struct TrajectorySettings {
   double velocity_scale = 1;
   double acceleration_scale = 1;
   double acceleration_limit = 1;
+  std::optional<double> jerk_limit;
   double path_tolerance = 0.1;
 };
 
@@ -37,20 +39,25 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("acceleration-limit", s.acceleration_limit, 0.001, 1e6,
         "acceleration limit, rad/s^2 (m/s^2 for prismatic joints), of joints for which neither the "
         "URDF nor a file of limits gives one");
+  visit("jerk-limit", s.jerk_limit, 0.001, 1e6,
+        "jerk limit, rad/s^3 (m/s^3 for prismatic joints), of joints for which no file of limits "
+        "gives one; left out, none: accelerations jump");
   visit("path-tolerance", s.path_tolerance, 0.0, 10.0,
         "farthest L2 joint distance between a trajectory and its path, where corners are rounded; "
         "larger is faster; at 0 a trajectory stops at every corner");
 }
 
-/// What the joints of a planning group may do, in the order of a configuration; all finite and
-/// above 0.
+/// What the joints of a planning group may do, in the order of a configuration; all above 0, and
+/// finite but for those of jerk.
 struct RateLimits {
   std::vector<double> velocity;      ///< rad/s, or m/s of prismatic joints
   std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
+  std::vector<double> jerk = {};  ///< rad/s^3 or m/s^3; infinite for a joint without; empty: none
 };
 
 /// The limits of the robot's URDF, those of `file` before them unless that is empty, and
-/// `acceleration_limit` of joints without one; scaled. Joints that follow one of the group slow it
+/// `acceleration_limit` and `jerk_limit` of joints without one; velocity and acceleration scaled.
+/// Joints that follow one of the group slow it
 /// down if they must. `file` is YAML as MoveIt's joint_limits.yaml (docs/trajectories.md). Errors:
 /// a file that cannot be read exactly; a joint of the group that may not move at all; settings out
 /// of range.
@@ -58,8 +65,8 @@ struct RateLimits {
                                                   const TrajectorySettings& settings = {},
                                                   const std::string& file = "");
 
-/// A motion from rest to rest. Velocities are continuous, accelerations are not: their limits hold
-/// at every time, not only where the trajectory is sampled. Const and parallel-safe.
+/// A motion from rest to rest. Velocities are continuous, accelerations only where jerk is limited.
+/// Limits hold at every time, not only where the trajectory is sampled. Const and parallel-safe.
 class Trajectory {
  public:
   /// Continuous joints do not wrap: they may leave [-pi, pi), so that nothing jumps.
@@ -79,10 +86,13 @@ class Trajectory {
     std::vector<double> bend;  ///< empty where the path is straight
   };
 
-  /// `stretches` in order of time; `end` is where it comes to rest at `duration_s`.
-  Trajectory(std::vector<Stretch> stretches, Configuration end, double duration_s);
+  /// `stretches` in order of time; `end` is where they come to rest at `end_s`. The motion is their
+  /// average over the last `window_s` seconds: then it takes as much longer, keeps what limits of
+  /// velocity and acceleration they keep, and its jerk is at most 2 / `window_s` times their
+  /// greatest acceleration.
+  Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s, double window_s = 0);
 
-  [[nodiscard]] double duration_s() const { return duration_s_; }
+  [[nodiscard]] double duration_s() const { return end_s_ + window_s_; }
   /// Before 0 and from the duration on it is at rest.
   [[nodiscard]] Point at(double time_s) const;
   /// Points `dt` seconds apart from 0 on, and the end. Errors: `dt` that is not above 0 or asks for
@@ -90,15 +100,24 @@ class Trajectory {
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
 
  private:
+  /// Of the stretches, before their average.
+  [[nodiscard]] Point follow(double time_s) const;
+  /// The integral of their positions, less those of the end, from 0 on.
+  [[nodiscard]] std::vector<double> integral(double time_s) const;
+
   std::vector<Stretch> stretches_;
+  std::vector<std::vector<double>> integrals_;  ///< at the stretches' begins, if there is a window
   Configuration end_;
-  double duration_s_;
+  double end_s_;
+  double window_s_;
 };
 
 /// The time-optimal motion along `path` with its corners rounded by parabolas that pass `verifier`
 /// and stay within the path's tolerance; at a corner that cannot be rounded it stops. Without a
 /// verifier (null) it stops at every corner. Time-optimal up to the grid on corners, after
-/// reachability analysis (Pham and Pham, DOI 10.1109/TRO.2018.2819195). Of `settings` only the
+/// reachability analysis (Pham and Pham, DOI 10.1109/TRO.2018.2819195); with limits of jerk the
+/// average of such a motion, which passes the verifier and stays within the tolerance, too. Of
+/// `settings` only the
 /// path's tolerance counts: `limits` are scaled already. Errors: an empty path; a configuration
 /// that is none of the robot; limits that are not as RateLimits says; settings out of range.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,

@@ -443,6 +443,7 @@ class Plan:
         velocity_scale: float = 1.0,
         acceleration_scale: float = 1.0,
         acceleration_limit: float = 1.0,
+        jerk_limit: Optional[float] = None,
         path_tolerance: float = 0.1,
         # /settings
         limits: Optional[PathLike] = None,

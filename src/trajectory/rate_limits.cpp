@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -23,18 +24,20 @@ namespace {
 /// Whoever writes more into a file means that there is no limit.
 constexpr double kMostRate = 1e6;
 constexpr double kLeastRate = 1e-6;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// Of any joint of the robot, also of those outside the group.
 struct JointRates {
   double velocity = 0;
   std::optional<double> acceleration;
+  std::optional<double> jerk;
 };
 using Rates = std::map<std::string, JointRates>;
 
 Rates rates_of_urdf(const Robot& robot) {
   Rates rates;
   for (const Joint& joint : robot.joints()) {
-    rates[joint.name] = {joint.velocity, joint.acceleration};
+    rates[joint.name] = {joint.velocity, joint.acceleration, {}};
   }
   return rates;
 }
@@ -50,11 +53,12 @@ std::optional<double> read_limit(const Input& joint, const std::string& quantity
   return most->positive_number();
 }
 
-/// A limit that would be left aside in silence.
-void refuse_limit(const Input& joint, std::string_view has, std::string_view what) {
-  const auto found = joint.find(has);
+/// Limits that would be left aside in silence.
+void refuse_position_limits(const Input& joint) {
+  const auto found = joint.find("has_position_limits");
   if (found && found->boolean()) {
-    found->fail(ErrorCode::unsupported, fmt::format("{} are not supported here", what));
+    found->fail(ErrorCode::unsupported,
+                "limits of positions, which are the URDF's, are not supported here");
   }
 }
 
@@ -62,12 +66,12 @@ void read_joint(const Input& joint, JointRates& rates) {
   joint.allow_keys({"has_velocity_limits", "max_velocity", "has_acceleration_limits",
                     "max_acceleration", "has_jerk_limits", "max_jerk", "has_position_limits",
                     "min_position", "max_position"});
-  refuse_limit(joint, "has_jerk_limits", "limits of jerk");
-  refuse_limit(joint, "has_position_limits", "limits of positions, which are the URDF's,");
+  refuse_position_limits(joint);
   if (const auto velocity = read_limit(joint, "velocity")) rates.velocity = *velocity;
   if (const auto acceleration = read_limit(joint, "acceleration")) {
     rates.acceleration = *acceleration;
   }
+  if (const auto jerk = read_limit(joint, "jerk")) rates.jerk = *jerk;
 }
 
 void read_file(const std::string& file, const Robot& robot, Rates& rates) {
@@ -85,19 +89,26 @@ void read_file(const std::string& file, const Robot& robot, Rates& rates) {
   }
 }
 
-RateLimits limits_of_group(const Robot& robot, const Rates& rates, double acceleration) {
+/// Of joints without limits of their own.
+JointRates complete(JointRates own, const TrajectorySettings& settings) {
+  if (!own.acceleration) own.acceleration = settings.acceleration_limit;
+  if (!own.jerk) own.jerk = settings.jerk_limit.value_or(kUnlimited);
+  return own;
+}
+
+RateLimits limits_of_group(const Robot& robot, const Rates& rates) {
   RateLimits limits;
   for (int i = 0; i < robot.joint_count(); ++i) {
     const JointRates& own = rates.at(robot.group_joint(i).name);
     limits.velocity.push_back(std::min(own.velocity, kMostRate));
-    limits.acceleration.push_back(std::min(own.acceleration.value_or(acceleration), kMostRate));
+    limits.acceleration.push_back(std::min(*own.acceleration, kMostRate));
+    limits.jerk.push_back(*own.jerk <= kMostRate ? *own.jerk : kUnlimited);
   }
   return limits;
 }
 
 /// Slows joints down for those that follow them.
-void heed_followers(const Robot& robot, const Rates& rates, double acceleration,
-                    RateLimits& limits) {
+void heed_followers(const Robot& robot, const Rates& rates, RateLimits& limits) {
   for (const Joint& joint : robot.joints()) {
     if (!joint.mimic || joint.mimic->multiplier == 0) continue;
     const auto leader = std::ranges::find(robot.group(), joint.mimic->joint);
@@ -106,13 +117,13 @@ void heed_followers(const Robot& robot, const Rates& rates, double acceleration,
     const double ratio = std::abs(joint.mimic->multiplier);
     const JointRates& own = rates.at(joint.name);
     limits.velocity[i] = std::min(limits.velocity[i], own.velocity / ratio);
-    limits.acceleration[i] =
-        std::min(limits.acceleration[i], own.acceleration.value_or(acceleration) / ratio);
+    limits.acceleration[i] = std::min(limits.acceleration[i], *own.acceleration / ratio);
+    limits.jerk[i] = std::min(limits.jerk[i], *own.jerk / ratio);
   }
 }
 
 Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
-                         std::string_view what) {
+                         std::string_view what, double most = kMostRate) {
   if (as_index(robot.joint_count()) != rates.size()) {
     return fail(ErrorCode::invalid,
                 fmt::format("there are {} limits of {}, but robot '{}' has {} "
@@ -122,10 +133,10 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
   for (int i = 0; i < robot.joint_count(); ++i) {
     const double rate = rates[as_index(i)];
     // Written so that a NaN is refused.
-    if (rate >= kLeastRate && rate <= kMostRate) continue;
+    if (rate >= kLeastRate && rate <= most) continue;
     return fail(ErrorCode::invalid,
                 fmt::format("joint '{}': its limit of {} is {}, expected {} to {}",
-                            robot.group_joint(i).name, what, rate, kLeastRate, kMostRate));
+                            robot.group_joint(i).name, what, rate, kLeastRate, most));
   }
   return {};
 }
@@ -134,7 +145,11 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
 
 Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits) {
   if (auto checked = check_rates(robot, limits.velocity, "velocity"); !checked) return checked;
-  return check_rates(robot, limits.acceleration, "acceleration");
+  if (auto checked = check_rates(robot, limits.acceleration, "acceleration"); !checked) {
+    return checked;
+  }
+  if (limits.jerk.empty()) return {};
+  return check_rates(robot, limits.jerk, "jerk", kUnlimited);
 }
 
 }  // namespace internal
@@ -152,8 +167,9 @@ Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings
     });
     if (!read) return tl::unexpected(read.error());
   }
-  RateLimits limits = internal::limits_of_group(robot, rates, settings.acceleration_limit);
-  internal::heed_followers(robot, rates, settings.acceleration_limit, limits);
+  for (auto& [name, own] : rates) own = internal::complete(own, settings);
+  RateLimits limits = internal::limits_of_group(robot, rates);
+  internal::heed_followers(robot, rates, limits);
   for (double& velocity : limits.velocity) velocity *= settings.velocity_scale;
   for (double& rate : limits.acceleration) rate *= settings.acceleration_scale;
   if (auto checked = internal::check_rate_limits(robot, limits); !checked) {

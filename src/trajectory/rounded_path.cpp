@@ -12,6 +12,8 @@ namespace {
 
 /// Waypoints that are not farther apart are one: radians or metres, a rounding error of planners.
 constexpr double kSamePlace = 1e-6;
+/// What is left of a leg where corners take all of it. More would be a jump.
+constexpr double kNothing = 1e-12;
 /// A corner that is not free is tried again with this fraction of the tolerance.
 constexpr double kTighter = 0.25;
 constexpr int kAttempts = 3;
@@ -25,12 +27,6 @@ struct Leg {
   std::vector<double> direction;  ///< a unit vector
   double length = 0;
 };
-
-double norm(const std::vector<double>& v) {
-  double sum = 0;
-  for (const double value : v) sum += value * value;
-  return std::sqrt(sum);
-}
 
 /// a + factor * b
 std::vector<double> plus(std::vector<double> a, double factor, const std::vector<double>& b) {
@@ -126,6 +122,12 @@ Curve straight(const Leg& leg, double from, double to) {
 
 }  // namespace
 
+double norm(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double value : v) sum += value * value;
+  return std::sqrt(sum);
+}
+
 RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance,
                           const MotionVerifier* verifier) {
   const auto [legs, end] = find_legs(robot, path);
@@ -133,7 +135,7 @@ RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance
   double from = 0;  // on the leg
   bool is_at_rest = true;
   const auto add = [&](Curve curve) {
-    if (curve.length <= kSamePlace) return;
+    if (curve.length <= kNothing) return;
     curve.begins_at_rest = std::exchange(is_at_rest, false);
     rounded.curves.push_back(std::move(curve));
   };

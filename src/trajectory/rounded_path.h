@@ -36,6 +36,9 @@ struct RoundedPath {
   Configuration end;
 };
 
+/// L2
+[[nodiscard]] double norm(const std::vector<double>& v);
+
 /// `path`, not empty, with continuous joints unwrapped and corners rounded by at most `tolerance`
 /// (L2 joint distance) where `verifier` lets them; null rounds none.
 [[nodiscard]] RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance,

@@ -16,6 +16,8 @@ namespace {
 /// Fraction of the limits that is left to rounding.
 constexpr double kRoom = 1 - 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Of a parabola.
+constexpr int kCells = 16;
 
 /// A straight curve, or a part of a parabola of constant path acceleration.
 struct Cell {
@@ -84,15 +86,15 @@ Cell bent_cell(const Curve& curve, double begin, double length, const RateLimits
   return {&curve, begin, length, 0, 0, std::move(pairs)};
 }
 
-std::vector<Cell> make_cells(const RoundedPath& path, const RateLimits& limits, int count) {
+std::vector<Cell> make_cells(const RoundedPath& path, const RateLimits& limits) {
   std::vector<Cell> cells;
   for (const Curve& curve : path.curves) {
     if (curve.is_straight()) {
       cells.push_back(straight_cell(curve, limits));
       continue;
     }
-    const double length = curve.length / count;
-    for (int i = 0; i < count; ++i) cells.push_back(bent_cell(curve, i * length, length, limits));
+    const double length = curve.length / kCells;
+    for (int i = 0; i < kCells; ++i) cells.push_back(bent_cell(curve, i * length, length, limits));
   }
   return cells;
 }
@@ -143,7 +145,13 @@ Profile find_profile(std::span<const Cell> cells) {
 /// Puts stretches together.
 class Motion {
  public:
+  explicit Motion(double window_s) : window_s_(window_s) {}
+
   void add(const Cell& cell, double begin, double end) {
+    if (cell.begin == 0) {
+      if (begins_at_rest(cell) && time_s_ > 0) add(*cell.curve, 0, 0, 0, window_s_);
+      begins_s_.push_back(time_s_);
+    }
     if (cell.curve->is_straight()) {
       add_straight(cell, begin, end);
     } else {
@@ -152,8 +160,9 @@ class Motion {
     }
   }
 
-  [[nodiscard]] Trajectory finish(Configuration end) && {
-    return {std::move(stretches_), std::move(end), time_s_};
+  [[nodiscard]] Followed finish(Configuration end) && {
+    begins_s_.push_back(time_s_);
+    return {{std::move(stretches_), std::move(end), time_s_, window_s_}, std::move(begins_s_)};
   }
 
  private:
@@ -182,16 +191,18 @@ class Motion {
     time_s_ += time_s;
   }
 
+  double window_s_;
   std::vector<Trajectory::Stretch> stretches_;
+  std::vector<double> begins_s_;
   double time_s_ = 0;
 };
 
 }  // namespace
 
-Trajectory follow_fastest(const RoundedPath& path, const RateLimits& limits, int count) {
-  const std::vector<Cell> cells = make_cells(path, limits, count);
+Followed follow_fastest(const RoundedPath& path, const RateLimits& limits, double window_s) {
+  const std::vector<Cell> cells = make_cells(path, limits);
   const Profile profile = find_profile(cells);
-  Motion motion;
+  Motion motion(path.curves.empty() ? 0 : window_s);
   for (std::size_t i = 0; i < cells.size(); ++i) motion.add(cells[i], profile[i], profile[i + 1]);
   return std::move(motion).finish(path.end);
 }

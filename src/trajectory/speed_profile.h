@@ -12,12 +12,19 @@
 
 namespace mneme::internal {
 
+struct Followed {
+  Trajectory motion;
+  /// Of each curve, and of the end, before averages.
+  std::vector<double> begins_s;
+};
+
 /// The fastest motion along the path from rest to rest, by reachability analysis (Pham and Pham,
-/// DOI 10.1109/TRO.2018.2819195) in the square of the path speed. Straight curves are exact;
-/// parabolas have `count` cells of constant path acceleration. On a parabola, acceleration of a
-/// joint is linear in a cell, because slope and squared path speed are: limits that hold at both
-/// ends hold in between.
-[[nodiscard]] Trajectory follow_fastest(const RoundedPath& path, const RateLimits& limits,
-                                        int count = 16);
+/// DOI 10.1109/TRO.2018.2819195) in the square of the path speed, averaged over `window_s`; with a
+/// window it stays for as long where it stops, so that averages of before and behind do not meet.
+/// Straight curves are exact; parabolas have cells of constant path acceleration. On a parabola,
+/// acceleration of a joint is linear in a cell, because slope and squared path speed are: limits
+/// that hold at both ends hold in between.
+[[nodiscard]] Followed follow_fastest(const RoundedPath& path, const RateLimits& limits,
+                                      double window_s = 0);
 
 }  // namespace mneme::internal

@@ -5,6 +5,7 @@
 #include "base/check_ranges.h"
 #include "trajectory/rate_limits.h"
 #include "trajectory/rounded_path.h"
+#include "trajectory/smooth_motion.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
@@ -33,12 +34,19 @@ Result<void> check_path(const Robot& robot, const Path& path) {
 
 }  // namespace
 
-Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double duration_s)
-    : stretches_(std::move(stretches)), end_(std::move(end)), duration_s_(duration_s) {}
+Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s,
+                       double window_s)
+    : stretches_(std::move(stretches)), end_(std::move(end)), end_s_(end_s), window_s_(window_s) {
+  if (window_s_ == 0) return;
+  for (const Stretch& stretch : stretches_) {
+    integrals_.push_back(integrals_.empty() ? std::vector<double>(end_.size(), 0.0)
+                                            : integral(stretch.begin_s));
+  }
+}
 
-Trajectory::Point Trajectory::at(double time_s) const {
+Trajectory::Point Trajectory::follow(double time_s) const {
   const std::vector<double> still(end_.size(), 0.0);
-  if (stretches_.empty() || time_s >= duration_s_) return {time_s, end_, still, still};
+  if (stretches_.empty() || time_s >= end_s_) return {time_s, end_, still, still};
   if (time_s < 0) return {time_s, stretches_.front().begin, still, still};
   const auto after = std::ranges::upper_bound(stretches_, time_s, {}, &Stretch::begin_s);
   const Stretch& stretch = *std::prev(after);
@@ -56,20 +64,57 @@ Trajectory::Point Trajectory::at(double time_s) const {
   return point;
 }
 
+std::vector<double> Trajectory::integral(double time_s) const {
+  std::vector<double> sum(end_.size(), 0.0);
+  if (stretches_.empty()) return sum;
+  // The last stretch that has begun and whose integral is known. It is at rest before 0, and at the
+  // end, which counts as 0.
+  const double until = std::min(time_s, end_s_);
+  const auto after =
+      std::ranges::upper_bound(stretches_.begin(), stretches_.begin() + std::ssize(integrals_),
+                               until, {}, &Stretch::begin_s);
+  const auto i =
+      static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - stretches_.begin(), 1) - 1);
+  const Stretch& stretch = stretches_[i];
+  const double t = until - stretch.begin_s;
+  const double v = stretch.speed, a = stretch.acceleration;
+  const double once = until < 0 ? 0 : (v / 2 + a * t / 6) * t * t;
+  const double twice = until < 0 ? 0 : (v * v / 3 + (v / 4 + a * t / 20) * a * t) * t * t * t;
+  for (std::size_t j = 0; j < sum.size(); ++j) {
+    const double bend = stretch.bend.empty() ? 0 : stretch.bend[j];
+    sum[j] = integrals_[i][j] + (stretch.begin[j] - end_[j]) * t + stretch.direction[j] * once +
+             0.5 * bend * twice;
+  }
+  return sum;
+}
+
+Trajectory::Point Trajectory::at(double time_s) const {
+  Point point = follow(time_s);
+  if (window_s_ == 0) return point;
+  const Point before = follow(time_s - window_s_);
+  const std::vector<double> from = integral(time_s - window_s_), to = integral(time_s);
+  for (std::size_t j = 0; j < end_.size(); ++j) {
+    point.acceleration[j] = (point.velocity[j] - before.velocity[j]) / window_s_;
+    point.velocity[j] = (point.position[j] - before.position[j]) / window_s_;
+    point.position[j] = end_[j] + (to[j] - from[j]) / window_s_;
+  }
+  return point;
+}
+
 Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   if (!(dt > 0) || !std::isfinite(dt)) {
     return fail(ErrorCode::invalid, fmt::format("dt is {}; expected seconds above 0", dt));
   }
-  if (!(duration_s_ / dt < kMostPoints)) {
+  if (!(duration_s() / dt < kMostPoints)) {
     return fail(ErrorCode::invalid,
                 fmt::format("a point every {} s of a trajectory of {} s would be more than {} "
                             "points; a larger dt gives fewer",
-                            dt, duration_s_, kMostPoints));
+                            dt, duration_s(), kMostPoints));
   }
   std::vector<Point> points;
-  const int steps = static_cast<int>(std::ceil(duration_s_ / dt - kLeastStep));
+  const int steps = static_cast<int>(std::ceil(duration_s() / dt - kLeastStep));
   for (int i = 0; i < steps; ++i) points.push_back(at(i * dt));
-  points.push_back(at(duration_s_));
+  points.push_back(at(duration_s()));
   return points;
 }
 
@@ -83,8 +128,12 @@ Result<Trajectory> parameterize(const Robot& robot, const Path& path, const Rate
   if (auto checked = internal::check_ranges(settings); !checked) {
     return tl::unexpected(checked.error());
   }
-  return internal::follow_fastest(
-      internal::round_corners(robot, path, settings.path_tolerance, verifier), limits);
+  // Averages leave the path by half of the tolerance, corners by the other half.
+  const bool is_smooth = internal::has_jerk_limit(limits);
+  const double tolerance = is_smooth ? settings.path_tolerance / 2 : settings.path_tolerance;
+  internal::RoundedPath rounded = internal::round_corners(robot, path, tolerance, verifier);
+  if (!is_smooth) return internal::follow_fastest(rounded, limits).motion;
+  return internal::follow_smoothly(std::move(rounded), limits, tolerance, verifier);
 }
 
 }  // namespace mneme

@@ -33,6 +33,10 @@ struct Options {
   std::vector<std::string> problems;
   ProblemOptions robot;  ///< of the problems
   double most_slower = 1.05;
+  double jerk = 0;
+
+  /// Brute force knows no jerk.
+  [[nodiscard]] double most_slower_than_brute_force() const { return jerk > 0 ? 0 : most_slower; }
 };
 
 /// What came of many trajectories.
@@ -107,11 +111,12 @@ Tally time_random_paths(const Robot& robot, const Options& options) {
   for (int i = 0; i < options.paths; ++i) {
     Rng rng(derive_seed(options.seed, static_cast<std::uint64_t>(i)));
     const Path path = test::random_path(robot, rng);
-    const RateLimits limits = test::random_limits(robot, rng);
+    const RateLimits limits =
+        options.jerk > 0 ? test::random_jerk_limits(robot, rng) : test::random_limits(robot, rng);
     TrajectorySettings settings;
     settings.path_tolerance = std::pow(10, rng.uniform(-4, 0));
     time_path(robot, path, limits, settings, empty.verifier(),
-              i % kComparedOnceIn == 0 ? options.most_slower : 0,
+              i % kComparedOnceIn == 0 ? options.most_slower_than_brute_force() : 0,
               fmt::format("{} {}", robot.name(), i), tally);
   }
   return tally;
@@ -153,11 +158,13 @@ Result<void> time_problem(const Problem& problem, const Options& options, Tally&
   if (!result->plan.is_solved()) return {};
   const auto checker = CollisionChecker::make(problem.robot, problem.scene);
   if (!checker) return tl::unexpected(checker.error());
-  const auto limits = find_rate_limits(problem.robot);
+  TrajectorySettings timing;
+  if (options.jerk > 0) timing.jerk_limit = options.jerk;
+  const auto limits = find_rate_limits(problem.robot, timing);
   if (!limits) return tl::unexpected(limits.error());
   const MotionVerifier verifier(*checker);
-  const auto motion = time_path(problem.robot, result->plan.path, *limits, {}, verifier,
-                                options.most_slower, problem.name, tally);
+  const auto motion = time_path(problem.robot, result->plan.path, *limits, timing, verifier,
+                                options.most_slower_than_brute_force(), problem.name, tally);
   if (!motion) return {};
   if (auto contact = find_contact(*checker, *motion)) note_flaw(tally, problem.name, *contact);
   return {};
@@ -217,6 +224,8 @@ int main(int argc, char** argv) {
   app.add_option("--srdf", options.robot.robot.srdf_path, "its SRDF");
   app.add_option("--most-slower", options.most_slower,
                  "greatest duration, as a multiple of what brute force finds");
+  app.add_option("--jerk", options.jerk,
+                 "limit of jerk of the problems' joints; random paths have random ones");
   CLI11_PARSE(app, argc, argv);
   return mneme::soak::run(options) ? 0 : 1;
 }

@@ -82,6 +82,21 @@ joint_limits:
     CHECK(limits.acceleration == Rates{3, 4});
   }
 
+  TEST_CASE("jerk is limited where a file or the settings say so") {
+    CHECK(require_limits(hand()).jerk == Rates{INFINITY, INFINITY});
+    TrajectorySettings settings;
+    settings.jerk_limit = 8;
+    settings.acceleration_scale = 0.5;
+    CHECK(require_limits(hand(), settings).jerk == Rates{8, 4});
+    const std::string yaml = R"(
+joint_limits:
+  a: {has_jerk_limits: true, max_jerk: 20}
+  finger: {has_jerk_limits: false, max_jerk: 1}
+)";
+    CHECK(require_limits(hand(), {}, yaml).jerk == Rates{20, INFINITY});
+    CHECK(require_limits(hand(), settings, yaml).jerk == Rates{20, 4});
+  }
+
   TEST_CASE("a limit beyond all reason counts as none") {
     CHECK(require_limits(hand(R"(velocity="1e17")")).velocity[0] == 1e6);
   }
@@ -103,8 +118,8 @@ joint_limits:
              {"default_velocity_scaling_factor: 1", "the key joint_limits"},
              {"joint_limits: {elbow: {max_velocity: 1}}", "robot 'hand' has no such joint",
               ErrorCode::invalid},
-             {"joint_limits: {a: {has_jerk_limits: true, max_jerk: 1}}", "limits of jerk",
-              ErrorCode::unsupported},
+             {"joint_limits: {a: {has_jerk_limits: true}}", "the key max_jerk"},
+             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"},
              {"joint_limits: {a: {has_position_limits: true}}", "limits of positions",
               ErrorCode::unsupported}}) {
       const Error error = refusal(hand(), {}, c.yaml);

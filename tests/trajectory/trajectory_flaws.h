@@ -48,13 +48,28 @@ inline Path random_path(const Robot& robot, Rng& rng) {
   return path;
 }
 
-/// Limits over several orders of magnitude.
+/// Limits over several orders of magnitude; none of jerk.
 inline RateLimits random_limits(const Robot& robot, Rng& rng) {
   RateLimits limits;
   const double velocity = rng.uniform(-2, 2), acceleration = rng.uniform(-2, 2);
   for (int i = 0; i < robot.joint_count(); ++i) {
     limits.velocity.push_back(std::pow(10, velocity + rng.uniform(-1, 1)));
     limits.acceleration.push_back(std::pow(10, acceleration + rng.uniform(-1, 1)));
+  }
+  return limits;
+}
+
+/// Of jerk, too, so that the times of all of them are of one order of magnitude; now and then a
+/// joint has none.
+inline RateLimits random_jerk_limits(const Robot& robot, Rng& rng) {
+  RateLimits limits = random_limits(robot, rng);
+  const double time_s =
+      limits.velocity[0] / limits.acceleration[0] * std::pow(10, rng.uniform(-3, 1));
+  for (const double acceleration : limits.acceleration) {
+    const bool has_none = rng.index(8) == 0;
+    const double jerk = acceleration / time_s * std::pow(10, rng.uniform(-1, 1));
+    limits.jerk.push_back(has_none ? std::numeric_limits<double>::infinity()
+                                   : std::clamp(jerk, 1e-5, 1e7));
   }
   return limits;
 }
@@ -105,6 +120,18 @@ inline double largest(const std::vector<double>& values) {
   return most;
 }
 
+/// By how much jerk exceeds its limit between two points, as a fraction of that.
+inline double jerk_excess(const Trajectory::Point& from, const Trajectory::Point& to,
+                          const RateLimits& limits) {
+  double most = -1;
+  for (std::size_t j = 0; j < limits.jerk.size(); ++j) {
+    const double rounding = 1e-7 * limits.acceleration[j];
+    const double change = std::abs(to.acceleration[j] - from.acceleration[j]) - rounding;
+    most = std::max(most, change / (to.time_s - from.time_s) / limits.jerk[j] - 1);
+  }
+  return most;
+}
+
 /// The first thing that is wrong, or nothing: limits beyond 1e-6, values that are not finite, a
 /// jump, ends that are not the path's or not at rest, a point farther from the path than
 /// `tolerance`. Looks at `count` times.
@@ -129,6 +156,11 @@ inline std::optional<std::string> trajectory_flaw(const Robot& robot, const Path
     // Written so that a NaN is a flaw.
     if (!(speed <= kLimit)) return flaw(fmt::format("velocity exceeds by {}", speed));
     if (!(acceleration <= kLimit)) return flaw(fmt::format("acceleration by {}", acceleration));
+    for (const double share : {0.01, 1.0}) {
+      const double jerk =
+          jerk_excess(point, trajectory.at(point.time_s + share * duration / count), limits);
+      if (duration > 0 && !(jerk <= kLimit)) return flaw(fmt::format("jerk by {}", jerk));
+    }
     const double away = distance_to(way, point.position);
     if (!(away <= tolerance + kPlace)) return flaw(fmt::format("{} off the path", away));
     const double dt = i == 0 ? 0 : duration / count;

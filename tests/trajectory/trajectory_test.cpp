@@ -71,6 +71,34 @@ TEST_SUITE("unit") {
     CHECK(motion.sample(1000).value().size() == 2);
   }
 
+  TEST_CASE("with a limit of jerk acceleration grows from 0, and there is a wait where it stops") {
+    const EmptyScene empty(gantry());
+    RateLimits limits = kOnes;
+    limits.jerk = {4, INFINITY, 100};
+    const Trajectory motion = require_timed(empty, kTurn, limits, 0);
+    // 2 s and 3 s, each averaged over 2 / 4 s.
+    CHECK(motion.duration_s() == doctest::Approx(5 + 2 * 0.5));
+    CHECK(motion.at(0).position == kTurn.front());
+    CHECK(largest(motion.at(0).acceleration) == 0);
+    CHECK(motion.at(0.25).acceleration[0] == doctest::Approx(0.5));
+    CHECK(motion.at(0.25).velocity[0] == doctest::Approx(0.25 * 0.25));
+    CHECK(motion.at(0.25).position[0] == doctest::Approx(-1 + 2 * 0.25 * 0.25 * 0.25 / 6));
+    CHECK(distance_to({kTurn[1]}, motion.at(3.5).position) < 1e-12);
+    CHECK(distance_to({kTurn[2]}, motion.at(6).position) < 1e-12);
+    CHECK(largest(motion.at(6).velocity) < 1e-12);
+    limits.jerk = {};
+    CHECK(require_timed(empty, kTurn, limits, 0).duration_s() == doctest::Approx(5));
+  }
+
+  TEST_CASE("accelerations are lowered where jerk is what takes time") {
+    const EmptyScene empty(gantry());
+    RateLimits limits{{1e6, 1e6, 1e6}, {1e3, 1e3, 1e3}, {1, 1, 1}};
+    const Trajectory motion = require_timed(empty, {{-1, 0, 0}, {1, 0, 0}}, limits);
+    // The least that is possible is (32 * 2)^(1/3) s.
+    CHECK(motion.duration_s() > 4);
+    CHECK(motion.duration_s() < 1.25 * 4);
+  }
+
   TEST_CASE("a path of one configuration is a trajectory of one point") {
     const EmptyScene empty(gantry());
     for (const Path& path : {Path{{1, 1, 1}}, Path{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}) {
@@ -101,6 +129,11 @@ TEST_SUITE("unit") {
                      "joint 'joint_2': its limit of velocity"));
       CHECK(contains(refusal(kTurn, {{1, 1, 1}, {1, 1, bad}}),
                      "joint 'joint_3': its limit of acceleration"));
+    }
+    CHECK(contains(refusal(kTurn, {{1, 1, 1}, {1, 1, 1}, {1, 1}}), "2 limits of jerk"));
+    for (const double bad : std::vector<double>{0, -1, NAN, 1e-9}) {
+      CHECK(contains(refusal(kTurn, {{1, 1, 1}, {1, 1, 1}, {1, bad, INFINITY}}),
+                     "joint 'joint_2': its limit of jerk"));
     }
     CHECK(contains(refusal(kTurn, kOnes, -1), "'path-tolerance' is -1"));
     CHECK(contains(refusal(kTurn, kOnes, NAN), "'path-tolerance' is nan"));
@@ -134,13 +167,29 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("random paths are followed within limits of jerk") {
+    for (const char* name : {"planar8", "panda", "fetch", "ur5"}) {
+      const EmptyScene empty(load_robot(find_robot(name).value()).value());
+      Rng rng(13);
+      for (int i = 0; i < 100; ++i) {
+        const Path path = random_path(empty.robot(), rng);
+        const RateLimits limits = random_jerk_limits(empty.robot(), rng);
+        const double tolerance = std::pow(10, rng.uniform(-4, 0));
+        const Trajectory motion = require_timed(empty, path, limits, tolerance);
+        const auto flaw = trajectory_flaw(empty.robot(), path, limits, tolerance, motion);
+        CHECK_MESSAGE(!flaw, name, " ", i, ": ", flaw.value_or(""));
+      }
+    }
+  }
+
   TEST_CASE("velocity is the slope of position, and acceleration that of velocity") {
     const EmptyScene empty(planar8());
     Rng rng(4);
     for (int i = 0; i < 30; ++i) {
       CAPTURE(i);
-      const Trajectory motion = require_timed(empty, random_path(empty.robot(), rng),
-                                              {std::vector(8, 1.0), std::vector(8, 2.0)});
+      const Trajectory motion = require_timed(
+          empty, random_path(empty.robot(), rng),
+          {std::vector(8, 1.0), std::vector(8, 2.0), std::vector(8, i % 2 == 0 ? 7.0 : INFINITY)});
       const double h = 1e-5;
       for (int k = 0; k < 50; ++k) {
         const double t = rng.uniform(2 * h, motion.duration_s() - 2 * h);
@@ -196,15 +245,20 @@ TEST_SUITE("flow") {
           planned->plan({checker, world.query, *sampler, PlanSettings{}, finish, ""});
       REQUIRE(result.has_value());
       REQUIRE(result->is_solved());
-      const auto limits = find_rate_limits(world.robot);
-      REQUIRE(limits.has_value());
-      const auto motion = parameterize(world.robot, result->path, *limits, {}, &finish.verifier());
-      REQUIRE(motion.has_value());
-      const auto flaw = trajectory_flaw(world.robot, result->path, *limits, 0.1, *motion);
-      CHECK_MESSAGE(!flaw, flaw.value_or(""));
-      for (int i = 0; i <= 300; ++i) {
-        const Configuration q = motion->at(motion->duration_s() * i / 300).position;
-        CHECK(checker.contacts(q).empty());
+      for (const bool is_smooth : {false, true}) {
+        TrajectorySettings settings;
+        if (is_smooth) settings.jerk_limit = 4;
+        const auto limits = find_rate_limits(world.robot, settings);
+        REQUIRE(limits.has_value());
+        const auto motion =
+            parameterize(world.robot, result->path, *limits, settings, &finish.verifier());
+        REQUIRE(motion.has_value());
+        const auto flaw = trajectory_flaw(world.robot, result->path, *limits, 0.1, *motion);
+        CHECK_MESSAGE(!flaw, flaw.value_or(""));
+        for (int i = 0; i <= 300; ++i) {
+          const Configuration q = motion->at(motion->duration_s() * i / 300).position;
+          CHECK(checker.contacts(q).empty());
+        }
       }
     }
   }
