@@ -6,6 +6,7 @@
 #pragma once
 
 #include "mneme/base.h"
+#include "mneme/check.h"
 #include "mneme/experience.h"
 #include "mneme/planning.h"
 #include "mneme/primitive.h"
@@ -79,6 +80,7 @@ struct MemoryQuery {
   const Scene& scene;
   const Configuration* start = nullptr;  ///< null if only the scene is known
   std::span<const Configuration> goals = {};
+  std::span<const OrientationConstraint> constraints = {};
 };
 
 /// A stored experience that is similar to a primitive.
@@ -199,7 +201,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// primitive, whose components are the waypoints that belong to it, moved to the canonical frame. A
 /// waypoint belongs to a primitive if one shape of the robot that the symmetric joints move is
 /// closer than `reach` (metres) to all its obstacles. Rows have no provenance yet; primitives
-/// without a waypoint have none. O(waypoints * shapes * obstacles).
+/// without a waypoint have none. O(waypoints * shapes * obstacles). Error: constraints, of a kind
+/// that does not keep whole paths.
 [[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                                std::span<const Path> paths,
                                                                const MemorySettings& settings = {},
@@ -304,9 +307,12 @@ inline constexpr double kGapProbeSpacing = 0.1;  ///< metres between the points 
 
 /// A whole query as a primitive of the kind "paths": its key holds both
 /// configurations, a continuous joint as its cosine and sine, and before them the distance between
-/// these two rows. The two images are the query and its reverse; no obstacles count.
-[[nodiscard]] LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> start,
-                                                  std::span<const double> goal);
+/// these two rows. Constraints that are kept all the way add a multiple of 1000 to that, which
+/// keeps queries with different ones apart: the multiple derives from their numbers, and is one of
+/// 900. The two images are the query and its reverse; no obstacles count.
+[[nodiscard]] LocalPrimitive make_query_primitive(
+    const Robot& robot, std::span<const double> start, std::span<const double> goal,
+    std::span<const OrientationConstraint> constraints = {});
 /// Numbers in such a key.
 [[nodiscard]] int query_key_size(const Robot& robot);
 

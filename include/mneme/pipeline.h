@@ -119,7 +119,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// What a problem asks of memory, which is of the robot without what it carries. Refers to it.
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
   const Configuration* start = problem.start.empty() ? nullptr : &problem.start;
-  return {problem.robot.without_attached(), problem.scene, start, problem.goals};
+  return {problem.robot.without_attached(), problem.scene, start, problem.goals,
+          problem.constraints};
 }
 
 /// The result of Algorithm 2.

@@ -38,9 +38,9 @@ Result<internal::Learned> learn_from_problem(const Problem& problem, const Memor
   if (plan->paths.empty()) {
     return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan->message)};
   }
-  auto rows = learn_from_paths(
-      {problem.robot.without_attached(), problem.scene, &problem.start, problem.goals}, plan->paths,
-      memory);
+  auto rows = learn_from_paths({problem.robot.without_attached(), problem.scene, &problem.start,
+                                problem.goals, problem.constraints},
+                               plan->paths, memory);
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
     row.provenance = {
@@ -55,7 +55,8 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   if (!(lesson.timeout_s >= 0 && lesson.timeout_s <= 1e6)) {
     return fail(ErrorCode::invalid, "a path's time limit must be 0 to 1e6 seconds");
   }
-  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+  const auto checker =
+      CollisionChecker::make(problem.robot, problem.scene, {.constraints = problem.constraints});
   if (!checker) return tl::unexpected(checker.error());
   const auto sampler = make_uniform_sampler(problem.robot);
   PlanSettings settings;

@@ -98,7 +98,8 @@ namespace {
 
 Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(const MemoryQuery& query,
                                                               double max_gap) {
-  const auto& [robot, scene, start, goals] = query;
+  const Robot& robot = query.robot;
+  const Scene& scene = query.scene;
   const SymmetricJoints joints = find_symmetric_joints(robot);
   std::vector<Body> bodies;
   for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));

@@ -150,7 +150,8 @@ std::vector<KeyImage> images_of_circles(const PrimitiveKey& k) {
 
 Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(const MemoryQuery& query,
                                                                 double max_gap) {
-  const auto& [robot, scene, start, goals] = query;
+  const Robot& robot = query.robot;
+  const Scene& scene = query.scene;
   if (const auto reason = describe_asymmetry(robot)) {
     return fail(ErrorCode::unsupported,
                 fmt::format("memory of the kind 'pairs' does not handle robot '{}': {}",

@@ -69,6 +69,13 @@ Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                  const MemorySettings& settings, double reach) {
   const auto kind = choose_kind(query.robot, settings);
   if (!kind) return tl::unexpected(kind.error());
+  // What a scene asks of a path and what a constraint asks of it could not be told apart later.
+  if (!query.constraints.empty() && (*kind)->bend == nullptr) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("memory of the kind '{}' knows no constraints: paths that keep some "
+                            "teach it nothing",
+                            (*kind)->name));
+  }
   const double max_gap = settings.max_gap.value_or((*kind)->defaults.max_gap);
   return (*kind)->learn_from_paths(query, paths, max_gap, reach);
 }

@@ -6,7 +6,9 @@
 #include "robot/joint_space.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace mneme {
 namespace {
@@ -28,6 +30,27 @@ void append(const Robot& robot, std::span<const double> q, PrimitiveKey& key) {
   }
 }
 
+/// Of keys: more than any distance between two configurations, and so many at most that keys stay
+/// below the numbers that rows may hold.
+constexpr double kApart = 1000;
+constexpr std::uint64_t kMultiples = 900;
+
+double offset_of(std::span<const OrientationConstraint> constraints) {
+  std::uint64_t all = 0;  // in any order
+  for (const OrientationConstraint& constraint : constraints) {
+    std::uint64_t one = 0;
+    for (const char c : constraint.link) one = derive_seed(one, static_cast<std::uint64_t>(c));
+    const Vec3 &axis = constraint.axis, &up = constraint.up;
+    for (const double number :
+         {axis.x(), axis.y(), axis.z(), up.x(), up.y(), up.z(), constraint.angle}) {
+      // Adding 0 makes a negative one positive.
+      one = derive_seed(one, std::bit_cast<std::uint64_t>(number + 0.0));
+    }
+    all += one;
+  }
+  return constraints.empty() ? 0 : kApart * static_cast<double>(1 + all % kMultiples);
+}
+
 }  // namespace
 
 int query_key_size(const Robot& robot) {
@@ -37,7 +60,8 @@ int query_key_size(const Robot& robot) {
 }
 
 LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> start,
-                                    std::span<const double> goal) {
+                                    std::span<const double> goal,
+                                    std::span<const OrientationConstraint> constraints) {
   LocalPrimitive primitive;
   primitive.kind = kWholePathsVersion;
   PrimitiveKey& key = primitive.key;
@@ -47,7 +71,7 @@ LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> 
   append(robot, goal, key);
   double sum = 0;
   for (std::size_t i = 1; i <= end_size; ++i) sum += std::pow(key[i + end_size] - key[i], 2);
-  key[0] = std::sqrt(sum);
+  key[0] = offset_of(constraints) + std::sqrt(sum);
   return primitive;
 }
 
@@ -83,9 +107,9 @@ class PathWarper {
     }
   }
 
-  /// The whole path from the query's start to its goal. What is further from an end than kRunPerShift
-  /// times its shift stays as it was: where the path is close to something, that is free, and
-  /// little beside it.
+  /// The whole path from the query's start to its goal. What is further from an end than
+  /// kRunPerShift times its shift stays as it was: where the path is close to something, that is
+  /// free, and little beside it.
   std::vector<std::vector<float>> bend(std::span<const float> path) {
     const std::size_t count = path.size() / joints_;
     const bool is_reversed = measure(path, count);
@@ -174,7 +198,7 @@ Result<std::vector<LocalPrimitive>> find_queries(const MemoryQuery& query, doubl
   for (const Configuration& goal : query.goals) {
     if (!violation) violation = query.robot.describe_violation(goal, "goal");
     if (violation) return fail(ErrorCode::invalid, *violation);
-    queries.push_back(make_query_primitive(query.robot, *query.start, goal));
+    queries.push_back(make_query_primitive(query.robot, *query.start, goal, query.constraints));
   }
   return queries;
 }
@@ -229,7 +253,7 @@ Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
     if (path.empty()) continue;
     Experience& row = rows.emplace_back();
     row.kind = kWholePathsVersion;
-    row.key = make_query_primitive(query.robot, path.front(), path.back()).key;
+    row.key = make_query_primitive(query.robot, path.front(), path.back(), query.constraints).key;
     row.sampler.joint_count = query.robot.joint_count();
     for (const Configuration& q : path) {
       row.sampler.means.insert(row.sampler.means.end(), q.begin(), q.end());

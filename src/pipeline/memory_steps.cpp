@@ -169,11 +169,6 @@ Remembered remember(const Query& query, const PlanResult& plan) {
       !query.settings.plan.ompl_defaults &&
       query.database->earns_row(plan.iterations, static_cast<std::uint64_t>(*after));
   if (!is_wanted) return remembered;
-  // What a scene asks of a path and what a constraint asks of it cannot be told apart later.
-  if (!query.problem.constraints.empty()) {
-    remembered.failure = "memory knows no constraints: paths that keep some are not remembered";
-    return remembered;
-  }
   const Stopwatch stopwatch;
   for (const KindSettings& kind : query.kinds) {
     if (const auto rows = insert_solved(query, plan.path, kind)) {

@@ -27,7 +27,8 @@ constexpr float kRun = 0.3f, kNudgeRun = 0.2f;
 constexpr int kRepairPatience = 5;
 constexpr int kMostDetours = 6;
 constexpr double kNudge = 0.005;  ///< metres to obstacles
-constexpr double kAnyDistance = 1e6;
+/// Radians: of any task that is under the same constraints, whose keys are 1000 apart otherwise.
+constexpr double kAnyDistance = 500;
 /// Of seeds: what planners and improving derive from theirs comes before.
 constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
 

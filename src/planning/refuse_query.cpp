@@ -87,7 +87,7 @@ std::optional<std::string> find_tilt(const CollisionChecker& checker, const Conf
     const double leaning = tilt(checker.robot(), constraint, inside);
     if (leaning <= constraint.angle - kTiltMargin) continue;
     return fmt::format(": {} is tilted by {:.5g} rad, the constraint allows {:.5g}",
-                       constraint.link, leaning, constraint.angle);
+                       constraint.link, leaning, constraint.angle - kTiltMargin);
   }
   return std::nullopt;
 }

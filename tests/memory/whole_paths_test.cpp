@@ -77,6 +77,26 @@ TEST_SUITE("unit") {
     CHECK(key_distance(key, expected) < 1e-12);
   }
 
+  TEST_CASE("queries under other constraints, or none, are far from each other") {
+    const Robot robot = planar_arm({1, 1});
+    const OrientationConstraint cup{"link_1", Vec3::UnitZ(), Vec3::UnitZ(), 0.2};
+    OrientationConstraint wide = cup, tip = cup;
+    wide.angle = 0.3;
+    tip.link = "link_2";
+    const auto key = [&](const std::vector<OrientationConstraint>& constraints) {
+      return make_query_primitive(robot, std::vector{0.0, 1.0}, std::vector{1.0, 0.0}, constraints)
+          .key;
+    };
+    CHECK(key({cup}) == key({cup}));
+    CHECK(key({cup, tip}) == key({tip, cup}));
+    const std::vector<PrimitiveKey> keys = {key({}), key({cup}), key({wide}), key({tip}),
+                                            key({cup, tip})};
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      CHECK(keys[i][0] < 1e6);
+      for (std::size_t k = 0; k < i; ++k) CHECK(key_distance(keys[i], keys[k]) > 999);
+    }
+  }
+
   TEST_CASE("no obstacle belongs to the primitive of a query, and no symmetry moves it") {
     const LocalPrimitive primitive =
         make_query_primitive(planar_arm({1, 1}), std::vector{0.0, 1.0}, std::vector{1.0, 0.0});

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Arms that carry a cup over a table, from one random pose to another. MNEME_UPRIGHT_PROBLEMS says
-// how many problems of each robot; the shares that are solved, and how fast, are told.
+// how many problems of each robot, MNEME_UPRIGHT_ITERATIONS after how many each is given up; the
+// shares that are solved, and how fast, are told.
+#include "mneme/learning.h"
+
 #include "goal/posed_robots.h"
 #include "planning/small_worlds.h"
+#include "support/planar_memory.h"
 
 #include <cstdlib>
 #include <string>
@@ -18,6 +22,7 @@ struct Waiter {
   OrientationConstraint upright;
   Capsule cup;  ///< in the frame of the link that is kept upright
   std::vector<std::string> fingers;
+  Axis axis;         ///< of the link, that of the cup
   Vec3 least, most;  ///< where the link may be
   Scene table;
 };
@@ -28,6 +33,7 @@ Waiter panda_waiter() {
           {"panda_hand", Vec3::UnitX(), Vec3::UnitZ(), 0.2},
           {at - 0.04 * Vec3::UnitX(), at + 0.04 * Vec3::UnitX(), 0.03},
           {"panda_leftfinger", "panda_rightfinger"},
+          Axis::x,
           {0.25, -0.6, 0.1},
           {0.7, 0.6, 0.7},
           {"table",
@@ -40,6 +46,7 @@ Waiter fetch_waiter() {
           {"gripper_link", Vec3::UnitZ(), Vec3::UnitZ(), 0.2},
           {{0, 0, -0.04}, {0, 0, 0.04}, 0.03},
           {"l_gripper_finger_link", "r_gripper_finger_link"},
+          Axis::z,
           {0.45, -0.6, 0.75},
           {0.95, 0.6, 1.3},
           {"table",
@@ -53,6 +60,13 @@ Robot with_cup(const Waiter& waiter) {
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
   return *robot;
 }
+
+/// What is asked of a goal that a random configuration reaches.
+struct Asked {
+  std::string name;
+  bool is_pose = true;  ///< that of the cup; otherwise the configuration
+  double turn = 0;      ///< that the cup may be turned about its axis
+};
 
 /// Random configurations, led upright: those that are free and over the table.
 class Poses {
@@ -75,9 +89,14 @@ class Poses {
       if (is_over_table) return found;
     }
   }
-  Problem problem() {
+  Problem problem(const Asked& asked) {
     Problem problem{"upright", robot_, "", waiter_.table, next(), {next()}, {}};
     problem.constraints = {waiter_.upright};
+    if (!asked.is_pose) return problem;
+    problem.pose_goals = {pose_at(robot_, waiter_.upright.link, problem.goals[0])};
+    problem.pose_goals[0].axis = waiter_.axis;
+    problem.pose_goals[0].turn = asked.turn;
+    problem.goals.clear();
     return problem;
   }
 
@@ -104,39 +123,106 @@ double tilt_of_trajectory(const Problem& problem, const SolveSettings& settings,
   return largest;
 }
 
-int problem_count() {
-  const char* count = std::getenv("MNEME_UPRIGHT_PROBLEMS");
-  return count == nullptr ? 3 : std::atoi(count);
+int number_from(const char* variable, int otherwise) {
+  const char* number = std::getenv(variable);
+  return number == nullptr ? otherwise : std::atoi(number);
+}
+
+/// Carries cups, and says how many arrive.
+int carry(const Waiter& waiter, const Asked& asked, int count) {
+  Poses poses(waiter);
+  int solved = 0, quick = 0;
+  double longest_s = 0, largest = 0;
+  for (int i = 0; i < count; ++i) {
+    const Problem problem = poses.problem(asked);
+    SolveSettings settings;
+    settings.plan.timeout_s = 1e6;
+    settings.plan.max_iterations =
+        static_cast<std::uint64_t>(number_from("MNEME_UPRIGHT_ITERATIONS", 5000));
+    const auto result = solve(problem, nullptr, settings);
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    if (!result->plan.is_solved()) continue;
+    const Path& path = result->plan.path;
+    ++solved;
+    quick += result->total_time_s <= 1;
+    longest_s = std::max(longest_s, result->total_time_s);
+    largest = std::max(largest, largest_tilt(problem.robot, waiter.upright, path, 1e-3));
+    CHECK(is_path_free(problem.robot, problem.scene, path, 0.01));
+    largest = std::max(largest, tilt_of_trajectory(problem, settings, path));
+  }
+  MESSAGE(waiter.robot, ", ", asked.name, ": ", solved, " of ", count, " solved, ", quick,
+          " within 1 s, longest ", longest_s, " s, largest tilt ", largest, " rad");
+  CHECK(largest <= waiter.upright.angle);
+  return solved;
 }
 
 TEST_SUITE("flow") {
   TEST_CASE("cups are carried upright all the way") {
+    const int count = number_from("MNEME_UPRIGHT_PROBLEMS", 3);
     for (const Waiter& waiter : {panda_waiter(), fetch_waiter()}) {
-      Poses poses(waiter);
-      int solved = 0, quick = 0;
-      double longest_s = 0, largest = 0;
-      const int count = problem_count();
-      for (int i = 0; i < count; ++i) {
-        const Problem problem = poses.problem();
-        SolveSettings settings;
-        settings.plan.timeout_s = 1e6;
-        settings.plan.max_iterations = 5000;
-        const auto result = solve(problem, nullptr, settings);
-        REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-        if (!result->plan.is_solved()) continue;
-        const Path& path = result->plan.path;
-        ++solved;
-        quick += result->total_time_s <= 1;
-        longest_s = std::max(longest_s, result->total_time_s);
-        largest = std::max(largest, largest_tilt(problem.robot, waiter.upright, path, 1e-3));
-        CHECK(is_path_free(problem.robot, problem.scene, path, 0.01));
-        largest = std::max(largest, tilt_of_trajectory(problem, settings, path));
+      for (const Asked& asked : {Asked{"configurations", false}, Asked{"poses"},
+                                 Asked{"poses, turned any way", true, kPi}}) {
+        CHECK(3 * carry(waiter, asked, count) >= count);
       }
-      MESSAGE(waiter.robot, ": ", solved, " of ", count, " solved, ", quick,
-              " within 1 s, longest ", longest_s, " s, largest tilt ", largest, " rad");
-      CHECK(3 * solved >= count);
-      CHECK(largest <= waiter.upright.angle);
     }
+  }
+
+  TEST_CASE("memory of whole paths keeps those under other constraints apart") {
+    const Waiter waiter = fetch_waiter();
+    Problem problem = Poses(waiter).problem({"configurations", false});
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "m.db", problem.robot.without_attached());
+    SolveSettings settings;
+    settings.memory.kind = "paths";
+    settings.remember_after = 0;
+    settings.replay = 0.5;
+    settings.plan.max_iterations = 5000;
+    const auto solve_again = [&] {
+      auto result = solve(problem, &database, settings);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      REQUIRE(result->plan.is_solved());
+      return *std::move(result);
+    };
+    CHECK(solve_again().remembered.rows == 1);
+    const SolveResult replayed = solve_again();
+    CHECK(replayed.replay.is_hit());
+    CHECK(largest_tilt(problem.robot, waiter.upright, replayed.plan.path, 1e-3) <= 0.2);
+    problem.constraints[0].angle = 0.25;
+    CHECK_FALSE(solve_again().replay.is_hit());
+    problem.constraints.clear();
+    const SolveResult free = solve_again();
+    CHECK_FALSE(free.replay.is_hit());
+    CHECK_FALSE(free.replay.nearest.has_value());
+    CHECK(solve_again().replay.is_hit());
+  }
+
+  TEST_CASE("problems teach paths that keep their constraints") {
+    const Waiter waiter = fetch_waiter();
+    const Problem problem = Poses(waiter).problem({"configurations", false});
+    ProblemLesson lesson;
+    lesson.paths = 3;
+    const auto repeated = solve_repeatedly(problem, lesson);
+    REQUIRE(repeated.has_value());
+    CHECK(!repeated->paths.empty());
+    for (const Path& path : repeated->paths) {
+      CHECK(largest_tilt(problem.robot, waiter.upright, path, 1e-3) <= waiter.upright.angle);
+    }
+  }
+
+  TEST_CASE("memory that knows no constraints says so and learns nothing from what keeps them") {
+    const Waiter waiter = fetch_waiter();
+    const Problem problem = Poses(waiter).problem({"configurations", false});
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "m.db", problem.robot.without_attached());
+    SolveSettings settings;
+    settings.memory.kind = "body_pairs";
+    settings.remember_after = 0;
+    const auto result = solve(problem, &database, settings);
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    CHECK(result->plan.is_solved());
+    CHECK(result->remembered.rows == 0);
+    CHECK(result->remembered.failure.find("'body_pairs' knows no constraints") !=
+          std::string::npos);
   }
 }
 
