@@ -186,7 +186,7 @@ constexpr std::uint64_t kMostIterations = 100000;
 /// The goal's pose among the obstacles: inverse kinematics alone, and solve() to the pose and to
 /// the configuration.
 int time_problems(const std::vector<std::string>& where, const ProblemOptions& options,
-                  const std::string& link) {
+                  const std::string& link, const IkSettings& ik) {
   const auto problems = load_problems(where, options);
   if (!problems) {
     std::fprintf(stderr, "mneme_ik_rates: %s\n", problems.error().message.c_str());
@@ -201,7 +201,7 @@ int time_problems(const std::vector<std::string>& where, const ProblemOptions& o
     Problem posed = problem;
     posed.pose_goals = {pose_at(problem.robot, link, problem.goals.front())};
     posed.goals.clear();
-    auto source = PoseGoalSource::make(*checker, posed.pose_goals, problem.start, {}, 1e-4);
+    auto source = PoseGoalSource::make(*checker, posed.pose_goals, problem.start, ik, 1e-4);
     if (!source) continue;
     const double begin = processor_s();
     const bool is_found = !source->more().empty();
@@ -210,6 +210,7 @@ int time_problems(const std::vector<std::string>& where, const ProblemOptions& o
     within_1ms.add(seconds, is_found && seconds <= 1e-3);
     SolveSettings settings;
     settings.sampler = "uniform";
+    settings.ik = ik;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = kMostIterations;
     settings.plan.simplify = false;
@@ -235,6 +236,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> problems;
   std::string link = "tool0";
   mneme::ProblemOptions options;
+  mneme::IkSettings ik;
   CLI::App app{"Rates of inverse kinematics"};
   app.add_option("--poses", count, "poses of each robot");
   app.add_option("--kdl-poses", count_of_kdl, "of these, the first that KDL solves, too");
@@ -242,8 +244,9 @@ int main(int argc, char** argv) {
   app.add_option("--robot", options.robot_path, "URDF of the problems");
   app.add_option("--srdf", options.robot.srdf_path, "SRDF of the problems' robot");
   app.add_option("--link", link, "the link whose pose at the goals is asked for");
+  app.add_option("--ik-solutions", ik.solutions, "of problems: solutions to begin with");
   CLI11_PARSE(app, argc, argv);
-  if (!problems.empty()) return mneme::bench::time_problems(problems, options, link);
+  if (!problems.empty()) return mneme::bench::time_problems(problems, options, link, ik);
   int failures = 0;
   for (const auto& [robot, tip] : {std::pair("panda", "panda_hand"),
                                    std::pair("fetch", "gripper_link"), std::pair("ur5", "tool0")}) {
