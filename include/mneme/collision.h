@@ -60,7 +60,8 @@ struct SweepDetail {
 /// are the tip and joints' origins.
 struct WalkStep {
   int limb = 0;           ///< less than CollisionChecker::limbs().size()
-  int pulled_points = 1;  ///< so many points, from the tip on, go towards the next one of the limb
+  int pulled_points = 1;  ///< so many points, from the tip on, go towards the next one of the
+                          ///< limb; 0: nothing is pulled, what is near obstacles is pushed
   float length = 0;       ///< metres that they go; >= 0
   float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
   std::span<const float> drift;   ///< joint_count values: where joints go that nothing pulls,
@@ -149,8 +150,9 @@ class CollisionChecker {
   [[nodiscard]] double longest_way(std::span<const float> from, std::span<const float> to,
                                    std::span<const float> delta) const;
 
-  /// Takes a step from the configuration `from`: writes a candidate per jitter, a row each, within
-  /// the limits. Candidates may be in contact all the same.
+  /// Takes a step from the configuration `from`, or from as many as there are jitters, row by row:
+  /// writes a candidate per jitter, a row each, within the limits. Candidates may be in contact all
+  /// the same, and where much of a joint's turn moves a link little, far from where they began.
   void walk(std::span<const float> from, const WalkStep& step, std::span<float> candidates) const;
   /// Empty for a robot of more joints than steps are computed for (32).
   [[nodiscard]] std::vector<LimbInfo> limbs() const;

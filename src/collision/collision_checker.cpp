@@ -374,8 +374,9 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
                             std::span<float> candidates) const {
   const Tables& t = *tables_;
   const internal::RobotTables& robot = t.checked_robot->tables;
+  const std::size_t joints = internal::as_index(robot.joint_count);
   FloatConfiguration lower, upper;
-  for (std::size_t j = 0; j < from.size(); ++j) {
+  for (std::size_t j = 0; j < joints; ++j) {
     const bool wraps = t.space.periods()[j] > 0;
     lower[j] = wraps ? -kFarthest : t.space.lower(static_cast<int>(j));
     upper[j] = wraps ? kFarthest : t.space.upper(static_cast<int>(j));
@@ -386,6 +387,7 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
   request.length = step.length;
   request.clearance = step.clearance + t.margin;
   request.from = from.data();
+  request.from_stride = from.size() > joints ? robot.joint_count : 0;
   request.drift = step.drift.data();
   request.lower = lower.data();
   request.upper = upper.data();
@@ -393,7 +395,7 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
   request.count = static_cast<int>(step.jitter.size() / 3);
   t.walk_kernel(robot, t.scene_tables, request, candidates.data());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    candidates[i] = t.space.into_limits(static_cast<int>(i % from.size()), candidates[i]);
+    candidates[i] = t.space.into_limits(static_cast<int>(i % joints), candidates[i]);
   }
 }
 

@@ -44,7 +44,6 @@ class Walker {
   HWY_INLINE void walk(const V3& jitter, V* q) {
     const int joints = robot_.joint_count;
     V wish[kMostWalkingJoints], change[kMostWalkingJoints];
-    for (int j = 0; j < joints; ++j) q[j] = splat(request_.from[j]);
     for (int round = 0; round < kRounds; ++round) {
       pose_frames(robot_, q, poses_);
       // Only once: later rounds keep what the first one pushed away.
@@ -207,6 +206,8 @@ void walk(const RobotTables& robot, const SceneTables& scene, const WalkRequest&
     // Lanes beyond the last candidate repeat it.
     const auto row = hn::Min(hn::Iota(di, begin), hn::Set(di, request.count - 1));
     const auto first = hn::Mul(row, hn::Set(di, 3));
+    const auto from = hn::Mul(row, hn::Set(di, request.from_stride));
+    for (int j = 0; j < robot.joint_count; ++j) q[j] = hn::GatherIndex(d, request.from + j, from);
     walker.walk(
         {hn::GatherIndex(d, request.jitter, first), hn::GatherIndex(d, request.jitter + 1, first),
          hn::GatherIndex(d, request.jitter + 2, first)},

@@ -10,14 +10,15 @@
 
 namespace mneme::internal {
 
-/// WalkStep of mneme/collision.h as the kernel reads it. Arrays per joint, but `jitter`: three
-/// values a candidate.
+/// WalkStep of mneme/collision.h as the kernel reads it. Arrays per joint, but `from`, which may
+/// have a row per candidate, and `jitter`: three values a candidate.
 struct WalkRequest {
   const Limb* limb = nullptr;
   int pulled_points = 1;
   float length = 0;
   float clearance = 0;
   const float* from = nullptr;
+  int from_stride = 0;  ///< to where the next candidate begins; 0: all begin at one
   const float* drift = nullptr;
   const float* lower = nullptr;  ///< candidates stay within
   const float* upper = nullptr;

@@ -255,6 +255,33 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("each candidate may begin at a configuration of its own, and need not be pulled") {
+    Rng rng(11);
+    const Robot robot = ball_arm();
+    for (const Isa isa : available_isas()) {
+      CheckerSettings settings;
+      settings.isa = isa;
+      const CollisionChecker checker = cluttered(robot, 30, rng, settings);
+      OwnedStep step(robot, 1);
+      const WalkStep one{0, 0, 0, 0.05f, step.drift, step.jitter};
+      std::vector<float> starts, expected;
+      for (int i = 0; i < 19; ++i) {
+        const std::vector<float> from = random_start(checker, rng);
+        std::vector<float> to(from.size());
+        checker.walk(from, one, to);
+        starts.insert(starts.end(), from.begin(), from.end());
+        expected.insert(expected.end(), to.begin(), to.end());
+      }
+      OwnedStep steps(robot, 19);
+      const WalkStep all{0, 0, 0, 0.05f, steps.drift, steps.jitter};
+      std::vector<float> rows(starts.size());
+      checker.walk(starts, all, rows);
+      CHECK(rows != starts);
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        CHECK(rows[i] == doctest::Approx(expected[i]).epsilon(1e-4));
+    }
+  }
+
   TEST_CASE("limbs lead from each tip to the first joint that turns") {
     const auto limbs_of = [](const Robot& robot) { return require_checker(robot, {}).limbs(); };
     const std::vector<LimbInfo> planar = limbs_of(planar_arm({1, 0.8, 0.6}));
