@@ -5,7 +5,11 @@
 #include "pipeline/drawn_components.h"
 #include "pipeline/push_off.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
+#include <string_view>
 
 namespace mneme::internal {
 namespace {
@@ -141,14 +145,18 @@ GaussianMixture keep_valid_components(const CollisionChecker& checker,
 
 namespace {
 
-Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind) {
+constexpr std::string_view kPlannedIn = ", planned in ", kStates = " states";
+
+Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind,
+                          std::uint64_t planning_states) {
   const std::vector<Path> paths = {
       kind.replay > 0 ? widen(query.checker, path, query.settings.plan.seed) : path};
   auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {
     row.provenance = {"mneme " + std::string(version()),
-                      "solved problem " + query.problem.name,
+                      fmt::format("solved problem {}{}{}{}", query.problem.name, kPlannedIn,
+                                  planning_states, kStates),
                       query.settings.plan.seed,
                       {}};
   }
@@ -160,7 +168,18 @@ Result<int> insert_solved(const Query& query, const Path& path, const KindSettin
 
 }  // namespace
 
-Remembered remember(const Query& query, const PlanResult& plan) {
+std::optional<std::uint64_t> planning_states(const Experience& row) {
+  const std::string_view text = row.provenance.settings;
+  const std::size_t begin = text.rfind(kPlannedIn);
+  if (begin == std::string_view::npos) return std::nullopt;
+  const char* number = text.data() + begin + kPlannedIn.size();
+  std::uint64_t states = 0;
+  const auto [end, error] = std::from_chars(number, text.data() + text.size(), states);
+  const std::string_view rest(end, text.data() + text.size());
+  return error == std::errc() && rest == kStates ? std::optional(states) : std::nullopt;
+}
+
+Remembered remember(const Query& query, const PlanResult& plan, std::uint64_t planning_states) {
   Remembered remembered;
   const std::optional<int> after = query.settings.remember_after;
   // Paths with OMPL's defaults are not verified: they teach nothing.
@@ -171,7 +190,7 @@ Remembered remember(const Query& query, const PlanResult& plan) {
   if (!is_wanted) return remembered;
   const Stopwatch stopwatch;
   for (const KindSettings& kind : query.kinds) {
-    if (const auto rows = insert_solved(query, plan.path, kind)) {
+    if (const auto rows = insert_solved(query, plan.path, kind, planning_states)) {
       remembered.rows += *rows;
     } else {
       remembered.failure = rows.error().message;

@@ -6,7 +6,9 @@
 
 #include "pipeline/query.h"
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <variant>
 
 namespace mneme::internal {
@@ -43,7 +45,11 @@ void append(GaussianMixture& all, const GaussianMixture& more);
 [[nodiscard]] GaussianMixture keep_valid_components(const CollisionChecker& checker,
                                                     const GaussianMixture& mixture);
 
-/// Inserts what the path of a solved problem teaches, if `remember_after` asks for it.
-[[nodiscard]] Remembered remember(const Query& query, const PlanResult& plan);
+/// Inserts what the path of a solved problem teaches, if `remember_after` asks for it, and that
+/// planning it has cost `planning_states`, improving not counted.
+[[nodiscard]] Remembered remember(const Query& query, const PlanResult& plan,
+                                  std::uint64_t planning_states);
+/// That of a remembered row; nothing where it does not say.
+[[nodiscard]] std::optional<std::uint64_t> planning_states(const Experience& row);
 
 }  // namespace mneme::internal

@@ -6,17 +6,19 @@
 
 #include "mneme/path.h"
 
-#include <functional>
+#include <cstdint>
 
 namespace mneme::internal {
 
-/// `path` with a waypoint every 0.15 radians; those whose way from the start `is_wanted` are pushed
-/// off obstacles, to `clearance` metres where that goes. Its ends stay. Nothing of it is checked.
-[[nodiscard]] Path push_off(const CollisionChecker& checker, const Path& path, double clearance,
-                            const std::function<bool(float way)>& is_wanted);
+/// `path` off what it touches, where a few rounds of pushing lead it there, as few waypoints as
+/// keep it so: its states are free then, its motions are not verified. Its ends stay. Empty if
+/// something still touches.
+[[nodiscard]] Path push_off(const CollisionChecker& checker, const Path& path,
+                            CheckCounters& counters);
 
-/// A path like `path`, which is free, that stays free while obstacles are moved a little: 2 cm away
-/// from them where there is room. `path` itself if that one would be much longer or not pass.
+/// A path like `path`, which is free, that stays free while obstacles are moved a little: 2 to 3 cm
+/// away from them where there is room, and at most 15 % longer. `path` itself if that one does not
+/// pass verification.
 [[nodiscard]] Path widen(const CollisionChecker& checker, const Path& path, std::uint64_t seed);
 
 }  // namespace mneme::internal

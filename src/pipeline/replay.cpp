@@ -20,13 +20,23 @@ namespace {
 constexpr std::size_t kMostPaths = 3;
 /// Of known tasks that are looked at, over all goals of a query: some microseconds.
 constexpr std::int64_t kMostKeys = 1024;
-constexpr std::uint64_t kLocalIterations = 200;  ///< of all local plans of a query
+/// Of all local plans of a query.
+constexpr std::uint64_t kLocalIterations = 200;
+/// What repairing may cost, in states that are looked at: kStatesOfGrace, and kShareOfPlanning of
+/// what planning the remembered path has cost. Where tasks repeat, that and what planning costs now
+/// are draws from one distribution: so a repair that fails costs at most half of planning in the
+/// mean, and a query at most 1.5 times planning plus a constant, however replaying it ends. What no
+/// limit stops is bounded, too: at most kMostPaths verifications, and the stage that runs when the
+/// limit is reached (a push, an iteration, a step of shortening, a verification). A row that does
+/// not say what its path has cost is repaired within kLocalIterations.
+constexpr std::uint64_t kStatesOfGrace = 2000;
+constexpr double kShareOfPlanning = 0.5;
+/// Of an iteration of a local plan: most take fewer.
+constexpr std::uint64_t kStatesPerIteration = 128;
 /// Radians of path before and behind what is blocked that are changed with it.
-constexpr float kRun = 0.3f, kNudgeRun = 0.2f;
-/// Of shortening a repaired path.
-constexpr int kRepairPatience = 5;
-constexpr int kMostDetours = 6;
-constexpr double kNudge = 0.005;  ///< metres to obstacles
+constexpr float kRun = 0.3f;
+/// Of shortening a way round, in vectors of states.
+constexpr double kRepairPatience = 5;
 /// Radians: of any task that is under the same constraints, whose keys are 1000 apart otherwise.
 constexpr double kAnyDistance = 500;
 /// Of seeds: what planners and improving derive from theirs comes before.
@@ -41,20 +51,14 @@ struct Known {
   [[nodiscard]] double distance() const { return std::sqrt(match.similarity_error); }
 };
 
-/// Which states along a path are free.
-struct Profile {
-  std::vector<std::uint8_t> is_valid;
-  float step = 0;  ///< radians from one to the next
+/// A path, and per waypoint whether the motion to it has passed verification; there is none to the
+/// first.
+struct Draft {
+  Path path;
+  std::vector<std::uint8_t> has_passed;
 
-  [[nodiscard]] std::ptrdiff_t blocked() const { return std::ranges::count(is_valid, 0); }
-  /// One is blocked within `run` radians of `way` from the start.
-  [[nodiscard]] bool is_blocked_near(float way, float run) const {
-    const auto at = [&](float w) {
-      const auto i = static_cast<std::ptrdiff_t>(w / step);
-      return is_valid.begin() + std::clamp(i, std::ptrdiff_t{0}, std::ssize(is_valid));
-    };
-    const auto end = at(way + run + step);
-    return std::find(at(way - run), end, 0) != end;
+  explicit Draft(Path new_path) : path(std::move(new_path)), has_passed(path.size(), 0) {
+    if (!path.empty()) has_passed.front() = 1;
   }
 };
 
@@ -68,7 +72,7 @@ class Replayer {
   Replayer(const Query& query, Replay& told)
       : query_(query),
         told_(told),
-        verifier_(query.checker, finish_settings(false).verification),
+        verifier_(query.checker, verification()),
         way_(query.problem.robot) {}
 
   PlanResult run() {
@@ -84,38 +88,38 @@ class Replayer {
   }
 
  private:
-  [[nodiscard]] FinishSettings finish_settings(bool simplify) const {
-    FinishSettings settings = query_.settings.plan.finish();
-    settings.simplify = simplify;
-    settings.patience = std::min(settings.patience, kRepairPatience);
-    settings.timeout_s = std::max(0.0, settings.timeout_s - query_.stopwatch.elapsed_s());
-    // Nothing has looked at a remembered path before.
-    if (settings.verification == Verification::none) settings.verification = Verification::states;
-    return settings;
+  /// Nothing has looked at a remembered path before.
+  [[nodiscard]] Verification verification() const {
+    const Verification wanted = query_.settings.plan.verification();
+    return wanted == Verification::none ? Verification::states : wanted;
   }
+  [[nodiscard]] std::uint64_t states_left() const {
+    return states_limit_ - std::min(states_limit_, counters_.states);
+  }
+  [[nodiscard]] bool must_stop() const { return states_left() == 0 || query_.is_over(); }
 
   Result<std::vector<Known>> find();
   Result<std::vector<Known>> find(const KindSettings& kind, double distance, std::size_t count);
   void replay(const std::vector<Known>& known);
-  [[nodiscard]] bool is_free(const Path& path);
+  [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
   void measure(const Path& path);
-  [[nodiscard]] Profile look_along(const Path& path);
-  [[nodiscard]] float first_blocked(const Profile& profile) const;
-  [[nodiscard]] bool repair(Path& path, const Profile& profile);
-  [[nodiscard]] bool has_free_waypoints(const Path& path);
-  [[nodiscard]] static Block first_block(const Profile& profile);
-  [[nodiscard]] bool passes(Path& path, bool simplify);
-  [[nodiscard]] bool lead_round(Path& path, const Block& block);
-  void splice(Path& path, float first, float last, Path between) const;
+  [[nodiscard]] std::vector<Block> find_blocks(const Draft& draft);
+  void add_blocks(int motion, std::vector<Block>& blocks);
+  void limit_repair(const Experience& row);
+  [[nodiscard]] bool repair(Draft& draft, const std::vector<Block>& blocks);
+  [[nodiscard]] Draft lead_round(const Path& blocked, MotionEnds ends);
+  [[nodiscard]] Path plan_round(const Configuration& from, const Configuration& to);
+  [[nodiscard]] Path cut(const Path& path, const Block& part) const;
+  void splice(Draft& draft, const Block& part, const Draft& between) const;
   [[nodiscard]] Configuration at(float way) const;
   void take(Path path, const Known& known);
 
   const Query& query_;
   Replay& told_;
-  int invalid_ = -1;  ///< the motion that failed last
   MotionVerifier verifier_;
-  Waypoints way_;
+  Waypoints way_;  ///< the path that is looked at
   CheckCounters counters_;
+  std::uint64_t states_limit_ = 0;  ///< of counters_, when repairing ends
   PlanResult result_;
   Stopwatch stopwatch_;
 };
@@ -161,32 +165,45 @@ Result<std::vector<Known>> Replayer::find() {
 
 void Replayer::replay(const std::vector<Known>& known) {
   struct Blocked {
-    Path path;
-    Profile profile;
+    Draft draft;
+    std::vector<Block> blocks;
     const Known* known;
+    float length;
   };
   std::optional<Blocked> least;
   for (const Known& task : known) {
-    Path path = task.kind->bend(query_.query, *task.goal, *task.match.experience);
-    if (path.empty() || query_.is_over()) continue;
-    if (is_free(path)) return take(std::move(path), task);
-    Profile profile = look_along(path);
-    const float first = first_blocked(profile);
+    Draft draft(task.kind->bend(query_.query, *task.goal, *task.match.experience));
+    if (draft.path.empty() || query_.is_over()) continue;
+    if (verify(draft, {true, true})) return take(std::move(draft.path), task);
+    std::vector<Block> blocks = find_blocks(draft);
+    const float first = blocks.front().first;
     told_.blocked.push_back(
         {task.match.experience->id, task.distance(), first / way_.length(), at(first)});
-    if (least && least->profile.blocked() <= profile.blocked()) continue;
-    least = {std::move(path), std::move(profile), &task};
+    float length = 0;
+    for (const Block& block : blocks) length += block.last - block.first;
+    if (least && least->length <= length) continue;
+    least = {std::move(draft), std::move(blocks), &task, length};
   }
-  if (!least || !repair(least->path, least->profile)) return;
+  if (!least) return;
+  limit_repair(*least->known->match.experience);
+  if (!repair(least->draft, least->blocks)) return;
   told_.is_repaired = true;
-  take(std::move(least->path), *least->known);
+  take(std::move(least->draft.path), *least->known);
 }
 
-bool Replayer::is_free(const Path& path) {
+/// Looks at what has not passed yet. True if all has then. `ends`: which of the query's the path
+/// has.
+bool Replayer::verify(Draft& draft, MotionEnds ends) {
   const Stopwatch stopwatch;
-  invalid_ = verifier_.find_invalid_motion(path, counters_);
+  const std::size_t count = draft.path.size();
+  for (std::size_t i = 1; i < count; ++i) {
+    if (draft.has_passed[i] != 0) continue;
+    draft.has_passed[i] =
+        verifier_.is_free(to_floats(draft.path[i - 1]), to_floats(draft.path[i]),
+                          {ends.is_first && i == 1, ends.is_last && i + 1 == count}, counters_);
+  }
   result_.verification_time_s += stopwatch.elapsed_s();
-  return invalid_ < 0;
+  return std::ranges::find(draft.has_passed, 0) == draft.has_passed.end();
 }
 
 void Replayer::measure(const Path& path) {
@@ -195,25 +212,45 @@ void Replayer::measure(const Path& path) {
   way_.assign(std::move(rows));
 }
 
-Profile Replayer::look_along(const Path& path) {
-  measure(path);
-  const auto joints = static_cast<std::size_t>(way_.joint_count());
-  const auto parts = static_cast<std::size_t>(way_.length() / query_.checker.resolution()) + 1;
-  Profile profile{std::vector<std::uint8_t>(parts + 1), way_.length() / static_cast<float>(parts)};
-  std::vector<float> states((parts + 1) * joints);
-  for (std::size_t i = 0; i <= parts; ++i) {
-    way_.write(way_.locate(profile.step * static_cast<float>(i)), states.data() + i * joints);
+/// Those of motions that have not passed, at least one; what follows so closely that it is changed
+/// together is one.
+std::vector<Block> Replayer::find_blocks(const Draft& draft) {
+  measure(draft.path);
+  std::vector<Block> blocks;
+  for (std::size_t i = 1; i < draft.has_passed.size(); ++i) {
+    if (draft.has_passed[i] == 0) add_blocks(static_cast<int>(i) - 1, blocks);
   }
-  counters_.states += profile.is_valid.size();
-  query_.checker.check_states(states, profile.is_valid);
-  return profile;
+  std::vector<Block> merged = {blocks.front()};
+  for (const Block& block : blocks) {
+    if (block.first - merged.back().last > 2 * kRun) {
+      merged.push_back(block);
+    } else {
+      merged.back().last = block.last;
+    }
+  }
+  return merged;
 }
 
-/// Of a path that is_free() refused: between states that are free if it must be there.
-float Replayer::first_blocked(const Profile& profile) const {
-  const auto first = std::ranges::find(profile.is_valid, 0) - profile.is_valid.begin();
-  if (first < std::ssize(profile.is_valid)) return profile.step * static_cast<float>(first);
-  return 0.5f * (way_.way_to(invalid_) + way_.way_to(invalid_ + 1));
+/// A motion that failed between states that are free is blocked as a whole.
+void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
+  const auto joints = static_cast<std::size_t>(way_.joint_count());
+  const float begin = way_.way_to(motion), length = way_.way_to(motion + 1) - begin;
+  const auto parts = static_cast<std::size_t>(length / query_.checker.resolution()) + 1;
+  const float step = length / static_cast<float>(parts);
+  std::vector<float> states((parts + 1) * joints);
+  for (std::size_t i = 0; i <= parts; ++i) {
+    way_.write({motion, static_cast<float>(i) / static_cast<float>(parts)},
+               states.data() + i * joints);
+  }
+  std::vector<std::uint8_t> is_valid(parts + 1);
+  counters_.states += is_valid.size();
+  query_.checker.check_states(states, is_valid);
+  const std::size_t before = blocks.size();
+  for (std::size_t i = 0; i <= parts; ++i) {
+    const float way = begin + step * static_cast<float>(i);
+    if (is_valid[i] == 0) blocks.push_back({way, way});
+  }
+  if (blocks.size() == before) blocks.push_back({begin, begin + length});
 }
 
 Configuration Replayer::at(float way) const {
@@ -222,91 +259,88 @@ Configuration Replayer::at(float way) const {
   return query_.problem.robot.normalized(Configuration(q.begin(), q.end()));
 }
 
-/// Pushes the path off what it touches; where that is not enough, plans round it.
-bool Replayer::repair(Path& path, const Profile& profile) {
-  if (profile.blocked() == 0) return passes(path, false);
-  path = push_off(query_.checker, path, kNudge,
-                  [&](float way) { return profile.is_blocked_near(way, kNudgeRun); });
-  Path nudged = path;
-  if (has_free_waypoints(nudged) && passes(nudged, true)) {
-    path = std::move(nudged);
-    return true;
+void Replayer::limit_repair(const Experience& row) {
+  states_limit_ = ~std::uint64_t{0};
+  if (const auto cost = planning_states(row)) {
+    const auto share = static_cast<std::uint64_t>(kShareOfPlanning * static_cast<double>(*cost));
+    states_limit_ = counters_.states + kStatesOfGrace + share;
   }
-  for (int i = 0; i < kMostDetours; ++i) {
-    const Profile left = look_along(path);
-    if (left.blocked() == 0) break;
-    if (!lead_round(path, first_block(left))) return false;
+}
+
+/// Leads the path round each block, the last one first: what comes before stays where it is.
+bool Replayer::repair(Draft& draft, const std::vector<Block>& blocks) {
+  measure(draft.path);
+  for (const Block& block : std::views::reverse(blocks)) {
+    const Block part{std::max(0.0f, block.first - kRun),
+                     std::min(way_.length(), block.last + kRun)};
+    const MotionEnds ends{part.first == 0, part.last == way_.length()};
+    const Draft round = lead_round(cut(draft.path, part), ends);
+    if (round.path.empty()) return false;
+    splice(draft, part, round);
   }
-  return passes(path, true);
+  return verify(draft, {true, true});
 }
 
-bool Replayer::has_free_waypoints(const Path& path) {
-  std::vector<float> states;
-  for (const Configuration& q : path) states.insert(states.end(), q.begin(), q.end());
-  std::vector<std::uint8_t> is_valid(path.size());
-  counters_.states += is_valid.size();
-  query_.checker.check_states(states, is_valid);
-  return std::ranges::find(is_valid, 0) == is_valid.end();
+/// Pushed off what it touches; where that is not enough, planned anew. Empty if neither leads
+/// round.
+Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
+  if (must_stop()) return Draft({});
+  Draft pushed(push_off(query_.checker, blocked, counters_));
+  if (!pushed.path.empty() && verify(pushed, ends)) return pushed;
+  return Draft(plan_round(blocked.front(), blocked.back()));
 }
 
-/// With those that follow so closely that they are led round together.
-Block Replayer::first_block(const Profile& profile) {
-  const auto invalid = [&](std::ptrdiff_t i) {
-    return profile.is_valid[static_cast<std::size_t>(i)] == 0;
-  };
-  const auto gap = static_cast<std::ptrdiff_t>(2 * kRun / profile.step);
-  const std::ptrdiff_t first = std::ranges::find(profile.is_valid, 0) - profile.is_valid.begin();
-  std::ptrdiff_t last = first;
-  for (std::ptrdiff_t i = first; i < std::ssize(profile.is_valid) && i <= last + gap; ++i) {
-    if (invalid(i)) last = i;
-  }
-  return {profile.step * static_cast<float>(first), profile.step * static_cast<float>(last)};
-}
-
-/// Shortened a little if that is wanted, and mended where verification alone refuses it.
-bool Replayer::passes(Path& path, bool simplify) {
-  PathFinisher finisher(query_.checker, finish_settings(simplify));
-  const bool is_free = finisher(path, counters_) < 0;
-  result_.simplification_time_s += finisher.simplification_time_s();
-  result_.verification_time_s += finisher.verification_time_s();
-  return is_free;
-}
-
-/// Puts `between` in the place of what lies between two ways from the start.
-void Replayer::splice(Path& path, float first, float last, Path between) const {
-  const auto before = path.begin() + (first > 0 ? way_.locate(first).motion + 1 : 0);
-  const auto behind =
-      last < way_.length() ? path.begin() + way_.locate(last).motion + 1 : path.end();
-  Path spliced(path.begin(), before);
-  std::ranges::move(between, std::back_inserter(spliced));
-  spliced.insert(spliced.end(), behind, path.end());
-  path = std::move(spliced);
-}
-
-/// Plans anew between states before and behind the block.
-bool Replayer::lead_round(Path& path, const Block& block) {
-  if (told_.iterations >= kLocalIterations) return false;
-  const float first = std::max(0.0f, block.first - kRun);
-  const float last = std::min(way_.length(), block.last + kRun);
-  const PlanQuery ends = {first > 0 ? at(first) : path.front(),
-                          {last < way_.length() ? at(last) : path.back()}};
+/// Shortened a little.
+Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
+  const std::uint64_t left =
+      std::min(kLocalIterations - told_.iterations, states_left() / kStatesPerIteration);
+  if (left == 0) return {};
   PlanSettings settings = query_.settings.plan;
   settings.seed = derive_seed(settings.seed, kReplayTask);
-  settings.timeout_s = finish_settings(false).timeout_s;
-  const std::uint64_t left = kLocalIterations - told_.iterations;
+  settings.timeout_s = std::max(0.0, settings.timeout_s - query_.stopwatch.elapsed_s());
   settings.max_iterations = std::min(left, settings.max_iterations.value_or(left));
   settings.walk_after = 0;
   settings.simplify = settings.verify = false;
   settings.observer = nullptr;
   const auto sampler = make_uniform_sampler(query_.problem.robot);
-  PlanResult local = plan_with(rrt_connect, query_.checker, ends, *sampler, settings);
+  PlanResult local = plan_with(rrt_connect, query_.checker, {from, {to}}, *sampler, settings);
   told_.iterations += local.iterations;
   result_.iterations += local.iterations;
   counters_.states += local.states_checked;
   counters_.motions += local.motions_checked;
-  if (!local.is_solved()) return false;
-  splice(path, first, last, std::move(local.path));
-  return true;
+  if (!local.is_solved()) return {};
+  const Stopwatch stopwatch;
+  shorten(query_.checker, local.path, settings.seed, {kRepairPatience}, nullptr, counters_,
+          [this] { return must_stop(); });
+  result_.simplification_time_s += stopwatch.elapsed_s();
+  return std::move(local.path);
+}
+
+/// The part of a path, as measured.
+Path Replayer::cut(const Path& path, const Block& part) const {
+  Path cut = {part.first > 0 ? at(part.first) : path.front()};
+  const int last = part.last < way_.length() ? way_.locate(part.last).motion : way_.count() - 2;
+  for (int i = way_.locate(part.first).motion + 1; i <= last; ++i) {
+    cut.push_back(path[static_cast<std::size_t>(i)]);
+  }
+  cut.push_back(part.last < way_.length() ? at(part.last) : path.back());
+  return cut;
+}
+
+/// Puts `between` in the place of a part; what lies before it is as measured.
+void Replayer::splice(Draft& draft, const Block& part, const Draft& between) const {
+  const auto replace = [&](auto& all, const auto& by) {
+    const auto begin = all.begin() + (part.first > 0 ? way_.locate(part.first).motion + 1 : 0);
+    const auto end =
+        part.last < way_.length() ? all.begin() + way_.locate(part.last).motion + 1 : all.end();
+    const auto behind = all.insert(all.erase(begin, end), by.begin(), by.end());
+    return behind + std::ssize(by);
+  };
+  replace(draft.path, between.path);
+  const auto behind = replace(draft.has_passed, between.has_passed);
+  // The motions to it and from it are new.
+  if (behind != draft.has_passed.end()) *behind = 0;
+  if (part.first > 0) *(behind - std::ssize(between.path)) = 0;
 }
 
 void Replayer::take(Path path, const Known& known) {

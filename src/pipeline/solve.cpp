@@ -59,7 +59,9 @@ void add_reached_goal(const Robot& robot, SolveResult& result) {
 }
 
 /// Memory is asked by the sampler: at once, or when the planner has drawn for long enough without.
-Result<void> search(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
+/// Returns how many states planning looked at; improving comes after that.
+Result<std::uint64_t> search(const Query& query, const PoseGoalSource* further_goals,
+                             SolveResult& result) {
   const Stopwatch stopwatch;
   internal::Recollection recollection(query, recall);
   const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
@@ -71,26 +73,30 @@ Result<void> search(const Query& query, const PoseGoalSource* further_goals, Sol
   auto raced = internal::race({query, *sampler, settings, further_goals});
   if (!raced) return tl::unexpected(raced.error());
   if (recollection.failure()) return tl::unexpected(*recollection.failure());
+  const std::uint64_t states = raced->plan.states_checked;
   result.plan = std::move(raced->plan);
   result.plan.planning_time_s += recall_time_s;
   if (further_goals != nullptr) add_reached_goal(query.problem.robot, result);
   improve(query, *sampler, result);
   result.gl = recollection.take(raced->draws);
-  return {};
+  return states;
 }
 
-/// A known task is replayed; otherwise, or if that fails, what it took is added to the search's.
-Result<void> plan(const Query& query, const PoseGoalSource* further_goals, SolveResult& result) {
+/// A known task is replayed; otherwise, or if that fails, what it took is added to the search's,
+/// whose states it returns.
+Result<std::uint64_t> plan(const Query& query, const PoseGoalSource* further_goals,
+                           SolveResult& result) {
   PlanResult replayed = internal::replay(query, result.replay);
   if (replayed.is_solved()) {
     result.plan = std::move(replayed);
     improve(query, *make_uniform_sampler(query.problem.robot), result);
-    return {};
+    return 0;
   }
-  return search(query, further_goals, result).map([&] {
+  return search(query, further_goals, result).map([&](std::uint64_t states) {
     result.plan.states_checked += replayed.states_checked;
     result.plan.motions_checked += replayed.motions_checked;
     result.plan.planning_time_s += result.replay.time_s;
+    return states;
   });
 }
 
@@ -112,10 +118,11 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   if (!query->notes.empty()) result.scene = query->checker.scene();
   if (goals->refused) {
     result.plan = *std::move(goals->refused);
-  } else if (const auto planned = plan(*query, goals->further.get(), result); !planned) {
-    return tl::unexpected(planned.error());
+  } else {
+    const auto states = plan(*query, goals->further.get(), result);
+    if (!states) return tl::unexpected(states.error());
+    if (!result.replay.is_hit()) result.remembered = remember(*query, result.plan, *states);
   }
-  if (!result.replay.is_hit()) result.remembered = remember(*query, result.plan);
   result.planner = query->planner.name;
   result.sampler = query->sampler.name;
   result.seed = settings.plan.seed;

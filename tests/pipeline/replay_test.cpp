@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/memory_steps.h"
 #include "pipeline/push_off.h"
+#include "support/deformation.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -17,12 +19,15 @@ struct Cell {
     settings.memory.kind = "paths";
     settings.replay = 0.5;
   }
-  void remember(const Path& path) {
+  void remember(const Path& path, const std::string& origin = "") {
     auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
     REQUIRE(rows.has_value());
+    rows->front().provenance.settings = origin;
     REQUIRE(database.insert(*std::move(rows)).has_value());
   }
-  void remember() { remember({problem.start, problem.goals.front()}); }
+  void remember(const std::string& origin = "") {
+    remember({problem.start, problem.goals.front()}, origin);
+  }
   void put(const std::vector<std::array<double, 3>>& circles) {
     problem.scene = make_circle_scene("cell", circles);
   }
@@ -76,6 +81,7 @@ TEST_SUITE("flow") {
     CHECK(second.plan.iterations == 0);
     CHECK(second.remembered.rows == 0);
     CHECK(database.size() == 1);
+    CHECK(internal::planning_states(*database.get(0)) == first.plan.states_checked);
     CHECK(is_path_free(problem.robot, problem.scene, second.plan.path, 0.002));
   }
 }
@@ -120,6 +126,41 @@ TEST_SUITE("unit") {
     CHECK(result.replay.blocked.front().fraction < 0.6);
     CHECK(cell.is_verified(result.plan.path));
     CHECK(cell.solve().plan.path == result.plan.path);
+  }
+
+  TEST_CASE("what leads round something goes the same way as the path that is remembered") {
+    Cell cell;
+    cell.remember();
+    const Scene before =
+        make_circle_scene("cell", {{2.1 * std::cos(1.25), 2.1 * std::sin(1.25), 0.05}});
+    cell.put({kBeside});
+    const SolveResult result = cell.solve();
+    REQUIRE(result.replay.is_repaired);
+    const Path known = {cell.problem.start, cell.problem.goals.front()};
+    CHECK(
+        Deformation(cell.problem.robot, before, cell.problem.scene).find(known, result.plan.path));
+  }
+
+  TEST_CASE("paths on either side of an obstacle do not lead into each other") {
+    const Robot robot = limited_arm({1, 1}, -2.6, 2.6);
+    const Scene scene = make_circle_scene("post", {{1.9, 0, 0.1}});
+    const Path above = {{0.8, 0}, {0.6, 2.2}, {-0.6, 2.2}, {-0.8, 0}};
+    const Path below = {{0.8, 0}, {0.6, -2.2}, {-0.6, -2.2}, {-0.8, 0}};
+    const Path higher = {{0.8, 0}, {0.6, 2.4}, {-0.7, 2.3}, {-0.8, 0.1}};
+    CHECK(Deformation(robot, scene, scene).find(above, higher));
+    CHECK_FALSE(Deformation(robot, scene, scene).find(above, below));
+  }
+
+  TEST_CASE("rows say what planning their path has cost, those of others say nothing") {
+    Experience row;
+    for (const char* text :
+         {"", "solved problem a", "solved problem a, planned in 7",
+          "solved problem a, planned in x states", "solved problem a, planned in 7 states more"}) {
+      row.provenance.settings = text;
+      CHECK_FALSE(internal::planning_states(row).has_value());
+    }
+    row.provenance.settings = "solved problem b, planned in c, planned in 12345 states";
+    CHECK(internal::planning_states(row) == 12345);
   }
 
   TEST_CASE("where no way round is found planning goes on, and the result says what was tried") {
@@ -237,17 +278,55 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("a repair costs at most half of what planning has cost, and a constant") {
+    std::vector<std::uint64_t> iterations;
+    for (const std::uint64_t cost : {100, 4000, 1000000}) {
+      Cell cell;
+      cell.put(wall());
+      cell.remember("solved problem cell, planned in " + std::to_string(cost) + " states");
+      cell.settings.plan.max_iterations = 300;
+      cell.settings.replay = 0;
+      const SolveResult without = cell.solve();
+      cell.settings.replay = 0.5;
+      const SolveResult with = cell.solve();
+      CHECK(with.plan.states_checked - without.plan.states_checked < cost / 2 + 4000);
+      iterations.push_back(with.replay.iterations);
+    }
+    CHECK(iterations[0] > 0);
+    CHECK(iterations[0] <= (2000 + 50) / 64);
+    CHECK(iterations[1] > iterations[0]);
+    CHECK(iterations[2] == 200);
+  }
+
+  TEST_CASE("a stretch is pushed off what it touches and keeps its ends, or is given up") {
+    Cell cell;
+    cell.put({kBeside});
+    const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
+    CheckCounters counters;
+    const Path path = {{0.5, 0.5}, {1.5, 0.5}};
+    const Path pushed = internal::push_off(checker, path, counters);
+    REQUIRE(pushed.size() > 2);
+    CHECK(pushed.front() == path.front());
+    CHECK(pushed.back() == path.back());
+    CHECK_FALSE(checker.is_valid(std::span<const double>(Configuration{1.0, 0.5})));
+    for (const Configuration& q : pushed) CHECK(checker.is_valid(std::span<const double>(q)));
+    CHECK(counters.states > 0);
+    cell.put(wall());
+    const CollisionChecker blocked = make_checker(cell.problem.robot, cell.problem.scene);
+    CHECK(internal::push_off(blocked, path, counters).empty());
+  }
+
   TEST_CASE("a widened path keeps its ends, stays free and is farther from obstacles") {
     Cell cell;
     const Path path = {{0, 0.5}, {2, 0.5}};
-    cell.put({{1.95 * std::cos(1.25), 1.95 * std::sin(1.25), 0.01}});
+    cell.put({{2.043 * std::cos(1.25), 2.043 * std::sin(1.25), 0.1}});
     const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
     REQUIRE(cell.is_verified(path));
     const Path widened = internal::widen(checker, path, 1);
     CHECK(widened.front() == path.front());
     CHECK(widened.back() == path.back());
     CHECK(cell.is_verified(widened));
-    const CollisionChecker wide = make_checker(cell.problem.robot, cell.problem.scene, 0.02);
+    const CollisionChecker wide = make_checker(cell.problem.robot, cell.problem.scene, 0.01);
     CheckCounters counters;
     CHECK(find_invalid_motion(wide, path, counters) >= 0);
     CHECK(find_invalid_motion(wide, widened, counters) < 0);
