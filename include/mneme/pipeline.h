@@ -61,9 +61,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "may never get anywhere; left out, 0.8 for pairs (0.5 beside "
         "escape walks), 0.7 for whole paths, 0.5 otherwise");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
-        "lambda falls with the number n of draws from memory, as lambda * 5000 / (5000 + n), to "
-        "this: what does not fit costs a limited share; as much as lambda for one that stays, the "
-        "paper's rule; left out, 0.2 for pairs (0.02 beside escape walks), lambda otherwise");
+        "lambda falls with the number n of draws from memory, as lambda * h / (h + n), to this: "
+        "what does not fit costs a limited share; h is 25000 times this, at least 500; as much as "
+        "lambda for one that stays, the paper's rule; left out, 0.2 for pairs (0.02 beside escape "
+        "walks), lambda otherwise");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints); smaller repeats the past, larger explores around it; left out, 0.03 for pairs, "
@@ -86,7 +87,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "can be fitted");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; left out, 0 for pairs (800 beside escape walks), 1500 for body_pairs and gaps, "
+        "for it; left out, 0 for pairs (400 beside escape walks), 1500 for body_pairs and gaps, "
         "2500 for paths");
   visit("first-components", s.first_components, 1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; the "
@@ -95,8 +96,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "progressive widening: components that are added per iteration");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "seconds per query for learning primitives that have no match; counts as planning time "
-        "and ends with the time limit; for kinds of memory that learn on a miss: pairs");
+        "seconds per query for learning primitives that have no match, or none but such as a "
+        "budget cut short; counts as planning time and ends with the time limit; for kinds of "
+        "memory that learn on a miss: pairs and gaps");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "insert what a solved problem teaches, as learning from problems does, once this many "
         "iterations came together since the last: what is hard at once; left out, never");
@@ -142,7 +144,8 @@ struct GlSampler {
 /// Algorithm 2, "Create GL-Sampler", for the kinds of memory that the settings or the database say;
 /// components of several kinds stand one after the other. Means that a symmetry moves outside the
 /// joint limits are dropped. The database is changed only if `learn_budget_s` > 0 and a primitive
-/// has no match. Learning ends `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
+/// has no match but what a budget cut short, and less of that than is drawn from. Learning ends
+/// `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
 /// Errors: those of MemoryKind::decompose; wrong_robot if the database is of another robot; invalid
 /// if a setting is out of range, or if no kind that is asked can learn within a budget.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const MemoryQuery& query, Database& database,

@@ -126,17 +126,17 @@ class ComponentSource {
     const Robot& robot, std::shared_ptr<const ComponentSource> source, double sigma);
 
 /// A sampler that takes part in a mixed one, with a probability that falls from `lambda` with the
-/// number n of draws from it in the stream: lambda * 5000 / (5000 + n), but at least
-/// `least_lambda`. The probabilities of all sources together are at most 1.
+/// number n of draws from it in the stream: lambda * h / (h + n), but at least the floor f =
+/// `least_lambda`; h = 25000 f, at least 500. The probabilities of all sources are at most 1.
 ///
-/// No regret: of a single source whose draws are worth nothing, with floor f = least_lambda < 1,
-/// the expected number of draws until the rest has been drawn from U times is at most
-/// U / (1 - f) + max(0, 5000 * (lambda / f - 1)) + 1. Proof: lambda has fallen to f once n >= n0 =
-/// 5000 * (lambda / f - 1). At most n0 + 1 draws from the source come before that. From then on
-/// each draw is from the source with probability f, so that f / (1 - f) of them are expected
-/// between two of the rest. In all that is U + n0 + 1 + U * f / (1 - f). With 0.8 and 0.2 a
-/// useless memory thus costs at most a quarter more draws and 15,001 besides. As far as a planner
-/// is not slower for having seen more samples, that holds for its iterations.
+/// No regret: of a single source whose draws are worth nothing, with 0 < f < 1, the expected number
+/// of draws until the rest has been drawn from U times is at most U / (1 - f) + max(0, n0) + 1,
+/// where n0 = h (lambda / f - 1), which is 25000 (lambda - f) for f >= 0.02. Proof: lambda has
+/// fallen to f once n >= n0. At most n0 + 1 draws from the source come before that; from then on
+/// each draw is from it with probability f, so that f / (1 - f) of them are expected between two of
+/// the rest. With 0.8 and 0.2 a useless memory thus costs at most a quarter more draws and 15,001
+/// besides, with 0.5 and 0.02 a fortieth more and 12,001. As far as a planner is not slower for
+/// having seen more samples, that holds for its iterations.
 struct MixedSource {
   std::shared_ptr<const Sampler> sampler;
   double lambda = 0;

@@ -143,7 +143,9 @@ extern constinit const MemoryKind kBodyPairs = {
     .synthesize = pool_moved_means,
     .learn_from_paths = learn_waypoints<decompose_into_body_pairs>,
     .learn = learn_local_sampler,
-    .no_learning_on_a_miss = kLearnsPassagesOffline,
+    .no_learning_on_a_miss =
+        "two obstacles say too little of the passage between them: the kind 'gaps' learns on a "
+        "miss, 'remember-after' from solved problems",
 };
 
 }  // namespace internal

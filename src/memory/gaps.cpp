@@ -181,7 +181,7 @@ extern constinit const MemoryKind kGaps = {
     .synthesize = pool_moved_means,
     .learn_from_paths = learn_waypoints<decompose_into_gaps>,
     .learn = learn_local_sampler,
-    .no_learning_on_a_miss = kLearnsPassagesOffline,
+    .no_learning_on_a_miss = {},
 };
 
 }  // namespace internal

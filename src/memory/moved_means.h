@@ -32,8 +32,4 @@ template <Result<std::vector<LocalPrimitive>> (*decompose)(const MemoryQuery&, d
   });
 }
 
-inline constexpr std::string_view kLearnsPassagesOffline =
-    "passages in space take minutes to learn: 'learn --scenes' does that beforehand, "
-    "'remember-after' from solved problems";
-
 }  // namespace mneme::internal

@@ -22,16 +22,38 @@ LocalProblem local_problem(const MemoryRequest& request, const LocalPrimitive& p
   return local_problems(request.query.scene, {&primitive, 1}).front();
 }
 
+/// In the settings of a row's provenance, of a lesson that its budget cut short.
+constexpr std::string_view kCutShort = " cut short";
+
+bool is_cut_short(const Match& match) {
+  return match.experience->provenance.settings.ends_with(kCutShort);
+}
+
+bool is_cancelled(const SolveSettings& settings) {
+  return settings.plan.cancel != nullptr && settings.plan.cancel->load();
+}
+
+/// A primitive is known by a match that nothing cut short, or by as many as are drawn from.
+bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
+  return std::ssize(primitive.matches) >= kind.max_matches ||
+         !std::ranges::all_of(primitive.matches, is_cut_short);
+}
+
+/// Of a lesson: another one than those had that it goes on from.
+std::uint64_t lesson_seed(const MemoryRequest& request, const PrimitiveRetrieval& primitive) {
+  const std::uint64_t seed = request.settings.plan.seed;
+  return primitive.matches.empty() ? seed : derive_seed(seed, primitive.matches.size());
+}
+
 Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& primitive,
-                           LocalSampler sampler, const LearnSettings& settings) {
+                           LocalSampler sampler, const LearnSettings& settings,
+                           std::uint64_t seed, bool is_whole) {
   Experience row;
   row.kind = primitive.kind;
   row.key = primitive.key;
   row.sampler = std::move(sampler);
-  row.provenance = {"mneme " + std::string(version()),
-                    describe(settings) + " budget",
-                    request.settings.plan.seed,
-                    {}};
+  row.provenance = {"mneme " + std::string(version()), describe(settings) + " budget", seed, {}};
+  if (!is_whole) row.provenance.settings += kCutShort;
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
   return request.database->insert(std::move(rows)).map([](const auto&) {});
@@ -64,18 +86,21 @@ Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
   const double rest_s = settings.plan.timeout_s - request.stopwatch.elapsed_s() - kInsertionTime;
   const double budget_s = std::min(settings.learn_budget_s - learning_time_s, rest_s);
   const bool can_learn = kind.kind->no_learning_on_a_miss.empty();
-  if (!primitive.matches.empty() || budget_s <= 0 || !can_learn) return {};
+  if (budget_s <= 0 || !can_learn || is_known(primitive, kind)) return {};
   const Stopwatch stopwatch;
   LearnSettings learning = settings.learn;
   if (!learning.resolution) learning.resolution = settings.resolution;
+  const std::uint64_t seed = lesson_seed(request, primitive);
   auto learned = kind.kind->learn(request.query.robot, local_problem(request, primitive.primitive),
-                                  learning, settings.plan.seed, budget_s, settings.plan.cancel);
+                                  learning, seed, budget_s, settings.plan.cancel);
   if (!learned) return tl::unexpected(learned.error());
   // What a short budget left without a component may be no obstacle with a longer one.
   Result<void> done;
   if (learned->sampler.component_count() > 0) {
     primitive.is_learned = true;
-    done = insert_lesson(request, primitive.primitive, std::move(learned->sampler), learning)
+    const bool is_whole = learned->time_s < budget_s && !is_cancelled(settings);
+    done = insert_lesson(request, primitive.primitive, std::move(learned->sampler), learning, seed,
+                         is_whole)
                .and_then([&] { return retrieve(request, kind, primitive); });
   }
   learning_time_s += stopwatch.elapsed_s();

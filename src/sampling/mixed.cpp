@@ -8,8 +8,12 @@
 namespace mneme {
 namespace {
 
-/// Draws from a source after which half of its first lambda is left.
-constexpr double kDrawsToHalf = 5000;
+/// Draws from a source after which half of its first lambda is left: the less is left in the end,
+/// the sooner, so that what falls costs about as many draws whatever the floor.
+double draws_to_half(double least_lambda) {
+  constexpr double kDraws = 25000, kLeast = 500;
+  return std::max(kDraws * least_lambda, kLeast);
+}
 
 /// Algorithm 1, lines 2 to 6.
 class MixedStream final : public SampleStream {
@@ -49,7 +53,8 @@ class MixedStream final : public SampleStream {
     double draws = 0;
 
     [[nodiscard]] double lambda() const {
-      const double falling = source.lambda * kDrawsToHalf / (kDrawsToHalf + draws);
+      const double half = draws_to_half(source.least_lambda);
+      const double falling = source.lambda * half / (half + draws);
       return std::max(std::min(source.lambda, source.least_lambda), falling);
     }
   };

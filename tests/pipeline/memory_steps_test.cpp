@@ -17,9 +17,66 @@ GaussianMixture pointing(const std::vector<float>& directions) {
   return mixture;
 }
 
+/// A way to learn that says it took all of its budget, or no time: one component, by `seed`.
+template <bool is_cut_short>
+Result<LearnResult> learn_at_once(const Robot& robot, const LocalProblem&, const LearnSettings&,
+                                  std::uint64_t seed, double, const std::atomic<bool>*) {
+  LearnResult result;
+  result.sampler.joint_count = robot.joint_count();
+  result.sampler.means.assign(8, 1e-20f * static_cast<float>(seed));
+  result.time_s = is_cut_short ? 60 : 0;
+  return result;
+}
+
+/// Queries one after the other about the same pair, each with a budget.
+struct Asked {
+  Robot robot = planar8();
+  TemporaryDirectory directory;
+  Database database = make_database(directory / "m.db", robot);
+  Scene scene = make_scene(near_pair());
+
+  PrimitiveRetrieval ask(bool is_cut_short) {
+    SolveSettings settings;
+    settings.learn_budget_s = 60;
+    auto request = internal::make_memory_request({robot, scene}, &database, settings);
+    REQUIRE(request.has_value());
+    MemoryKind kind = *request->kinds.front().kind;
+    kind.learn = is_cut_short ? learn_at_once<true> : learn_at_once<false>;
+    request->kinds.front().kind = &kind;
+    auto found = internal::decompose(*request, request->kinds.front());
+    REQUIRE(found.has_value());
+    double learning_time_s = 0;
+    REQUIRE(internal::retrieve(*request, request->kinds.front(), found->front()).has_value());
+    REQUIRE(internal::learn(*request, request->kinds.front(), found->front(), learning_time_s)
+                .has_value());
+    return found->front();
+  }
+};
+
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("what a budget cut short is learned on by the next queries, until a lesson is whole") {
+    Asked asked;
+    for (std::int64_t rows = 1; rows <= 3; ++rows) {
+      const PrimitiveRetrieval found = asked.ask(true);
+      CHECK(found.is_learned);
+      CHECK(std::ssize(found.matches) == rows);
+      CHECK(asked.database.size() == rows);
+    }
+    CHECK(asked.ask(false).is_learned);
+    CHECK(asked.database.size() == 4);
+    CHECK(!asked.ask(true).is_learned);
+    CHECK(!asked.ask(false).is_learned);
+    CHECK(asked.database.size() == 4);
+  }
+
+  TEST_CASE("lessons that are always cut short end with as many as are drawn from") {
+    Asked asked;
+    for (int i = 0; i < 12; ++i) CHECK(asked.ask(true).is_learned == (i < 8));
+    CHECK(asked.database.size() == 8);
+  }
+
   TEST_CASE("components whose means are in contact go, with all that belongs to them") {
     const CollisionChecker checker = make_checker(planar8(), make_circle_scene("", {{5, 0, 1}}));
     GaussianMixture mixture = pointing({0, 1, 0.1f, -2, 3});

@@ -150,6 +150,13 @@ TEST_SUITE("law") {
             .origins;
     CHECK(share_between(origins, 0, 500) == doctest::Approx(0.75).epsilon(0.08));
     CHECK(share_between(origins, 30000, 200000) == doctest::Approx(0.2).epsilon(0.03));
+    const auto soon =
+        draw(*make_mixed_sampler({{gaussian(robot), 0.5, 0.02}}, make_uniform_sampler(robot)), 3, 9,
+             200000)
+            .origins;
+    CHECK(share_between(soon, 0, 100) == doctest::Approx(0.48).epsilon(0.3));
+    // The draws n among t solve n + n^2 / 1000 = t / 2.
+    CHECK(share_of(soon, 5) == doctest::Approx(0.0475).epsilon(0.1));
     // A floor above lambda does not raise it.
     const auto low =
         draw(*make_mixed_sampler({{gaussian(robot), 0.3, 0.9}}, make_uniform_sampler(robot)), 3, 9,
@@ -169,6 +176,20 @@ TEST_SUITE("law") {
     CHECK(share_of(late, 5) == doctest::Approx(0.1).epsilon(0.05));
     CHECK(share_of(late, 7) == doctest::Approx(0.3).epsilon(0.03));
     CHECK(share_of(late, kUniformOrigin) == doctest::Approx(0.6).epsilon(0.03));
+  }
+
+  TEST_CASE("beside walks they cost no more than a fiftieth and a smaller constant") {
+    const Robot robot = all_kinds();
+    const auto sampler =
+        make_mixed_sampler({{gaussian(robot), 0.5, 0.02}}, make_uniform_sampler(robot));
+    constexpr double kWanted = 300000;
+    std::vector<float> q(3);
+    double all = 0;
+    const auto stream = sampler->start(4);
+    for (int rest = 0; rest < kWanted; ++all) rest += stream->next(q) == kUniformOrigin ? 1 : 0;
+    CHECK(all <= 1.021 * kWanted + 12001);
+    // With the fall of a floor of 0.2 it would break.
+    CHECK(all > 1.02 * kWanted);
   }
 
   TEST_CASE("draws that are worth nothing cost no more than a quarter and a constant") {
