@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -29,6 +30,7 @@ struct SpheresOptions {
   std::string srdf_output;
   RobotOptions reading;
   CoverSettings cover;
+  std::vector<std::string> link_excess;  ///< LINK=METRES each
   PairSettings pairs;
   bool is_json = false;
 };
@@ -61,15 +63,56 @@ Result<std::vector<std::string>> allow_pairs(Robot::Parts& parts, const PairSett
   });
 }
 
+/// What `text`, LINK=METRES, says; the link is one with something to cover.
+Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robot::Parts& parts) {
+  const std::size_t sign = text.rfind('=');
+  const std::string name = text.substr(0, sign);
+  const auto link = std::ranges::find(parts.links, name, &Link::name);
+  if (sign == std::string::npos || link == parts.links.end() || link->solids.empty()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("--link-excess {}: expected LINK=METRES, a link of the robot with "
+                            "boxes, cylinders or meshes",
+                            text));
+  }
+  double excess = 0;
+  const bool is_number = CLI::detail::lexical_cast(text.substr(sign + 1), excess);
+  if (!is_number || !(excess >= 0.001 && excess <= 1)) {
+    return fail(ErrorCode::invalid,
+                fmt::format("--link-excess {}: expected metres from 0.001 to 1", text));
+  }
+  return std::pair(&*link, excess);
+}
+
+/// Covers the links with an excess of their own, so that the others are left.
+Result<std::vector<LinkCover>> cover_named(const SpheresOptions& options, Robot::Parts& parts) {
+  std::vector<LinkCover> covers;
+  for (const std::string& text : options.link_excess) {
+    const auto named = parse_link_excess(text, parts);
+    if (!named) return tl::unexpected(named.error());
+    const auto& [link, excess] = *named;
+    CoverSettings settings = options.cover;
+    settings.excess = excess;
+    auto cover = cover_link(*link, settings);
+    if (!cover) return tl::unexpected(cover.error());
+    link->solids.clear();
+    link->spheres.insert(link->spheres.end(), cover->spheres.begin(), cover->spheres.end());
+    covers.push_back(std::move(*cover));
+  }
+  return covers;
+}
+
 Result<Made> make(const std::string& path, const SpheresOptions& options) {
   auto parts = read_robot(path, options.reading);
   if (!parts) return tl::unexpected(parts.error());
   for (const std::string& warning : parts->warnings) print_note("warning: " + warning);
+  auto named = cover_named(options, *parts);
+  if (!named) return fail(named.error().code, fmt::format("{}: {}", path, named.error().message));
   auto covering = cover_robot(std::move(*parts), options.cover, show_covering());
   if (!covering) {
     return fail(covering.error().code, fmt::format("{}: {}", path, covering.error().message));
   }
   for (const std::string& note : covering->notes) print_note(note);
+  std::ranges::move(*named, std::back_inserter(covering->links));
   Made made{std::move(*covering), {}};
   if (options.srdf_output.empty()) return made;
   auto reasons = allow_pairs(made.covering.parts, options.pairs);
@@ -185,6 +228,10 @@ void add_robot_spheres(CLI::App& group, Action& action) {
                    "directory of package:// meshes; may be repeated")
       ->type_name("DIR");
   add_settings(*command, options->cover);
+  command
+      ->add_option("--link-excess", options->link_excess,
+                   "metres that the cover of one link may stick out; may be repeated")
+      ->type_name("LINK=METRES");
   add_number(*command, "--samples", options->pairs.samples, 1, 100'000'000,
              "random configurations that decide which pairs need no check");
   command->add_flag("--allow-rest", options->pairs.allow_at_rest,

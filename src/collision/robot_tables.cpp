@@ -268,36 +268,57 @@ class RobotTablesBuilder {
     BodyRow row;
     row.frame = body.frame;
     row.group_begin = static_cast<int>(tables_.groups.size());
+    row.cluster_begin = static_cast<int>(tables_.clusters.size());
     std::vector<Capsule> all;
     for (const int link : body.links) {
       std::vector<Capsule> shapes = shapes_of(link);
       const auto capsules = std::partition(shapes.begin(), shapes.end(), is_sphere);
       Range& groups = groups_of_link_[as_index(link)];
       groups.begin = static_cast<int>(tables_.groups.size());
-      const std::span<Capsule> spheres(shapes.begin(), capsules);
-      std::size_t begin = 0;
-      for (const std::size_t end : sort_into_groups(spheres, as_index(kGroupSize))) {
-        add_spheres(spheres.subspan(begin, end - begin));
-        begin = end;
-      }
-      for (const Capsule& capsule : std::span(capsules, shapes.end())) add_capsule(capsule);
+      for_each_part({shapes.begin(), capsules}, kClusterSize * kGroupSize, [&](auto cluster) {
+        for_each_part(cluster, kGroupSize, [&](auto group) { add_spheres(group); });
+        close_cluster(cluster);
+      });
+      for_each_part({capsules, shapes.end()}, kClusterSize, [&](auto cluster) {
+        for (const Capsule& capsule : cluster) add_capsule(capsule);
+        close_cluster(cluster);
+      });
       groups.end = static_cast<int>(tables_.groups.size());
       tables_.link_of_group.resize(tables_.groups.size(), link);
       body_of_link_[link] = static_cast<int>(tables_.bodies.size());
       all.insert(all.end(), shapes.begin(), shapes.end());
     }
     row.group_end = static_cast<int>(tables_.groups.size());
+    row.cluster_end = static_cast<int>(tables_.clusters.size());
     row.ball = to_ball(enclosing_ball(all));
     tables_.bodies.push_back(row);
     if (body.frame > 0) ++tables_.moving_count;
+  }
+
+  /// Sorts `shapes` into neighbours, at most `most` together.
+  template <class Add>
+  static void for_each_part(std::span<Capsule> shapes, int most, const Add& add) {
+    std::size_t begin = 0;
+    for (const std::size_t end : sort_into_groups(shapes, as_index(most))) {
+      add(shapes.subspan(begin, end - begin));
+      begin = end;
+    }
+  }
+
+  /// Of the groups that were added since the last one, which hold `shapes`.
+  void close_cluster(std::span<const Capsule> shapes) {
+    const int begin = tables_.clusters.empty() ? 0 : tables_.clusters.back().end;
+    const int end = static_cast<int>(tables_.groups.size());
+    tables_.clusters.push_back({to_ball(enclosing_ball(shapes)), begin, end});
   }
 
   /// Also a capsule so short that floats cannot tell its direction.
   static bool is_sphere(const Capsule& shape) { return (shape.b - shape.a).norm() < 1e-9; }
 
   void add_spheres(std::span<const Capsule> spheres) {
-    tables_.groups.push_back(
-        {to_ball(enclosing_ball(spheres)), false, static_cast<int>(tables_.spheres.size())});
+    tables_.groups.push_back({to_ball(enclosing_ball(spheres)), false,
+                              static_cast<int>(tables_.spheres.size()),
+                              static_cast<int>(tables_.clusters.size())});
     for (std::size_t i = 0; i < as_index(kGroupSize); ++i) {
       const Capsule& sphere = spheres[std::min(i, spheres.size() - 1)];
       Ball& row = tables_.spheres.emplace_back();
@@ -308,7 +329,8 @@ class RobotTablesBuilder {
 
   void add_capsule(const Capsule& capsule) {
     tables_.groups.push_back({to_ball(enclosing_ball(std::span(&capsule, 1))), true,
-                              static_cast<int>(tables_.capsules.size())});
+                              static_cast<int>(tables_.capsules.size()),
+                              static_cast<int>(tables_.clusters.size())});
     CapsuleRow& row = tables_.capsules.emplace_back();
     store(capsule.a, row.a);
     store(Vec3(capsule.b - capsule.a), row.along);

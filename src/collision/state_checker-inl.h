@@ -237,16 +237,38 @@ class StateChecker {
       near[count] = &scene_.obstacles[i];
       count += is_any_below(distance2_to_bounds(scene_, centers_[index], i), reach2);
     }
-    for (int g = body.group_begin; count > 0 && g < body.group_end; ++g) {
-      const ObstacleRow* checked[kLanes];
-      const bool may_touch = !scene_.may_touch.empty();
-      const int checked_count = may_touch ? list_forbidden(g, near, count, checked) : count;
-      if (hits_obstacles(robot_.groups[g], poses_[body.frame], margin, may_touch ? checked : near,
-                         checked_count, verdict)) {
-        return true;
+    const Pose& pose = poses_[body.frame];
+    const bool is_one = body.cluster_end - body.cluster_begin == 1;
+    for (int c = body.cluster_begin; count > 0 && c < body.cluster_end; ++c) {
+      const ObstacleRow* listed[kLanes];
+      const ObstacleRow* const* closer = is_one ? near : listed;
+      const int kept = is_one ? count : list_near(c, pose, margin, near, count, listed);
+      for (int g = robot_.clusters[c].begin; kept > 0 && g < robot_.clusters[c].end; ++g) {
+        const ObstacleRow* checked[kLanes];
+        const bool may_touch = !scene_.may_touch.empty();
+        const int left = may_touch ? list_forbidden(g, closer, kept, checked) : kept;
+        const ObstacleRow* const* rows = may_touch ? checked : closer;
+        if (hits_obstacles(robot_.groups[g], pose, margin, rows, left, verdict)) return true;
       }
     }
     return false;
+  }
+
+  /// The obstacles of `count` whose bounds are near a cluster.
+  template <class Margin>
+  HWY_INLINE int list_near(int cluster, const Pose& pose, Margin margin,
+                           const ObstacleRow* const* from, int count,
+                           const ObstacleRow** near) const {
+    const Ball& ball = robot_.clusters[cluster].ball;
+    const V3 center = transform_point(pose, ball.center);
+    const auto reach2 = squared(sum(ball.radius, margin));
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+      const auto obstacle = static_cast<size_t>(from[i] - scene_.obstacles.data());
+      near[kept] = from[i];
+      kept += is_any_below(distance2_to_bounds(scene_, center, obstacle), reach2);
+    }
+    return kept;
   }
 
   /// What a group may not touch of `count` obstacles.
@@ -419,18 +441,17 @@ class StateChecker {
                               Margin margin, Verdict<kIsMotion>& verdict) const {
     const GroupRow& first = robot_.groups[pair.first];
     const V3 center = transform_point(pose, first.ball.center);
-    for (int begin = pair.second_begin; begin < pair.second_end; begin += kListSize) {
-      const int end = std::min(begin + kListSize, pair.second_end);
-      int near[kListSize];
-      int count = 0;
-      for (int i = begin; i < end; ++i) {
-        const Ball& ball = robot_.groups[i].ball;
-        near[count] = i;
-        count += is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
-                              squared(sum(ball.radius + first.ball.radius, margin)));
-      }
-      for (int i = 0; i < count; ++i) {
-        const GroupRow& second = robot_.groups[near[i]];
+    const auto is_near = [&](const Ball& ball) {
+      return is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
+                          squared(sum(ball.radius + first.ball.radius, margin)));
+    };
+    for (int begin = pair.second_begin; begin < pair.second_end;) {
+      const ClusterRow& cluster = robot_.clusters[robot_.groups[begin].cluster];
+      const int end = std::min(cluster.end, pair.second_end);
+      if (end - begin > 1 && !is_near(cluster.ball)) begin = end;
+      for (; begin < end; ++begin) {
+        const GroupRow& second = robot_.groups[begin];
+        if (!is_near(second.ball)) continue;
         if (verdict.add(find_hits(first, pose, second, other_pose, margin))) return true;
       }
     }

@@ -25,6 +25,8 @@ inline constexpr int kMostLimbPoints = kMaxFrames + 1;
 /// Spheres of a group: so few that posing them in vain costs little, and always the same number,
 /// which lets loops unroll.
 inline constexpr int kGroupSize = 4;
+/// Groups of a cluster, at most.
+inline constexpr int kClusterSize = 4;
 /// The number of obstacles in SceneTables is a multiple of this: the lanes of the widest vector.
 inline constexpr int kObstacleBlock = 16;
 
@@ -64,7 +66,14 @@ struct Ball {
 struct GroupRow {
   Ball ball;  ///< around them
   bool is_capsule = false;
-  int begin = 0;  ///< of kGroupSize spheres, the last of which may repeat; or the capsule's index
+  int begin = 0;    ///< of kGroupSize spheres, the last of which may repeat; or the capsule's index
+  int cluster = 0;  ///< that it belongs to
+};
+
+/// Neighbouring groups of one link.
+struct ClusterRow {
+  Ball ball;  ///< around them
+  int begin = 0, end = 0;
 };
 
 /// Links that move together and lie close to each other.
@@ -72,6 +81,7 @@ struct BodyRow {
   int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
   Ball ball;      ///< around all groups
   int group_begin = 0, group_end = 0;
+  int cluster_begin = 0, cluster_end = 0;
 };
 
 struct CapsuleRow {
@@ -122,6 +132,7 @@ struct RobotTables {
   std::vector<BodyRow> bodies;   ///< tips first, because they hit most often; then those that stand
   int moving_count = 0;          ///< how many of the bodies move
   std::vector<GroupRow> groups;  ///< body by body, link by link
+  std::vector<ClusterRow> clusters;  ///< in the order of their groups
   std::vector<Ball> spheres;
   std::vector<CapsuleRow> capsules;
   std::vector<BodyPairRow> body_pairs;

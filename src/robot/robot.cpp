@@ -178,12 +178,14 @@ std::optional<Error> set_fixed_values(std::vector<Joint>& joints, std::span<cons
     }
     Joint& joint = joints[internal::as_index(*i)];
     joint.fixed_value = within_limits(joint, value);
-    const bool is_clamped = joint.type != JointType::continuous &&
-                            std::abs(joint.fixed_value - value) > kLimitTolerance;
-    if (!is_clamped) continue;
-    warnings.push_back(
-        fmt::format("the fixed value {} of joint '{}' is outside its limits [{}, {}]: it is {}",
-                    value, name, joint.lower, joint.upper, joint.fixed_value));
+    const bool is_beyond = joint.type != JointType::continuous &&
+                           std::abs(joint.fixed_value - value) > kLimitTolerance;
+    if (!is_beyond) continue;
+    // The joint stands where whoever saw it says, not where its limits would have it.
+    joint.fixed_value = value;
+    warnings.push_back(fmt::format(
+        "the fixed value {} of joint '{}' is outside its limits [{}, {}]; it is taken as it is",
+        value, name, joint.lower, joint.upper));
   }
   for (Joint& joint : joints) {
     if (!joint.mimic) continue;

@@ -76,6 +76,23 @@ TEST_SUITE("flow") {
     for (const Link& link : robot->links()) CHECK(link.spheres.size() <= 2);
   }
 
+  TEST_CASE("a link may have an excess of its own") {
+    const ArmFiles arm;
+    const auto spheres_of = [&](std::vector<std::string> more) {
+      more.insert(more.begin(), {"robot", "spheres", arm.urdf, "-o", arm.out, "--json"});
+      const ProgramRun run = run_program(more);
+      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      CHECK(Json::parse(run.out)["links"].size() == 3);
+      const auto robot = load_robot(arm.out);
+      REQUIRE(robot.has_value());
+      return std::pair(robot->links()[0].spheres.size(), robot->links()[1].spheres.size());
+    };
+    const auto [first, second] = spheres_of({});
+    const auto [finer, same] = spheres_of({"--link-excess", "a=0.008"});
+    CHECK(finer > first);
+    CHECK(same == second);
+  }
+
   TEST_CASE("pairs of an SRDF are kept with those that sampling finds") {
     const ArmFiles arm;
     write_file(arm.files / "own.srdf",
@@ -129,6 +146,10 @@ TEST_SUITE("unit") {
         {with({"--excess", "nan"}), 2, {"--excess"}},
         {with({"--max-per-link", "0"}), 2, {"--max-per-link"}},
         {with({"--samples", "0"}), 2, {"--samples"}},
+        {with({"--link-excess", "a"}), 1, {"--link-excess a: expected LINK=METRES"}},
+        {with({"--link-excess", "x=0.01"}), 1, {"--link-excess x=0.01", "a link of the robot"}},
+        {with({"--link-excess", "c=0.01"}), 1, {"boxes, cylinders or meshes"}},
+        {with({"--link-excess", "a=0"}), 1, {"--link-excess a=0: expected metres"}},
         {{"robot", "spheres", arm.files / "missing.urdf", "-o", arm.out}, 1, {"missing.urdf"}},
         {{"robot", "spheres", bad_mesh, "-o", arm.out}, 1, {bad_mesh, "link 'b'", "bad.stl"}},
         {{"robot", "spheres", arm.urdf, "-o", unwritable}, 1, {unwritable}},

@@ -60,6 +60,57 @@ inline Shape random_octree(Rng& rng) {
   return crowd_of(std::move(cubes));
 }
 
+inline std::vector<Vec3> corners_of(const CloudPoint& p) { return {Vec3(p[0], p[1], p[2])}; }
+inline std::vector<Vec3> corners_of(const Triangle& t) { return {t.a, t.b, t.c}; }
+inline std::vector<Vec3> corners_of(const Cube& cube) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    corners.emplace_back(cube.center + cube.half_extent * sign);
+  }
+  return corners;
+}
+
+/// Neighbouring parts, and a ball around all of them.
+template <class Part>
+struct BallOfParts {
+  Vec3 center;
+  double radius = 0;
+  std::vector<Part> parts;
+};
+
+/// All parts in balls of at most 16, by halves along the longest axis.
+template <class Part>
+std::vector<BallOfParts<Part>> balls_of_parts(std::vector<Part> parts) {
+  const auto middle = [](const Part& part) { return corners_of(part).front(); };
+  Vec3 low = middle(parts.front()), high = low;
+  for (const Part& part : parts) {
+    for (const Vec3& corner : corners_of(part)) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  if (parts.size() > 16) {
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    const auto half = parts.begin() + std::ssize(parts) / 2;
+    std::nth_element(parts.begin(), half, parts.end(), [&](const Part& p, const Part& q) {
+      return middle(p)[axis] < middle(q)[axis];
+    });
+    auto balls = balls_of_parts(std::vector<Part>(parts.begin(), half));
+    const auto others = balls_of_parts(std::vector<Part>(half, parts.end()));
+    balls.insert(balls.end(), others.begin(), others.end());
+    return balls;
+  }
+  BallOfParts<Part> ball{0.5 * (low + high), 0, std::move(parts)};
+  for (const Part& part : ball.parts) {
+    for (const Vec3& corner : corners_of(part)) {
+      ball.radius = std::max(ball.radius, (corner - ball.center).norm() + 1e-9);
+    }
+  }
+  return {ball};
+}
+
 /// The least distance from any part, one after the other: 0 in contact.
 struct DistanceByParts {
   Vec3 a, b;

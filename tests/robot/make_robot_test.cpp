@@ -46,7 +46,7 @@ TEST_SUITE("unit") {
     const Robot robot =
         test::require_robot(parts, plan_for({"j3"}, {{"j2", 9.0}, {"j4", 2 * kPi + 0.5}}));
     CHECK(robot.joints()[0].fixed_value == 0.5);
-    CHECK(robot.joints()[1].fixed_value == 2);
+    CHECK(robot.joints()[1].fixed_value == 9);
     CHECK(robot.joints()[3].fixed_value == doctest::Approx(0.5));
     REQUIRE(robot.warnings().size() == 1);
     CHECK(contains(robot.warnings()[0], "value 9 of joint 'j2' is outside its limits [-2, 2]"));
