@@ -61,10 +61,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "may never get anywhere; left out, 0.8 for pairs (0.5 beside "
         "escape walks), 0.7 for whole paths, 0.5 otherwise");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
-        "lambda falls with the number n of draws from memory, as lambda * h / (h + n), to this: "
-        "what does not fit costs a limited share; h is 25000 times this, at least 500; as much as "
-        "lambda for one that stays, the paper's rule; left out, 0.2 for pairs (0.02 beside escape "
-        "walks), lambda otherwise");
+        "lambda falls with the number n of draws from memory, as lambda h / (h + n), h 25000 times "
+        "this and at least 500, to this: what does not fit costs a limited share; as much as "
+        "lambda: it stays, the paper's rule; left out, 0.2 for pairs (0.02 beside walks), lambda");
   visit("sigma", s.sigma, 0.0, 10.0,
         "standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints); smaller repeats the past, larger explores around it; left out, 0.03 for pairs, "
@@ -96,9 +95,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "progressive widening: components that are added per iteration");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "seconds per query for learning primitives that have no match, or none but such as a "
-        "budget cut short; counts as planning time and ends with the time limit; for kinds of "
-        "memory that learn on a miss: pairs and gaps");
+        "seconds per query for learning primitives without a match that no budget cut short; part "
+        "of planning time, ends with the time limit; for kinds that learn on a miss: pairs, gaps");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "insert what a solved problem teaches, as learning from problems does, once this many "
         "iterations came together since the last: what is hard at once; left out, never");

@@ -366,8 +366,7 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
                                        const MotionDetail& detail) const {
   const FloatConfiguration a = to_float(from), b = to_float(to);
   CheckCounters counters;
-  return is_motion_valid(std::span<const float>(a.data(), from.size()),
-                         std::span<const float>(b.data(), to.size()), counters, detail);
+  return is_motion_valid({a.data(), from.size()}, {b.data(), to.size()}, counters, detail);
 }
 
 void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,

@@ -265,8 +265,7 @@ class RobotTablesBuilder {
   }
 
   void add_body(const Body& body) {
-    BodyRow row;
-    row.frame = body.frame;
+    BodyRow row = {.frame = body.frame};
     row.group_begin = static_cast<int>(tables_.groups.size());
     row.cluster_begin = static_cast<int>(tables_.clusters.size());
     std::vector<Capsule> all;

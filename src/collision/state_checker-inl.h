@@ -259,9 +259,8 @@ class StateChecker {
   HWY_INLINE int list_near(int cluster, const Pose& pose, Margin margin,
                            const ObstacleRow* const* from, int count,
                            const ObstacleRow** near) const {
-    const Ball& ball = robot_.clusters[cluster].ball;
-    const V3 center = transform_point(pose, ball.center);
-    const auto reach2 = squared(sum(ball.radius, margin));
+    const V3 center = transform_point(pose, robot_.clusters[cluster].ball.center);
+    const auto reach2 = squared(sum(robot_.clusters[cluster].ball.radius, margin));
     int kept = 0;
     for (int i = 0; i < count; ++i) {
       const auto obstacle = static_cast<size_t>(from[i] - scene_.obstacles.data());
