@@ -105,7 +105,7 @@ struct RobotOptions {
   std::vector<std::string> package_paths = {};
   /// Further pairs of links that may touch, besides those of the SRDF.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
-  /// Values of movable joints outside the group, by name; default 0. Clamped to the joint's limits.
+  /// Values of movable joints outside the group, by name; default 0. Beyond limits: with a warning.
   std::map<std::string, double> fixed_values = {};
 
   friend bool operator==(const RobotOptions&, const RobotOptions&) = default;
