@@ -2,45 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collision/crowd_tables.h"
 
-#include "base/as_index.h"
 #include "collision/make_tables.h"
 #include "geometry/crowd_grids.h"
 #include "geometry/parts.h"
 #include "robot/link_shapes.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mneme::internal {
 
-namespace {
-
-double farthest_slide(const Robot& robot, const Joint& joint) {
-  if (joint.mimic) {
-    const double followed = farthest_slide(robot, robot.joints()[as_index(joint.mimic->joint)]);
-    return std::abs(joint.mimic->multiplier) * followed + std::abs(joint.mimic->offset);
-  }
-  return std::max({std::abs(joint.lower), std::abs(joint.upper), std::abs(joint.fixed_value)});
-}
-
-}  // namespace
-
-double reach_of(const Robot& robot) {
-  double most = 0;
-  for (const Link& link : robot.links()) {
-    if (!has_shapes(link)) continue;
-    const Sphere bound = bound_of(shapes_of(link));
-    double reach = bound.center.norm() + bound.radius;
-    for (int i = link.parent_joint; i >= 0;) {
-      const Joint& joint = robot.joints()[as_index(i)];
-      reach += joint.origin.translation.norm();
-      if (joint.type == JointType::prismatic) reach += farthest_slide(robot, joint);
-      i = robot.links()[as_index(joint.parent_link)].parent_joint;
-    }
-    most = std::max(most, reach);
-  }
-  return most + kSpareReach;
-}
+double reach_of(const Robot& robot) { return farthest_reach(robot) + kSpareReach; }
 
 namespace {
 

@@ -13,8 +13,7 @@ namespace mneme::internal {
 
 /// Metres that are spared for margins beyond those of the checker.
 inline constexpr double kSpareReach = 0.25;
-/// Metres from the root's origin that no shape of the robot leaves within its limits, and what is
-/// spared.
+/// farthest_reach(), and what is spared.
 [[nodiscard]] double reach_of(const Robot& robot);
 
 /// `crowd` stands in the scene's frame. Only what is within `reach` of the origin is of interest.

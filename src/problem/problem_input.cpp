@@ -11,6 +11,7 @@
 #include "problem/constraints.h"
 #include "problem/goals.h"
 #include "problem/self_filter.h"
+#include "robot/link_shapes.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -20,12 +21,15 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 
 namespace mneme::internal {
 namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr std::size_t kShownJoints = 3;
+/// Of the robot's reach.
+constexpr double kFarAway = 2;
 constexpr std::size_t kCachedRobots = 8;
 
 bool is_close(double a, double b) { return std::abs(a - b) <= kTolerance; }
@@ -242,6 +246,26 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
 
 namespace {
 
+/// Obstacles that no motion of the robot comes near: mostly a mistake of units.
+std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene& scene) {
+  const double reach = farthest_reach(robot);
+  std::vector<std::string> notes;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Shape& shape : obstacle.shapes) {
+      const Sphere bound = bounding_sphere(shape);
+      nearest = std::min(nearest, bound.center.norm() - bound.radius);
+    }
+    const bool is_near = obstacle.shapes.empty() || nearest <= kFarAway * reach;
+    if (is_near || reach == 0) continue;
+    notes.push_back(
+        fmt::format("obstacle {} is {:.3g} m away, and robot {} reaches {:.2g} m: numbers in a "
+                    "scene are metres",
+                    obstacle.name, nearest, robot.name(), reach));
+  }
+  return notes;
+}
+
 /// `allow(pairs)` gives the robot anew, with pairs of links that may touch.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
@@ -265,6 +289,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   add_notes(input.scene.warnings);
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));
+  add_notes(describe_far_obstacles(robot.robot, scene));
   Problem problem{input.name,
                   robot.robot,
                   robot.path,

@@ -6,8 +6,21 @@
 #include "robot/robot_tree.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mneme::internal {
+
+namespace {
+
+double farthest_slide(const Robot& robot, const Joint& joint) {
+  if (joint.mimic) {
+    const double followed = farthest_slide(robot, robot.joints()[as_index(joint.mimic->joint)]);
+    return std::abs(joint.mimic->multiplier) * followed + std::abs(joint.mimic->offset);
+  }
+  return std::max({std::abs(joint.lower), std::abs(joint.upper), std::abs(joint.fixed_value)});
+}
+
+}  // namespace
 
 bool has_shapes(const Link& link) { return !link.spheres.empty() || !link.capsules.empty(); }
 
@@ -42,6 +55,23 @@ Sphere bound_of(std::span<const Capsule> shapes) {
     bound.radius = std::max(bound.radius, reach + shape.radius);
   }
   return bound;
+}
+
+double farthest_reach(const Robot& robot) {
+  double most = 0;
+  for (const Link& link : robot.links()) {
+    if (!has_shapes(link)) continue;
+    const Sphere bound = bound_of(shapes_of(link));
+    double reach = bound.center.norm() + bound.radius;
+    for (int i = link.parent_joint; i >= 0;) {
+      const Joint& joint = robot.joints()[as_index(i)];
+      reach += joint.origin.translation.norm();
+      if (joint.type == JointType::prismatic) reach += farthest_slide(robot, joint);
+      i = robot.links()[as_index(joint.parent_link)].parent_joint;
+    }
+    most = std::max(most, reach);
+  }
+  return most;
 }
 
 std::vector<bool> find_moving_links(const Robot& robot) {

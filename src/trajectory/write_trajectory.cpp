@@ -43,7 +43,7 @@ std::string to_csv(const Robot& robot, std::span<const Point> points) {
   std::string text = "time";
   for (const char* quantity : {"position", "velocity", "acceleration"}) {
     for (const std::string& name : joint_names(robot)) {
-      text += "," + csv_field(fmt::format("{}.{}", name, quantity));
+      text += fmt::format(",{}", csv_field(fmt::format("{}.{}", name, quantity)));
     }
   }
   for (const Point& point : points) {

@@ -29,7 +29,7 @@ Result<LearnResult> learn_at_once(const Robot& robot, const LocalProblem&, const
 }
 
 /// Queries one after the other about the same pair, each with a budget.
-struct Asked {
+struct BudgetedQueries {
   Robot robot = planar8();
   TemporaryDirectory directory;
   Database database = make_database(directory / "m.db", robot);
@@ -57,7 +57,7 @@ struct Asked {
 
 TEST_SUITE("unit") {
   TEST_CASE("what a budget cut short is learned on by the next queries, until a lesson is whole") {
-    Asked asked;
+    BudgetedQueries asked;
     for (std::int64_t rows = 1; rows <= 3; ++rows) {
       const PrimitiveRetrieval found = asked.ask(true);
       CHECK(found.is_learned);
@@ -72,7 +72,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("lessons that are always cut short end with as many as are drawn from") {
-    Asked asked;
+    BudgetedQueries asked;
     for (int i = 0; i < 12; ++i) CHECK(asked.ask(true).is_learned == (i < 8));
     CHECK(asked.database.size() == 8);
   }

@@ -264,6 +264,20 @@ TEST_SUITE("unit") {
     CHECK((sphere.center - Vec3(-4, 3, 0.5)).norm() < 1e-12);
   }
 
+  TEST_CASE("an obstacle far out of reach is a warning that names the unit") {
+    const TemporaryDirectory directory;
+    write_file(directory / "p.yaml",
+               "robot: planar8\nstart: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: [1, 0, 0, 0, 0, 0, 0, 0]\n"
+               "scene: {obstacles: [{name: near, type: sphere, position: [20, 0, 0], radius: 1}, "
+               "{name: far, type: sphere, position: [800, 0, 0], radius: 1}]}\n");
+    const auto problem = load_problem(directory / "p.yaml");
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    REQUIRE(problem->warnings.size() == 1);
+    CHECK(problem->warnings[0] ==
+          "obstacle far is 799 m away, and robot planar8 reaches 12 m: numbers in a scene are "
+          "metres");
+  }
+
   TEST_CASE("paths are relative to the directory of the file") {
     CHECK(internal::directory_of("a/b.yaml") == "a");
     CHECK(internal::directory_of("b.yaml").empty());
