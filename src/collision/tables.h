@@ -79,7 +79,7 @@ struct ClusterRow {
 /// Links that move together and lie close to each other.
 struct BodyRow {
   int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
-  Ball ball;      ///< around all groups
+  Ball ball = {};  ///< around all groups
   int group_begin = 0, group_end = 0, cluster_begin = 0, cluster_end = 0;
 };
 
