@@ -125,7 +125,7 @@ int print_limits(const Options& options) {
 
 /// Succeeds if no robot's rounds grow or slow.
 int run_endurance(const Options& options) {
-  constexpr std::int64_t kMostGrown = 4 << 20;
+  constexpr std::int64_t kMostGrown = 2 << 20;
   fmt::print("{:12} {:>7} {:>7} {:>7} {:>10} {:>12} {:>10} {:>11}\n", "robot", "rounds", "plans",
              "rows", "CPU s", "last / first", "bytes", "grown by");
   const std::string directory = make_directory();
