@@ -200,7 +200,7 @@ class RobotTablesBuilder {
     store(X_frame_joint.translation, row.translation);
     tables_.frames.push_back(row);
     placement.frame = static_cast<int>(tables_.frames.size());
-    placement.X_frame_link = {to_axis.transpose(), Vec3::Zero()};
+    placement.X_frame_link = Transform{to_axis, Vec3::Zero()}.inverse();
   }
 
   static Transform fixed_motion(const Joint& joint) {
