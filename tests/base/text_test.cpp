@@ -10,7 +10,8 @@ namespace {
 TEST_SUITE("unit") {
   TEST_CASE("a file is read byte for byte") {
     const TemporaryDirectory directory;
-    const std::string text = std::string("a\0b\r\n", 5) + std::string(100000, 'x');
+    std::string text("a\0b\r\n", 5);
+    text.append(100000, 'x');
     write_file(directory / "file", text);
     CHECK(internal::read_text_file(directory / "file").value() == text);
   }
