@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -15,10 +16,11 @@ double direction_of(const Vec2& v) { return std::atan2(v.y(), v.x()); }
 
 double width(const GapSegment& gap) { return (gap.b - gap.a).norm(); }
 
-/// Of the gap's normal on the side of `along`.
-double normal_direction(const GapSegment& gap, const Vec2& along) {
+/// From a gap's normal, on the side of `along`, whose direction is `direction`.
+double tilt_of(const GapSegment& gap, const Vec2& along, double direction) {
   const Vec2 normal(gap.a.y() - gap.b.y(), gap.b.x() - gap.a.x());
-  return direction_of(normal.dot(along) < 0 ? Vec2(-normal) : normal);
+  const double there = direction_of(normal.dot(along) < 0 ? Vec2(-normal) : normal);
+  return std::remainder(direction - there, 2 * std::numbers::pi);
 }
 
 /// The directions of two links of lengths `first` and `second` from the origin to `target`.
@@ -32,33 +34,37 @@ TwoLinks reach_with_two_links(double first, double second, const Vec2& target, d
   if (distance > first + second || distance < std::abs(first - second) || distance <= 0) return {};
   const double cosine =
       (first * first + distance * distance - second * second) / (2 * first * distance);
-  const double shoulder = std::acos(std::clamp(cosine, -1.0, 1.0));
-  const double direction = direction_of(target) - (side < 0 ? -shoulder : shoulder);
-  return {true, direction, direction_of(target - first * unit(direction))};
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const Vec2 ahead = target / distance, left(-ahead.y(), ahead.x());
+  const Vec2 along = cosine * ahead + (side < 0 ? sine : -sine) * left;
+  return {true, direction_of(along), direction_of(target - first * along)};
 }
 
 }  // namespace
 
 GapCrossing find_gap_crossing(const PlanarChain& chain, const GapSegment& gap,
                               std::span<const double> q) {
-  Vec2 from = Vec2::Zero();
-  double direction = 0;
+  GapCrossing crossing;
+  auto& [before, first, second, own] = crossing.directions;
+  auto& [first_base, second_base, from] = crossing.bases;
+  from = Vec2::Zero();
   for (int link = 0; link < chain.link_count(); ++link) {
-    direction = chain.direction(link, q[static_cast<std::size_t>(link)], direction);
-    const Vec2 along = unit(direction);
+    before = std::exchange(first, std::exchange(second, own));
+    own = chain.direction(link, q[static_cast<std::size_t>(link)], second);
+    const Vec2 along = unit(own);
     const Vec2 to = from + chain.length(link) * along;
     if (do_segments_cross(from, to, gap.a, gap.b)) {
       const Vec2 across = gap.b - gap.a;
-      const double determinant = along.x() * across.y() - along.y() * across.x();
+      const double determinant = cross(along, across);
       if (determinant == 0) return {};
       const Vec2 offset = gap.a - from;
-      const double entry = (offset.x() * across.y() - offset.y() * across.x()) / determinant;
-      const double fraction = (offset.x() * along.y() - offset.y() * along.x()) / determinant;
-      const double tilt =
-          std::remainder(direction - normal_direction(gap, along), 2 * std::numbers::pi);
-      return {link, std::clamp(fraction, 0.0, 1.0), entry, tilt};
+      crossing.link = link;
+      crossing.entry = cross(offset, across) / determinant;
+      crossing.fraction = std::clamp(cross(offset, along) / determinant, 0.0, 1.0);
+      crossing.tilt = tilt_of(gap, along, own);
+      return crossing;
     }
-    from = to;
+    first_base = std::exchange(second_base, std::exchange(from, to));
   }
   return {};
 }
@@ -86,9 +92,9 @@ bool GapFit::fit_first_link(const Vec2& target, std::span<double> q) const {
 /// Two links to the target itself: the tilt is what comes of it.
 bool GapFit::fit_second_link(const GapCrossing& crossing, const Vec2& target,
                              std::span<double> q) const {
-  const double first = chain_->direction(0, q[0], 0);
-  const double side = std::sin(chain_->direction(1, q[1], first) - first);
-  const TwoLinks links = reach_with_two_links(chain_->length(0), crossing.entry, target, side);
+  const auto& [before, start, first, second] = crossing.directions;
+  const TwoLinks links =
+      reach_with_two_links(chain_->length(0), crossing.entry, target, std::sin(second - first));
   if (!links.is_reached) return false;
   q[0] = chain_->joint_value(0, links.first, 0);
   q[1] = chain_->joint_value(1, links.second, links.first);
@@ -99,26 +105,22 @@ bool GapFit::fit_later_link(const GapCrossing& crossing, const Vec2& target,
                             std::span<double> q) const {
   const int link = crossing.link;
   const auto at = [](int joint) { return static_cast<std::size_t>(joint); };
-  // Where the two links before the crossing one start, and what they and it head for.
-  Vec2 start = Vec2::Zero();
-  double direction = 0;
-  for (int i = 0; i < link - 2; ++i) {
-    direction = chain_->direction(i, q[at(i)], direction);
-    start += chain_->length(i) * unit(direction);
-  }
-  const double first = chain_->direction(link - 2, q[at(link - 2)], direction);
-  const double second = chain_->direction(link - 1, q[at(link - 1)], first);
-  const double across = chain_->direction(link, q[at(link)], second);
-  const Vec2 base =
-      start + chain_->length(link - 2) * unit(first) + chain_->length(link - 1) * unit(second);
-
+  const auto& [before, first, second, across] = crossing.directions;
   const double new_across = across + turn_ - (1 - tilt_scale_) * crossing.tilt;
   const Vec2 new_base = target - crossing.entry * unit(new_across);
+  // What comes before the two links before it turns as a whole.
+  Vec2 start = crossing.bases.front();
+  double direction = before;
   if (link > 2) {
-    const double turn = direction_of(new_base) - direction_of(base);
+    const Vec2& base = crossing.bases.back();
+    const double cosine = base.dot(new_base), sine = cross(base, new_base);
+    const double norm = std::hypot(cosine, sine);
+    if (norm <= 0) return false;
+    const double turn = std::atan2(sine, cosine);
     q[0] = chain_->joint_value(0, chain_->direction(0, q[0], 0) + turn, 0);
     direction += turn;
-    start = Eigen::Rotation2Dd(turn) * start;
+    start =
+        Vec2(cosine * start.x() - sine * start.y(), sine * start.x() + cosine * start.y()) / norm;
   }
   const TwoLinks links = reach_with_two_links(chain_->length(link - 2), chain_->length(link - 1),
                                               new_base - start, std::sin(second - first));

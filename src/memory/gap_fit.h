@@ -6,16 +6,20 @@
 
 #include "memory/planar_chain.h"
 
+#include <array>
 #include <span>
 
 namespace mneme::internal {
 
-/// The first link of an arm that crosses a gap, and how.
+/// The first link of an arm that crosses a gap, and how. It and the two links before it, as far as
+/// there are any, are kept as they are found: what is fitted is fitted some hundred times a query.
 struct GapCrossing {
   int link = -1;        ///< -1: none does
   double fraction = 0;  ///< where, of the way from the gap's a to its b, 0 to 1
   double entry = 0;     ///< metres of the link before the gap
   double tilt = 0;      ///< radians from the gap's normal, on whose side the link leaves
+  std::array<double, 4> directions{};  ///< radians; its own is the last
+  std::array<Vec2, 3> bases{};         ///< where links begin, likewise
 };
 [[nodiscard]] GapCrossing find_gap_crossing(const PlanarChain& chain, const GapSegment& gap,
                                             std::span<const double> q);

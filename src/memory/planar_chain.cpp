@@ -11,8 +11,6 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 bool do_boxes_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
          (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
@@ -79,7 +77,8 @@ Configuration PlanarChain::joint_values(std::span<const double> directions) cons
 
 double PlanarChain::joint_value(int link, double direction, double before) const {
   const double bend = bends_[static_cast<std::size_t>(link)];
-  const double value = std::remainder((direction - bend) - (before - bend_before(link)), kTurn);
+  const double turn = (direction - bend) - (before - bend_before(link));
+  const double value = turn - kTurn * std::nearbyint(turn / kTurn);
   for (const double turned : {value + kTurn, value - kTurn}) {
     if (!limits(link).contains(value) && limits(link).contains(turned)) return turned;
   }

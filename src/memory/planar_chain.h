@@ -15,6 +15,8 @@ namespace mneme::internal {
 
 using Vec2 = Eigen::Vector2d;
 
+inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
 /// Joint limits, radians.
 struct Limits {
   double lower = 0, upper = 0;
