@@ -15,6 +15,7 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
   <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [where=COLUMN:VALUE ..] -->
   <!-- growth NAME show=QUERIES baseline=SETTING -->
   <!-- cost NAME baseline=SETTING -->
+  <!-- beside NAME:OTHER [NAME:OTHER ..] show=COLUMNS [time=total] -->
   <!-- output NAME -->
   <!-- /rows -->
 
@@ -24,7 +25,9 @@ difficulty: tasks, which are problems whose names agree up to their last undersc
 mean and p95 of each setting, whose name up to a comma counts. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
 from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, its mean
-planning time without (the baseline's) and with it, and after how many queries that is gained. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
+planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
+problems, OTHER's by NAME's, from what is the median of each problem's runs, with 95 % intervals over problems: pairs, percentiles, and length of those
+that both solved. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
 """
 import argparse
@@ -36,6 +39,7 @@ import math
 import os
 import pathlib
 import platform
+import random
 import re
 import shutil
 import statistics
@@ -43,11 +47,12 @@ import subprocess
 import sys
 import tempfile
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|output) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|beside|output) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "duration": "mean duration s", "simplification": "simplification p50 ms"}
+RESAMPLES = 2000
 BINS_MS = (0, 0.1, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
 
@@ -291,6 +296,47 @@ def cost_lines(results, names, options, where):
     return ["memory", "setting", "rows", "components", "MB", "s to learn", "mean ms", "gained after"], lines
 
 
+def medians_of(results, name, column):
+    """Of each problem's runs, and of those with a path alone if `column` is its length."""
+    values = {}
+    for row in results.rows(name):
+        is_solved = row["is_valid"] == "1"
+        if not row["status"].startswith("invalid") and (is_solved or column != "path_length"):
+            values.setdefault((row["set"], row["problem"]), []).append(float(row[column]))
+    return {problem: statistics.median(runs) for problem, runs in values.items()}
+
+
+def percentile(values, column):
+    return sorted(values)[max(0, math.ceil(PERCENT[column] * len(values) / 100) - 1)]
+
+
+def beside_lines(results, names, options, where):
+    lines = []
+    for pair in names:
+        cells = [pair]
+        for column in options["show"]:
+            key = "path_length" if column == "length" else f"{options.get('time', 'planning')}_time_s"
+            ours, theirs = (medians_of(results, name, key) for name in pair.split(":"))
+            both = sorted(ours.keys() & theirs.keys())
+            if not both:
+                raise Mistake(f"{pair}: expected rows of the same problems")
+            if column == "pairs":
+                cells.append(str(len(both)))
+                continue
+
+            def ratio(problems):
+                of_each = ([times[problem] for problem in problems] for times in (theirs, ours))
+                this, that = (statistics.fmean(v) if column == "length" else percentile(v, column) for v in of_each)
+                return this / that
+
+            dice = random.Random(1)
+            resampled = sorted(ratio(dice.choices(both, k=len(both))) for _ in range(RESAMPLES))
+            low, high = resampled[round(0.025 * RESAMPLES)], resampled[round(0.975 * RESAMPLES) - 1]
+            cells.append(f"{factor(ratio(both))} ({factor(low)} to {factor(high)})")
+        lines.append(cells)
+    return ["", *(TITLES.get(column, column) for column in options["show"])], lines
+
+
 def said_of(results, names, told):
     """By which commands the rows came to be, but for those that the document has told."""
     said = []
@@ -311,13 +357,13 @@ def block(results, kind, words, told):
     if kind != "cost" and "show" not in options:
         raise Mistake(f"'{words}': expected show=")
     make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines, "growth": growth_lines,
-                  "cost": cost_lines}[kind]
+                  "cost": cost_lines, "beside": beside_lines}[kind]
     titles, lines = make_lines(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")
     rule = ["---"] * len(titles)
     text = "".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |\n" for line in (titles, rule, *lines))
-    return f"\n{text}{said_of(results, names, told)}"
+    return f"\n{text}{said_of(results, [part for name in names for part in name.split(':')], told)}"
 
 
 def documents(source):

@@ -6,7 +6,7 @@
 #include "mneme/benchmark.h"
 #include "mneme/report.h"
 
-#include "report/markup.h"
+#include "base/escape_csv.h"
 
 #include <fmt/format.h>
 

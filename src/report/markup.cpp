@@ -67,16 +67,6 @@ std::string escape_markup(std::string_view text) {
   return escaped;
 }
 
-std::string escape_csv(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 std::string single_line(std::string_view text) {
   std::string line = clean_text(text);
   for (char& c : line) {

@@ -17,8 +17,6 @@ namespace mneme::internal {
 [[nodiscard]] std::string clean_text(std::string_view text);
 /// Cleaned and escaped, for the content and the quoted attributes of XML and HTML.
 [[nodiscard]] std::string escape_markup(std::string_view text);
-/// A field of a CSV file (RFC 4180), quoted where it must be.
-[[nodiscard]] std::string escape_csv(std::string_view text);
 /// Cleaned, on one line, for text tables.
 [[nodiscard]] std::string single_line(std::string_view text);
 /// Number of characters of well-formed UTF-8.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/trajectory.h"
 
+#include "base/escape_csv.h"
 #include "scene/yaml.h"
 
 #include <fmt/format.h>
@@ -23,18 +24,6 @@ std::vector<std::string> joint_names(const Robot& robot) {
   return names;
 }
 
-/// A name in quotes if a reader of CSV would misunderstand it otherwise.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += c;
-    quoted += c;
-  }
-  quoted += '"';
-  return quoted;
-}
-
 std::string yaml_time(double time_s) {
   const auto nanoseconds = static_cast<std::int64_t>(std::llround(time_s * 1e9));
   return fmt::format("{{sec: {}, nanosec: {}}}", nanoseconds / 1'000'000'000,
@@ -47,7 +36,7 @@ std::string to_csv(const Robot& robot, std::span<const Point> points) {
   std::string text = "time";
   for (const char* quantity : {"position", "velocity", "acceleration"}) {
     for (const std::string& name : joint_names(robot)) {
-      text += fmt::format(",{}", csv_field(fmt::format("{}.{}", name, quantity)));
+      text += fmt::format(",{}", internal::escape_csv(fmt::format("{}.{}", name, quantity)));
     }
   }
   for (const Point& point : points) {

@@ -32,14 +32,6 @@ TEST_SUITE("unit") {
     CHECK(clean_text("\xF4\x90\x80\x80") == mark + mark + mark + mark);
   }
 
-  TEST_CASE("CSV fields are quoted only where they must be") {
-    CHECK(escape_csv("plain name") == "plain name");
-    CHECK(escape_csv("a,b") == "\"a,b\"");
-    CHECK(escape_csv("say \"hi\"") == "\"say \"\"hi\"\"\"");
-    CHECK(escape_csv("two\nlines") == "\"two\nlines\"");
-    CHECK(escape_csv("") == "");
-  }
-
   TEST_CASE("Text for tables has no line breaks") { CHECK(single_line("a\nb\tc\rd") == "a b c d"); }
 
   TEST_CASE("Shortening counts characters, not bytes") {

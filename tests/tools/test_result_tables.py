@@ -198,3 +198,24 @@ def test_a_memory_is_paid_for_by_what_its_queries_gain(source):
     assert lines[0] == "| memory | setting | rows | components | MB | s to learn | mean ms | gained after |"
     assert lines[2:-2] == ["| first 12 | grid | 12 | 99 | 2.50 | 1.5 | 30 → 10 | 75 queries |",
                            "| large | worse | 800 | 9 | 0.00 | 2 | 30 → 500 | never |"]
+
+
+def test_two_programs_are_compared_on_the_problems_of_both(source):
+    folder = source / "bench" / "results"
+    head = "set,problem,status,is_valid,planning_time_s,total_time_s,path_length\n"
+    with lzma.open(folder / "mbm.csv.xz", "wt") as packed:
+        packed.write(head)
+        packed.writelines(f"a,{i},solved,1,0.001,0.01,{length}\n" for i in range(9) for length in (1, 2, 6))
+        packed.write("a,9,timed_out,0,4,4,0\n")
+    with lzma.open(folder / "other.csv.xz", "wt") as packed:
+        packed.write(head)
+        packed.writelines(f"a,{i},solved,1,{0.002 if i < 8 else 0.5},0.03,3\n" for i in range(10))
+        packed.write("a,elsewhere,solved,1,9,9,9\na,2,invalid_start,0,9,9,9\n")
+    (folder / "other.json").write_text(json.dumps({"command": "other", "commit": "", "machine": "m"}), encoding="utf-8")
+    lines = written(source, "beside mbm:other show=pairs,p50,p95,length")
+    assert lines[0] == "|  | pairs | p50 | p95 | mean length |"
+    cells = lines[2].split(" | ")
+    assert cells[:3] == ["| mbm:other", "10", "2 (2 to 2)"]
+    assert cells[3].startswith("0.125 (") and cells[4] == "1.5 (1.5 to 1.5) |"
+    assert lines[4:] == ["- `mneme bench run x`, commit abc, m", "- other, m"]
+    assert "| mbm:other | 3 (" in "\n".join(written(source, "beside mbm:other show=p50 time=total"))
