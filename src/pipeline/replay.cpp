@@ -5,13 +5,16 @@
 #include "path/path_conversion.h"
 #include "path/waypoints.h"
 #include "pipeline/memory_steps.h"
+#include "pipeline/proven_motions.h"
 #include "pipeline/push_off.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <ranges>
+#include <span>
 #include <utility>
 
 namespace mneme::internal {
@@ -102,6 +105,7 @@ class Replayer {
   Result<std::vector<Known>> find(const KindSettings& kind, double distance, std::size_t count);
   void replay(const std::vector<Known>& known);
   [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
+  [[nodiscard]] bool prove(std::span<const float> from, std::span<const float> to, MotionEnds ends);
   void measure(const Path& path);
   [[nodiscard]] std::vector<Block> find_blocks(const Draft& draft);
   void add_blocks(int motion, std::vector<Block>& blocks);
@@ -117,7 +121,8 @@ class Replayer {
   const Query& query_;
   Replay& told_;
   MotionVerifier verifier_;
-  Waypoints way_;  ///< the path that is looked at
+  std::shared_ptr<ProvenMotions> proven_;  ///< may be null
+  Waypoints way_;                          ///< the path that is looked at
   CheckCounters counters_;
   std::uint64_t states_limit_ = 0;  ///< of counters_, when repairing ends
   PlanResult result_;
@@ -171,6 +176,7 @@ void Replayer::replay(const std::vector<Known>& known) {
     float length;
   };
   std::optional<Blocked> least;
+  if (!known.empty()) proven_ = ProvenMotions::of(query_.checker, verification());
   for (const Known& task : known) {
     Draft draft(task.kind->bend(query_.query, *task.goal, *task.match.experience));
     if (draft.path.empty() || query_.is_over()) continue;
@@ -198,12 +204,18 @@ bool Replayer::verify(Draft& draft, MotionEnds ends) {
   const std::size_t count = draft.path.size();
   for (std::size_t i = 1; i < count; ++i) {
     if (draft.has_passed[i] != 0) continue;
-    draft.has_passed[i] =
-        verifier_.is_free(to_floats(draft.path[i - 1]), to_floats(draft.path[i]),
-                          {ends.is_first && i == 1, ends.is_last && i + 1 == count}, counters_);
+    draft.has_passed[i] = prove(to_floats(draft.path[i - 1]), to_floats(draft.path[i]),
+                                {ends.is_first && i == 1, ends.is_last && i + 1 == count});
   }
   result_.verification_time_s += stopwatch.elapsed_s();
   return std::ranges::find(draft.has_passed, 0) == draft.has_passed.end();
+}
+
+bool Replayer::prove(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
+  if (proven_ != nullptr && proven_->contain(from, to, ends)) return true;
+  if (!verifier_.is_free(from, to, ends, counters_)) return false;
+  if (proven_ != nullptr) proven_->add(from, to, ends);
+  return true;
 }
 
 void Replayer::measure(const Path& path) {

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/proven_motions.h"
+#include "support/planar_memory.h"
+
+namespace mneme::test {
+namespace {
+
+using internal::ProvenMotions;
+
+/// An arm that knows a way past a circle.
+struct StaticCell {
+  Problem problem{"cell", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
+  TemporaryDirectory directory;
+  Database database = make_database(directory / "m.db", problem.robot);
+  SolveSettings settings;
+
+  StaticCell() {
+    settings.memory.kind = "paths";
+    settings.replay = 0.5;
+    put(0);
+    const Path path = {problem.start, problem.goals.front()};
+    auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
+    REQUIRE(rows.has_value());
+    REQUIRE(database.insert(*std::move(rows)).has_value());
+  }
+  void put(double offset) {
+    problem.scene = make_circle_scene("cell", {{-1.5 + offset, -1.5, 0.1}});
+  }
+  /// Of a query that is replayed.
+  std::uint64_t states() {
+    const auto result = solve(problem, &database, settings);
+    REQUIRE(result.has_value());
+    REQUIRE(result->replay.is_hit());
+    CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
+    return result->plan.states_checked;
+  }
+  [[nodiscard]] std::shared_ptr<ProvenMotions> proven() const {
+    return ProvenMotions::of(make_checker(problem.robot, problem.scene), Verification::motions);
+  }
+};
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("what was proven in a static cell is not proven again") {
+    StaticCell cell;
+    const std::uint64_t first = cell.states();
+    CHECK(first > 0);
+    CHECK(cell.states() == 0);
+    // The end is bent, the start stays: of a single motion that is all of it.
+    cell.problem.goals = {{1.99, 0.5}};
+    CHECK(cell.states() > 0);
+    CHECK(cell.states() == 0);
+  }
+
+  TEST_CASE("an obstacle that moved by a hair has everything proven again") {
+    StaticCell cell;
+    const std::uint64_t first = cell.states();
+    cell.put(1e-12);
+    CHECK(cell.states() == first);
+    cell.put(0);
+    CHECK(cell.states() == 0);
+  }
+
+  TEST_CASE("an obstacle that came onto a way that was proven blocks it") {
+    StaticCell cell;
+    REQUIRE(cell.states() > 0);
+    REQUIRE(cell.states() == 0);
+    cell.problem.scene =
+        make_circle_scene("cell", {{1.95 * std::cos(1.25), 1.95 * std::sin(1.25), 0.05}});
+    const auto result = solve(cell.problem, &cell.database, cell.settings);
+    REQUIRE(result.has_value());
+    REQUIRE(result->replay.blocked.size() == 1);
+    CHECK(is_path_free(cell.problem.robot, cell.problem.scene, result->plan.path, 0.002));
+  }
+
+  TEST_CASE("another margin, resolution or verification has everything proven again") {
+    StaticCell cell;
+    const std::uint64_t first = cell.states();
+    SolveSettings& settings = cell.settings;
+    const SolveSettings before = settings;
+    settings.margin = 0.01;
+    CHECK(cell.states() > 0);
+    settings = before;
+    settings.resolution = 0.01;
+    CHECK(cell.states() > 0);
+    settings = before;
+    settings.plan.continuous = false;
+    CHECK(cell.states() > 0);
+    settings = before;
+    CHECK(cell.states() == 0);
+    // The same robot that was read once more is another one: nothing tells what changed in between.
+    cell.problem.robot = limited_arm({1, 1}, -0.5, 2.5);
+    CHECK(cell.states() == first);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("motions count for their own ends and their own cell") {
+    const StaticCell cell;
+    const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
+    const auto proven = cell.proven();
+    REQUIRE(proven != nullptr);
+    proven->add(a, b, {true, false});
+    CHECK(cell.proven()->contain(a, b, {true, false}));
+    CHECK_FALSE(proven->contain(a, b, {false, false}));
+    CHECK_FALSE(proven->contain(a, b, {true, true}));
+    CHECK_FALSE(proven->contain(b, a, {true, false}));
+    const CollisionChecker other = make_checker(cell.problem.robot, Scene{});
+    CHECK_FALSE(ProvenMotions::of(other, Verification::motions)->contain(a, b, {true, false}));
+  }
+
+  TEST_CASE("a cell is forgotten after many others, and its motions after many more") {
+    StaticCell cell;
+    const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
+    cell.proven()->add(a, b, {});
+    for (int i = 1; i <= 40; ++i) {
+      cell.put(i);
+      CHECK_FALSE(cell.proven()->contain(a, b, {}));
+    }
+    cell.put(0);
+    const auto proven = cell.proven();
+    CHECK_FALSE(proven->contain(a, b, {}));
+    for (int i = 0; i <= 1024; ++i) proven->add(a, {{static_cast<float>(i), 0}}, {});
+    CHECK_FALSE(proven->contain(a, {{0, 0}}, {}));
+    CHECK(proven->contain(a, {{1024, 0}}, {}));
+  }
+
+  TEST_CASE("what may touch is part of a cell, and cells of points have no proven motions") {
+    StaticCell cell;
+    const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
+    cell.proven()->add(a, b, {});
+    const std::string link = cell.problem.robot.links().back().name;
+    cell.problem.scene.obstacles.front().may_touch = {link};
+    REQUIRE(cell.proven() != nullptr);
+    CHECK_FALSE(cell.proven()->contain(a, b, {}));
+    PointCloud cloud;
+    cloud.parts =
+        std::make_shared<const Parts<CloudPoint>>(std::vector{CloudPoint{-1.5f, -1.5f, 0}});
+    cloud.radius = 0.1;
+    cell.problem.scene.obstacles.front().shapes = {cloud};
+    CHECK(cell.proven() == nullptr);
+  }
+}
+
+}  // namespace mneme::test
