@@ -61,6 +61,15 @@ std::string describe_obstruction(const Robot& robot, const std::string& name) {
   return joint->type == JointType::fixed ? "a fixed joint" : "";
 }
 
+/// Of a file that cannot be read it is said where it is named, too: others may name it as well.
+template <class T>
+T value_named_by(const Input& place, Result<T> result) {
+  if (!result && result.error().code == ErrorCode::io) {
+    place.fail(ErrorCode::io, result.error().message);
+  }
+  return value_or_throw(std::move(result));
+}
+
 std::vector<std::string> joint_names(const Input& list) {
   std::vector<std::string> names;
   for (const Input& joint : list.items()) names.push_back(joint.text());
@@ -222,8 +231,8 @@ Scene read_scene_of_problem(const Input& problem, const std::string& path) {
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
   const Input scene = problem.at("scene");
   if (scene.is_text()) {
-    return value_or_throw(
-        load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
+    return value_named_by(
+        scene, load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
   }
   if (!scene.is_map()) scene.fail_expecting("a scene, or the path of a scene file");
   return read_scene(scene, name);
@@ -266,6 +275,18 @@ std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene&
   return notes;
 }
 
+/// A robot without collision geometry passes through everything: mostly a URDF with <visual> alone.
+std::vector<std::string> describe_missing_shapes(const Robot& robot) {
+  const std::vector<bool> is_moving = find_moving_links(robot);
+  for (std::size_t i = 0; i < is_moving.size(); ++i) {
+    if (is_moving[i] && has_shapes(robot.links()[i])) return {};
+  }
+  return {
+      fmt::format("no link that the group moves has collision geometry: robot {} touches "
+                  "nothing; expected <collision> elements in its URDF",
+                  robot.name())};
+}
+
 /// `allow(pairs)` gives the robot anew, with pairs of links that may touch.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
@@ -290,6 +311,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));
   add_notes(describe_far_obstacles(robot.robot, scene));
+  add_notes(describe_missing_shapes(robot.robot));
   Problem problem{input.name,
                   robot.robot,
                   robot.path,

@@ -278,6 +278,31 @@ TEST_SUITE("unit") {
           "metres");
   }
 
+  TEST_CASE("a robot that nothing can touch is a warning") {
+    const TemporaryDirectory directory;
+    const auto warnings_of = [&](const std::string& base, const std::string& arm) {
+      write_file(directory / "r.urdf",
+                 "<robot name='r'><link name='base'>" + base + "</link><link name='arm'>" + arm +
+                     "</link><joint name='j' type='continuous'><parent link='base'/>"
+                     "<child link='arm'/><axis xyz='0 0 1'/></joint></robot>");
+      write_file(directory / "p.yaml", "robot: ./r.urdf\nstart: [0]\ngoal: [1]\nscene: {}\n");
+      const auto problem = load_problem(directory / "p.yaml");
+      REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+      return problem->warnings;
+    };
+    const std::string ball = "<geometry><sphere radius='0.1'/></geometry>";
+    const std::string seen = "<visual>" + ball + "</visual>";
+    const std::string touched = "<collision>" + ball + "</collision>";
+    CHECK(warnings_of(touched, touched).empty());
+    for (const std::string& base : {seen, touched}) {
+      const std::vector<std::string> warnings = warnings_of(base, seen);
+      REQUIRE(warnings.size() == 1);
+      CHECK(warnings[0] ==
+            "no link that the group moves has collision geometry: robot r touches nothing; "
+            "expected <collision> elements in its URDF");
+    }
+  }
+
   TEST_CASE("paths are relative to the directory of the file") {
     CHECK(internal::directory_of("a/b.yaml") == "a");
     CHECK(internal::directory_of("b.yaml").empty());
@@ -320,7 +345,8 @@ TEST_SUITE("unit") {
           "p.yaml:4: key scene.circles.a: expected 3 numbers (x, y, radius in metres), got a list "
           "of 2");
     CHECK(failure(rest + "scene: lost.yaml") ==
-          "lost.yaml: cannot be read: No such file or directory");
+          "p.yaml:4: key scene: " + (directory / "lost.yaml") +
+              ": cannot be read: No such file or directory");
     CHECK(failure(rest + "scene: [a]") ==
           "p.yaml:4: key scene: expected a scene, or the path of a scene file, got a list of 1");
     CHECK(failure(rest) == "p.yaml:1: expected the key scene, which is missing");
