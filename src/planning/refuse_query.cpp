@@ -16,21 +16,27 @@ namespace {
 
 bool is_near(const Contact& contact) { return contact.distance >= 0; }
 
+/// Two digits, and all of them from 100 mm on.
+std::string millimetres(double metres) {
+  const double length = 1e3 * metres;
+  return length < 99.5 ? fmt::format("{:.2g} mm", length) : fmt::format("{:.0f} mm", length);
+}
+
 std::string describe(const Contact& contact) {
   const std::string_view kind = contact.is_self ? "link" : "obstacle";
   return is_near(contact) ? fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link,
                                         contact.distance, kind, contact.other)
-                          : fmt::format("link '{}' touches {} '{}' by {:.2g} mm", contact.link,
-                                        kind, contact.other, -1e3 * contact.distance);
+                          : fmt::format("link '{}' touches {} '{}' by {}", contact.link, kind,
+                                        contact.other, millimetres(-contact.distance));
 }
 
 std::string describe(const CoveredContact& behind) {
   const bool are_two = behind.covers == 2;
   const std::string covers =
-      fmt::format("{} out by up to {:.2g} mm",
-                  are_two ? "the covers together stick" : "a cover sticks", 1e3 * behind.excess);
+      fmt::format("{} out by up to {}", are_two ? "the covers together stick" : "a cover sticks",
+                  millimetres(behind.excess));
   if (behind.distance == 0) return fmt::format(" ({}; what is covered touches, too)", covers);
-  return fmt::format(" ({}; what is covered is {:.2g} mm away)", covers, 1e3 * behind.distance);
+  return fmt::format(" ({}; what is covered is {} away)", covers, millimetres(behind.distance));
 }
 
 /// Why a configuration is refused, and what would help.

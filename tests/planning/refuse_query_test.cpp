@@ -87,6 +87,9 @@ TEST_SUITE("unit") {
     CHECK(refuse(lower).ends_with(" mm; what is covered touches, too)"));
     CHECK(refuse(Sphere{{1.4, 0, 0.01}, 0.01}).ends_with(" mm; what is covered touches, too)"));
     CHECK(refuse(above, 0.0015).ends_with("what is covered is 2 mm away)"));
+    Box higher = above;
+    higher.pose.translation.z() += 0.2;
+    CHECK(refuse(higher, 0.3).find("what is covered is 202 mm away)") != std::string::npos);
   }
 
   TEST_CASE("goals in contact are left out with a note, unless all are") {
