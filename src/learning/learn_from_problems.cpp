@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,22 @@ namespace {
 /// Says in the provenance what a row was learned from.
 std::string provenance_text(const Problem& problem, const ProblemLesson& lesson) {
   return fmt::format("{} paths of problem {}", lesson.paths, problem.name);
+}
+
+/// What several paths teach alike, such as those that go straight, once: the database would keep
+/// one of these rows, and the summary would count them all.
+void drop_repetitions(std::vector<Experience>& rows) {
+  const auto is_same = [](const Experience& a, const Experience& b) {
+    return a.kind == b.kind && a.key == b.key && a.sampler.means == b.sampler.means &&
+           a.sampler.factor_rows == b.sampler.factor_rows && a.sampler.factors == b.sampler.factors;
+  };
+  std::vector<Experience> kept;
+  for (Experience& row : rows) {
+    const bool is_known =
+        std::ranges::any_of(kept, [&](const Experience& known) { return is_same(known, row); });
+    if (!is_known) kept.push_back(std::move(row));
+  }
+  rows = std::move(kept);
 }
 
 /// The problems that have taught the database nothing yet.
@@ -42,6 +59,7 @@ Result<internal::Learned> learn_from_problem(const Problem& problem, const Memor
                                 problem.goals, problem.constraints},
                                plan->paths, memory);
   if (!rows) return tl::unexpected(rows.error());
+  drop_repetitions(*rows);
   for (Experience& row : *rows) {
     row.provenance = {
         fmt::format("mneme {}", version()), provenance_text(problem, lesson), lesson.seed, {}};

@@ -64,6 +64,18 @@ TEST_SUITE("law") {
     CHECK(exported(posts.directory / "1.db") == exported(posts.directory / "3.db"));
   }
 
+  TEST_CASE("paths that are alike teach once, and count once") {
+    const Posts posts;
+    std::vector<Problem> problems = post_problems(posts);
+    problems.erase(problems.begin() + 1, problems.end());
+    problems[0].scene.obstacles.clear();
+    Database database = open_paths(posts.directory / "straight.db", problems[0].robot);
+    const LearnSummary summary = learn_well(problems, database, two_paths());
+    CHECK(summary.rows == 1);
+    CHECK(database.size() == 1);
+    CHECK(summary.components == database.info().components);
+  }
+
   TEST_CASE("the paths are those of solve() with uniform samples and the same seeds") {
     const Posts posts;
     const Problem problem = post_problems(posts).front();
