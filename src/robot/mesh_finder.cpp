@@ -53,6 +53,12 @@ bool stays_inside(const fs::path& path) {
 }
 
 Result<std::string> no_file(const std::vector<std::string>& tried) {
+  std::error_code ignored;
+  for (const std::string& path : tried) {
+    if (fs::is_directory(path, ignored)) {
+      return fail(ErrorCode::io, fmt::format("expected a file; {} is a directory", path));
+    }
+  }
   return fail(ErrorCode::io,
               fmt::format("there is no such file; searched: {}", fmt::join(tried, ", ")));
 }

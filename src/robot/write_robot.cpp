@@ -192,6 +192,15 @@ std::string to_xml(const JointGroup& group) {
   return text + "  </group>\n";
 }
 
+std::string to_xml(const NamedState& state) {
+  std::string text = fmt::format("  <group_state name=\"{}\" group=\"{}\">\n",
+                                 xml_escaped(state.name), xml_escaped(state.group));
+  for (const auto& [joint, value] : state.values) {
+    text += fmt::format("    <joint name=\"{}\" value=\"{}\"/>\n", xml_escaped(joint), value);
+  }
+  return text + "  </group_state>\n";
+}
+
 /// The link that carries the first joint of a group; the root of a group without joints.
 const std::string& parent_of(const JointGroup& group, const Robot::Parts& parts) {
   const auto joint = group.joints.empty()
@@ -209,6 +218,7 @@ std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reas
   if (!comment.empty()) text += fmt::format("<!-- {} -->\n", comment);
   text += fmt::format("<robot name=\"{}\">\n", xml_escaped(parts.name));
   for (const JointGroup& group : parts.groups) text += to_xml(group);
+  for (const NamedState& state : parts.states) text += to_xml(state);
   for (const JointGroup& group : parts.groups) {
     if (!group.is_end_effector) continue;
     text += fmt::format("  <end_effector name=\"{0}\" parent_link=\"{1}\" group=\"{0}\"/>\n",

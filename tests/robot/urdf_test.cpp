@@ -365,6 +365,7 @@ TEST_SUITE("unit") {
         {"<mesh filename=\"\"/>", "<mesh>: 'filename' is empty"},
         {"<mesh filename=\"a.stl\" scale=\"2\"/>", "<mesh>: scale is '2', expected three"},
         {"<mesh filename=\"a.stl\" scale=\"1 1 0\"/>", "<mesh>: a scale is 0"},
+        {"<mesh filename=\"..\"/>", "<mesh>: '..': expected a file; ", ErrorCode::io},
         {"<mesh filename=\"absent.stl\"/>", "<mesh>: 'absent.stl': there is no such file; searched",
          ErrorCode::io},
         {"<mesh filename=\"http://a/b.stl\"/>", "<mesh>: 'http://a/b.stl': expected package://",

@@ -176,6 +176,7 @@ Robot::Parts parts_with_groups() {
   Robot::Parts parts = test::make_chain(3);
   parts.name = "a & b";
   parts.groups = {{"arm", {"j1", "j2"}}, {"hand", {"j3"}, true}, {"tool", {}, true}};
+  parts.states = {{"at <home>", "arm", {{"j1", 0.1}, {"j2", -1e-7}}}, {"open", "hand", {}}};
   parts.allowed_pairs.emplace();
   parts.allowed_pairs->emplace_back("l0", "l1");
   parts.allowed_pairs->emplace_back("l1", "l2");
@@ -185,7 +186,7 @@ Robot::Parts parts_with_groups() {
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("groups, end effectors and allowed pairs read back the same") {
+  TEST_CASE("groups, states, end effectors and allowed pairs read back the same") {
     const Robot::Parts parts = parts_with_groups();
     Robot::Parts read = test::make_chain(3);
     read.name = parts.name;
@@ -194,6 +195,12 @@ TEST_SUITE("unit") {
     CHECK(read.warnings.empty());
     CHECK(read.allowed_pairs == parts.allowed_pairs);
     CHECK(test::require_robot(read).hash() == test::require_robot(parts).hash());
+    REQUIRE(read.states.size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(read.states[i].name == parts.states[i].name);
+      CHECK(read.states[i].group == parts.states[i].group);
+      CHECK(read.states[i].values == parts.states[i].values);
+    }
     REQUIRE(read.groups.size() == 3);
     for (std::size_t i = 0; i < 3; ++i) {
       CHECK(read.groups[i].name == parts.groups[i].name);
