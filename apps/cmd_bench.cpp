@@ -153,8 +153,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
                   "compact files, problems (FILE.json#NAME, YAML) or directories of them; or one "
                   "suite (YAML with the key problems), which says all that it runs")
       ->required();
-  command.add_option("--part", options.part,
-                     "I/N: every N-th problem beginning with the I-th, such as 2/2");
+  add_part(command, options.part, "every N-th problem beginning with the I-th, such as 2/2");
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problems': a URDF file or a name");
   add_robot_flags(command, options.robot_options);

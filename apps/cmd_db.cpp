@@ -76,6 +76,11 @@ void print_info(const DatabaseInfo& info) {
     fmt::print("{:<12}  {}\n", what, value);
   };
   line("database", info.url);
+  if (info.schema_version == 0) {
+    line("robot",
+         "none: it holds nothing yet, and will be of the robot that is learned with first");
+    return;
+  }
   line("robot", printable(info.space.robot_name));
   const RobotHashes hashes = hashes_of(info.space);
   line("kinematics",

@@ -263,8 +263,8 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option("--problems", options.problems,
                      "problems to solve and to learn from their paths: files, FILE.json#NAME or "
                      "directories");
-  command.add_option("--part", options.part,
-                     "with --problems: I/N, every N-th problem beginning with the I-th");
+  add_part(command, options.part,
+           "with --problems: every N-th problem beginning with the I-th, such as 1/2");
   add_number(command, "--paths", options.lesson.paths, 1, 1000,
              "with --problems: paths per problem");
   add_number(command, "--path-timeout", options.lesson.timeout_s, 0.0, 1e6,

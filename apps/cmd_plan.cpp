@@ -380,6 +380,19 @@ std::vector<FlagGroup> help_groups() {
   };
 }
 
+/// What is asked of a memory is asked in vain without one.
+void check_without_memory(const SolveSettings& settings) {
+  if (settings.learn_budget_s > 0) {
+    throw CLI::ValidationError("--learn-budget", "needs --db, where it puts what is learned");
+  }
+  if (settings.remember_after) {
+    throw CLI::ValidationError("--remember-after", "needs --db, where it puts what is remembered");
+  }
+  if (settings.replay > 0) {
+    throw CLI::ValidationError("--replay", "needs --db, whose paths it replays");
+  }
+}
+
 /// Flags that only make sense together.
 void check_choices(const PlanOptions& options) {
   const SolveSettings& settings = options.settings;
@@ -422,9 +435,7 @@ void add_plan(CLI::App& program, Action& action) {
   group_flags(*command, help_groups());
   command->callback([command, options, &action] {
     options->has_sampler = command->count("--sampler") > 0;
-    if (options->settings.learn_budget_s > 0 && options->db.empty()) {
-      throw CLI::ValidationError("--learn-budget", "needs --db, where it puts what is learned");
-    }
+    if (options->db.empty()) check_without_memory(options->settings);
     check_choices(*options);
     action = [options] { return run_plan(*options); };
   });

@@ -14,9 +14,11 @@
 namespace mneme::app {
 namespace {
 
+/// Those for people: a hidden one has no group.
 std::vector<const CLI::App*> subcommands_of(const CLI::App& command) {
-  return command.get_subcommands(
-      [](const CLI::App* subcommand) { return !subcommand->get_name().empty(); });
+  return command.get_subcommands([](const CLI::App* subcommand) {
+    return !subcommand->get_name().empty() && !subcommand->get_group().empty();
+  });
 }
 
 FlagDescription describe(const CLI::Option& option) {
@@ -80,9 +82,11 @@ std::optional<Complaint> unknown_command(const CLI::App& program,
     if (names.empty() || word.starts_with('-')) return std::nullopt;
     if (std::find(names.begin(), names.end(), word) == names.end()) {
       const std::string close = did_you_mean(word, names);
+      std::vector<std::string> shown;
+      for (const CLI::App* each : subcommands_of(*command)) shown.push_back(each->get_name());
       return Complaint{command, fmt::format("unknown subcommand '{}'{}", word,
                                             close.empty() ? fmt::format("; expected one of: {}",
-                                                                        fmt::join(names, ", "))
+                                                                        fmt::join(shown, ", "))
                                                           : close)};
     }
     command = command->get_subcommand(word);

@@ -4,6 +4,7 @@
 #include "options.h"
 
 #include "mneme/base.h"
+#include "mneme/benchmark.h"
 
 #include <fmt/ranges.h>
 
@@ -168,6 +169,19 @@ CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseG
   return app.add_option_function<std::vector<std::string>>(flag, read, help)
       ->allow_extra_args(false)
       ->type_name("LINK:X,Y,Z,QX,QY,QZ,QW");
+}
+
+CLI::Option* add_part(CLI::App& app, std::string& part, const std::string& help) {
+  const auto read = [&part](const std::string& text) {
+    const std::optional<Part> parsed = parse_part(text);
+    if (!parsed || parsed->index == 0) {
+      throw CLI::ValidationError(
+          "--part",
+          fmt::format("'{}' is no part; expected I/N with 1 <= I <= N, such as 1/2", text));
+    }
+    part = text;
+  };
+  return add_text(app, "--part", read, help)->type_name("I/N");
 }
 
 CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints) {

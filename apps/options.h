@@ -56,6 +56,9 @@ CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseG
 /// Links that are to stay upright, several if it is given several times.
 CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints);
 
+/// A flag for a part of many problems: I/N, counted from 1.
+CLI::Option* add_part(CLI::App& app, std::string& part, const std::string& help);
+
 template <class T>
 [[nodiscard]] std::string describe_range(T least, T most) {
   return most == std::numeric_limits<T>::max() ? fmt::format("{} or more", least)

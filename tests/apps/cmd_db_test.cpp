@@ -38,6 +38,16 @@ TEST_SUITE("flow") {
     CHECK(has_text(words.out, "pairs/1, keys of 6 numbers, 1 row"));
   }
 
+  TEST_CASE("info of an empty file says that nobody's experience is in it") {
+    const TemporaryDirectory directory;
+    write_file(directory / "new.db", "");
+    const ProgramRun words = run_program({"db", "info", directory / "new.db"});
+    CHECK(words.exit_code == 0);
+    CHECK(has_text(words.out, "holds nothing yet"));
+    CHECK_FALSE(has_text(words.out, "older"));
+    CHECK(run_json({"db", "info", directory / "new.db"})["schema_version"] == 0);
+  }
+
   TEST_CASE("info tells how a robot differs, and what only its shapes change still applies") {
     const PlanarFiles files;
     const auto difference = [&](const std::string& robot) {

@@ -249,8 +249,8 @@ TEST_SUITE("flow") {
     for (const char* part : {"0/2", "3/2", "1", "1/", "/2", "1/2x", "-1/2", "a/b"}) {
       INFO(part);
       const ProgramRun run = learn_posts(posts, part, database);
-      CHECK(run.exit_code == 1);
-      CHECK(has_text(run.err, "expected I/N"));
+      CHECK(run.exit_code == 2);
+      CHECK(has_text(run.err, "--part: '" + std::string(part) + "' is no part; expected I/N"));
     }
     check_bad_inputs({
         {{"learn", "--problems", posts.directory / "none.json", "--db", database},

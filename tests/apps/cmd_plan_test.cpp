@@ -275,6 +275,8 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--start", "0x10"}, 2, {"--start", "item 1 is '0x10'"}},
         {{"plan", problem, "--isa", "mmx"}, 2, {"--isa", "mmx"}},
         {{"plan", problem, "--learn-budget", "1"}, 2, {"--learn-budget", "--db"}},
+        {{"plan", problem, "--remember-after", "0"}, 2, {"--remember-after", "--db"}},
+        {{"plan", problem, "--replay", "0.5"}, 2, {"--replay", "--db"}},
         {{"plan", problem, "--timeout"}, 2, {"--timeout"}},
         {{"plan", problem, "--db", "m.db", "--db-memory", "-1"},
          2,

@@ -71,7 +71,10 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{}, 2, {"subcommand is required", "see 'mneme --help'"}},
         {{"plam"}, 2, {"unknown subcommand 'plam'", "did you mean 'plan'?"}},
-        {{"xyzzy"}, 2, {"unknown subcommand 'xyzzy'", "expected one of: demo, plan, learn"}},
+        {{"xyzzy"},
+         2,
+         {"unknown subcommand 'xyzzy'", "expected one of: demo, plan, learn",
+          "completion, manual\n"}},
         {{"db", "inof", "x.db"},
          2,
          {"unknown subcommand 'inof'", "did you mean 'info'?", "see 'mneme db --help'"}},
