@@ -167,8 +167,8 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
   job.seed = seed;
   job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   if (!problems.is_none()) {
-    return learn_problems(robot, memory, problems, {paths, timeout}, job, memory.to_learn(asked),
-                          on_progress);
+    if (!asked.kind) asked.kind = default_kind_of_paths(robot).name;
+    return learn_problems(robot, memory, problems, {paths, timeout}, job, asked, on_progress);
   }
   Lesson lesson;
   if (!scenes.is_none()) add_scenes(scenes, robot, memory.to_learn(asked), lesson);

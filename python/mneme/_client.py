@@ -135,6 +135,7 @@ class Client:
         self._headers = {"Content-Type": "application/json"}
         if token is not None:
             self._headers["Authorization"] = f"Bearer {token}"
+        self._url = url
         self._patience_s = patience_s
         if url.startswith("unix:"):
             self._connection = _UnixConnection(url[len("unix:"):], timeout_s)
@@ -263,8 +264,16 @@ class Client:
             self._connection.close()
             raise
 
+    def _connect(self):
+        try:
+            self._connection.connect()
+        except OSError as failure:
+            raise _error({"code": "io", "message": f"{self._url}: no service can be reached: {failure}"}) from failure
+
     def _send(self, method, path, data):
         try:
+            if self._connection.sock is None:
+                self._connect()
             self._connection.request(method, path, data, self._headers)
         except (BrokenPipeError, ConnectionResetError):
             pass  # A body that is too long is refused before all of it is sent: the answer is there to be read.

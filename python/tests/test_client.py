@@ -12,6 +12,7 @@ import threading
 
 import numpy as np
 import pytest
+from conftest import raised
 
 import mneme
 
@@ -224,6 +225,13 @@ class Scripted:
         self._thread.join(60)
         self._listener.close()
         assert not self._thread.is_alive()
+
+
+@pytest.mark.parametrize("url", ["http://127.0.0.1:1", "unix:/nonexistent/mneme.sock"])
+def test_a_service_that_is_not_there_is_named(url):
+    with mneme.Client(url) as client:
+        code, message = raised(client.health)
+    assert code == "io" and message.startswith(f"{url}: no service can be reached: ")
 
 
 def test_a_client_goes_on_after_a_timeout():

@@ -154,6 +154,16 @@ def test_paths_teach_an_arm_in_space(tmp_path):
             "invalid"
 
 
+def test_problems_teach_an_arm_in_space_whole_paths_unless_told_otherwise(tmp_path):
+    robot = mneme.Robot.load("panda")
+    ready = np.array([0, -0.785, 0, -2.356, 0, 1.571, 0.785])
+    problem = mneme.Problem(robot, mneme.Scene(), ready, ready + 0.2)
+    with mneme.Database.open(tmp_path / "panda.db", robot, mode="create") as database:
+        summary = mneme.learn(robot, database, problems=[problem], paths=2, jobs=1)
+        assert summary.rows == len(database) == 1  # Both paths go straight.
+        assert [kind["kind"] for kind in database.info()["kinds"]] == ["paths/1"]
+
+
 def test_a_miss_is_learned_within_the_budget(problem, memory):
     plan = mneme.plan(problem, memory, learn_budget=5, **{k: FAST[k] for k in FAST if k != "jobs"})
     assert plan.primitives[0]["is_learned"]
