@@ -79,8 +79,9 @@ struct LimbInfo {
 /// scene and, all along, within the cones of the settings' constraints less kTiltMargin.
 /// Left aside are contacts that no motion can change, such as that of the base with the table on
 /// which it stands, and those that an obstacle allows (Obstacle::may_touch). Pairs that are checked
-/// by solid (Obstacle::by_solid) are so in double precision, continuously on motions and with 1e-4
-/// m more of margin there. Joint limits are the caller's business (Robot::describe_violation); a
+/// by solid (Obstacle::by_solid, Scene::by_solid) are so in double precision wherever their covers
+/// touch, continuously on motions and with 1e-4 m more of margin there. Joint limits are the
+/// caller's business (Robot::describe_violation); a
 /// straight motion between configurations within limits stays within them. Where slides go beyond
 /// theirs, points, meshes and octrees are known no farther out than the robot reaches within its
 /// limits, and 0.25 m more. Copies share their tables; all of it is const and parallel-safe.
@@ -90,7 +91,7 @@ struct LimbInfo {
 /// or beyond 1e4 (radians or metres), is not valid.
 class CollisionChecker {
  public:
-  /// Errors: an obstacle that a link may touch which the robot lacks, or that is empty, not finite,
+  /// Errors: a link named in the scene that the robot lacks; an obstacle that is empty, not finite,
   /// beyond 10 km (kFarthestShape) or without positive size; parts beyond 10 km (points) or 10000
   /// km (triangles, cubes) in the frame of their own; an instruction set that this machine lacks; a
   /// constraint that does not pass describe_fault().

@@ -108,7 +108,7 @@ class Parts {
   friend struct internal::PartsAccess;
   std::vector<Part> list_;
   mutable std::mutex mutex_;
-  mutable std::shared_ptr<void> bounds_, tree_, grid_;  ///< made by those who need them
+  mutable std::shared_ptr<void> bounds_, tree_, grid_, corners_;  ///< made by those who need them
 };
 
 /// All points within `radius` of many parts.

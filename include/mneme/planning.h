@@ -177,9 +177,10 @@ struct QueryChecker {
   CollisionChecker checker;
   std::vector<std::string> notes;  ///< pairs that are checked by solid, and why: a sentence each
 };
-/// CollisionChecker::make. Where, at the start or at a goal, nothing but covers of links touches
-/// obstacles, and what they cover is kSolidClearance away, these links are checked against these
-/// obstacles by solid (Obstacle::by_solid in the checker's scene): everywhere, not only there.
+/// CollisionChecker::make. Where, at the start or at a goal, nothing but covers of links touches,
+/// and what they cover is kSolidClearance away, these links are checked against the obstacles and
+/// links that they touch by solid (Obstacle::by_solid and Scene::by_solid in the checker's scene):
+/// everywhere, not only there.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends);

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -35,6 +36,9 @@ struct Scene {
   std::vector<Obstacle> obstacles;
   /// What was left aside while reading its files, such as points that are not finite.
   std::vector<std::string> warnings = {};
+  /// Names of two links, of which one is covered at least, that are checked against each other by
+  /// what they cover, as those of Obstacle::by_solid. Not written to files.
+  std::vector<std::pair<std::string, std::string>> by_solid = {};
 
   /// Nothing if there is no obstacle of this name.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;

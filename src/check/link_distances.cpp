@@ -29,16 +29,20 @@ Vec3 center_of(const Capsule& posed) {
 
 namespace {
 
+/// `exact`, or, if that is 0, `gap`, which covers have, or a negative distance.
+double unless_touching(double exact, double gap) {
+  return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
+}
+
 bool contains(const std::vector<int>& links, int link) {
   return std::ranges::find(links, link) != links.end();
 }
 
-Error unknown_link(const Robot& robot, const Obstacle& obstacle, std::string_view what,
-                   const std::string& name) {
+/// `what` is said of the link.
+Error unknown_link(const Robot& robot, const std::string& what, const std::string& name) {
   return {ErrorCode::invalid,
-          fmt::format("obstacle '{}' {} '{}', but robot '{}' has no link and no attached object of "
-                      "this name",
-                      obstacle.name, what, name, robot.name())};
+          fmt::format("{} '{}', but robot '{}' has no link and no attached object of this name",
+                      what, name, robot.name())};
 }
 
 }  // namespace
@@ -48,18 +52,51 @@ Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle
   for (const std::string& name : obstacle.may_touch) {
     const auto link = robot.find_link(name);
     if (!link) {
-      return tl::unexpected(unknown_link(robot, obstacle, "may be touched by", name));
+      return tl::unexpected(
+          unknown_link(robot, fmt::format("obstacle '{}' may be touched by", obstacle.name), name));
     }
     links.may_touch.push_back(*link);
   }
   for (const std::string& name : obstacle.by_solid) {
     const auto link = robot.find_link(name);
     if (!link) {
-      return tl::unexpected(unknown_link(robot, obstacle, "is checked by the solid of", name));
+      return tl::unexpected(unknown_link(
+          robot, fmt::format("obstacle '{}' is checked by the solid of", obstacle.name), name));
     }
     if (robot.links()[as_index(*link)].cover) links.by_solid.push_back(*link);
   }
   return links;
+}
+
+Result<void> check_named_links(const Robot& robot, const Scene& scene) {
+  for (const auto& [first, second] : scene.by_solid) {
+    for (const std::string& name : {first, second}) {
+      if (robot.find_link(name)) continue;
+      return tl::unexpected(unknown_link(
+          robot, fmt::format("scene '{}' has a pair checked by solid of", scene.name), name));
+    }
+  }
+  return {};
+}
+
+std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene) {
+  std::vector<std::pair<int, int>> by_solid;
+  for (const auto& [one, two] : scene.by_solid) {
+    const auto first = robot.find_link(one), second = robot.find_link(two);
+    if (!first || !second) continue;
+    const auto is_covered = [&](int link) {
+      return robot.links()[as_index(link)].cover.has_value();
+    };
+    if (is_covered(*first) || is_covered(*second)) by_solid.push_back(std::minmax(*first, *second));
+  }
+  std::vector<LinkPair> pairs;
+  pairs.reserve(robot.self_pairs().size());
+  for (const auto& [first, second] : robot.self_pairs()) {
+    const std::pair<int, int> pair = std::minmax(first, second);
+    const bool is_by_solid = std::ranges::find(by_solid, pair) != by_solid.end();
+    pairs.push_back({first, second, is_by_solid});
+  }
+  return pairs;
 }
 
 std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene) {
@@ -97,10 +134,10 @@ LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare) : li
 void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);
   for (std::size_t i = links_.size(); i < robot.links().size(); ++i) {
-    Body body{shapes_of(robot.links()[i]), {}, {}, is_moving[i]};
+    const Link& link = robot.links()[i];
+    Body body{shapes_of(link), {}, {}, is_moving[i], LinkSolid(link), link.cover.has_value()};
     body.bound = bound_of(body.shapes);
     for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
-    if (robot.links()[i].cover) body.solid.emplace(robot.links()[i]);
     links_.push_back(std::move(body));
   }
 }
@@ -117,15 +154,22 @@ PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
 double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
                               double enough) const {
   if (contains(other.may_touch, link)) return kInfinity;
-  const double gap = between_shapes(posed, link, other, enough);
-  const std::optional<LinkSolid>& solid = at(link).solid;
-  if (gap > enough || !solid || !contains(other.by_solid, link)) return gap;
+  const double gap = between_covers(posed, link, other, enough);
+  if (gap > enough || !at(link).is_covered || !contains(other.by_solid, link)) return gap;
   const Transform X_LW = posed.poses[as_index(link)].inverse();
-  const double exact = solid->distance_to(transformed(X_LW, *other.shape));
-  return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
+  return unless_touching(at(link).solid.distance_to(transformed(X_LW, *other.shape)), gap);
 }
 
-double LinkDistances::between_shapes(const PosedLinks& posed, int link, const ObstacleShape& other,
+double LinkDistances::between(const PosedLinks& posed, const LinkPair& pair, double enough) const {
+  const double gap = between_covers(posed, pair.first, pair.second, enough);
+  if (gap > enough || !pair.is_by_solid) return gap;
+  const Transform X_LO =
+      posed.poses[as_index(pair.first)].inverse() * posed.poses[as_index(pair.second)];
+  return unless_touching(at(pair.first).solid.distance_to(at(pair.second).solid, X_LO, enough),
+                         gap);
+}
+
+double LinkDistances::between_covers(const PosedLinks& posed, int link, const ObstacleShape& other,
                                      double enough) const {
   const Body& body = at(link);
   const auto i = as_index(link);
@@ -167,7 +211,8 @@ std::vector<LinkDistances::PosedShape> LinkDistances::near_shapes(const PosedLin
   return near;
 }
 
-double LinkDistances::between(const PosedLinks& posed, int first, int second, double enough) const {
+double LinkDistances::between_covers(const PosedLinks& posed, int first, int second,
+                                     double enough) const {
   const Body &one = at(first), &two = at(second);
   const auto i = as_index(first), j = as_index(second);
   if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {
@@ -185,17 +230,16 @@ double LinkDistances::between(const PosedLinks& posed, int first, int second, do
   return least;
 }
 
-bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
-             std::span<const ObstacleShape> obstacles) {
+bool is_free(const LinkDistances& links, const PosedLinks& posed,
+             std::span<const ObstacleShape> obstacles, std::span<const LinkPair> pairs) {
   for (int link = 0; link < links.link_count(); ++link) {
     if (links.shapes(link).empty() || !links.is_moving(link)) continue;
     for (const ObstacleShape& obstacle : obstacles) {
       if (links.between(posed, link, obstacle, 0) < 0) return false;
     }
   }
-  return std::ranges::none_of(robot.self_pairs(), [&](const std::pair<int, int>& pair) {
-    return links.between(posed, pair.first, pair.second, 0) < 0;
-  });
+  return std::ranges::none_of(
+      pairs, [&](const LinkPair& pair) { return links.between(posed, pair, 0) < 0; });
 }
 
 namespace {
@@ -231,9 +275,9 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
   const PosedLinks posed = links.posed(robot.link_poses(q));
   std::vector<Contact> contacts = find_scene_contacts(robot, links, posed, scene, margin, true);
   const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
-  for (const auto& [first, second] : robot.self_pairs()) {
-    const double gap = links.between(posed, first, second, 0);
-    if (gap < 0) contacts.push_back({name(first), name(second), true, gap});
+  for (const LinkPair& pair : link_pairs(robot, scene)) {
+    const double gap = links.between(posed, pair, 0);
+    if (gap < 0) contacts.push_back({name(pair.first), name(pair.second), true, gap});
   }
   return contacts;
 }

@@ -30,12 +30,22 @@ struct ObstacleShape {
 /// lacks are left aside.
 [[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene);
 
+/// Two links that are checked against each other.
+struct LinkPair {
+  int first = 0, second = 0;
+  bool is_by_solid = false;  ///< (Scene::by_solid)
+};
+/// Those of the robot, in its order. Names of links that it lacks are left aside.
+[[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
+
 /// Indices of the links that an obstacle names: that may touch it, and that are covered and checked
 /// by_solid. Error: a name that the robot lacks.
 struct NamedLinks {
   std::vector<int> may_touch, by_solid;
 };
 [[nodiscard]] Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle);
+/// Error: Scene::by_solid has a name that the robot lacks.
+[[nodiscard]] Result<void> check_named_links(const Robot& robot, const Scene& scene);
 
 /// Where links stand at one configuration.
 struct PosedLinks {
@@ -72,7 +82,13 @@ class LinkDistances {
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
   /// The same of two links; in contact negative by at most the sum of the radii.
-  [[nodiscard]] double between(const PosedLinks& posed, int first, int second, double enough) const;
+  [[nodiscard]] double between(const PosedLinks& posed, const LinkPair& pair, double enough) const;
+
+  /// The same of covers, whatever is checked by solid.
+  [[nodiscard]] double between_covers(const PosedLinks& posed, int link, const ObstacleShape& other,
+                                      double enough) const;
+  [[nodiscard]] double between_covers(const PosedLinks& posed, int first, int second,
+                                      double enough) const;
 
  private:
   /// Shapes and spheres around them, in the link's frame.
@@ -81,7 +97,8 @@ class LinkDistances {
     std::vector<Sphere> bounds;
     Sphere bound;
     bool is_moving = false;
-    std::optional<LinkSolid> solid = {};  ///< of a covered link
+    LinkSolid solid;
+    bool is_covered = false;
   };
   /// In the robot's frame, with the sphere around it.
   struct PosedShape {
@@ -94,14 +111,13 @@ class LinkDistances {
   /// Shapes of the link that may be within `enough` of the other link.
   [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link, int other,
                                                     double enough) const;
-  [[nodiscard]] double between_shapes(const PosedLinks& posed, int link, const ObstacleShape& other,
-                                      double enough) const;
   std::vector<Body> links_;
 };
 
 /// True if nothing touches that the group can move.
-[[nodiscard]] bool is_free(const Robot& robot, const LinkDistances& links, const PosedLinks& posed,
-                           std::span<const ObstacleShape> obstacles);
+[[nodiscard]] bool is_free(const LinkDistances& links, const PosedLinks& posed,
+                           std::span<const ObstacleShape> obstacles,
+                           std::span<const LinkPair> pairs);
 
 /// All pairs in contact at `q`: links that the group moves with obstacles, inflated by `margin`,
 /// then links with links.

@@ -31,17 +31,19 @@ double LinkSolid::distance_to(const Shape& shape) const {
   return std::max(0.0, least);
 }
 
-double LinkSolid::distance_to(const LinkSolid& other, const Transform& X_LO) const {
+double LinkSolid::distance_to(const LinkSolid& other, const Transform& X_LO, double enough) const {
+  // Not to be taken for a distance that is not small enough, what touches has to be looked for.
+  constexpr double kSome = 1e-3;
   double least = std::numeric_limits<double>::infinity();
-  const auto include = [&](const Shape& shape) {
+  for (const Capsule& shape : other.shapes_) {
     least = std::min(least, distance_to(transformed(X_LO, shape)));
-  };
-  for (const Capsule& shape : other.shapes_) include(shape);
-  for (const Mesh& surface : other.surfaces_) include(surface);
-  // A surface says nothing of what lies inside of it.
-  const Transform X_OL = X_LO.inverse();
-  for (const Mesh& surface : surfaces_) {
-    least = std::min(least, other.distance_to(transformed(X_OL, surface)));
+  }
+  for (const Mesh& theirs : other.surfaces_) {
+    const Mesh surface = std::get<Mesh>(transformed(X_LO, theirs));
+    for (const Capsule& shape : shapes_) least = std::min(least, distance_to_solid(surface, shape));
+    for (const Mesh& own : surfaces_) {
+      least = std::min(least, distance_between_solids(own, surface, enough + kSome));
+    }
   }
   return least;
 }
@@ -69,7 +71,8 @@ std::optional<CoveredContact> look_behind_covers(const Robot& robot, const Scene
   const LinkSolid solid(robot.links()[link]);
   const Transform X_LW = poses[link].inverse();
   if (contact.is_self) {
-    result.distance = solid.distance_to(LinkSolid(robot.links()[other]), X_LW * poses[other]);
+    result.distance = solid.distance_to(LinkSolid(robot.links()[other]), X_LW * poses[other],
+                                        std::numeric_limits<double>::infinity());
     return result;
   }
   result.distance = std::numeric_limits<double>::infinity();

@@ -18,8 +18,10 @@ class LinkSolid {
   /// Metres from a shape in the link's frame, by distance_to_solid (geometry/solid_distance.h): 0
   /// if they meet.
   [[nodiscard]] double distance_to(const Shape& shape) const;
-  /// The same from a link that stands at X_LO.
-  [[nodiscard]] double distance_to(const LinkSolid& other, const Transform& X_LO) const;
+  /// The same from a link that stands at X_LO, exact if that is at most `enough`, and otherwise
+  /// anything above it.
+  [[nodiscard]] double distance_to(const LinkSolid& other, const Transform& X_LO,
+                                   double enough) const;
 
  private:
   std::vector<Capsule> shapes_;

@@ -14,16 +14,20 @@ namespace {
 class StateChecker {
  public:
   StateChecker(const Robot& robot, const Scene& scene)
-      : robot_(robot), links_(robot), obstacles_(internal::obstacle_shapes(robot, scene)) {}
+      : robot_(robot),
+        links_(robot),
+        obstacles_(internal::obstacle_shapes(robot, scene)),
+        pairs_(internal::link_pairs(robot, scene)) {}
 
   [[nodiscard]] bool is_free(const Configuration& q) const {
-    return internal::is_free(robot_, links_, links_.posed(robot_.link_poses(q)), obstacles_);
+    return internal::is_free(links_, links_.posed(robot_.link_poses(q)), obstacles_, pairs_);
   }
 
  private:
   const Robot& robot_;
   internal::LinkDistances links_;
   std::vector<internal::ObstacleShape> obstacles_;
+  std::vector<internal::LinkPair> pairs_;
 };
 
 /// Walks the states after `from`, up to and including `to`.

@@ -14,12 +14,15 @@ namespace {
 
 /// Metres: where there is less room, a motion is taken to touch.
 constexpr double kLeastRoom = 1e-4;
-/// Metres: whether there is more room is not looked at, because covers alone tell so much.
-constexpr double kMostRoom = 0.01;
+/// Metres: where covers have so much room, solids are not looked at.
+constexpr double kCoverRoom = 0.01;
+/// Whether there is more room is asked again where there was as much as was asked for.
+constexpr double kGrowth = 4;
 
 }  // namespace
 
-SolidPairs::SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene)
+SolidPairs::SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene,
+                       double margin)
     : robot_(robot), links_(links) {
   for (const ObstacleShape& obstacle : obstacle_shapes(robot, scene)) {
     for (const int link : obstacle.by_solid) {
@@ -27,8 +30,11 @@ SolidPairs::SolidPairs(const Robot& robot, const LinkDistances& links, const Sce
       auto shape = std::make_shared<const Shape>(*obstacle.shape);
       ObstacleShape own = obstacle;
       own.shape = shape.get();
-      pairs_.push_back({link, std::move(shape), std::move(own)});
+      pairs_.push_back({link, margin, std::move(shape), std::move(own)});
     }
+  }
+  for (const LinkPair& pair : link_pairs(robot, scene)) {
+    if (pair.is_by_solid) pairs_.push_back({.link = pair.first, .links = pair});
   }
 }
 
@@ -36,31 +42,47 @@ PosedLinks SolidPairs::pose(const Configuration& q) const {
   return links_.posed(robot_.link_poses(q));
 }
 
-bool SolidPairs::are_all_apart(std::span<const float> q, double margin) const {
-  const PosedLinks posed = pose({q.begin(), q.end()});
-  return std::ranges::none_of(pairs_, [&](const Pair& pair) {
-    return links_.between(posed, pair.link, pair.obstacle, margin) < margin;
-  });
+double SolidPairs::between(const PosedLinks& posed, const Pair& pair, double enough) const {
+  return pair.shape ? links_.between(posed, pair.link, pair.obstacle, enough)
+                    : links_.between(posed, pair.links, enough);
 }
 
-bool SolidPairs::stay_all_apart(std::span<const float> from, std::span<const float> delta,
-                                double margin) const {
+/// Metres that a pair may come closer at least, or more than `most`.
+double SolidPairs::room(const PosedLinks& posed, const Pair& pair, double margin,
+                        double most) const {
+  const double enough = margin + most;
+  const auto [first, second, by_solid] = pair.links;
+  const double covers = pair.shape ? links_.between_covers(posed, pair.link, pair.obstacle, enough)
+                                   : links_.between_covers(posed, first, second, enough);
+  if (covers > margin + std::min(most, kCoverRoom)) return covers - margin;
+  return between(posed, pair, enough) - margin;
+}
+
+bool SolidPairs::are_apart(std::span<const float> q) const {
+  const PosedLinks posed = pose({q.begin(), q.end()});
+  return std::ranges::none_of(
+      pairs_, [&](const Pair& pair) { return between(posed, pair, pair.margin) < pair.margin; });
+}
+
+bool SolidPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
+                            double extra) const {
   const Configuration begin(from.begin(), from.end());
   const auto at = [&](double share) {
     Configuration q = begin;
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * delta[j];
     return q;
   };
-  std::vector<double> ways;
-  for (const Pair& pair : pairs_) ways.push_back(longest_way(pair.link, begin, at(1)));
+  std::vector<double> ways, asked(pairs_.size(), kCoverRoom);
+  for (const Pair& pair : pairs_) ways.push_back(longest_way(pair, begin, at(1)));
   for (double share = 0; share < 1;) {
     const PosedLinks posed = pose(at(share));
     double step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const double enough = margin + std::min(kLeastRoom + ways[i], kMostRoom);
-      const double gap = links_.between(posed, pairs_[i].link, pairs_[i].obstacle, enough);
-      const double room = std::min(gap, enough) - margin;
+      const double most = std::min(kLeastRoom + ways[i], asked[i]);
+      const double room =
+          std::min(this->room(posed, pairs_[i], pairs_[i].margin + extra, most), most);
       if (!(room >= kLeastRoom)) return false;
+      asked[i] = std::max(kCoverRoom, kGrowth * room);
       step = std::min(step, room / ways[i]);
     }
     share += step;
@@ -68,22 +90,49 @@ bool SolidPairs::stay_all_apart(std::span<const float> from, std::span<const flo
   return true;
 }
 
-/// Metres that a point of the link moves at most on the straight motion. A joint that turns moves
-/// it along an arc about its axis, which is no farther away than what is between is long.
-double SolidPairs::longest_way(int link, const Configuration& from, const Configuration& to) const {
+/// Metres that a pair comes closer at most on the straight motion.
+double SolidPairs::longest_way(const Pair& pair, const Configuration& from,
+                               const Configuration& to) const {
   const std::vector<double> first = joint_values(robot_.joints(), robot_.group(), from);
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
+  std::vector<int> own = joints_to(pair.link);
+  if (pair.shape) return longest_way(pair.link, own, first, last);
+  // What carries both does not matter.
+  std::vector<int> others = joints_to(pair.links.second);
+  while (!own.empty() && !others.empty() && own.back() == others.back()) {
+    own.pop_back();
+    others.pop_back();
+  }
+  return longest_way(pair.link, own, first, last) +
+         longest_way(pair.links.second, others, first, last);
+}
+
+/// Metres that a point of the link moves at most by these joints, which carry it one after the
+/// other. One that turns moves it along an arc about its axis, which is no farther away than what
+/// is between is long.
+double SolidPairs::longest_way(int link, std::span<const int> joints,
+                               const std::vector<double>& from,
+                               const std::vector<double>& to) const {
   double way = 0, reach = links_.reach(link);
-  for (int i = robot_.links()[as_index(link)].parent_joint; i >= 0;) {
+  for (const int i : joints) {
     const Joint& joint = robot_.joints()[as_index(i)];
-    const double a = first[as_index(i)], b = last[as_index(i)];
+    const double a = from[as_index(i)], b = to[as_index(i)];
     const bool slides = joint.type == JointType::prismatic;
     way += std::abs(b - a) * (slides ? 1 : reach);
     if (slides) reach += std::max(std::abs(a), std::abs(b));
     reach += joint.origin.translation.norm();
-    i = robot_.links()[as_index(joint.parent_link)].parent_joint;
   }
   return way;
+}
+
+/// Those that carry the link, from it to the root.
+std::vector<int> SolidPairs::joints_to(int link) const {
+  std::vector<int> joints;
+  for (int i = robot_.links()[as_index(link)].parent_joint; i >= 0;) {
+    joints.push_back(i);
+    i = robot_.links()[as_index(robot_.joints()[as_index(i)].parent_link)].parent_joint;
+  }
+  return joints;
 }
 
 }  // namespace mneme::internal

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Links and obstacles that are checked by what the links' covers cover.
+/// Links, obstacles and other links that are checked by what the links' covers cover.
 #pragma once
 
 #include "mneme/robot.h"
@@ -10,43 +10,48 @@
 #include "check/link_distances.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace mneme::internal {
 
-/// All pairs of a scene that are checked by solid (Obstacle::by_solid), in double precision. Covers
-/// come first, so that exact distances are found only where these are close. Const and
-/// parallel-safe.
+/// All pairs of a scene that are checked by solid (Obstacle::by_solid, Scene::by_solid), in double
+/// precision. Covers come first, so that exact distances are found only where these are close.
+/// Const and parallel-safe.
 class SolidPairs {
  public:
-  /// Refers to `links`, which are those of the robot.
-  SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene);
+  /// Refers to `links`, which are those of the robot. Obstacles are inflated by `margin` metres.
+  SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
-  /// True if at `q` no pair is closer than `margin` metres.
-  [[nodiscard]] bool are_apart(std::span<const float> q, double margin) const {
-    return pairs_.empty() || are_all_apart(q, margin);
-  }
-  /// True if no pair comes closer than `margin`, and 1e-4 m besides, on the whole motion from
+  [[nodiscard]] bool empty() const { return pairs_.empty(); }
+  /// True if at `q` no pair touches.
+  [[nodiscard]] bool are_apart(std::span<const float> q) const;
+  /// True if no pair comes closer than `extra` metres, and 1e-4 m besides, on the whole motion from
   /// `from` by `delta`: from each state that is looked at the motion goes on to where the links
   /// have moved by no more than they had room.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
-                                double margin) const {
-    return pairs_.empty() || stay_all_apart(from, delta, margin);
-  }
+                                double extra) const;
 
  private:
+  /// Of a link and a shape of an obstacle, or of two links.
   struct Pair {
     int link = 0;
-    std::shared_ptr<const Shape> shape;
-    ObstacleShape obstacle;
+    double margin = 0;
+    std::shared_ptr<const Shape> shape = {};
+    ObstacleShape obstacle = {};
+    LinkPair links = {};
   };
-  [[nodiscard]] bool are_all_apart(std::span<const float> q, double margin) const;
-  [[nodiscard]] bool stay_all_apart(std::span<const float> from, std::span<const float> delta,
-                                    double margin) const;
+  [[nodiscard]] double between(const PosedLinks& posed, const Pair& pair, double enough) const;
+  [[nodiscard]] double room(const PosedLinks& posed, const Pair& pair, double margin,
+                            double most) const;
   [[nodiscard]] PosedLinks pose(const Configuration& q) const;
-  [[nodiscard]] double longest_way(int link, const Configuration& from,
+  [[nodiscard]] double longest_way(const Pair& pair, const Configuration& from,
                                    const Configuration& to) const;
+  [[nodiscard]] double longest_way(int link, std::span<const int> joints,
+                                   const std::vector<double>& from,
+                                   const std::vector<double>& to) const;
+  [[nodiscard]] std::vector<int> joints_to(int link) const;
 
   Robot robot_;
   const LinkDistances& links_;

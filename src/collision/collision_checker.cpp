@@ -79,11 +79,18 @@ Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& rob
   return made;
 }
 
+/// What kernels check.
+struct KernelWorld {
+  std::shared_ptr<const RobotTables> robot;
+  SceneTables scene;
+};
+
 }  // namespace mneme::internal
 
 namespace mneme {
 namespace {
 
+using World = internal::KernelWorld;
 using FloatConfiguration = std::array<float, internal::kMaxFrames>;
 
 FloatConfiguration to_float(std::span<const double> q) {
@@ -146,6 +153,24 @@ struct Ways {
   float farthest_reach = 0;  ///< that one radian moves a body
 };
 
+/// Of all pairs, or of those that are not checked by solid.
+Result<World> make_world(const std::shared_ptr<const internal::CheckedRobot>& checked,
+                         const Robot& robot, const Scene& scene, internal::SceneTables tables,
+                         bool with_solids) {
+  auto allowed = internal::find_allowed_contacts(robot, checked->tables, scene, !with_solids);
+  if (!allowed) return tl::unexpected(allowed.error());
+  tables.may_touch = std::move(*allowed);
+  World world{{checked, &checked->tables}, std::move(tables)};
+  std::set<std::pair<int, int>> by_solid;
+  for (const internal::LinkPair& pair : internal::link_pairs(robot, scene)) {
+    if (pair.is_by_solid) by_solid.insert(std::minmax(pair.first, pair.second));
+  }
+  if (by_solid.empty() || with_solids) return world;
+  world.robot = std::make_shared<const internal::RobotTables>(
+      internal::without_pairs(checked->tables, by_solid));
+  return world;
+}
+
 }  // namespace
 
 struct CollisionChecker::Tables {
@@ -157,11 +182,19 @@ struct CollisionChecker::Tables {
   Isa isa = Isa::scalar;
   internal::JointSpace space;
   std::shared_ptr<const internal::CheckedRobot> checked_robot;
-  internal::SceneTables scene_tables;
+  World world;
+  World covers;  ///< with what is checked by solid; empty if nothing is
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
   internal::SolidPairs solids;
+
+  /// Kernels first, solids only where covers touch: `is_free(world)` asks the kernels,
+  /// `are_solids_free()` the solids.
+  template <class IsFree, class AreSolidsFree>
+  [[nodiscard]] bool judge(const IsFree& is_free, const AreSolidsFree& are_solids_free) const {
+    return is_free(world) && (solids.empty() || is_free(covers) || are_solids_free());
+  }
 
   /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
   /// finite limits.
@@ -172,12 +205,12 @@ struct CollisionChecker::Tables {
 
   /// Parts that lie farther out than the robot reaches are left out of the tables.
   [[nodiscard]] bool can_keep(double extra_margin) const {
-    return scene_tables.crowds.empty() || extra_margin <= internal::kSpareReach;
+    return world.scene.crowds.empty() || extra_margin <= internal::kSpareReach;
   }
 
-  [[nodiscard]] Ways find_ways(std::span<const float> from, std::span<const float> to,
-                               std::span<const float> delta) const {
-    const internal::RobotTables& tables = checked_robot->tables;
+  [[nodiscard]] static Ways find_ways(const internal::RobotTables& tables,
+                                      std::span<const float> from, std::span<const float> to,
+                                      std::span<const float> delta) {
     const auto with = [&](const internal::Reaches& reaches) {
       Ways ways{ways_of(reaches.bodies, delta), ways_of(reaches.pairs, delta)};
       ways.longest = std::max(largest(ways.bodies), largest(ways.pairs));
@@ -186,6 +219,33 @@ struct CollisionChecker::Tables {
     };
     return tables.has_far_slides ? with(internal::find_reaches(tables, from, to))
                                  : with(tables.reaches);
+  }
+
+  [[nodiscard]] bool is_sweep_free(const World& of, std::span<const float> from,
+                                   std::span<const float> delta, const SweepDetail& detail,
+                                   std::uint64_t& states_checked) const {
+    FloatConfiguration end;
+    for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
+    const Ways ways = find_ways(*of.robot, from, {end.data(), from.size()}, delta);
+    if (!(ways.longest > 0)) return true;
+    const auto extra = static_cast<float>(detail.margin);
+    const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
+    const float first = share * ways.farthest_reach;
+    const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
+    // Next to an exempt end there is hardly any margin.
+    const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
+    const float finest = keeps_margin ? std::max(0.5f * extra, kFinestSweep) : kFinestSweep;
+    const internal::SweptMotion motion{from.data(),
+                                       delta.data(),
+                                       ways.bodies.data(),
+                                       ways.pairs.data(),
+                                       margin,
+                                       extra,
+                                       detail.is_from_start,
+                                       detail.is_to_goal,
+                                       static_cast<int>(parts),
+                                       std::max(finest / ways.longest, kLeastShare / parts)};
+    return kernels->is_sweep_free(*of.robot, of.scene, motion, states_checked);
   }
 };
 
@@ -209,9 +269,18 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (!checked_robot) return tl::unexpected(checked_robot.error());
   auto scene_tables = internal::make_scene_tables(scene, (*checked_robot)->reach + settings.margin);
   if (!scene_tables) return tl::unexpected(scene_tables.error());
-  auto may_touch = internal::find_allowed_contacts(robot, (*checked_robot)->tables, scene);
-  if (!may_touch) return tl::unexpected(may_touch.error());
-  scene_tables->may_touch = std::move(*may_touch);
+  if (auto named = internal::check_named_links(robot, scene); !named) {
+    return tl::unexpected(named.error());
+  }
+  internal::SolidPairs solids(robot, (*checked_robot)->links, scene, settings.margin);
+  World covers;
+  if (!solids.empty()) {
+    auto made = make_world(*checked_robot, robot, scene, *scene_tables, true);
+    if (!made) return tl::unexpected(made.error());
+    covers = *std::move(made);
+  }
+  auto world = make_world(*checked_robot, robot, scene, *std::move(scene_tables), false);
+  if (!world) return tl::unexpected(world.error());
 
   for (const OrientationConstraint& constraint : settings.constraints) {
     if (const auto fault = describe_fault(robot, constraint)) {
@@ -220,11 +289,10 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   }
 
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
-  internal::SolidPairs solids(robot, (*checked_robot)->links, scene);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
-             isa, internal::JointSpace(robot), std::move(*checked_robot), std::move(*scene_tables),
-             &internal::collision_kernels(isa), internal::walk_kernel(isa),
+             isa, internal::JointSpace(robot), std::move(*checked_robot), *std::move(world),
+             std::move(covers), &internal::collision_kernels(isa), internal::walk_kernel(isa),
              internal::Cones(robot, settings.constraints), std::move(solids)});
   return CollisionChecker(std::move(tables));
 }
@@ -253,13 +321,19 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 void CollisionChecker::check_states(std::span<const float> configurations,
                                     std::span<std::uint8_t> is_valid) const {
   const Tables& t = *tables_;
-  t.kernels->check_states(t.checked_robot->tables, t.scene_tables, configurations.data(),
-                          static_cast<int>(is_valid.size()), t.margin, is_valid.data());
+  const auto check_in = [&](const World& world, std::span<const float> rows,
+                            std::span<std::uint8_t> is_free) {
+    t.kernels->check_states(*world.robot, world.scene, rows.data(),
+                            static_cast<int>(is_free.size()), t.margin, is_free.data());
+  };
+  check_in(t.world, configurations, is_valid);
   const std::size_t joints = internal::as_index(t.space.joint_count());
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
     if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
-    if (is_valid[i] != 0 && !t.solids.are_apart(q, t.margin)) is_valid[i] = 0;
+    if (is_valid[i] == 0 || t.solids.empty()) continue;
+    check_in(t.covers, q, is_valid.subspan(i, 1));
+    if (is_valid[i] == 0 && t.solids.are_apart(q)) is_valid[i] = 1;
   }
 }
 
@@ -273,9 +347,13 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
-  return t.kernels->is_motion_free(t.checked_robot->tables, t.scene_tables, from.data(),
-                                   delta.data(), states, margin, counters.states) &&
-         t.solids.stay_apart(from, {delta.data(), from.size()}, margin);
+  const auto is_free = [&](const World& world) {
+    return t.kernels->is_motion_free(*world.robot, world.scene, from.data(), delta.data(), states,
+                                     margin, counters.states);
+  };
+  return t.judge(is_free, [&] {
+    return t.solids.stay_apart(from, {delta.data(), from.size()}, detail.margin);
+  });
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
@@ -304,14 +382,17 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
       states[i] = std::max(1, t.count_states(length, detail.refinement));
     }
     const internal::MotionChain chain{points, deltas.data(), states.data(), static_cast<int>(some)};
-    if (!t.kernels->is_chain_free(t.checked_robot->tables, t.scene_tables, chain, margin,
-                                  counters.states)) {
-      return false;
-    }
-    for (std::size_t i = 0; i < some; ++i) {
-      const std::span<const float> delta(deltas.data() + i * joints, joints);
-      if (!t.solids.stay_apart({points + i * joints, joints}, delta, margin)) return false;
-    }
+    const auto is_free = [&](const World& world) {
+      return t.kernels->is_chain_free(*world.robot, world.scene, chain, margin, counters.states);
+    };
+    const auto are_solids_free = [&] {
+      for (std::size_t i = 0; i < some; ++i) {
+        const std::span<const float> delta(deltas.data() + i * joints, joints);
+        if (!t.solids.stay_apart({points + i * joints, joints}, delta, detail.margin)) return false;
+      }
+      return true;
+    };
+    if (!t.judge(is_free, are_solids_free)) return false;
   }
   return true;
 }
@@ -324,30 +405,12 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   if (!keeps_constraints(from, to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
-  FloatConfiguration end;
-  for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-  const Ways ways = t.find_ways(from, {end.data(), from.size()}, {delta.data(), from.size()});
-  if (!(ways.longest > 0)) return true;
-  const auto margin = static_cast<float>(detail.margin);
-  const float share = t.robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
-  const float first = share * ways.farthest_reach;
-  const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
-  // Next to an exempt end there is hardly any margin.
-  const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
-  const float finest = keeps_margin ? std::max(0.5f * margin, kFinestSweep) : kFinestSweep;
-  const internal::SweptMotion motion{from.data(),
-                                     delta.data(),
-                                     ways.bodies.data(),
-                                     ways.pairs.data(),
-                                     t.margin,
-                                     margin,
-                                     detail.is_from_start,
-                                     detail.is_to_goal,
-                                     static_cast<int>(parts),
-                                     std::max(finest / ways.longest, kLeastShare / parts)};
-  return t.kernels->is_sweep_free(t.checked_robot->tables, t.scene_tables, motion,
-                                  counters.states) &&
-         t.solids.stay_apart(from, {delta.data(), from.size()}, t.margin + margin);
+  const auto is_free = [&](const World& world) {
+    return t.is_sweep_free(world, from, {delta.data(), from.size()}, detail, counters.states);
+  };
+  return t.judge(is_free, [&] {
+    return t.solids.stay_apart(from, {delta.data(), from.size()}, detail.margin);
+  });
 }
 
 bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,
@@ -359,7 +422,7 @@ bool CollisionChecker::project(std::span<float> q) const { return tables_->cones
 
 double CollisionChecker::longest_way(std::span<const float> from, std::span<const float> to,
                                      std::span<const float> delta) const {
-  return tables_->find_ways(from, to, delta).longest;
+  return Tables::find_ways(tables_->checked_robot->tables, from, to, delta).longest;
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,
@@ -372,7 +435,7 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
 void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
                             std::span<float> candidates) const {
   const Tables& t = *tables_;
-  const internal::RobotTables& robot = t.checked_robot->tables;
+  const internal::RobotTables& robot = *t.world.robot;
   const std::size_t joints = internal::as_index(robot.joint_count);
   FloatConfiguration lower, upper;
   for (std::size_t j = 0; j < joints; ++j) {
@@ -392,7 +455,7 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
   request.upper = upper.data();
   request.jitter = step.jitter.data();
   request.count = static_cast<int>(step.jitter.size() / 3);
-  t.walk_kernel(robot, t.scene_tables, request, candidates.data());
+  t.walk_kernel(robot, t.world.scene, request, candidates.data());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i] = t.space.into_limits(static_cast<int>(i % joints), candidates[i]);
   }

@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -33,17 +35,21 @@ void store(const Matrix& m, float* out) {
 /// The same for a robot that carries objects, from the tables of the bare one.
 [[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
 
+/// Without checks of some pairs of links, each the lower index first.
+[[nodiscard]] RobotTables without_pairs(RobotTables tables,
+                                        const std::set<std::pair<int, int>>& pairs);
+
 /// Errors: an obstacle without shapes, not finite, too far away, or without a positive size. Of
 /// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
-/// Which groups may touch which obstacles (see SceneTables::may_touch), or are checked by solid
-/// instead. Error: an obstacle names a
-/// link that the robot lacks.
+/// Which groups may touch which obstacles (see SceneTables::may_touch), those that are checked by
+/// solid among them if `with_solids` says so. Error: an obstacle names a link that the robot lacks.
 [[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                                        const RobotTables& tables,
-                                                                       const Scene& scene);
+                                                                       const Scene& scene,
+                                                                       bool with_solids);
 
 struct CheckedRobot {
   RobotTables tables;

@@ -4,7 +4,7 @@
 #include "collision/body_reaches.h"
 #include "collision/joint_reach.h"
 #include "collision/make_tables.h"
-#include "collision/shape_groups.h"
+#include "geometry/shape_groups.h"
 #include "robot/link_shapes.h"
 
 #include <Eigen/Geometry>
@@ -74,6 +74,10 @@ struct Drive {
   int joint = 0;
   double multiplier = 1, offset = 0;
 };
+
+bool is_single(std::span<const GroupPairRow> rows) {
+  return rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
+}
 
 class RobotTablesBuilder {
  public:
@@ -364,7 +368,7 @@ class RobotTablesBuilder {
                       static_cast<int>(tables_.group_pairs.size())};
       tables_.group_pairs.insert(tables_.group_pairs.end(), rows.begin(), rows.end());
       row.end = static_cast<int>(tables_.group_pairs.size());
-      row.is_single = rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
+      row.is_single = is_single(rows);
       tables_.body_pairs.push_back(row);
     }
   }
@@ -454,6 +458,34 @@ Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare) {
   const bool fits = bare.bodies.size() + robot.attached().size() <= as_index(kMaxBodies);
   if (!fits) return make_robot_tables(robot);
   return RobotTablesBuilder(robot).build_on(bare);
+}
+
+RobotTables without_pairs(RobotTables tables, const std::set<std::pair<int, int>>& pairs) {
+  const auto is_left_out = [&](int first, int second) {
+    const auto& link = tables.link_of_group;
+    return pairs.contains(std::minmax(link[as_index(first)], link[as_index(second)]));
+  };
+  std::vector<GroupPairRow> kept;
+  for (BodyPairRow& bodies : tables.body_pairs) {
+    const auto begin = kept.size();
+    for (int i = bodies.begin; i < bodies.end; ++i) {
+      const GroupPairRow& row = tables.group_pairs[as_index(i)];
+      for (int k = row.second_begin; k < row.second_end; ++k) {
+        if (is_left_out(row.first, k)) continue;
+        const bool goes_on =
+            kept.size() > begin && kept.back().first == row.first && kept.back().second_end == k;
+        if (!goes_on) kept.push_back({row.first, k, k});
+        ++kept.back().second_end;
+      }
+    }
+    bodies.begin = static_cast<int>(begin);
+    bodies.end = static_cast<int>(kept.size());
+    bodies.is_single = is_single(std::span(kept).subspan(begin));
+  }
+  std::erase_if(tables.body_pairs, [](const BodyPairRow& row) { return row.begin == row.end; });
+  tables.group_pairs = std::move(kept);
+  add_reaches(tables);
+  return tables;
 }
 
 }  // namespace mneme::internal

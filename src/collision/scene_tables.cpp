@@ -215,7 +215,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
 
 Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                          const RobotTables& tables,
-                                                         const Scene& scene) {
+                                                         const Scene& scene, bool with_solids) {
   std::vector<std::uint16_t> bits;
   std::size_t shape_count = 0;
   for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
@@ -225,7 +225,7 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
     auto named = find_named_links(robot, obstacle);
     if (!named) return tl::unexpected(named.error());
     std::vector<int>& links = named->may_touch;
-    links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
+    if (with_solids) links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;

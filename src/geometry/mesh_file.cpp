@@ -59,15 +59,21 @@ Result<std::string> read_bytes(const MeshPlace& file) {
   return bytes;
 }
 
-/// A binary STL file says how many triangles follow.
-bool is_truncated_stl(const std::string& bytes) {
-  if (bytes.size() < 84) return !bytes.starts_with("solid");
+/// What is wrong with an STL file: of a binary one, which says how many triangles follow, and of
+/// text, in which each is a facet.
+std::string find_stl_fault(const std::string& bytes) {
+  const std::string truncated = "ends before the triangles that it announces";
+  const std::string hollow = "has no triangles, expected a surface";
+  const bool is_text = bytes.starts_with("solid") && bytes.find('\0') == std::string::npos;
+  if (is_text) return bytes.find("facet") == std::string::npos ? hollow : "";
+  if (bytes.size() < 84) return truncated;
   std::uint64_t count = 0;
   for (int i = 3; i >= 0; --i) {
     count = count << 8 | static_cast<unsigned char>(bytes[80 + as_index(i)]);
   }
   const bool is_binary = bytes.find('\0') != std::string::npos;
-  return is_binary && bytes.size() < 84 + 50 * count;
+  if (is_binary && bytes.size() < 84 + 50 * count) return truncated;
+  return is_binary && count == 0 ? hollow : "";
 }
 
 Vec3 to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
@@ -157,9 +163,8 @@ Result<std::vector<Triangle>> read_triangles(const std::string& path, const Vec3
   const auto bytes = read_bytes(file);
   if (!bytes) return tl::unexpected(bytes.error());
   if (bytes->empty()) return refuse(ErrorCode::parse, file, "is empty");
-  if (suffix == ".stl" && is_truncated_stl(*bytes)) {
-    return refuse(ErrorCode::parse, file, "ends before the triangles that it announces");
-  }
+  const std::string fault = suffix == ".stl" ? find_stl_fault(*bytes) : "";
+  if (!fault.empty()) return refuse(ErrorCode::parse, file, fault);
   try {
     return import(file);
   } catch (const std::exception& error) {

@@ -2,11 +2,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/parts.h"
 
+#include "base/as_index.h"
 #include "geometry/point_grid.h"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 
 namespace mneme::internal {
+namespace {
+
+std::vector<Vec3> corner_of_each_piece(const std::vector<Triangle>& triangles) {
+  // Pieces grow together where triangles share a corner.
+  std::vector<int> piece(triangles.size());
+  std::iota(piece.begin(), piece.end(), 0);
+  const auto root_of = [&](int i) {
+    while (piece[as_index(i)] != i) i = piece[as_index(i)] = piece[as_index(piece[as_index(i)])];
+    return i;
+  };
+  std::map<std::array<double, 3>, int> first_at;
+  for (int i = 0; i < std::ssize(triangles); ++i) {
+    const Triangle& t = triangles[as_index(i)];
+    for (const Vec3& corner : {t.a, t.b, t.c}) {
+      const auto first = first_at.try_emplace({corner.x(), corner.y(), corner.z()}, i).first;
+      piece[as_index(root_of(i))] = root_of(first->second);
+    }
+  }
+  std::vector<Vec3> corners;
+  for (int i = 0; i < std::ssize(triangles); ++i) {
+    if (piece[as_index(i)] == i) corners.push_back(triangles[as_index(i)].a);
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::shared_ptr<const std::vector<Vec3>> PartsAccess::corners(const Parts<Triangle>& surface) {
+  const std::lock_guard lock(surface.mutex_);
+  if (!surface.corners_) {
+    surface.corners_ = std::make_shared<std::vector<Vec3>>(corner_of_each_piece(surface.list_));
+  }
+  return std::static_pointer_cast<const std::vector<Vec3>>(surface.corners_);
+}
 
 void PartsAccess::replace(PointCloud& cloud, std::size_t first,
                           std::span<const CloudPoint> points) {

@@ -34,6 +34,9 @@ struct PartsAccess {
     return std::static_pointer_cast<const BoxTree>(parts.tree_);
   }
 
+  /// A corner of each connected piece of a surface. Found at the first call.
+  static std::shared_ptr<const std::vector<Vec3>> corners(const Parts<Triangle>& surface);
+
   /// Replaces points in place, or in a copy of their own if anyone else holds them.
   static void replace(PointCloud& cloud, std::size_t first, std::span<const CloudPoint> points);
 

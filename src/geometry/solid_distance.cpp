@@ -81,8 +81,91 @@ double radius_of(const Triangle& t) {
 }
 
 Vec3 point_of(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
-Vec3 point_of(const Triangle& t) { return t.a; }
 Vec3 point_of(const Cube& cube) { return cube.center; }
+
+/// Metres between two triangles along an axis of any length; at most 0 if they overlap there.
+double apart_along(const Vec3& axis, const Triangle& s, const Triangle& t) {
+  const auto [low_s, high_s] = std::minmax({axis.dot(s.a), axis.dot(s.b), axis.dot(s.c)});
+  const auto [low_t, high_t] = std::minmax({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
+  const double length = axis.norm();
+  return length > 0 ? std::max(low_t - high_s, low_s - high_t) / length : 0;
+}
+
+Vec3 normal_of(const Triangle& t) { return (t.b - t.a).cross(t.c - t.a); }
+
+/// False if that takes no look at edges.
+bool may_be_within(double limit, const Triangle& s, const Triangle& t) {
+  return apart_along(t.centroid() - s.centroid(), s, t) < limit &&
+         apart_along(normal_of(s), s, t) < limit && apart_along(normal_of(t), s, t) < limit;
+}
+
+/// Between the triangles of two surfaces, by both trees at once.
+class SurfaceGap {
+ public:
+  SurfaceGap(const Mesh& a, const Mesh& b)
+      : a_(a.parts->list()),
+        b_(b.parts->list()),
+        tree_a_(PartsAccess::tree(*a.parts)),
+        tree_b_(PartsAccess::tree(*b.parts)),
+        X_AB_(a.pose.inverse() * b.pose),
+        extent_(X_AB_.rotation.cwiseAbs()) {}
+
+  /// Infinite if it is not less than `limit`, which is above 0.
+  double less_than(double limit) {
+    least_ = limit;
+    if (is_within(reach2(0, 0))) search(0, 0);
+    return least_ < limit ? least_ : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  using Nodes = std::pair<int, int>;
+
+  void search(int i, int k) {
+    const BoxTree::Node &a = tree_a_->nodes()[as_index(i)], &b = tree_b_->nodes()[as_index(k)];
+    if (a.right < 0 && b.right < 0) return compare(a, b);
+    const bool splits_a = b.right < 0 || (a.right >= 0 && size2(a) > size2(b));
+    Nodes near = splits_a ? Nodes{i + 1, k} : Nodes{i, k + 1};
+    Nodes far = splits_a ? Nodes{a.right, k} : Nodes{i, b.right};
+    double near2 = reach2(near.first, near.second), far2 = reach2(far.first, far.second);
+    if (far2 < near2) {
+      std::swap(near, far);
+      std::swap(near2, far2);
+    }
+    if (is_within(near2)) search(near.first, near.second);
+    if (is_within(far2)) search(far.first, far.second);
+  }
+
+  void compare(const BoxTree::Node& a, const BoxTree::Node& b) {
+    for (int k = b.first; k < b.first + b.count; ++k) {
+      const Triangle& t = b_[as_index(tree_b_->order()[as_index(k)])];
+      const Triangle other{X_AB_ * t.a, X_AB_ * t.b, X_AB_ * t.c};
+      const AxisBox box = box_of(other);
+      for (int i = a.first; i < a.first + a.count; ++i) {
+        const Triangle& own = a_[as_index(tree_a_->order()[as_index(i)])];
+        if (!is_within(distance2(box_of(own), box)) || !may_be_within(least_, own, other)) continue;
+        least_ = std::min(least_, gap(own, other));
+      }
+    }
+  }
+
+  static double size2(const BoxTree::Node& node) {
+    return (node.box.high - node.box.low).squaredNorm();
+  }
+  [[nodiscard]] bool is_within(double distance2) const { return distance2 < least_ * least_; }
+
+  [[nodiscard]] double reach2(int i, int k) const {
+    const AxisBox& b = tree_b_->nodes()[as_index(k)].box;
+    const Vec3 middle = X_AB_ * Vec3(0.5 * (b.low + b.high));
+    const Vec3 half = extent_ * (0.5 * (b.high - b.low));
+    return distance2(tree_a_->nodes()[as_index(i)].box, {middle - half, middle + half});
+  }
+
+  const std::vector<Triangle>&a_, &b_;
+  std::shared_ptr<const BoxTree> tree_a_, tree_b_;
+  Transform X_AB_;
+  Eigen::Matrix3d extent_;
+  double least_ = 0;
+};
 
 /// The distance from shapes in the surface's frame.
 class FromSurface {
@@ -98,6 +181,17 @@ class FromSurface {
   }
   double operator()(const Box& s) const { return from_convex(s); }
   double operator()(const Cylinder& s) const { return from_convex(s); }
+  double operator()(const Mesh& s) const {
+    const double least = SurfaceGap(surface_, s).less_than(std::numeric_limits<double>::infinity());
+    return least > s.radius && !may_enclose(s) ? least - s.radius : 0;
+  }
+
+  /// True unless lines show that no piece of another surface, which this one does not meet, is
+  /// inside.
+  bool may_enclose(const Mesh& s) const {
+    return std::ranges::any_of(*PartsAccess::corners(*s.parts),
+                               [&](const Vec3& corner) { return !is_outside(s.pose * corner); });
+  }
 
   template <class Part>
   double operator()(const Crowd<Part>& s) const {
@@ -174,6 +268,14 @@ class FromSurface {
 
 double distance_to_solid(const Mesh& surface, const Shape& shape) {
   return std::visit(FromSurface(surface), transformed(surface.pose.inverse(), shape));
+}
+
+double distance_between_solids(const Mesh& a, const Mesh& b, double enough) {
+  const double least = SurfaceGap(a, b).less_than(enough);
+  const Transform X_AB = a.pose.inverse() * b.pose;
+  const bool is_one_inside = FromSurface(a).may_enclose({X_AB, b.parts, 0}) ||
+                             FromSurface(b).may_enclose({X_AB.inverse(), a.parts, 0});
+  return is_one_inside ? 0 : least;
 }
 
 }  // namespace mneme::internal

@@ -155,11 +155,12 @@ Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* da
   return request;
 }
 
-Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings) {
+Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings,
+                                        const std::vector<Configuration>& goals) {
   return mneme::make_query_checker(
       problem.robot, problem.scene,
       {settings.resolution, settings.margin, settings.isa, problem.constraints},
-      {problem.start, problem.goals});
+      {problem.start, goals});
 }
 
 Result<Query> make_query(const Problem& problem, Database* database,
@@ -175,7 +176,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   auto request = make_memory_request(memory_query(problem),
                                      (*sampler)->draws_from_memory ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
-  auto made = make_query_checker(problem, settings);
+  auto made = make_query_checker(problem, settings, problem.goals);
   if (!made) return tl::unexpected(made.error());
   return Query{*std::move(request),
                problem,

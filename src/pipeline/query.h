@@ -52,9 +52,10 @@ struct Query : MemoryRequest {
   CollisionChecker checker;
   std::vector<std::string> notes;  ///< for people, about the checker
 };
-/// The checker for a problem with these settings.
+/// The checker for a problem with these settings and `goals`, its own or others.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,
-                                                      const SolveSettings& settings);
+                                                      const SolveSettings& settings,
+                                                      const std::vector<Configuration>& goals);
 /// Errors besides: an unknown planner or sampler, or two that do not go together; a scene that
 /// cannot be checked.
 [[nodiscard]] Result<Query> make_query(const Problem& problem, Database* database,

@@ -23,6 +23,58 @@ PlanResult refuse_unresolved(const Query& query) {
   return refused;
 }
 
+IkSettings ik_settings(const Query& query) {
+  IkSettings settings = query.settings.ik;
+  settings.seed = query.settings.plan.seed;
+  settings.is_over = [&query] { return query.is_over(); };
+  return settings;
+}
+
+Result<PoseGoalSource> make_source(const Query& query) {
+  return PoseGoalSource::make(query.checker, query.problem.pose_goals, query.problem.start,
+                              ik_settings(query), kVerificationMargin);
+}
+
+/// True if some configuration for a pose touches with covers only: then the checker has become one
+/// that judges these by solids.
+Result<bool> judge_poses_by_solid(Query& query) {
+  constexpr int kMostSolutions = 64;
+  const Problem& problem = query.problem;
+  IkSettings settings = ik_settings(query);
+  settings.solutions = std::max(settings.solutions, kMostSolutions);
+  for (const PoseGoal& goal : problem.pose_goals) {
+    const auto kinematics = InverseKinematics::make(problem.robot, goal.link, query.checker.isa());
+    if (!kinematics) return tl::unexpected(kinematics.error());
+    const IkResult reached = kinematics->solve(goal, problem.start, settings);
+    for (const Configuration& q : reached.solutions) {
+      auto made = make_query_checker(problem, query.settings, {q});
+      if (!made) return tl::unexpected(made.error());
+      if (made->notes.size() <= query.notes.size()) continue;
+      query.checker = std::move(made->checker);
+      query.notes = std::move(made->notes);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The source of configurations for poses, of which the first are among `goals`.
+Result<PoseGoalSource> resolve_poses(Query& query, std::vector<Configuration>& goals) {
+  auto source = make_source(query);
+  if (!source) return source;
+  std::vector<Configuration> found = source->more();
+  if (found.empty() && goals.empty()) {
+    const auto is_by_solid = judge_poses_by_solid(query);
+    if (!is_by_solid) return tl::unexpected(is_by_solid.error());
+    if (*is_by_solid) {
+      source = make_source(query);
+      if (source) found = source->more();
+    }
+  }
+  std::ranges::move(found, std::back_inserter(goals));
+  return source;
+}
+
 }  // namespace
 
 Result<ResolvedGoals> resolve_goals(Query& query) {
@@ -30,13 +82,8 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
   ResolvedGoals resolved;
   const bool has_start = !problem.robot.describe_violation(problem.start, "start");
   if (!problem.pose_goals.empty() && has_start) {
-    IkSettings settings = query.settings.ik;
-    settings.seed = query.settings.plan.seed;
-    settings.is_over = [&query] { return query.is_over(); };
-    auto source = PoseGoalSource::make(query.checker, problem.pose_goals, problem.start, settings,
-                                       kVerificationMargin);
+    auto source = resolve_poses(query, query.ends.goals);
     if (!source) return tl::unexpected(source.error());
-    std::ranges::move(source->more(), std::back_inserter(query.ends.goals));
     resolved.further = std::make_unique<PoseGoalSource>(*std::move(source));
   }
   resolved.notes = drop_goals_in_contact(query.checker, query.ends.goals);

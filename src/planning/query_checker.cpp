@@ -35,20 +35,42 @@ std::vector<CoverOnly> find_cover_contacts(const CollisionChecker& checker,
   const Configuration inside = checker.robot().normalized(q);
   std::vector<CoverOnly> found;
   for (const Contact& contact : checker.contacts(inside)) {
-    if (contact.is_self) return {};
     const auto behind = look_behind_covers(checker.robot(), checker.scene(), inside, contact);
-    if (!behind || !(behind->distance > checker.margin() + kSolidClearance)) return {};
+    const double margin = contact.is_self ? 0 : checker.margin();
+    if (!behind || !(behind->distance > margin + kSolidClearance)) return {};
     found.push_back({contact, *behind});
   }
   return found;
 }
 
 std::string describe(const CoverOnly& found, const std::string& end) {
+  const Contact& contact = found.contact;
+  const double excess = 1e3 * found.behind.excess, distance = 1e3 * found.behind.distance;
+  if (found.behind.covers == 2) {
+    return fmt::format(
+        "{}: links '{}' and '{}' touch with their covers only, which together stick out by up to "
+        "{:.2g} mm; they are checked by what these cover, {:.2g} mm apart",
+        end, contact.link, contact.other, excess, distance);
+  }
   return fmt::format(
-      "{}: link '{}' comes close to obstacle '{}' with its cover only, which sticks out by up to "
-      "{:.2g} mm; they are checked by what it covers, {:.2g} mm away",
-      end, found.contact.link, found.contact.other, 1e3 * found.behind.excess,
-      1e3 * found.behind.distance);
+      "{}: link '{}' comes close to {} '{}' with {} cover only, which sticks out by up to {:.2g} "
+      "mm; they are checked by what it covers, {:.2g} mm away",
+      end, contact.link, contact.is_self ? "link" : "obstacle", contact.other,
+      contact.is_self ? "a" : "its", excess, distance);
+}
+
+/// False if it is known.
+bool add_by_solid(const Contact& contact, Scene& scene) {
+  if (!contact.is_self) {
+    std::vector<std::string>& links = scene.find(contact.other)->by_solid;
+    if (std::ranges::count(links, contact.link) > 0) return false;
+    links.push_back(contact.link);
+    return true;
+  }
+  const std::pair pair(contact.link, contact.other);
+  if (std::ranges::count(scene.by_solid, pair) > 0) return false;
+  scene.by_solid.push_back(pair);
+  return true;
 }
 
 }  // namespace
@@ -62,10 +84,7 @@ Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
   const auto judge = [&](const Configuration& q, const std::string& end) {
     for (const CoverOnly& found : find_cover_contacts(result.checker, q)) {
       if (!by_solid) by_solid = scene;
-      std::vector<std::string>& links = by_solid->find(found.contact.other)->by_solid;
-      if (std::ranges::count(links, found.contact.link) > 0) continue;
-      links.push_back(found.contact.link);
-      result.notes.push_back(describe(found, end));
+      if (add_by_solid(found.contact, *by_solid)) result.notes.push_back(describe(found, end));
     }
   };
   judge(ends.start, "start");

@@ -103,7 +103,7 @@ Result<SolveResult> fetch(const Problem& problem, Database* database, const Solv
   std::optional<CollisionChecker> checker;
   if (looks_at_scene) {
     const Stopwatch making;
-    auto made = make_query_checker(problem, settings);
+    auto made = make_query_checker(problem, settings, problem.goals);
     if (!made) return tl::unexpected(made.error());
     checker.emplace(std::move(made->checker));
     tables_s = making.elapsed_s();

@@ -234,7 +234,7 @@ TEST_SUITE("law") {
 
 bool touch(const Robot& robot, std::span<const double> q, int first, int second) {
   const internal::LinkDistances links(robot);
-  return links.between(links.posed(robot.link_poses(q)), first, second, 0) <= 0;
+  return links.between_covers(links.posed(robot.link_poses(q)), first, second, 0) <= 0;
 }
 
 Robot make_arm(std::vector<Sphere> spheres, std::vector<Capsule> capsules) {
@@ -412,8 +412,8 @@ TEST_SUITE("law") {
       for (int j = 0; j < kStates; ++j) {
         const Configuration q = test::random_configuration(robot, rng);
         INFO("seed " << kSeed << ", scene " << i << ", state " << j);
-        const bool is_free =
-            internal::is_free(robot, links, links.posed(robot.link_poses(q)), obstacles);
+        const bool is_free = internal::is_free(links, links.posed(robot.link_poses(q)), obstacles,
+                                               internal::link_pairs(robot, scene));
         REQUIRE(is_free == checker->contacts(q).empty());
         free_count += is_free ? 1 : 0;
       }

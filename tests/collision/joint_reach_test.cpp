@@ -3,7 +3,7 @@
 #include "collision/joint_reach.h"
 #include "collision/make_tables.h"
 #include "collision/random_worlds.h"
-#include "collision/shape_groups.h"
+#include "geometry/shape_groups.h"
 #include "geometry/random_shapes.h"
 #include "support/support.h"
 

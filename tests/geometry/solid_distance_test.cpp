@@ -83,6 +83,33 @@ TEST_SUITE("oracle") {
   }
 }
 
+TEST_SUITE("oracle") {
+  TEST_CASE("the surfaces of two boxes are as far apart as the boxes") {
+    Rng rng(73);
+    int apart = 0, beyond = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Box a = random_box(rng), b = random_box(rng);
+      const Mesh first = crowd_of(surface_of(a));
+      const Transform X = random_pose(rng, 1.0);
+      // One is given in its own frame.
+      const Mesh second{X, crowd_of(surface_of(std::get<Box>(transformed(X.inverse(), b)))).parts,
+                        0};
+      const double expected = fcl_distance(a, b);
+      INFO("seed 73, pair " << i);
+      CHECK(internal::distance_between_solids(first, second, 1e9) ==
+            doctest::Approx(expected).epsilon(1e-5));
+      constexpr double kEnough = 0.1;
+      const double least = internal::distance_between_solids(first, second, kEnough);
+      if (expected < kEnough) CHECK(least == doctest::Approx(expected).epsilon(1e-5));
+      if (expected > kEnough) CHECK(least >= kEnough);
+      apart += expected > 0 ? 1 : 0;
+      beyond += expected > kEnough ? 1 : 0;
+    }
+    CHECK(apart > 80);
+    CHECK(beyond > 40);
+  }
+}
+
 TEST_SUITE("law") {
   TEST_CASE("poses of the surface and of the world do not matter") {
     Rng rng(72);
@@ -131,6 +158,17 @@ TEST_SUITE("unit") {
     CHECK(distance_to_solid(both, Sphere{{0.2, 0, 0}, 0.05}) == 0);
     CHECK(distance_to_solid(both, Sphere{{-0.3, 0, 0}, 0.05}) == 0);
     CHECK(distance_to_solid(both, Sphere{{1.5, 0, 0}, 0.05}) == doctest::Approx(0.55));
+  }
+
+  TEST_CASE("of two solids either may hold the other, or a piece of it") {
+    const Mesh outer = crowd_of(surface_of(kBox));
+    const Box small{{}, {0.1, 0.1, 0.1}}, away{{Eigen::Matrix3d::Identity(), {3, 0, 0}}, {1, 1, 1}};
+    for (const Mesh& inner : {crowd_of(surface_of(small)), joined(away, small)}) {
+      CHECK(internal::distance_between_solids(outer, inner, 1e9) == 0);
+      CHECK(internal::distance_between_solids(inner, outer, 1e-3) == 0);
+    }
+    CHECK(internal::distance_between_solids(outer, crowd_of(surface_of(away)), 9) ==
+          doctest::Approx(1.5));
   }
 
   TEST_CASE("an opening does not let the outside in") {

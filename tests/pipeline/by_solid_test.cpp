@@ -7,6 +7,8 @@
 
 #include "support/support.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
@@ -33,6 +35,31 @@ Robot covered_arm() {
   const auto robot = make_robot(covering->parts);
   REQUIRE(robot.has_value());
   return *robot;
+}
+
+/// Two boxes side by side that turn about parallel axes beyond a mast; the hand's plate is `gap`
+/// metres beside the mast's at zero.
+Problem beside_its_mast(double gap) {
+  const std::string text = fmt::format(
+      R"(<robot name="arm"><link name="base"><collision><origin xyz="0 0 0.5"/><geometry>
+      <box size="0.2 0.2 1"/></geometry></collision></link><link name="upper"/>
+      <link name="hand"><collision><origin xyz="0 {} 0"/><geometry><box size="0.2 0.1 0.6"/>
+      </geometry></collision></link>
+      <joint name="lift" type="prismatic"><parent link="base"/><child link="upper"/>
+      <origin xyz="0 0 0.5"/><axis xyz="0 0 1"/><limit lower="-0.2" upper="0.2" velocity="1"/>
+      </joint><joint name="out" type="prismatic"><parent link="upper"/><child link="hand"/>
+      <axis xyz="0 1 0"/><limit lower="-0.1" upper="0.5" velocity="1"/></joint></robot>)",
+      0.1 + 0.05 + gap);
+  const auto parts = parse_robot_parts(text, "arm.urdf");
+  REQUIRE(parts.has_value());
+  CoverSettings coarse;
+  coarse.excess = 0.03;
+  const auto covering = cover_robot(*parts, coarse);
+  REQUIRE(covering.has_value());
+  const auto robot = make_robot(covering->parts);
+  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  REQUIRE(robot->self_pairs().size() == 1);
+  return {"beside its mast", *robot, "", {}, {-0.2, 0}, {{0.2, 0}}, {}};
 }
 
 /// Below a plate, whose lower side is `gap` metres above the forearm, and raised beside it.
@@ -99,6 +126,66 @@ TEST_SUITE("flow") {
         }
       }
     }
+  }
+
+  TEST_CASE(
+      "where links touch each other with covers only, plans are checked by what these cover") {
+    Problem problem = beside_its_mast(0.004);
+    const auto is_apart = [](const Configuration& q) { return q[1] > -0.004; };
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      SolveSettings settings;
+      settings.plan.seed = seed;
+      const SolveResult result = require_solve(problem, settings);
+      INFO("seed " << seed << ": " << result.plan.message);
+      REQUIRE(result.plan.is_solved());
+      REQUIRE(result.notes.size() == 1);
+      CHECK(
+          result.notes[0].starts_with("start: links 'base' and 'hand' touch with their covers "
+                                      "only, which together stick out by up to "));
+      CHECK(result.notes[0].ends_with("; they are checked by what these cover, 4 mm apart"));
+      CHECK(checked_scene(problem, result).by_solid.size() == 1);
+      CHECK(std::ranges::all_of(result.plan.path, is_apart));
+      CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
+      CHECK_FALSE(is_path_free(problem.robot, problem.scene, result.plan.path, 0.01));
+      const auto limits = find_rate_limits(problem.robot);
+      REQUIRE(limits.has_value());
+      const auto timed = make_trajectory(problem, settings, result.plan.path, *limits);
+      REQUIRE(timed.has_value());
+      for (double time = 0; time < timed->duration_s(); time += 0.01) {
+        CHECK(is_apart(timed->at(time).position));
+      }
+    }
+    problem.goals = {{0.2, -0.01}};
+    const SolveResult refused = require_solve(problem);
+    CHECK(refused.plan.status == PlanStatus::invalid_goal);
+    CHECK(refused.plan.message.find("link 'base' touches link 'hand'") != std::string::npos);
+    CHECK(refused.plan.message.find("what is covered touches, too") != std::string::npos);
+    for (const double gap : {-0.001, 0.0005}) {
+      CHECK(require_solve(beside_its_mast(gap)).plan.status == PlanStatus::invalid_start);
+    }
+  }
+
+  TEST_CASE("a pose that is reached with touching covers only is judged by what they cover") {
+    Problem problem = beside_its_mast(0.004);
+    problem.start = {0, 0.4};
+    problem.goals = {};
+    PoseGoal pose;
+    pose.link = "hand";
+    pose.pose = problem.robot.link_poses(Configuration{0.1, 0}).back();
+    problem.pose_goals = {pose};
+    const SolveResult result = require_solve(problem);
+    INFO(result.plan.message);
+    REQUIRE(result.plan.is_solved());
+    REQUIRE(result.notes.size() == 1);
+    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch with their covers"));
+    CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
+    const auto limits = find_rate_limits(problem.robot);
+    REQUIRE(limits.has_value());
+    CHECK(make_trajectory(problem, {}, result.plan.path, *limits).has_value());
+    problem.pose_goals[0].pose.translation.y() -= 0.01;
+    const SolveResult refused = require_solve(problem);
+    CHECK(refused.plan.status == PlanStatus::invalid_goal);
+    CHECK(refused.notes.empty());
   }
 
   TEST_CASE("what is too close to be told from contact is refused, as ever") {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/shape_groups.h"
+#include "geometry/shape_groups.h"
 
 #include <algorithm>
 #include <cmath>
