@@ -81,6 +81,9 @@ std::optional<std::string> describe_cell(const CollisionChecker& checker,
     bytes.add(obstacle.may_touch);
     bytes.add(obstacle.by_solid);
   }
+  for (const auto& [first, second] : checker.scene().by_solid) {
+    bytes.add(std::vector{first, second});
+  }
   return bytes.take();
 }
 

@@ -127,13 +127,16 @@ TEST_SUITE("unit") {
     CHECK(proven->contain(a, {{1024, 0}}, {}));
   }
 
-  TEST_CASE("what may touch is part of a cell, and cells of points have no proven motions") {
+  TEST_CASE("what may touch and what is checked by solid is part of a cell, and cells of points have no proven motions") {
     StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
     cell.proven()->add(a, b, {});
     const std::string link = cell.problem.robot.links().back().name;
     cell.problem.scene.obstacles.front().may_touch = {link};
     REQUIRE(cell.proven() != nullptr);
+    CHECK_FALSE(cell.proven()->contain(a, b, {}));
+    cell.proven()->add(a, b, {});
+    cell.problem.scene.by_solid = {{cell.problem.robot.links().front().name, link}};
     CHECK_FALSE(cell.proven()->contain(a, b, {}));
     PointCloud cloud;
     cloud.parts =
