@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
+import re
 import signal
 import threading
 
@@ -71,6 +72,31 @@ def test_a_plan_says_what_it_taught(robot, problem, tmp_path):
     plan = mneme.plan(problem, read_only, remember_after=0)
     assert plan.is_solved and plan.remembered == 0
     assert "read" in plan.remember_failure
+
+
+def test_a_plan_says_why_no_known_task_was_replayed(robot, problem, tmp_path):
+    def plan(asked, database, **settings):
+        return mneme.plan(asked, database, kind="paths", replay=0.5, **settings)
+
+    with mneme.Database.open(tmp_path / "paths.db", robot, mode="create") as database:
+        first = plan(problem, database, remember_after=0)
+        assert first.replayed == 0 and first.replay == "not replayed: no task is known"
+        again = plan(problem, database)
+        assert again.replayed == 1 and again.replay.startswith("replayed row 1, 0.000 rad away")
+        np.testing.assert_allclose(again.path[[0, -1]], first.path[[0, -1]], atol=1e-9)
+
+        elsewhere = problem.with_goal([*problem.start[:7], problem.start[7] + 0.1])
+        assert plan(elsewhere, database).replay.startswith(
+            "not replayed: the nearest known task is ")
+
+        scene = problem.scene.copy()
+        middle = again.path[len(again.path) // 2]
+        scene.add_sphere("in_the_way", robot.link_poses(middle)[-1][:3, 3], 0.05)
+        blocked = plan(problem.with_scene(scene), database)
+        assert blocked.is_solved
+        assert re.search(r"row 1, 0.000 rad away, is blocked at \d+ %: link '\w+' touches "
+                         "obstacle 'in_the_way'$", blocked.replay)
+    assert mneme.plan(problem).replay == ""
 
 
 def test_the_keys_of_all_kinds_have_a_similarity_error():

@@ -221,6 +221,45 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a known task is replayed, and a miss says which one was near and what blocked it") {
+    const TemporaryDirectory files;
+    auto opened = Database::open(files / "m.db", make_space(planar8()), OpenMode::create);
+    REQUIRE(opened.has_value());
+    ServiceSettings settings;
+    settings.remember_after = 0;
+    const RunningService running(settings, std::make_shared<Database>(*std::move(opened)));
+    const auto client = running.client();
+    Json body = question();
+    body["settings"] = {{"kind", "paths"}, {"replay", 0.5}};
+    const auto ask = [&] { return post(*client, "/v1/plan", body).body; };
+    CHECK(ask()["replay"]["explanation"] == "not replayed: no task is known");
+    body["remember"] = false;
+    const Json again = ask();
+    CHECK(again["replayed"] == true);
+    CHECK(again["replay"]["row"] == 1);
+
+    const std::vector<Json> path = again["path"];
+    const auto middle = path[path.size() / 2].get<Configuration>();
+    const Vec3 tip = planar8().link_poses(middle).back().translation;
+    body["obstacles"].push_back({{"name", "in_the_way"},
+                                 {"type", "sphere"},
+                                 {"p", {tip.x(), tip.y(), 0}},
+                                 {"radius", 0.05}});
+    const Json blocked = ask()["replay"]["blocked"][0];
+    CHECK(blocked["row"] == 1);
+    CHECK(blocked["obstacle"] == "in_the_way");
+    CHECK(blocked["fraction"] > 0);
+    CHECK(blocked["fraction"] < 1);
+
+    body = question();
+    body["settings"] = {{"kind", "paths"}, {"replay", 0.5}};
+    body["goals"] = {body["start"]};
+    body["goals"][0][7] = body["start"][7].get<double>() + 0.1;
+    const Json far = ask();
+    CHECK(far["replayed"] == false);
+    CHECK(far["replay"]["nearest"] > 0.5);
+  }
+
   TEST_CASE("many clients at once get the answers that each would get alone") {
     const RunningService running;
     std::vector<Json> expected;
