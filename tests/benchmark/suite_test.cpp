@@ -214,12 +214,13 @@ settings:
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
     for (const char* directory :
-         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS"}) {
+         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS", "PROBLEMS"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
     for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);
     setenv("ROBOT", "panda", 1);
-    setenv("FOLD", "1", 1);
+    setenv("MODEL", "panda", 1);
+    setenv("PART", "1/2", 1);
     setenv("THREADED", test::source_file("README.md").c_str(), 1);
     int count = 0;
     for (const auto& entry :
