@@ -37,6 +37,7 @@ struct Transform {
   [[nodiscard]] Transform inverse() const {
     return {rotation.transpose(), -(rotation.transpose() * translation)};
   }
+  bool operator==(const Transform&) const = default;
 };
 
 /// Rotation by `angle` radians about the unit vector `axis`.
@@ -49,6 +50,8 @@ struct Transform {
 struct Sphere {
   Vec3 center = Vec3::Zero();
   double radius = 0;
+
+  bool operator==(const Sphere&) const = default;
 };
 
 /// All points within `radius` of the segment from `a` to `b`.
@@ -56,11 +59,15 @@ struct Capsule {
   Vec3 a = Vec3::Zero();
   Vec3 b = Vec3::Zero();
   double radius = 0;
+
+  bool operator==(const Capsule&) const = default;
 };
 
 struct Box {
   Transform pose;  ///< of the box's centre
   Vec3 half_extents = Vec3::Zero();
+
+  bool operator==(const Box&) const = default;
 };
 
 /// A solid cylinder about the z axis of `pose`, which is at its centre.
@@ -68,6 +75,8 @@ struct Cylinder {
   Transform pose;
   double radius = 0;
   double length = 0;  ///< full height, between the flat ends
+
+  bool operator==(const Cylinder&) const = default;
 };
 
 /// A point as sensors give it. Metres.
@@ -117,6 +126,9 @@ struct Crowd {
   Transform pose;  ///< of the frame of the parts
   std::shared_ptr<const Parts<Part>> parts;
   double radius = 0;  ///< metres; above 0 for points, otherwise at least 0
+
+  /// The very same parts, not just equal ones.
+  bool operator==(const Crowd&) const = default;
 };
 
 using PointCloud = Crowd<CloudPoint>;

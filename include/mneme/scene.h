@@ -28,6 +28,8 @@ struct Obstacle {
   /// Names of covered links that are checked against it by what they cover (Link::cover), exactly
   /// and slowly, instead of by their spheres. Not written to files.
   std::vector<std::string> by_solid = {};
+
+  bool operator==(const Obstacle&) const = default;
 };
 
 /// The workspace W = {wo_1 .. wo_M} of the paper.
@@ -58,6 +60,8 @@ struct Scene {
   /// no cloud, or ends before; coordinates that are not finite.
   [[nodiscard]] Result<void> replace_points(std::string_view obstacle, std::size_t first,
                                             std::span<const CloudPoint> points);
+
+  bool operator==(const Scene&) const = default;
 };
 
 /// A scene in a frame that may differ from the robot's root link.

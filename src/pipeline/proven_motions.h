@@ -17,11 +17,10 @@ namespace mneme::internal {
 /// In a static cell the same motions are replayed again and again, and to prove them takes most of
 /// a query. Why that may be left out, and nothing unproven comes back all the same: the proof is a
 /// function of the robot, of what the checker was made with, of the verification and of the
-/// motion's two rows of floats, so that what passed once passes always. All of these are compared
-/// bit by bit, no hash stands for any; the robot is kept, so that no other one can take its
-/// identity. What a database says of its rows counts for nothing: only a proof of this process
-/// does. Cells with constraints, or with points, meshes or octrees, whose parts are not compared,
-/// have none. Thread-safe.
+/// motion's two rows of floats, so that what passed once passes always. All of these are compared,
+/// no hash stands for any. What a database says of its rows counts for nothing: only a proof of
+/// this process does. Cells with constraints have none, nor have those with points, meshes or
+/// octrees, which are edited in place while nothing else holds them. Thread-safe.
 class ProvenMotions {
  public:
   /// Of the cell of `checker`: one of the few that were asked for last, or a new one. Null for a
