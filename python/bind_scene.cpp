@@ -71,7 +71,8 @@ Obstacle& find(Scene& scene, const std::string& name) {
 Array to_triples(const py::object& value, const std::string& what) {
   Array array = to_numbers(value, what);
   if (array.ndim() == 2 && array.shape(1) == 3) return array;
-  raise_invalid(fmt::format("{}: expected an array of shape (n, 3)", what));
+  const std::string shape = py::str(array.attr("shape"));
+  raise_invalid(fmt::format("{}: expected an array of shape (n, 3), got {}", what, shape));
 }
 
 std::size_t add_points(Scene& scene, const std::string& name, const py::object& points,
@@ -122,8 +123,9 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
   add(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
 }
 
-void replace_points(Scene& scene, const std::string& name, std::size_t first,
+void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
                     const py::object& points) {
+  if (first < 0) raise_invalid(fmt::format("first: expected 0 or more, got {}", first));
   const Array array = to_triples(points, "points");
   const auto rows = array.unchecked<2>();
   std::vector<CloudPoint> list(static_cast<std::size_t>(rows.shape(0)));
@@ -132,7 +134,7 @@ void replace_points(Scene& scene, const std::string& name, std::size_t first,
                                          static_cast<float>(rows(i, 1)),
                                          static_cast<float>(rows(i, 2))};
   }
-  unwrap(scene.replace_points(name, first, list));
+  unwrap(scene.replace_points(name, static_cast<std::size_t>(first), list));
 }
 
 /// Where a shape was put: its pose, or its middle if it has none.

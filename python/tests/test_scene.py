@@ -247,6 +247,18 @@ def test_wrong_points_and_meshes_are_errors():
     assert len(scene) == 0
 
 
+def test_arrays_that_are_no_points_are_named_by_their_shape():
+    scene = mneme.Scene()
+    for points, shape in ((np.ones(3), "(3,)"), (np.ones((5, 4)), "(5, 4)"), (np.ones((4, 5, 3)), "(4, 5, 3)"), ([], "(0,)")):
+        assert raised(scene.add_points, "a", points, 0.1)[1] == f"points: expected an array of shape (n, 3), got {shape}"
+    for points in (np.ones((4, 3), complex), np.ones((4, 3), bool), [["x", "y", "z"]], None):
+        with pytest.raises(TypeError, match="points: expected an array of real numbers"):
+            scene.add_points("a", points, 0.1)
+    scene.add_points("a", np.ones((5, 3), np.int16)[::2], 0.1)
+    assert raised(scene.replace_points, "a", -1, [[1, 2, 3]])[1] == "first: expected 0 or more, got -1"
+    assert "expected points 2 to 4 to be among its 3" in raised(scene.replace_points, "a", 2, np.ones((2, 3)))[1]
+
+
 def test_no_scene_is_a_type_error():
     robot = mneme.Robot.planar([1.0] * 2)
     with pytest.raises(TypeError):

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "collision/distance-inl.h"
 #include "collision/scene_boxes-inl.h"
@@ -33,33 +34,56 @@ HWY_INLINE V3 into_crowd(const CrowdRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
 }
 
-/// A bit for each lane in which a part may be closer to `p` than `reach`.
+/// The bytes at these indices. Three more may be read.
+template <class Indices>
+HWY_INLINE Indices gather_bytes(const uint8_t* bytes, Indices indices) {
+  const hn::DFromV<Indices> d;
+#if HWY_TARGET == HWY_SCALAR
+  return hn::Set(d, bytes[hn::GetLane(indices)]);
+#else
+  const auto words = hn::GatherOffset(d, reinterpret_cast<const int32_t*>(bytes), indices);
+  return hn::And(words, hn::Set(d, 0xff));
+#endif
+}
+
+/// A bit for each lane in which a part may be closer to `p` than `reach`: it is no closer to the
+/// point of the grid that is nearest to `p` than the gap of a cell, less the way to its centre.
 HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   using VI = hn::Vec<decltype(di)>;
-  const auto cell_of = [&](V x, int axis, V& beyond) -> VI {
+  const auto cell_of = [&](V x, int axis, V& beyond, V& from_center) -> VI {
     const V from_origin = hn::Sub(x, splat(grid.origin[axis]));
     const V most = splat(grid.cell * static_cast<float>(grid.count[axis]));
     const V inside = hn::Min(hn::Max(from_origin, hn::Zero(d)), most);
     beyond = hn::Sub(from_origin, inside);
-    const VI cell = hn::ConvertTo(di, hn::Mul(inside, splat(grid.per_metre)));
     // What is not a number must not lead out of the grid either.
-    return hn::Min(hn::Max(cell, hn::Zero(di)), hn::Set(di, grid.count[axis] - 1));
+    const VI cell =
+        hn::Min(hn::Max(hn::ConvertTo(di, hn::Mul(inside, splat(grid.per_metre))), hn::Zero(di)),
+                hn::Set(di, grid.count[axis] - 1));
+    from_center =
+        hn::NegMulAdd(hn::Add(hn::ConvertTo(d, cell), splat(0.5f)), splat(grid.cell), inside);
+    return cell;
   };
-  V3 beyond;
-  const VI x = cell_of(p.x, 0, beyond.x), y = cell_of(p.y, 1, beyond.y),
-           z = cell_of(p.z, 2, beyond.z);
+  V3 beyond, from_center;
+  const VI x = cell_of(p.x, 0, beyond.x, from_center.x),
+           y = cell_of(p.y, 1, beyond.y, from_center.y),
+           z = cell_of(p.z, 2, beyond.z, from_center.z);
   const VI row = hn::Add(hn::Mul(z, hn::Set(di, grid.count[1])), y);
   const VI slot = hn::Add(hn::Mul(row, hn::Set(di, grid.count[0])), x);
-  HWY_ALIGN int32_t slots[kLanes];
-  HWY_ALIGN int32_t gaps[kLanes];
-  hn::Store(slot, di, slots);
-  for (int lane = 0; lane < kLanes; ++lane)
-    gaps[lane] = grid.gaps[static_cast<size_t>(slots[lane])];
-  const V gap2 = hn::Mul(hn::ConvertTo(d, hn::Load(di, gaps)), splat(grid.cell * grid.cell));
+  const float octant = 0.5f * grid.cell;
+  const V gap2 =
+      hn::Mul(hn::ConvertTo(d, gather_bytes(grid.gaps.data(), slot)), splat(octant * octant));
   const V wanted = hn::Add(reach, splat(gap_tolerance(grid)));
-  return bits_of(hn::Lt(hn::Add(squared_norm(beyond), gap2), hn::Mul(wanted, wanted)));
+  // What is left of the reach within the grid; the square of its sum with the way to the centre.
+  const V left2 =
+      hn::NegMulAdd(beyond.x, beyond.x,
+                    hn::NegMulAdd(beyond.y, beyond.y,
+                                  hn::NegMulAdd(beyond.z, beyond.z, hn::Mul(wanted, wanted))));
+  const V way2 = squared_norm(from_center);
+  const V product = hn::Sqrt(hn::Max(hn::Mul(left2, way2), hn::Zero(d)));
+  const V sum2 = hn::Add(hn::Add(left2, way2), hn::Add(product, product));
+  return bits_of(hn::And(hn::Gt(left2, hn::Zero(d)), hn::Lt(gap2, sum2)));
 }
 
 /// A ball, or a capsule: what is within `reach` of the segment from `a` along `u`.
@@ -97,7 +121,7 @@ HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
 
 /// Cells of an axis that a ball reaches, and how far they are from its centre.
 struct CellRange {
-  int first = 0, last = 0, middle = 0;
+  int first = 0, last = 0;
   float center = 0;  ///< in cells
 
   HWY_INLINE CellRange(const CellGrid& grid, int axis, float x, float reach) {
@@ -108,7 +132,6 @@ struct CellRange {
     center = (x - grid.origin[axis]) * grid.per_metre;
     first = std::max(static_cast<int>(std::floor(in_cells(x - reach))), 0);
     last = std::min(static_cast<int>(std::floor(in_cells(x + reach))), grid.count[axis] - 1);
-    middle = std::min(std::max(static_cast<int>(std::floor(in_cells(x))), first), last);
   }
   /// Squared distance of a cell from the centre, in cells.
   [[nodiscard]] HWY_INLINE float distance2(int i) const {
@@ -116,24 +139,14 @@ struct CellRange {
     const float beyond = std::max(std::max(below, above), 0.0f);
     return beyond * beyond;
   }
-  /// Calls `visit(i)` from the middle outwards, until it returns true.
-  template <class Visit>
-  HWY_INLINE bool visit_outwards(const Visit& visit) const {
-    if (first > last) return false;
-    if (visit(middle)) return true;
-    for (int d = 1; middle - d >= first || middle + d <= last; ++d) {
-      if (middle - d >= first && visit(middle - d)) return true;
-      if (middle + d <= last && visit(middle + d)) return true;
-    }
-    return false;
-  }
 };
 
-/// So many cells along a row are empty for sure, by the gap of one.
-HWY_INLINE int cells_to_skip(uint8_t gap2) {
-  int steps = 1;
-  while (steps * steps <= gap2) ++steps;
-  return steps;
+/// True if a point of a cell is within the probe's reach.
+HWY_INLINE bool touches_cell(const PointGrid& grid, size_t cell, const Probe& probe) {
+  for (int b = grid.first_block[cell]; b >= 0; b = grid.blocks[static_cast<size_t>(b)].next) {
+    if (touches(probe, grid.blocks[static_cast<size_t>(b)])) return true;
+  }
+  return false;
 }
 
 /// True if a point in one of the cells within `ball_reach` of `center` is within the probe's reach.
@@ -144,27 +157,30 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
   const CellRange xs(cells, 0, center[0], reach), ys(cells, 1, center[1], reach),
       zs(cells, 2, center[2], reach);
   const float reach2 = reach * reach * cells.per_metre * cells.per_metre;
-  return zs.visit_outwards([&](int z) {
+  // From the middle up, then from below: what touches mostly does so in the middle.
+  const int layers = zs.last - zs.first + 1;
+  for (int k = 0; k < layers; ++k) {
+    const int z = zs.first + (k + layers / 2) % layers;
     const float z2 = zs.distance2(z);
-    if (z2 >= reach2) return false;
-    return ys.visit_outwards([&](int y) {
-      const float yz2 = z2 + ys.distance2(y);
-      if (yz2 >= reach2) return false;
-      const size_t row = cells.slot({0, y, z});
-      for (int x = xs.first; x <= xs.last;) {
-        const uint8_t gap2 = cells.gaps[row + static_cast<size_t>(x)];
-        if (gap2 == 0 && yz2 + xs.distance2(x) < reach2) {
-          for (int b = grid.first_block[row + static_cast<size_t>(x)]; b >= 0;) {
-            const PointBlock& block = grid.blocks[static_cast<size_t>(b)];
-            if (touches(probe, block)) return true;
-            b = block.next;
+    // As many cells of a row at once as a word has bytes: hardly any has parts.
+    for (int x = xs.first; x <= xs.last; x += 8) {
+      const int beyond = 8 * std::max(x + 7 - xs.last, 0);
+      for (int y = ys.first; y <= ys.last; ++y) {
+        const size_t first = cells.slot({x, y, z});
+        uint64_t word;
+        std::memcpy(&word, cells.octants.data() + first, sizeof word);
+        for (word = word << beyond >> beyond; word != 0;) {
+          const int i = __builtin_ctzll(word) / 8;
+          word &= ~(uint64_t{0xff} << (8 * i));
+          if (z2 + ys.distance2(y) + xs.distance2(x + i) < reach2 &&
+              touches_cell(grid, first + static_cast<size_t>(i), probe)) {
+            return true;
           }
         }
-        x += cells_to_skip(gap2);
       }
-      return false;
-    });
-  });
+    }
+  }
+  return false;
 }
 
 /// A capsule is looked at in stretches as long as two cells.

@@ -67,8 +67,10 @@ Result<void> check(const Obstacle& obstacle) {
                                       ? std::visit(FindFlaw{}, shape)
                                       : "is not finite or extends beyond 10 km";
     if (flaw.empty()) continue;
-    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "': its " +
-                                        std::string(shape_name(shape)) + " " + std::string(flaw));
+    const bool is_cloud = std::holds_alternative<PointCloud>(shape);
+    const std::string name(is_cloud ? "cloud" : shape_name(shape));
+    return fail(ErrorCode::invalid,
+                "obstacle '" + obstacle.name + "': its " + name + " " + std::string(flaw));
   }
   return {};
 }

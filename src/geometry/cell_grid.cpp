@@ -3,6 +3,8 @@
 #include "geometry/cell_grid.h"
 
 #include "base/as_index.h"
+#include "geometry/gap_kernel.h"
+#include "geometry/large_pages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,122 +12,121 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres: finer cells than this tell more, but must be fetched from farther away.
+/// Metres: finer cells than this tell more, but take longer to make.
 constexpr double kSmallestCell = 0.02;
-/// Cells of a grid, about: a megabyte of gaps is what a core's own cache holds.
-constexpr double kMostCells = 1 << 20;
+/// Cells of a grid, about: gaps of all of them are to stay in a core's own cache.
+constexpr double kMostCells = 1 << 18;
 /// Cells around the parts.
 constexpr double kRim = 3;
+/// So many gaps of a row are written at once; words of octants are no longer.
+constexpr int kSpareCells = 16;
 
-/// What a distance of so many cells along an axis adds to the squared gap.
-constexpr std::uint8_t gap2(int cells) {
-  const int between = cells > 0 ? cells - 1 : 0;
-  return static_cast<std::uint8_t>(between * between);
+using Bytes = std::pmr::vector<std::uint8_t>;
+
+constexpr std::uint8_t squared(int octants) {
+  return static_cast<std::uint8_t>(std::min(octants * octants, int{kWideGap}));
 }
 
-/// `to[i] = min(to[i], least of the two + add)`.
-void narrow(const std::uint8_t* one, const std::uint8_t* other, std::uint8_t add, int count,
-            std::uint8_t* to) {
-  for (int i = 0; i < count; ++i) {
-    const std::uint8_t nearer = std::min(one[i], other[i]);
-    to[i] = std::min<std::uint8_t>(to[i], static_cast<std::uint8_t>(nearer + add));
+/// Along one axis, the distance of the centre of cell `i` from an octant, in octants.
+int distance_along(int i, int octant) {
+  const int cell = octant / 2;
+  return i == cell ? 0 : i > cell ? 2 * i - octant : octant - 2 * i - 1;
+}
+
+/// The least of gaps and of others that are farther by `add`. Bytes all along, as vectors hold
+/// them.
+void narrow(const std::uint8_t* others, std::uint8_t add, std::uint8_t* gaps) {
+  std::uint8_t sum[kSpareCells];
+  const auto most = static_cast<std::uint8_t>(kWideGap - add);
+  for (int i = 0; i < kSpareCells; ++i) {
+    const std::uint8_t other = others[i];
+    sum[i] = static_cast<std::uint8_t>((other < most ? other : most) + add);
   }
-}
-
-/// Rows of cells, one after the other along an axis, each with all rows within reach.
-void narrow_rows(const std::uint8_t* from, int rows, int stride, int width, std::uint8_t* to) {
-  for (int row = 0; row < rows; ++row) {
-    for (int d = 1; d <= kGapReach; ++d) {
-      const int below = std::max(row - d, 0), above = std::min(row + d, rows - 1);
-      if (row - d < 0 && row + d >= rows) break;
-      const int one = row - d < 0 ? above : below, other = row + d >= rows ? below : above;
-      narrow(from + one * stride, from + other * stride, gap2(d), width, to + row * stride);
-    }
-  }
-}
-
-void narrow_along_x(CellGrid& grid) {
-  const int width = grid.count[0];
-  std::vector<std::uint8_t> padded(as_index(width + 2 * kGapReach), kWideGap);
-  for (int row = 0; row < grid.count[1] * grid.count[2]; ++row) {
-    std::uint8_t* const gaps = grid.gaps.data() + as_index(row) * as_index(width);
-    std::copy_n(gaps, width, padded.begin() + kGapReach);
-    for (int d = 1; d <= kGapReach; ++d) {
-      const std::uint8_t* const middle = padded.data() + kGapReach;
-      narrow(middle - d, middle + d, gap2(d), width, gaps);
-    }
+  for (int i = 0; i < kSpareCells; ++i) {
+    const std::uint8_t gap = gaps[i], nearer = sum[i];
+    gaps[i] = nearer < gap ? nearer : gap;
   }
 }
 
 }  // namespace
 
-CellGrid::Index CellGrid::cell_of(const std::array<float, 3>& p) const {
+CellGrid::Index CellGrid::octant_of(const std::array<float, 3>& p) const {
   Index i;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Clamped, an int holds it; a cell up, it is not negative: then to cut off is to round down.
-    const float x = (p[axis] - origin[axis]) * per_metre;
-    i[axis] = static_cast<int>(std::clamp(x + 1, 0.0f, static_cast<float>(count[axis] + 1))) - 1;
+    // Clamped, an int holds it; an octant up, it is not negative: then to cut off is to round down.
+    const float x = (p[axis] - origin[axis]) * (2 * per_metre);
+    i[axis] =
+        static_cast<int>(std::clamp(x + 1, 0.0f, static_cast<float>(2 * count[axis] + 1))) - 1;
   }
   return i;
 }
 
-bool CellGrid::contains(const Index& i) const {
+bool CellGrid::contains(const Index& octant) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (i[axis] < 0 || i[axis] >= count[axis]) return false;
+    if (octant[axis] < 0 || octant[axis] >= 2 * count[axis]) return false;
   }
   return true;
 }
 
-CellGrid make_cell_grid(const Region& region, const Middle& middle) {
+CellGrid make_cell_grid(const Region& region, const Middle& middle,
+                        std::pmr::memory_resource* pages) {
   std::array<double, 3> extent{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     extent[axis] = double{region.high[axis]} - region.low[axis];
   double cell = kSmallestCell;
   const auto cells = [&](std::size_t axis) { return std::ceil(extent[axis] / cell + 2 * kRim); };
   while (cells(0) * cells(1) * cells(2) > kMostCells) cell *= 1.1;
-  CellGrid grid;
-  grid.middle = middle;
-  grid.cell = static_cast<float>(cell);
-  grid.per_metre = 1 / grid.cell;
+  std::array<float, 3> origin{};
+  CellGrid::Index count{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    grid.count[axis] = static_cast<int>(cells(axis));
-    grid.origin[axis] = static_cast<float>(region.low[axis] - kRim * cell);
+    count[axis] = static_cast<int>(cells(axis));
+    origin[axis] = static_cast<float>(region.low[axis] - kRim * cell);
   }
   const std::size_t size =
-      as_index(grid.count[0]) * as_index(grid.count[1]) * as_index(grid.count[2]);
-  grid.gaps.assign(size, kWideGap);
-  return grid;
+      as_index(count[0]) * as_index(count[1]) * as_index(count[2]) + kSpareCells;
+  const auto edge = static_cast<float>(cell);
+  // Vectors that are assigned to later would leave the memory that they are given here.
+  return {middle,
+          origin,
+          edge,
+          1 / edge,
+          count,
+          Bytes(size, std::uint8_t{0}, pages),
+          Bytes(size, kWideGap, pages)};
 }
 
-void find_gaps(const std::vector<std::uint8_t>& is_occupied, CellGrid& grid) {
-  std::transform(is_occupied.begin(), is_occupied.end(), grid.gaps.begin(),
-                 [](std::uint8_t occupied) { return occupied != 0 ? 0 : kWideGap; });
-  narrow_along_x(grid);
-  const int width = grid.count[0], layer = width * grid.count[1];
-  std::vector<std::uint8_t> before = grid.gaps;
-  for (int z = 0; z < grid.count[2]; ++z) {
-    narrow_rows(before.data() + z * layer, grid.count[1], width, width,
-                grid.gaps.data() + z * layer);
-  }
-  before = grid.gaps;
-  narrow_rows(before.data(), grid.count[2], layer, layer, grid.gaps.data());
+void find_gaps(CellGrid& grid) {
+  const GapRequest sizes{grid.octants.data(), grid.count.data(), nullptr, grid.gaps.data()};
+  std::pmr::monotonic_buffer_resource pages(scratch_size(sizes), large_pages());
+  Bytes scratch(scratch_size(sizes), &pages);
+  gap_kernel()({sizes.octants, sizes.count, scratch.data(), sizes.gaps});
 }
 
-void occupy(const CellGrid::Index& i, CellGrid& grid) {
+void occupy(const CellGrid::Index& octant, CellGrid& grid) {
+  std::uint8_t& octants = grid.octants[grid.slot_of(octant)];
+  const std::uint8_t bit = CellGrid::bit_of(octant);
+  if ((octants & bit) != 0) return;
+  octants |= bit;
+  constexpr int kCells = kGapReach / 2;
   CellGrid::Index low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(i[axis] - kGapReach, 0);
-    high[axis] = std::min(i[axis] + kGapReach, grid.count[axis] - 1);
+    low[axis] = std::max(octant[axis] / 2 - kCells, 0);
+    high[axis] = std::min(octant[axis] / 2 + kCells, grid.count[axis] - 1);
   }
-  std::array<std::uint8_t, 2 * kGapReach + 1> along_x{};
-  for (int x = low[0]; x <= high[0]; ++x) along_x[as_index(x - low[0])] = gap2(std::abs(x - i[0]));
+  std::array<std::uint8_t, kSpareCells> along_x;
+  static_assert(along_x.size() > 2 * kCells);
+  for (int i = 0; i < kSpareCells; ++i) {
+    const int x = low[0] + i;
+    along_x[as_index(i)] = x <= high[0] ? squared(distance_along(x, octant[0])) : kWideGap;
+  }
   for (int z = low[2]; z <= high[2]; ++z) {
+    const int along_z = distance_along(z, octant[2]);
     for (int y = low[1]; y <= high[1]; ++y) {
-      const int across = gap2(std::abs(z - i[2])) + gap2(std::abs(y - i[1]));
+      const int along_y = distance_along(y, octant[1]);
+      const int across = along_z * along_z + along_y * along_y;
       if (across >= kWideGap) continue;
       std::uint8_t* const row = grid.gaps.data() + grid.slot({low[0], y, z});
-      narrow(along_x.data(), along_x.data(), static_cast<std::uint8_t>(across),
-             high[0] - low[0] + 1, row);
+      narrow(along_x.data(), static_cast<std::uint8_t>(across), row);
     }
   }
 }

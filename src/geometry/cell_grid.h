@@ -7,13 +7,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 namespace mneme::internal {
 
-/// How many cells around an occupied one know of it.
-inline constexpr int kGapReach = 10;
-/// Of cells that know of no occupied one.
+/// Octants of a cell lie on either side of its middle along each axis. So many of them around an
+/// occupied one know of it.
+inline constexpr int kGapReach = 15;
+/// Of cells that know of no occupied octant.
 inline constexpr std::uint8_t kWideGap = kGapReach * kGapReach;
 
 /// A box along the axes of the parts' frame.
@@ -36,8 +38,9 @@ using Middle = std::array<double, 3>;
           static_cast<float>(p[2] - middle[2])};
 }
 
-/// A region cut into cubes, and how far from each of them there is nothing: so many whole cells lie
-/// between it and the nearest occupied one, at least. Outside of the region there is nothing.
+/// A region cut into cubes, and how far from the centre of each there is nothing: so many octants,
+/// each half as wide as a cell, lie between it and the nearest occupied one. Outside of the region
+/// there is nothing.
 struct CellGrid {
   using Index = std::array<int, 3>;
 
@@ -46,22 +49,41 @@ struct CellGrid {
   float cell = 1;                 ///< edge of a cell, metres
   float per_metre = 1;            ///< its inverse
   Index count{};                  ///< of cells along each axis, at least 1
-  /// Per cell, x fastest, the squared gap in cells: 0 of an occupied one and its neighbours.
-  std::vector<std::uint8_t> gaps;
+  /// Per cell, x fastest, a bit for each occupied octant: those with greater x in odd bits. Some
+  /// more follow, so that words may be read.
+  std::pmr::vector<std::uint8_t> octants;
+  /// Per cell the squared distance of its centre from the nearest occupied octant, in octants.
+  /// Some more follow.
+  std::pmr::vector<std::uint8_t> gaps;
 
-  /// The cell that holds a point, on each axis between -1 and count: those are outside.
-  [[nodiscard]] Index cell_of(const std::array<float, 3>& p) const;
-  [[nodiscard]] bool contains(const Index& i) const;
+  /// The octant that holds a point, on each axis between -1 and twice the count: those are outside.
+  [[nodiscard]] Index octant_of(const std::array<float, 3>& p) const;
+  /// Expects an octant of the grid.
+  [[nodiscard]] static std::uint8_t bit_of(const Index& octant) {
+    return static_cast<std::uint8_t>(
+        1u << ((octant[2] & 1) << 2 | (octant[1] & 1) << 1 | (octant[0] & 1)));
+  }
+  [[nodiscard]] bool contains(const Index& octant) const;
+  /// Of the cell that holds an octant of the grid.
+  [[nodiscard]] std::size_t slot_of(const Index& octant) const {
+    return slot({octant[0] / 2, octant[1] / 2, octant[2] / 2});
+  }
   [[nodiscard]] std::size_t slot(const Index& i) const {
     return static_cast<std::size_t>((i[2] * count[1] + i[1]) * count[0] + i[0]);
   }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(count[2]) * static_cast<std::size_t>(count[1]) *
+           static_cast<std::size_t>(count[0]);
+  }
 };
 
-/// Of empty cells. `region` is relative to `middle`.
-[[nodiscard]] CellGrid make_cell_grid(const Region& region, const Middle& middle = {});
-/// Finds all gaps anew. `is_occupied` is 1 or 0 per cell.
-void find_gaps(const std::vector<std::uint8_t>& is_occupied, CellGrid& grid);
-/// Narrows the gaps around a cell that is occupied from now on.
-void occupy(const CellGrid::Index& i, CellGrid& grid);
+/// Of empty cells, in memory of `pages`. `region` is relative to `middle`.
+[[nodiscard]] CellGrid make_cell_grid(
+    const Region& region, const Middle& middle = {},
+    std::pmr::memory_resource* pages = std::pmr::get_default_resource());
+/// Finds all gaps anew.
+void find_gaps(CellGrid& grid);
+/// Narrows the gaps around an octant that is occupied from now on.
+void occupy(const CellGrid::Index& octant, CellGrid& grid);
 
 }  // namespace mneme::internal

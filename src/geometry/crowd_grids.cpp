@@ -102,39 +102,62 @@ bool fills_its_box(const Triangle& t) {
   return normal.maxCoeff() > (1 - 1e-6) * normal.sum();
 }
 
-/// Marks the cells that a part may run through.
-template <class Part>
-void mark(const Part& part, const CellGrid& grid, std::vector<std::uint8_t>& is_occupied) {
-  const Region box = region_of(box_of(part), middle_of(grid));
-  CellGrid::Index low = grid.cell_of(box.low), high = grid.cell_of(box.high);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(low[axis], 0);
-    high[axis] = std::min(high[axis], grid.count[axis] - 1);
-  }
-  const double half_diagonal = std::sqrt(0.75) * grid.cell * (1 + 1e-4);
-  const bool is_full =
-      fills_its_box(part) || (high[0] - low[0] < 2 && high[1] - low[1] < 2 && high[2] - low[2] < 2);
+/// Of a cube of the grid, so many times smaller than a cell.
+Vec3 center_of(const CellGrid::Index& i, int per_cell, const CellGrid& grid) {
+  const Vec3 origin = middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2]);
+  return origin + double{grid.cell} / per_cell * Vec3(i[0] + 0.5, i[1] + 0.5, i[2] + 0.5);
+}
+
+/// Calls `visit(index)` for all from `low` to `high`.
+template <class Visit>
+void visit_range(const CellGrid::Index& low, const CellGrid::Index& high, const Visit& visit) {
   for (int z = low[2]; z <= high[2]; ++z) {
     for (int y = low[1]; y <= high[1]; ++y) {
-      for (int x = low[0]; x <= high[0]; ++x) {
-        std::uint8_t& mark = is_occupied[grid.slot({x, y, z})];
-        if (mark != 0) continue;
-        const Vec3 origin = middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2]);
-        const Vec3 center = origin + double{grid.cell} * Vec3(x + 0.5, y + 0.5, z + 0.5);
-        mark = is_full || (center - nearest_on(center, part)).norm() <= half_diagonal ? 1 : 0;
-      }
+      for (int x = low[0]; x <= high[0]; ++x) visit(CellGrid::Index{x, y, z});
     }
   }
 }
 
+/// Marks the octants that a part may run through.
+template <class Part>
+void mark(const Part& part, CellGrid& grid) {
+  const Region box = region_of(box_of(part), middle_of(grid));
+  CellGrid::Index low = grid.octant_of(box.low), high = grid.octant_of(box.high);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max(low[axis], 0);
+    high[axis] = std::min(high[axis], 2 * grid.count[axis] - 1);
+    if (low[axis] > high[axis]) return;
+  }
+  const bool is_full =
+      fills_its_box(part) || (high[0] - low[0] < 2 && high[1] - low[1] < 2 && high[2] - low[2] < 2);
+  const auto is_near = [&](const CellGrid::Index& i, int per_cell) {
+    const double half_diagonal = std::sqrt(0.75) * grid.cell / per_cell * (1 + 1e-4);
+    const Vec3 center = center_of(i, per_cell, grid);
+    return is_full || (center - nearest_on(center, part)).norm() <= half_diagonal;
+  };
+  const auto half = [](const CellGrid::Index& i) {
+    return CellGrid::Index{i[0] / 2, i[1] / 2, i[2] / 2};
+  };
+  visit_range(half(low), half(high), [&](const CellGrid::Index& cell) {
+    std::uint8_t& octants = grid.octants[grid.slot(cell)];
+    if (octants == 0xff || !is_near(cell, 1)) return;
+    CellGrid::Index first, last;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] = std::max(low[axis], 2 * cell[axis]);
+      last[axis] = std::min(high[axis], 2 * cell[axis] + 1);
+    }
+    visit_range(first, last, [&](const CellGrid::Index& octant) {
+      const std::uint8_t bit = CellGrid::bit_of(octant);
+      if ((octants & bit) == 0 && is_near(octant, 2)) octants |= bit;
+    });
+  });
+}
+
 template <class Part>
 PartTree make_part_tree(const std::vector<Part>& list, const Region& region, const Middle& middle) {
-  PartTree tree;
-  tree.region = region;
-  tree.cells = make_cell_grid(region, middle);
-  std::vector<std::uint8_t> is_occupied(tree.cells.gaps.size(), 0);
-  for (const Part& part : list) mark(part, tree.cells, is_occupied);
-  find_gaps(is_occupied, tree.cells);
+  PartTree tree{make_cell_grid(region, middle), region, {}, {}, {}};
+  for (const Part& part : list) mark(part, tree.cells);
+  find_gaps(tree.cells);
   add_nodes(list, tree);
   return tree;
 }

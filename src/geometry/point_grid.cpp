@@ -3,6 +3,7 @@
 #include "geometry/point_grid.h"
 
 #include "base/as_index.h"
+#include "geometry/large_pages.h"
 
 #include <algorithm>
 #include <limits>
@@ -40,43 +41,39 @@ bool visit_places(PointGrid& grid, std::size_t cell, const Visit& visit) {
 
 void take_out(const Point3& point, PointGrid& grid) {
   const Point3 p = relative_to(grid.cells.middle, point);
-  const CellGrid::Index i = grid.cells.cell_of(p);
+  const CellGrid::Index i = grid.cells.octant_of(p);
   if (!grid.region.contains(p) || !grid.cells.contains(i)) return;
-  const std::size_t cell = grid.cells.slot(i);
-  visit_places(grid, cell, [&](PointBlock& block, int place) {
+  visit_places(grid, grid.cells.slot_of(i), [&](PointBlock& block, int place) {
     const bool is_it = block.x[place] == p[0] && block.y[place] == p[1] && block.z[place] == p[2];
     if (is_it) put({kNowhere, kNowhere, kNowhere}, place, block);
     return is_it;
   });
 }
 
-void put_in(const Point3& p, const CellGrid::Index& i, PointGrid& grid) {
-  const std::size_t cell = grid.cells.slot(i);
+void put_in(const Point3& p, const CellGrid::Index& octant, PointGrid& grid) {
+  const std::size_t cell = grid.cells.slot_of(octant);
+  occupy(octant, grid.cells);
   const bool has_place = visit_places(grid, cell, [&](PointBlock& block, int place) {
     if (block.x[place] != kNowhere) return false;
     put(p, place, block);
     return true;
   });
   if (has_place) return;
-  const bool is_new = grid.first_block[cell] < 0;
   grid.blocks.push_back(empty_block());
   grid.blocks.back().next = grid.first_block[cell];
   put(p, 0, grid.blocks.back());
   grid.first_block[cell] = static_cast<int>(grid.blocks.size()) - 1;
-  if (is_new) occupy(i, grid.cells);
 }
 
-/// The cell of each point; -1 outside.
-std::vector<int> find_cells(PointSpan points, const PointGrid& grid) {
-  std::vector<int> cells(points.size(), -1);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Point3 p = relative_to(grid.cells.middle, points[k]);
-    const CellGrid::Index i = grid.cells.cell_of(p);
-    if (grid.region.contains(p) && grid.cells.contains(i)) {
-      cells[k] = static_cast<int>(grid.cells.slot(i));
-    }
+/// Calls `visit(p, octant)` for the points within the grid, relative to its middle.
+template <class Visit>
+void visit_points(PointSpan points, const CellGrid& cells, const Region& region,
+                  const Visit& visit) {
+  for (const Point3& point : points) {
+    const Point3 p = relative_to(cells.middle, point);
+    const CellGrid::Index octant = cells.octant_of(p);
+    if (region.contains(p) && cells.contains(octant)) visit(p, octant);
   }
-  return cells;
 }
 
 /// The box around those within `region`, which is relative to `middle`.
@@ -95,39 +92,50 @@ Region region_around(PointSpan points, const Region& region, const Middle& middl
   return is_empty ? Region{region.low, region.low} : box;
 }
 
+/// Of each cell, from the number of its points to the place after the last of them.
+void lay_out_blocks(PointGrid& grid) {
+  const auto blocks_of = [](int points) {
+    return (points + kPointsPerBlock - 1) / kPointsPerBlock;
+  };
+  int total = 0;
+  for (const int points : grid.first_block) total += blocks_of(points);
+  // Points that are replaced need some more.
+  grid.blocks.reserve(as_index(total + total / 4));
+  grid.blocks.resize(as_index(total), empty_block());
+  int block = 0;
+  for (int& points : grid.first_block) {
+    const int first = block, end = block + blocks_of(points);
+    for (; block < end - 1; ++block) grid.blocks[as_index(block)].next = block + 1;
+    block = end;
+    points = points == 0 ? -1 : first * kPointsPerBlock + points;
+  }
+}
+
 }  // namespace
 
 PointGrid make_point_grid(PointSpan points, const Region& region, const Middle& middle) {
-  PointGrid grid;
-  grid.region = region;
-  grid.size = points.size();
-  grid.cells = make_cell_grid(region_around(points, region, middle), middle);
-  const std::vector<int> cells = find_cells(points, grid);
-  std::vector<int> left(grid.cells.gaps.size(), 0);
-  for (const int cell : cells) {
-    if (cell >= 0) ++left[as_index(cell)];
-  }
-  grid.first_block.assign(left.size(), -1);
-  grid.blocks.reserve(points.size() / 3);
-  std::vector<std::uint8_t> is_occupied(left.size(), 0);
-  for (std::size_t cell = 0; cell < left.size(); ++cell) {
-    if (left[cell] == 0) continue;
-    is_occupied[cell] = 1;
-    grid.first_block[cell] = static_cast<int>(grid.blocks.size());
-    const int blocks = (left[cell] + kPointsPerBlock - 1) / kPointsPerBlock;
-    for (int b = 0; b < blocks; ++b) {
-      grid.blocks.push_back(empty_block());
-      if (b + 1 < blocks) grid.blocks.back().next = static_cast<int>(grid.blocks.size());
-    }
-  }
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (cells[k] < 0) continue;
-    const std::size_t cell = as_index(cells[k]);
-    const int place = --left[cell];
-    put(relative_to(grid.cells.middle, points[k]), place % kPointsPerBlock,
-        grid.blocks[as_index(grid.first_block[cell] + place / kPointsPerBlock)]);
-  }
-  find_gaps(is_occupied, grid.cells);
+  auto pages =
+      std::make_shared<std::pmr::monotonic_buffer_resource>(40 * points.size(), large_pages());
+  PointGrid grid{pages,
+                 make_cell_grid(region_around(points, region, middle), middle, pages.get()),
+                 std::pmr::vector<int>(pages.get()),
+                 std::pmr::vector<PointBlock>(pages.get()),
+                 region,
+                 points.size(),
+                 0};
+  grid.first_block.resize(grid.cells.size(), 0);
+  visit_points(points, grid.cells, region, [&](const Point3&, const CellGrid::Index& octant) {
+    const std::size_t cell = grid.cells.slot_of(octant);
+    ++grid.first_block[cell];
+    grid.cells.octants[cell] |= CellGrid::bit_of(octant);
+  });
+  lay_out_blocks(grid);
+  visit_points(points, grid.cells, region, [&](const Point3& p, const CellGrid::Index& octant) {
+    const int place = --grid.first_block[grid.cells.slot_of(octant)];
+    put(p, place % kPointsPerBlock, grid.blocks[as_index(place / kPointsPerBlock)]);
+  });
+  for (int& first : grid.first_block) first = first < 0 ? -1 : first / kPointsPerBlock;
+  find_gaps(grid.cells);
   return grid;
 }
 
@@ -139,7 +147,7 @@ bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
   for (const Point3& point : after) {
     const Point3 p = relative_to(grid.cells.middle, point);
     if (!grid.region.contains(p)) continue;
-    const CellGrid::Index i = grid.cells.cell_of(p);
+    const CellGrid::Index i = grid.cells.octant_of(p);
     if (!grid.cells.contains(i)) return false;
     put_in(p, i, grid);
   }

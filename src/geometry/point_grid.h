@@ -6,6 +6,7 @@
 
 #include "geometry/cell_grid.h"
 
+#include <memory>
 #include <span>
 
 namespace mneme::internal {
@@ -19,10 +20,11 @@ struct PointBlock {
 };
 
 struct PointGrid {
+  std::shared_ptr<std::pmr::memory_resource> pages;  ///< of what follows, unless it was copied
   CellGrid cells;
-  std::vector<int> first_block;  ///< per cell; -1 if it is empty
-  std::vector<PointBlock> blocks;
-  Region region;             ///< points outside of it are left out
+  std::pmr::vector<int> first_block;  ///< per cell; -1 if it is empty
+  std::pmr::vector<PointBlock> blocks;
+  Region region{};           ///< points outside of it are left out
   std::size_t size = 0;      ///< points at first
   std::size_t replaced = 0;  ///< points since
 };

@@ -133,7 +133,7 @@ TEST_SUITE("unit") {
     CHECK(message(cube_at({1.1e7, 0, 0})) ==
           "obstacle 'map': its octree has parts beyond 10000 km in their own frame");
     CHECK(message(point_at(1.1e4f)) ==
-          "obstacle 'map': its points has points beyond 10 km in their own frame");
+          "obstacle 'map': its cloud has points beyond 10 km in their own frame");
   }
 
   TEST_CASE("a margin that the tables of a crowd cannot keep makes nothing valid") {

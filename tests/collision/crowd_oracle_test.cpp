@@ -50,21 +50,31 @@ class GapByParts {
   void add(const Solid&) {}
   template <class Part>
   void add(const Crowd<Part>& crowd) {
-    const auto balls =
-        std::make_shared<const std::vector<BallOfParts<Part>>>(balls_of_parts(crowd.parts->list()));
+    const auto ball = std::make_shared<const BallOfParts<Part>>(ball_of_parts(crowd.parts->list()));
     const Transform to_parts = crowd.pose.inverse();
     crowds_.push_back([=, radius = crowd.radius](const Capsule& own, double& least) {
-      const Vec3 a = to_parts * own.a, b = to_parts * own.b;
-      for (const BallOfParts<Part>& ball : *balls) {
-        const double around = own.radius + radius;
-        const double gap = segment_distance(a, b, ball.center, ball.center) - around;
-        if (gap - ball.radius > least) continue;
-        for (const Part& part : ball.parts) {
-          const double distance = internal::distance_between(a, b, part);
-          least = std::min(least, std::max(0.0, distance - radius) - own.radius);
-        }
-      }
+      include(Capsule{to_parts * own.a, to_parts * own.b, own.radius}, *ball, radius, least);
     });
+  }
+
+  /// Independent of the distances that are tested.
+  static double distance_from_axis(const Capsule& c, const Vec3& p) {
+    const Vec3 along = c.b - c.a;
+    const double length2 = along.squaredNorm();
+    const double t = length2 > 0 ? std::clamp(along.dot(p - c.a) / length2, 0.0, 1.0) : 0.0;
+    return (c.a + t * along - p).norm();
+  }
+
+  template <class Part>
+  static void include(const Capsule& own, const BallOfParts<Part>& ball, double radius,
+                      double& least) {
+    const double around = own.radius + radius + ball.radius;
+    if (distance_from_axis(own, ball.center) - around > least) return;
+    for (const BallOfParts<Part>& half : ball.halves) include(own, half, radius, least);
+    for (const Part& part : ball.parts) {
+      const double distance = internal::distance_between(own.a, own.b, part);
+      least = std::min(least, std::max(0.0, distance - radius) - own.radius);
+    }
   }
 
   const Robot& robot_;

@@ -71,44 +71,44 @@ inline std::vector<Vec3> corners_of(const Cube& cube) {
   return corners;
 }
 
-/// Neighbouring parts, and a ball around all of them.
+/// Neighbouring parts, and a ball around all of them: halves of them, or few.
 template <class Part>
 struct BallOfParts {
   Vec3 center;
   double radius = 0;
-  std::vector<Part> parts;
+  std::vector<BallOfParts> halves = {};
+  std::vector<Part> parts = {};
 };
 
-/// All parts in balls of at most 16, by halves along the longest axis.
+/// By halves along the longest axis, down to four parts.
 template <class Part>
-std::vector<BallOfParts<Part>> balls_of_parts(std::vector<Part> parts) {
-  const auto middle = [](const Part& part) { return corners_of(part).front(); };
-  Vec3 low = middle(parts.front()), high = low;
+BallOfParts<Part> ball_of_parts(std::vector<Part> parts) {
+  Vec3 low = corners_of(parts.front()).front(), high = low;
   for (const Part& part : parts) {
     for (const Vec3& corner : corners_of(part)) {
       low = low.cwiseMin(corner);
       high = high.cwiseMax(corner);
     }
   }
-  if (parts.size() > 16) {
-    Eigen::Index axis = 0;
-    (high - low).maxCoeff(&axis);
-    const auto half = parts.begin() + std::ssize(parts) / 2;
-    std::nth_element(parts.begin(), half, parts.end(), [&](const Part& p, const Part& q) {
-      return middle(p)[axis] < middle(q)[axis];
-    });
-    auto balls = balls_of_parts(std::vector<Part>(parts.begin(), half));
-    const auto others = balls_of_parts(std::vector<Part>(half, parts.end()));
-    balls.insert(balls.end(), others.begin(), others.end());
-    return balls;
-  }
-  BallOfParts<Part> ball{0.5 * (low + high), 0, std::move(parts)};
-  for (const Part& part : ball.parts) {
+  BallOfParts<Part> ball{0.5 * (low + high)};
+  for (const Part& part : parts) {
     for (const Vec3& corner : corners_of(part)) {
       ball.radius = std::max(ball.radius, (corner - ball.center).norm() + 1e-9);
     }
   }
-  return {ball};
+  if (parts.size() <= 4) {
+    ball.parts = std::move(parts);
+    return ball;
+  }
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const auto half = parts.begin() + std::ssize(parts) / 2;
+  std::nth_element(parts.begin(), half, parts.end(), [&](const Part& p, const Part& q) {
+    return corners_of(p).front()[axis] < corners_of(q).front()[axis];
+  });
+  ball.halves.push_back(ball_of_parts(std::vector<Part>(parts.begin(), half)));
+  ball.halves.push_back(ball_of_parts(std::vector<Part>(half, parts.end())));
+  return ball;
 }
 
 /// The least distance from any part, one after the other: 0 in contact.
