@@ -179,6 +179,7 @@ class Scripted:
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         self.requests = 0
+        self.closed = threading.Semaphore(0)  # one for each connection
         self._thread = threading.Thread(target=self._run, args=[script])
         self._thread.start()
 
@@ -187,6 +188,7 @@ class Scripted:
             connection, _ = self._listener.accept()
             with connection:
                 serve(self, connection)
+            self.closed.release()
 
     def hear(self, connection):
         """The head of a request, which has no body."""
@@ -245,6 +247,7 @@ def test_a_client_goes_on_after_a_timeout():
 def test_a_connection_that_was_idle_for_too_long_is_made_anew():
     with Scripted(Scripted.answer_once_and_close, Scripted.answer) as service, mneme.Client(service.url) as client:
         assert client.health() == {"status": "ok"}
+        assert service.closed.acquire(timeout=60)
         assert client.health() == {"status": "ok"}
         assert service.requests == 2
 
