@@ -123,8 +123,8 @@ struct PlanOptions {
   std::string problem;
   std::string robot;
   RobotOptions robot_options;
-  std::optional<Configuration> start;
-  std::optional<Configuration> goal;
+  std::optional<GivenConfiguration> start;
+  std::optional<GivenConfiguration> goal;
   std::vector<PoseGoal> goal_poses;
   std::vector<OrientationConstraint> upright;
   std::optional<double> self_filter;
@@ -151,6 +151,17 @@ Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, c
   });
 }
 
+/// None of them is YAML, but scenes that problems name are.
+Result<void> refuse_yaml(const PlanFiles& files) {
+  for (const std::string& path : {files.svg, files.view, files.trace}) {
+    if (!path.ends_with(".yaml") && !path.ends_with(".yml")) continue;
+    return fail(
+        ErrorCode::invalid,
+        fmt::format("'{}': expected a name of a picture, page or trace, not of YAML", path));
+  }
+  return {};
+}
+
 /// Before anything is planned: a memory and a problem are worth more than a picture.
 Result<void> check_files(const PlanOptions& options, const Problem& problem) {
   std::vector<ReadFile> inputs = robot_files(problem.robot_path, options.robot_options.srdf_path);
@@ -159,7 +170,7 @@ Result<void> check_files(const PlanOptions& options, const Problem& problem) {
                                {"the file of limits", options.trajectory.limits}});
   const std::array outputs = {options.files.svg, options.files.view, options.files.trace,
                               options.trajectory.file};
-  return check_outputs(outputs, inputs);
+  return check_outputs(outputs, inputs).and_then([&] { return refuse_yaml(options.files); });
 }
 
 Result<LoadedPlan> load(const PlanOptions& options) {
@@ -330,8 +341,8 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problem's: a URDF file or a name");
   add_robot_flags(command, options.robot_options);
-  add_number_list(command, "--start", options.start, "start instead of the problem's");
-  add_number_list(command, "--goal", options.goal, "goal instead of the problem's");
+  add_configuration(command, "--start", options.start, "start instead of the problem's");
+  add_configuration(command, "--goal", options.goal, "goal instead of the problem's");
   add_poses(command, "--goal-pose", options.goal_poses,
             "pose of a link instead of the problem's goals, in the frame of its scene; without the "
             "quaternion, any rotation; may be given several times, and beside --goal: any will do");

@@ -30,7 +30,7 @@ struct RobotCommandOptions {
   std::string robot;
   RobotOptions robot_options;
   std::string scene;
-  Configuration q;
+  std::optional<GivenConfiguration> q;
   bool is_json = false;
 };
 
@@ -197,7 +197,9 @@ ExitCode report_state(const CollisionChecker& checker, const Configuration& q, b
 Result<ExitCode> run_check(const RobotCommandOptions& options) {
   const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
   if (!placed) return tl::unexpected(placed.error());
-  if (const auto violation = placed->robot.describe_violation(options.q, "configuration")) {
+  const auto q = placed->robot.configuration_of(*options.q);
+  if (!q) return fail(q.error().code, "--q: " + q.error().message);
+  if (const auto violation = placed->robot.describe_violation(*q, "configuration")) {
     if (options.is_json) {
       print_json({{"is_valid", false},
                   {"violation", *violation},
@@ -211,7 +213,7 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
   }
   return CollisionChecker::make(placed->robot, placed->scene)
       .map([&](const CollisionChecker& checker) {
-        return report_state(checker, options.q, options.is_json);
+        return report_state(checker, *q, options.is_json);
       });
 }
 
@@ -253,7 +255,7 @@ void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& opti
   command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
   add_robot_flags(*command, options->robot_options);
-  add_number_list(*command, "--q", options->q, "configuration")->required();
+  add_configuration(*command, "--q", options->q, "configuration")->required();
   command->add_option("--scene", options->scene, "scene or problem with the obstacles");
   add_isa(*command);
   add_json(*command, options->is_json);

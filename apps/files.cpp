@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -110,6 +111,21 @@ std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& sr
   return {{"the robot", urdf}, {"the robot", srdf}, {"the robot", beside.string()}};
 }
 
+namespace {
+
+/// Such files are read, and never written: whoever names one as an output has mistaken it.
+Result<void> refuse_geometry(const std::string& path) {
+  constexpr std::array kRead = {".stl", ".obj", ".dae", ".ply", ".pcd", ".bt", ".ot"};
+  const std::string extension = fs::path(path).extension().string();
+  if (std::find(kRead.begin(), kRead.end(), extension) == kRead.end()) return {};
+  return fail(
+      ErrorCode::invalid,
+      fmt::format("'{}' is a {} file, which mneme reads and does not write; expected another", path,
+                  extension));
+}
+
+}  // namespace
+
 Result<void> refuse_memory(const std::string& path) {
   std::array<char, kApplicationIdOffset + kMemoryId.size()> header{};
   if (!is_special(path)) std::ifstream(path, std::ios::binary).read(header.data(), header.size());
@@ -134,6 +150,7 @@ Result<void> check_outputs(std::span<const std::string> outputs, std::span<const
       return fail(ErrorCode::invalid,
                   fmt::format("'{}' is to be written twice; expected different files", output));
     }
+    if (auto checked = refuse_geometry(output); !checked) return checked;
     if (auto checked = refuse_memory(output); !checked) return checked;
   }
   return {};

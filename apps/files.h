@@ -34,7 +34,7 @@ struct ReadFile {
 [[nodiscard]] std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& srdf);
 
 /// Error: invalid, if one of `outputs` (empty ones do not count) is one of `inputs` under whatever
-/// name, another output too, or a memory.
+/// name, another output too, a memory, or called as meshes, clouds and octrees are.
 [[nodiscard]] Result<void> check_outputs(std::span<const std::string> outputs,
                                          std::span<const ReadFile> inputs);
 /// Error: invalid, if `path` is a memory, sound or not.

@@ -115,6 +115,15 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
   return app.add_option(flag, callback, help)->type_name("TEXT");
 }
 
+CLI::Option* add_configuration(CLI::App& app, const std::string& flag,
+                               std::optional<GivenConfiguration>& given, const std::string& help) {
+  const auto read = [flag, &given](const std::string& text) {
+    const bool is_name = text.find(',') == std::string::npos && !parse_number<double>(text);
+    given = is_name ? GivenConfiguration(text) : parse_numbers(flag, text);
+  };
+  return add_text(app, flag, read, help)->type_name("X,X,.. or STATE");
+}
+
 void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
                const std::string& help) {
   const auto read = [flag, &range](const std::string& text) {

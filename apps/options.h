@@ -41,13 +41,9 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
 void add_range(CLI::App& app, const std::string& flag, std::array<double, 2>& range,
                const std::string& help);
 
-/// A flag for a comma-separated list of numbers.
-template <class List>
-CLI::Option* add_number_list(CLI::App& app, const std::string& flag, List& list,
-                             const std::string& help) {
-  const auto read = [flag, &list](const std::string& text) { list = parse_numbers(flag, text); };
-  return add_text(app, flag, read, help)->type_name("X,X,..");
-}
+/// A flag for values of joints, separated by commas, or the name of a state.
+CLI::Option* add_configuration(CLI::App& app, const std::string& flag,
+                               std::optional<GivenConfiguration>& given, const std::string& help);
 
 /// A flag, which may be given several times, for poses of links: LINK:X,Y,Z,QX,QY,QZ,QW, or
 /// LINK:X,Y,Z for any rotation.

@@ -29,7 +29,7 @@ struct IkOptions {
   RobotOptions robot_options;
   std::string scene;
   std::vector<PoseGoal> poses;
-  std::optional<Configuration> near;
+  std::optional<GivenConfiguration> near;
   IkSettings settings;
   bool is_json = false;
 };
@@ -53,9 +53,10 @@ Json to_json(const Robot& robot, const Configuration& near,
 /// Where the search begins, or what is wrong with it.
 Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& placed) {
   const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
-  const Configuration near =
-      options.near.value_or(placed.start.value_or(placed.robot.normalized(zero)));
-  if (auto violation = placed.robot.describe_violation(near, "--near")) {
+  const auto near = placed.robot.configuration_of(
+      options.near.value_or(placed.start.value_or(placed.robot.normalized(zero))));
+  if (!near) return fail(near.error().code, "--near: " + near.error().message);
+  if (auto violation = placed.robot.describe_violation(*near, "--near")) {
     return fail(ErrorCode::invalid, *violation);
   }
   return near;
@@ -101,9 +102,9 @@ void add_robot_ik(CLI::App& group, Action& action) {
             "pose in the root link's frame; without the quaternion, any rotation; may be given "
             "several times: any will do")
       ->required();
-  add_number_list(*command, "--near", options->near,
-                  "where the search begins: the nearest solution is printed first (default: the "
-                  "problem's start, or zeros)");
+  add_configuration(*command, "--near", options->near,
+                    "where the search begins: the nearest solution is printed first (default: the "
+                    "problem's start, or zeros)");
   command->add_option("--scene", options->scene, "scene or problem with the obstacles");
   add_settings(*command, options->settings);
   add_number(*command, "--seed", options->settings.seed, 0, ~std::uint64_t{0},

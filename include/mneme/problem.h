@@ -78,8 +78,8 @@ struct ProblemOptions {
   /// nor this names `joints`; `joints`, `srdf_path` and each of the `fixed_values` stand for those
   /// of the problem.
   RobotOptions robot;
-  std::optional<Configuration> start;
-  std::optional<Configuration> goal;
+  std::optional<GivenConfiguration> start;
+  std::optional<GivenConfiguration> goal;
   /// Instead of the problem's goals, or besides `goal`: in the frame of the problem's scene.
   std::vector<PoseGoal> pose_goals = {};
   /// Besides those of the problem: `up` is in the frame of the problem's scene.

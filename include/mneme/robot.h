@@ -125,6 +125,9 @@ struct NamedState {
   std::map<std::string, double> values;  ///< by joint
 };
 
+/// Values of the group's joints in order, or the name of a state of the SRDF.
+using GivenConfiguration = std::variant<Configuration, std::string>;
+
 /// An immutable robot model with a planning group. Copies are cheap. All of it is const and
 /// parallel-safe.
 class Robot {
@@ -167,6 +170,9 @@ class Robot {
 
   /// Poses of all links in the root link's frame. `q` has joint_count() values. O(links).
   [[nodiscard]] std::vector<Transform> link_poses(std::span<const double> q) const;
+  /// The values themselves, which describe_violation() judges, or those of the state. Error:
+  /// invalid, if no state of this name has a value of each of the group's joints.
+  [[nodiscard]] Result<Configuration> configuration_of(const GivenConfiguration& given) const;
   /// Why `q` is no configuration of this robot (count, NaN, limits; beyond 1e-5), or nothing if it
   /// is one. `what` names it in the message, such as "start".
   [[nodiscard]] std::optional<std::string> describe_violation(std::span<const double> q,

@@ -46,37 +46,6 @@ Configuration read_joint_map(const Input& input, const Robot& robot) {
   return q;
 }
 
-Configuration find_state(const Input& input, const Robot& robot) {
-  const std::string name = input.text();
-  const std::vector<std::string> joints = group_joint_names(robot);
-  std::vector<std::string> known;
-  std::string fault;
-  for (const NamedState& state : robot.named_states()) {
-    known.push_back(state.name);
-    if (state.name != name) continue;
-    Configuration q;
-    for (const std::string& joint : joints) {
-      const auto value = state.values.find(joint);
-      if (value == state.values.end()) {
-        fault = fmt::format(
-            "state \"{}\" is of group {} and has no value of joint {}, which is "
-            "planned for",
-            name, state.group, joint);
-        break;
-      }
-      q.push_back(value->second);
-    }
-    // The same name may stand for states of several groups.
-    if (q.size() == joints.size()) return q;
-  }
-  if (!fault.empty()) input.fail(ErrorCode::invalid, fault);
-  input.fail(
-      ErrorCode::invalid,
-      fmt::format("expected a state that the SRDF of robot {} names ({}), got \"{}\"", robot.name(),
-                  known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")),
-                  name));
-}
-
 Eigen::Matrix3d read_unit_quaternion(const Input& input) {
   const std::vector<double> xyzw = input.finite_numbers(4, "a quaternion as x, y, z, w");
   const auto rotation = rotation_from_unit_quaternion(std::span(xyzw).first<4>());
@@ -151,8 +120,19 @@ Configuration read_configuration(const Input& input, const Robot& robot) {
   if (input.is_number()) {
     input.fail_expecting("a list of values, a map from joints to values or the name of a state");
   }
-  if (input.is_text()) return find_state(input, robot);
+  if (input.is_text()) {
+    auto state = robot.configuration_of(input.text());
+    if (!state) input.fail(state.error().code, state.error().message);
+    return *std::move(state);
+  }
   return input.numbers();
+}
+
+Configuration read_configuration(const GivenConfiguration& given, const std::string& what,
+                                 const Robot& robot) {
+  auto q = robot.configuration_of(given);
+  if (!q) throw InputFailure{{q.error().code, fmt::format("{}: {}", what, q.error().message)}};
+  return *std::move(q);
 }
 
 void add_pose_goal(const Input& place, PoseGoal goal, Problem& problem) {
@@ -171,7 +151,9 @@ void read_goal(const Input& input, const Transform& X_RF, Problem& problem) {
 }
 
 bool take_goals(const ProblemOptions& options, const Transform& X_RF, Problem& problem) {
-  if (options.goal) problem.goals.push_back(*options.goal);
+  if (options.goal) {
+    problem.goals.push_back(read_configuration(*options.goal, "goal", problem.robot));
+  }
   const InputValue nothing;
   const std::string source = "goal pose";
   for (PoseGoal goal : options.pose_goals) {

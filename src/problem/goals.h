@@ -14,6 +14,10 @@ namespace mneme::internal {
 /// of the SRDF. The count of a list and limits are a matter of planning. Throws InputFailure.
 [[nodiscard]] Configuration read_configuration(const Input& input, const Robot& robot);
 
+/// What was given beside the file; `what` names it in the message of the InputFailure.
+[[nodiscard]] Configuration read_configuration(const GivenConfiguration& given,
+                                               const std::string& what, const Robot& robot);
+
 /// Adds a goal to `problem`, whose robot and start are known: a configuration, or a map with the
 /// key `link`. Poses are in a frame whose pose is `X_RF` unless they name another. Throws
 /// InputFailure.

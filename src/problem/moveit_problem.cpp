@@ -223,7 +223,7 @@ class MoveitReader {
   }
 
   Configuration read_start(const Robot& robot) const {
-    if (overrides_.start) return *overrides_.start;
+    if (overrides_.start) return read_configuration(*overrides_.start, "start", robot);
     return positions_of_group(robot, state_.positions, request_input_, "start");
   }
 

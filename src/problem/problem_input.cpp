@@ -212,7 +212,8 @@ Transform read_frame(const Input& input, const Robot& robot) {
 namespace {
 
 Configuration read_start(const Input& input, const Robot& robot, const ProblemOptions& options) {
-  return options.start ? *options.start : read_configuration(input.at("start"), robot);
+  return options.start ? read_configuration(*options.start, "start", robot)
+                       : read_configuration(input.at("start"), robot);
 }
 
 std::vector<Input> find_goals(const Input& input) {

@@ -9,6 +9,7 @@
 #include "robot/robot_tree.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cassert>
@@ -92,6 +93,37 @@ bool is_within_limits(const Joint& joint, double value) {
 }
 
 }  // namespace
+
+Result<Configuration> Robot::configuration_of(const GivenConfiguration& given) const {
+  if (const auto* q = std::get_if<Configuration>(&given)) return *q;
+  const std::string& wanted = std::get<std::string>(given);
+  std::vector<std::string> known;
+  std::string fault;
+  for (const NamedState& state : named_states()) {
+    known.push_back(state.name);
+    // The same name may stand for states of several groups.
+    if (state.name != wanted) continue;
+    Configuration q;
+    for (int i = 0; i < joint_count(); ++i) {
+      const std::string& joint = group_joint(i).name;
+      const auto value = state.values.find(joint);
+      if (value == state.values.end()) {
+        fault = fmt::format(
+            "state \"{}\" is of group {} and has no value of joint {}, which is planned for",
+            wanted, state.group, joint);
+        break;
+      }
+      q.push_back(value->second);
+    }
+    if (std::ssize(q) == joint_count()) return q;
+  }
+  if (!fault.empty()) return fail(ErrorCode::invalid, fault);
+  return fail(
+      ErrorCode::invalid,
+      fmt::format("expected a state that the SRDF of robot {} names ({}), got \"{}\"", name(),
+                  known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")),
+                  wanted));
+}
 
 std::optional<std::string> Robot::describe_violation(std::span<const double> q,
                                                      std::string_view what) const {

@@ -36,17 +36,6 @@ Configuration random_configuration(const Robot& robot, Rng& rng) {
   return q;
 }
 
-/// The values that a state of the SRDF gives the joints of the group; nothing if it leaves one out.
-std::optional<Configuration> configuration_of(const Robot& robot, const NamedState& state) {
-  Configuration q;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    const auto found = state.values.find(robot.group_joint(i).name);
-    if (found == state.values.end()) return std::nullopt;
-    q.push_back(found->second);
-  }
-  return q;
-}
-
 /// Each joint half-way between its limits, from where a hand reaches to all sides.
 Configuration middle_configuration(const Robot& robot) {
   Configuration q;
@@ -64,7 +53,7 @@ Configuration rest_of(const Robot& robot) {
   const auto checker = CollisionChecker::make(robot, {});
   if (!checker) return middle;
   for (const NamedState& state : robot.named_states()) {
-    const auto q = configuration_of(robot, state);
+    const auto q = robot.configuration_of(state.name);
     if (q && !robot.describe_violation(*q, "") && checker->is_valid(std::span<const double>(*q)))
       return *q;
   }

@@ -57,6 +57,8 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"plan", problem, "--trace", problem}, 1, {problem, "is the problem that is read"}},
         {{"plan", problem, "--svg", files / "hard.yaml"}, 1, {"hard.yaml", "is the problem"}},
+        {{"plan", problem, "--view", files / "scene.yaml"}, 1, {"scene.yaml", "not of YAML"}},
+        {{"plan", problem, "--trace", files / "arm.stl"}, 1, {"arm.stl", "which mneme reads"}},
         {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is the robot that is read"}},
         {{"plan", problem, "--svg", files / "a", "--trace", files / "./a"},
          1,

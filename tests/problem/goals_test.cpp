@@ -140,6 +140,21 @@ TEST_SUITE("unit") {
     CHECK(lifter.problem(ends, options).pose_goals.size() == 1);
   }
 
+  TEST_CASE("named states may stand for the start and the goals of the file") {
+    const StatedLifter lifter;
+    ProblemOptions options;
+    options.start = options.goal = GivenConfiguration("up");
+    const Problem problem = lifter.problem(kStart + "goal: [0.1, 0, 0]\n", options);
+    CHECK(problem.start == Configuration{0.9, 1, 0.01});
+    CHECK(problem.goals == std::vector<Configuration>{{0.9, 1, 0.01}});
+    options.goal = GivenConfiguration("down");
+    const auto refused = lifter.load(kStart + "goal: [0.1, 0, 0]\n", options);
+    REQUIRE_FALSE(refused.has_value());
+    const std::string& message = refused.error().message;
+    CHECK_MESSAGE(message.starts_with("goal: expected a state that the SRDF"), message);
+    CHECK_MESSAGE(message.find("got \"down\"") != std::string::npos, message);
+  }
+
   TEST_CASE("goals that are none are refused where they stand") {
     const StatedLifter lifter;
     const auto failure = [&](const std::string& goal) {
