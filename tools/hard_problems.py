@@ -1,20 +1,23 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes hard or foreign problems of others, for bench/suites/hard.yaml and transfer.yaml.
+"""Makes hard or foreign problems of others, for bench/suites/hard.yaml, transfer.yaml and worlds.yaml.
 
 usage: hard_problems.py starts PROBLEMS.json URDF -o OUT.json          random starts within the joints' limits
        hard_problems.py carry PROBLEMS.json LINK OBJECT -o OUT.json    that link, a gripper, carries a stick instead of the object
        hard_problems.py meshes PROBLEMS.json -o OUT.json               obstacles as triangles
        hard_problems.py clouds PROBLEMS.json -o OUT.json               what a sensor would see of all obstacles: one cloud
+       hard_problems.py segments PROBLEMS.json -o OUT.json             the same as a cloud for each obstacle
        hard_problems.py reach MNEME URDF SRDF SCENE.yaml .. -o DIRECTORY
                                                   from a tucked arm to a random place in the shelf of each scene
 
 Meshes and clouds are those of boxes and cylinders; round sides have 32 faces within the cylinder. Points are at most 2 cm apart, and 5 mm thick.
+With --points N there are about N of them, 5 mm below the surface, so that a cloud is as large as its solids.
 --seed N makes others. Starts, and what is carried, may be in contact: benchmarks leave such problems out, and say how many there
 were. Goals in shelves are MNEME's inverse kinematics, free of contact; scenes where it finds none are counted and left out.
 """
 import argparse
+import itertools
 import json
 import math
 import pathlib
@@ -28,6 +31,7 @@ STICK = {"name": "stick", "type": "box", "p": [0.09, 0, 0], "q": [1, 0, 0, 0], "
 TUCKED = [0.1, 1.32, 1.4, -0.2, 1.72, 0, 1.66, 0]
 SIDES = 32  # of a cylinder
 APART = 0.02  # metres between points of a cloud, at most
+RADIUS = 0.005  # of points, metres
 # Of the gripper, behind the two cylinders in front: metres.
 REACH = ((0.96, 1.04), (-0.03, 0.03), (0.86, 0.94))
 
@@ -106,14 +110,31 @@ def triangles_of(obstacle):
             yield from (*b, *c, *d)
 
 
-def points_of(obstacle):
+def points_of(obstacle, apart):
     for corner, edge, other, is_triangle in placed_faces(obstacle):
-        steps = [max(1, math.ceil(math.hypot(*side) / APART)) for side in (edge, other)]
+        steps = [max(1, math.ceil(math.hypot(*side) / apart)) for side in (edge, other)]
         for i in range(steps[0] + 1):
             for k in range(steps[1] + 1):
                 share, other_share = i / steps[0], k / steps[1]
                 if not is_triangle or share + other_share <= 1:
                     yield along(corner, edge, share, other, other_share)
+
+
+def inset(obstacle):
+    """The obstacle without what its points will stick out by; what is thinner keeps a hundredth of its size."""
+    def thinner(size, by):
+        return max(size - by, 0.01 * size)
+
+    if obstacle["type"] == "box":
+        return {**obstacle, "size": [thinner(size, 2 * RADIUS) for size in obstacle["size"]]}
+    return {**obstacle, "radius": thinner(obstacle["radius"], RADIUS), "length": thinner(obstacle["length"], 2 * RADIUS)}
+
+
+def spacing(obstacles, count):
+    """Metres between about so many points on all surfaces."""
+    area = sum(math.hypot(*edge) * math.hypot(*other) * (0.5 if is_triangle else 1)
+               for obstacle in obstacles for _, edge, other, is_triangle in faces_of(obstacle))
+    return math.sqrt(area / count)
 
 
 def as_meshes(compact):
@@ -123,10 +144,18 @@ def as_meshes(compact):
     return compact
 
 
-def as_clouds(compact):
+def cloud(name, points):
+    return {"name": name, "type": "points", "radius": RADIUS, "points": [value for point in dict.fromkeys(points) for value in point]}
+
+
+def as_clouds(compact, count, is_one):
     for problem in compact["problems"]:
-        points = dict.fromkeys(point for obstacle in problem["obstacles"] for point in points_of(obstacle))
-        problem["obstacles"] = [{"name": "scan", "type": "points", "radius": 0.005, "points": [value for point in points for value in point]}]
+        obstacles = problem["obstacles"] if count is None else list(map(inset, problem["obstacles"]))
+        apart = APART if count is None else spacing(obstacles, count)
+        clouds = [(obstacle["name"], points_of(obstacle, apart)) for obstacle in obstacles]
+        if is_one:
+            clouds = [("scan", itertools.chain(*(points for _, points in clouds)))]
+        problem["obstacles"] = [cloud(*of) for of in clouds]
     return compact
 
 
@@ -165,7 +194,7 @@ def write_reaches(mneme, urdf, srdf, scenes, folder, chance):
 
 
 WANTED = {"starts": (2, 2, "PROBLEMS.json URDF"), "carry": (3, 3, "PROBLEMS.json LINK OBJECT"),
-          "meshes": (1, 1, "PROBLEMS.json"), "clouds": (1, 1, "PROBLEMS.json"),
+          "meshes": (1, 1, "PROBLEMS.json"), "clouds": (1, 1, "PROBLEMS.json"), "segments": (1, 1, "PROBLEMS.json"),
           "reach": (4, math.inf, "MNEME URDF SRDF SCENE.yaml ..")}
 
 
@@ -184,8 +213,10 @@ def write(arguments):
         compact = with_random_starts(compact, joint_limits(arguments.inputs[1]), chance)
     elif arguments.kind == "carry":
         compact = with_stick(compact, *arguments.inputs[1:])
+    elif arguments.kind == "meshes":
+        compact = as_meshes(compact)
     else:
-        compact = as_meshes(compact) if arguments.kind == "meshes" else as_clouds(compact)
+        compact = as_clouds(compact, arguments.points, arguments.kind == "clouds")
     output.write_text(json.dumps(compact), encoding="utf-8")
 
 
@@ -195,6 +226,7 @@ def main():
     parser.add_argument("inputs", nargs="+")
     parser.add_argument("-o", "--output", required=True)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--points", type=int)
     try:
         write(parser.parse_args())
     except (OSError, ValueError, xml.etree.ElementTree.ParseError) as problem:

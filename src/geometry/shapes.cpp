@@ -170,13 +170,9 @@ struct MomentsOf {
     return (*this)(Cylinder{
         {turn.toRotationMatrix(), 0.5 * (s.a + s.b)}, s.radius, length + 4.0 / 3 * s.radius});
   }
-  /// Of the box around it.
   template <class Part>
   Moments operator()(const Crowd<Part>& s) const {
-    const internal::AxisBox box = internal::PartsAccess::bounds(*s.parts);
-    const Vec3 half = 0.5 * (box.high - box.low) + Vec3::Constant(s.radius);
-    return (*this)(
-        Box{s.pose * Transform{Eigen::Matrix3d::Identity(), 0.5 * (box.low + box.high)}, half});
+    return (*this)(internal::oriented_box(s));
   }
 };
 

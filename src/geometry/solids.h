@@ -25,13 +25,18 @@ namespace mneme::internal {
 /// All lengths times `factor`, about a point.
 [[nodiscard]] Shape scaled(const Shape& shape, const Vec3& about, double factor);
 
+/// A box around a crowd, turned so that its surface is small: about the principal axes of some of
+/// its parts.
+template <class Part>
+[[nodiscard]] Box oriented_box(const Crowd<Part>& crowd);
+
 /// Volume, centroid and covariance of a solid.
 struct Moments {
   double volume = 0;
   Vec3 centroid = Vec3::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
-/// A capsule counts as the cylinder of the same radius and volume, a crowd as the box around it.
+/// A capsule counts as the cylinder of the same radius and volume, a crowd as its oriented box.
 [[nodiscard]] Moments moments_of(const Shape& shape);
 
 }  // namespace mneme::internal

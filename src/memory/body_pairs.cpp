@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace mneme {
 namespace {
@@ -99,13 +100,15 @@ namespace {
 Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(const MemoryQuery& query,
                                                               double max_gap) {
   const Robot& robot = query.robot;
-  const Scene& scene = query.scene;
+  const std::optional<Scene> boxed = with_boxed_crowds(query.scene);
+  const Scene& scene = boxed ? *boxed : query.scene;
   const SymmetricJoints joints = find_symmetric_joints(robot);
-  std::vector<Body> bodies;
-  for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
   const auto pairs = find_near_pairs(scene, max_gap);
   if (!pairs) return tl::unexpected(pairs.error());
   std::vector<LocalPrimitive> primitives;
+  if (pairs->empty()) return primitives;
+  std::vector<Body> bodies;
+  for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
   for (const auto& [first, second] : *pairs) {
     const auto i = static_cast<std::size_t>(first);
     const auto j = static_cast<std::size_t>(second);

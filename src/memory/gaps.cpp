@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace mneme {
 namespace {
@@ -159,7 +160,8 @@ namespace internal {
 namespace {
 
 Result<std::vector<LocalPrimitive>> decompose_into_gaps(const MemoryQuery& query, double max_gap) {
-  return GapFinder(query.robot, query.scene, max_gap).find();
+  const std::optional<Scene> boxed = with_boxed_crowds(query.scene);
+  return GapFinder(query.robot, boxed ? *boxed : query.scene, max_gap).find();
 }
 
 }  // namespace

@@ -19,12 +19,10 @@ struct Bounds {
   int index = 0;
 };
 
-/// Crowds make no pairs: they have no place of their own that a key could tell.
 std::vector<Bounds> bound_all(const Scene& scene) {
   std::vector<Bounds> result;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& obstacle = scene.obstacles[i];
-    if (std::ranges::any_of(obstacle.shapes, is_crowd)) continue;
     Bounds bounds;
     bounds.index = static_cast<int>(i);
     for (const Shape& shape : obstacle.shapes) {
@@ -50,12 +48,35 @@ Eigen::Index longest_axis(const std::vector<Bounds>& all) {
   return axis;
 }
 
+struct Boxed {
+  template <class Solid>
+  Shape operator()(const Solid& solid) const {
+    return solid;
+  }
+  template <class Part>
+  Shape operator()(const Crowd<Part>& crowd) const {
+    return oriented_box(crowd);
+  }
+};
+
 bool are_near(const Bounds& a, const Bounds& b, double gap) {
   return (a.lower.array() <= b.upper.array() + gap).all() &&
          (b.lower.array() <= a.upper.array() + gap).all();
 }
 
 }  // namespace
+
+std::optional<Scene> with_boxed_crowds(const Scene& scene) {
+  const auto has_crowd = [](const Obstacle& obstacle) {
+    return std::ranges::any_of(obstacle.shapes, is_crowd);
+  };
+  if (scene.obstacles.size() < 2 || std::ranges::none_of(scene.obstacles, has_crowd)) return {};
+  Scene boxed = scene;
+  for (Obstacle& obstacle : boxed.obstacles) {
+    for (Shape& shape : obstacle.shapes) shape = std::visit(Boxed{}, shape);
+  }
+  return boxed;
+}
 
 Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, double gap,
                                                          std::size_t most) {

@@ -1,15 +1,20 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Which obstacles may form a pair at all.
+/// Which obstacles may form a pair at all, and as what.
 #pragma once
 
 #include "mneme/scene.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
 namespace mneme::internal {
+
+/// The scene with oriented boxes in place of points, meshes and octrees, which are no bodies that a
+/// key could tell. Nothing if that is the scene itself, or leaves no pair.
+[[nodiscard]] std::optional<Scene> with_boxed_crowds(const Scene& scene);
 
 /// More pairs than this are no memory but a search of their own, and fill gigabytes.
 inline constexpr std::size_t kMaxNearPairs = 500000;

@@ -80,6 +80,26 @@ TEST_SUITE("law") {
     CHECK(touching > 50);
   }
 
+  TEST_CASE("the oriented box of a crowd holds all of its parts") {
+    Rng rng(65);
+    for (int i = 0; i < 30; ++i) {
+      const Shape shape = transformed(random_pose(rng, 1.0), kMakers[i % 3](rng));
+      const Shape box = std::visit(
+          [](const auto& s) -> Shape {
+            if constexpr (requires { s.parts; }) return internal::oriented_box(s);
+            return s;
+          },
+          shape);
+      REQUIRE(shape_name(box) == "box");
+      const Sphere around = bounding_sphere(shape);
+      for (int k = 0; k < 50; ++k) {
+        const Vec3 outside = around.center + random_vector(rng, 1.0);
+        CHECK(distance(outside, box) <= distance(outside, shape) + 1e-6);
+        CHECK(distance(internal::nearest_point(outside, shape), box) < 1e-6);
+      }
+    }
+  }
+
   TEST_CASE("a crowd moves, grows and is bounded with its parts") {
     Rng rng(63);
     for (const auto make : kMakers) {

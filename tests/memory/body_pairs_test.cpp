@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/random_shapes.h"
+#include "geometry/box_surface.h"
+#include "geometry/random_crowds.h"
 #include "primitive/random_pairs.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
@@ -65,6 +66,36 @@ BodyKey sampled_key(const Shape& shape, int count, Rng& rng) {
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("a pair of meshes or of clouds has nearly the key of the boxes that they show") {
+    const Robot robot = lifting_arm();
+    Rng rng(31);
+    for (int round = 0; round < 20; ++round) {
+      Scene boxes{"boxes", {}}, meshes{"meshes", {}}, clouds{"clouds", {}};
+      for (const double side : {-0.3, 0.3}) {
+        Box box{random_pose(rng, 0.05), {0.1, 0.1, rng.uniform(0.02, 0.2)}};
+        box.pose.translation.x() += side;
+        boxes.obstacles.push_back({"box", {box}});
+        meshes.obstacles.push_back({"mesh", {crowd_of(surface_of(box))}});
+        std::vector<CloudPoint> points;
+        for (int i = 0; i < 5000; ++i) {
+          Vec3 p = Vec3::NullaryExpr([&] { return rng.uniform(-1, 1); });
+          p[i % 3] = i % 2 == 0 ? 1 : -1;
+          const Eigen::Vector3f at = (box.pose * p.cwiseProduct(box.half_extents)).cast<float>();
+          points.push_back({at.x(), at.y(), at.z()});
+        }
+        clouds.obstacles.push_back({"cloud", {crowd_of(std::move(points), 1e-4)}});
+      }
+      const auto expected = body_pairs(robot, boxes, 1.0);
+      REQUIRE(expected.size() == 1);
+      for (const Scene& scene : {meshes, clouds}) {
+        CAPTURE(scene.name);
+        const auto pairs = body_pairs(robot, scene, 1.0);
+        REQUIRE(pairs.size() == 1);
+        CHECK(largest_difference(pairs[0].key, expected[0].key) < 0.02);
+      }
+    }
+  }
+
   TEST_CASE("a key holds the centroid and the half sizes, as far as a shape has them") {
     const double r3 = std::sqrt(3.0) / 2, r5 = std::sqrt(0.6);
     CHECK(largest_difference(body_key({"", {box_at({1, 2, 3}, {0.1, 0.2, 0.3})}}),

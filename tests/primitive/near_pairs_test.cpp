@@ -3,6 +3,8 @@
 #include "mneme/primitive.h"
 
 #include "primitive/near_pairs.h"
+#include "geometry/box_surface.h"
+#include "geometry/random_crowds.h"
 #include "geometry/random_shapes.h"
 #include "primitive/passage.h"
 #include "support/support.h"
@@ -40,6 +42,22 @@ TEST_SUITE("unit") {
     Scene scene = row_of_balls(2, 10, 0.4);
     scene.obstacles[0].shapes.push_back(Sphere{{9, 0, 0}, 0.4});
     CHECK(near_pairs(scene, 0.3) == Pairs{{0, 1}});
+  }
+
+  TEST_CASE("boxes stand for crowds where there is another obstacle to pair with") {
+    Scene scene = row_of_balls(1, 1, 0.4);
+    CHECK(!internal::with_boxed_crowds(row_of_balls(3, 1, 0.4)));
+    const Box board{{rotation_from_rpy({0.3, 0.2, 0.7}), {2, 0, 0}}, {0.5, 0.2, 0.01}};
+    const Scene alone{"mesh", {{"board", {crowd_of(surface_of(board))}}}};
+    CHECK(!internal::with_boxed_crowds(alone));
+    scene.obstacles.push_back(alone.obstacles[0]);
+    const auto boxed = internal::with_boxed_crowds(scene);
+    REQUIRE(boxed);
+    CHECK(boxed->obstacles[0] == scene.obstacles[0]);
+    const auto* box = std::get_if<Box>(&boxed->obstacles[1].shapes[0]);
+    REQUIRE(box != nullptr);
+    CHECK((box->pose.translation - board.pose.translation).norm() < 1e-9);
+    CHECK(box->half_extents.prod() == doctest::Approx(board.half_extents.prod()).epsilon(0.05));
   }
 
   TEST_CASE("too many pairs are refused with the scene's name and a way out") {

@@ -102,6 +102,21 @@ class HardProblems(unittest.TestCase):
             self.assertLess(min(math.dist(end, point) for point in points), 0.0151)
         self.assertTrue(any(x > 4.9 for x, _, _ in points))
 
+    def test_clouds_of_many_points_are_as_large_as_their_solids(self):
+        turn = [math.cos(0.4), 0, 0, math.sin(0.4)]
+        text = json.dumps({"joints": ["a"], "problems": [{"obstacles": [
+            {"name": "b", "type": "box", "p": [0, 0, 1], "q": turn, "size": [0.4, 0.3, 0.001]},
+            {"name": "c", "type": "cylinder", "p": [0, 0, 0], "q": [1, 0, 0, 0], "radius": 0.1, "length": 0.3}]}]})
+        (self.folder / "two.json").write_text(text, encoding="utf-8")
+        board, can = self.made("segments", "two.json", "--points", "30000")[0]["obstacles"]
+        self.assertEqual((board["name"], can["name"]), ("b", "c"))
+        self.assertTrue(30000 <= (len(board["points"]) + len(can["points"])) / 3 < 36000)
+        self.assertAlmostEqual(max(map(math.hypot, can["points"][::3], can["points"][1::3])) + can["radius"], 0.1, places=4)
+        self.assertAlmostEqual(max(can["points"][2::3]) + can["radius"], 0.15, places=4)
+        self.assertAlmostEqual(max(map(math.hypot, board["points"][::3], board["points"][1::3])), math.hypot(0.195, 0.145), places=4)
+        (scan,) = self.made("clouds", "two.json", "--points", "30000")[0]["obstacles"]
+        self.assertEqual(scan["points"], board["points"] + can["points"])
+
     def test_what_it_cannot_use_is_named(self):
         (self.folder / "other.json").write_text("[]", encoding="utf-8")
         (self.folder / "broken.json").write_text("{", encoding="utf-8")
