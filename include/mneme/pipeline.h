@@ -86,7 +86,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "can be fitted");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; left out, 0 for pairs (400 beside escape walks), 1500 for body_pairs and gaps, "
+        "for it; left out, 0 for pairs (1000 beside escape walks), 1500 for body_pairs and gaps, "
         "2500 for paths");
   visit("first-components", s.first_components, 1.0, 1e9,
         "progressive widening: draws are from this many of the most similar components first; the "

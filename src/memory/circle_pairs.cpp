@@ -193,7 +193,7 @@ extern constinit const MemoryKind kCirclePairs = {
     .defaults = {.share = {.lambda = 0.8, .least_lambda = 0.2},
                  .share_beside_walks = MemoryShare{.lambda = 0.5,
                                                    .least_lambda = 0.02,
-                                                   .retrieve_after = 400},
+                                                   .retrieve_after = 1000},
                  .sigma = 0.03,
                  .similarity = 2,
                  .retarget = true,

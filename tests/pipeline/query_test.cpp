@@ -58,7 +58,7 @@ TEST_SUITE("unit") {
     CHECK(planar.kind->name == "pairs");
     CHECK(planar.sigma == 0.03);
     CHECK(planar.similarity == 2);
-    CHECK(planar.retrieve_after == 400);
+    CHECK(planar.retrieve_after == 1000);
     CHECK(planar.widening.first == 1e9);
     CHECK(planar.lambda == 0.5);
     CHECK(planar.least_lambda == 0.02);
