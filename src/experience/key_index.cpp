@@ -11,6 +11,8 @@
 namespace mneme::internal {
 namespace {
 
+constexpr std::size_t kSortedLeaves = 32;
+
 std::size_t leaf_count(std::size_t size) {
   std::size_t leaves = 1;
   while ((size + leaves - 1) / leaves > KeyTree::kLeafSize) leaves *= 2;
@@ -71,29 +73,36 @@ class Splitter {
   std::vector<double> upper_;
 };
 
-/// Visits the leaves' ranges of keys from the first to the last.
-template <class Visit>
-void visit_leaves(std::size_t begin, std::size_t end, std::size_t leaves, const Visit& visit) {
-  if (leaves == 1) return visit(begin, end);
+void add_begins(std::size_t begin, std::size_t end, std::size_t leaves,
+                std::vector<std::size_t>& begins) {
+  if (leaves == 1) return begins.push_back(begin);
   const std::size_t middle = begin + (end - begin) / 2;
-  visit_leaves(begin, middle, leaves / 2, visit);
-  visit_leaves(middle, end, leaves / 2, visit);
+  add_begins(begin, middle, leaves / 2, begins);
+  add_begins(middle, end, leaves / 2, begins);
+}
+
+std::vector<std::size_t> begins_of_leaves(std::size_t size) {
+  std::vector<std::size_t> begins;
+  add_begins(0, size, leaf_count(size), begins);
+  begins.push_back(size);
+  return begins;
 }
 
 KeyTreeData packed(std::size_t key_size, IndexRows rows) {
   KeyTreeData data{std::move(rows.ids), std::move(rows.components), {}, {}};
   data.order.resize(data.ids.size());
   std::iota(data.order.begin(), data.order.end(), 0U);
-  const std::size_t leaves = leaf_count(data.ids.size());
-  Splitter(rows.keys, key_size, data.order).split(0, data.order.size(), leaves);
+  const std::size_t size = data.ids.size();
+  Splitter(rows.keys, key_size, data.order).split(0, size, leaf_count(size));
   data.keys.reserve(rows.keys.size());
-  visit_leaves(0, data.order.size(), leaves, [&](std::size_t begin, std::size_t end) {
+  const std::vector<std::size_t> begins = begins_of_leaves(size);
+  for (std::size_t leaf = 0; leaf + 1 < begins.size(); ++leaf) {
     for (std::size_t number = 0; number < key_size; ++number) {
-      for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t i = begins[leaf]; i < begins[leaf + 1]; ++i) {
         data.keys.push_back(rows.keys[data.order[i] * key_size + number]);
       }
     }
-  });
+  }
   return data;
 }
 
@@ -104,107 +113,69 @@ KeyTree::KeyTree(int key_size, IndexRows rows)
 
 KeyTree::KeyTree(int key_size, KeyTreeData data)
     : key_size_(static_cast<std::size_t>(key_size)),
-      leaves_(leaf_count(data.ids.size())),
       data_(std::move(data)),
       components_(
           std::accumulate(data_.components.begin(), data_.components.end(), std::int64_t{0})),
-      boxes_(4 * leaves_ * key_size_) {
-  bound({1, 0, size()});
-}
+      begins_(begins_of_leaves(data_.ids.size())),
+      coarse_(key_size_, data_.keys, begins_) {}
 
 IndexRows KeyTree::rows() const {
   IndexRows rows{data_.ids, data_.components, std::vector<double>(data_.keys.size())};
   const double* key = data_.keys.data();
-  visit_leaves(0, size(), leaves_, [&](std::size_t begin, std::size_t end) {
+  for (std::size_t leaf = 0; leaf + 1 < begins_.size(); ++leaf) {
     for (std::size_t number = 0; number < key_size_; ++number) {
-      for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t i = begins_[leaf]; i < begins_[leaf + 1]; ++i) {
         rows.keys[data_.order[i] * key_size_ + number] = *key++;
       }
     }
-  });
+  }
   return rows;
 }
 
-KeyTree::Node KeyTree::child(const Node& node, std::size_t which) {
-  const std::size_t middle = node.begin + (node.end - node.begin) / 2;
-  if (which == 0) return {2 * node.index, node.begin, middle};
-  return {2 * node.index + 1, middle, node.end};
-}
-
-void KeyTree::bound(const Node& node) {
-  double* lower = boxes_.data() + 2 * key_size_ * node.index;
-  double* upper = lower + key_size_;
-  if (is_leaf(node)) {
-    const std::size_t count = node.end - node.begin;
-    const double* column = data_.keys.data() + node.begin * key_size_;
-    for (std::size_t number = 0; number < key_size_ && count > 0; ++number, column += count) {
-      lower[number] = *std::min_element(column, column + count);
-      upper[number] = *std::max_element(column, column + count);
-    }
-    return;
-  }
-  bound(child(node, 0));
-  bound(child(node, 1));
-  const double* first = boxes_.data() + 4 * key_size_ * node.index;
-  const double* second = first + 2 * key_size_;
-  for (std::size_t i = 0; i < key_size_; ++i) {
-    lower[i] = std::min(first[i], second[i]);
-    upper[i] = std::max(first[key_size_ + i], second[key_size_ + i]);
-  }
-}
-
-double KeyTree::distance_to_box(const Node& node, const double* query) const {
-  const double* lower = boxes_.data() + 2 * key_size_ * node.index;
-  const double* upper = lower + key_size_;
-  const auto squared = [&](std::size_t i) {
-    const double outside = std::max(0.0, std::max(lower[i] - query[i], query[i] - upper[i]));
-    return outside * outside;
-  };
-  // Two sums at a time, where one would wait for itself.
-  std::array<double, 2> sums{};
-  for (std::size_t i = 0; i + 1 < key_size_; i += 2) {
-    for (const std::size_t lane : {0, 1}) sums[lane] += squared(i + lane);
-  }
-  if (key_size_ % 2 == 1) sums[0] += squared(key_size_ - 1);
-  return sums[0] + sums[1];
-}
-
 void KeyTree::search(const double* query, NearestMatches& nearest) const {
-  if (size() > 0 && nearest.bound() > 0) search({1, 0, size()}, query, nearest);
+  if (size() == 0) return;
+  const std::vector<std::int16_t> cells = coarse_.query(query);
+  std::vector<std::int32_t> squared;
+  coarse_.box_distances(cells, squared);
+  std::vector<std::pair<std::int32_t, std::size_t>> leaves;
+  const std::int32_t most = coarse_.most_cells(nearest.bound());
+  for (std::size_t leaf = 0; leaf < squared.size(); ++leaf) {
+    if (squared[leaf] <= most) leaves.emplace_back(squared[leaf], leaf);
+  }
+  // What the nearest leaves have leaves others out; to sort all would take longer than to look.
+  const std::size_t sorted = std::min(leaves.size(), kSortedLeaves);
+  std::partial_sort(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(sorted),
+                    leaves.end());
+  for (const auto& [least, leaf] : leaves) {
+    if (least <= coarse_.most_cells(nearest.bound())) scan(leaf, query, cells, nearest);
+  }
 }
 
-void KeyTree::search(const Node& node, const double* query, NearestMatches& nearest) const {
-  if (is_leaf(node)) return scan(node, query, nearest);
-  std::array children = {child(node, 0), child(node, 1)};
-  std::array distances = {distance_to_box(children[0], query), distance_to_box(children[1], query)};
-  if (distances[1] < distances[0]) {
-    std::swap(children[0], children[1]);
-    std::swap(distances[0], distances[1]);
+double KeyTree::distance(std::size_t leaf, std::size_t i, const double* query) const {
+  const std::size_t count = begins_[leaf + 1] - begins_[leaf];
+  const double* number = data_.keys.data() + begins_[leaf] * key_size_ + i;
+  double sum = 0;
+  for (std::size_t k = 0; k < key_size_; ++k, number += count) {
+    sum += (*number - query[k]) * (*number - query[k]);
   }
-  for (const std::size_t i : {0, 1}) {
-    if (distances[i] < nearest.bound()) search(children[i], query, nearest);
-  }
+  return sum;
 }
 
-void KeyTree::scan(const Node& leaf, const double* query, NearestMatches& nearest) const {
-  const std::size_t count = leaf.end - leaf.begin;
-  const double* column = data_.keys.data() + leaf.begin * key_size_;
-  const double bound = nearest.bound();
+void KeyTree::scan(std::size_t leaf, const double* query, const std::vector<std::int16_t>& cells,
+                   NearestMatches& nearest) const {
+  static_assert(kLeafSize % kCoarseBlock == 0);
+  const std::size_t count = begins_[leaf + 1] - begins_[leaf];
+  std::array<std::int32_t, kLeafSize> squared;
+  coarse_.key_distances(leaf, cells, squared.data());
+  std::int32_t most = coarse_.most_cells(nearest.bound());
   nearest.look_at(count);
-  std::array<double, kLeafSize> sums{};
-  for (std::size_t number = 0; number < key_size_; ++number, column += count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const double difference = column[i] - query[number];
-      sums[i] += difference * difference;
-    }
-    // Of long keys, a few numbers often tell that none of them is near.
-    if (number % 4 == 3 && number + 4 < key_size_ &&
-        *std::min_element(sums.begin(), sums.begin() + count) >= bound) {
-      return;
-    }
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (sums[i] < bound) nearest.offer(sums[i], data_.ids[data_.order[leaf.begin + i]]);
+  // Of most leaves nothing is near, which takes fewer instructions to tell without branches.
+  int near_count = 0;
+  for (std::size_t i = 0; i < count; ++i) near_count += squared[i] <= most ? 1 : 0;
+  for (std::size_t i = 0; near_count > 0 && i < count; ++i) {
+    if (squared[i] > most) continue;
+    nearest.offer(distance(leaf, i, query), data_.ids[data_.order[begins_[leaf] + i]]);
+    most = std::min(most, coarse_.most_cells(nearest.bound()));
   }
 }
 

@@ -4,6 +4,8 @@
 /// Nearest keys among rows that come and, rarely, go.
 #pragma once
 
+#include "experience/coarse_keys.h"
+
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -122,23 +124,16 @@ class KeyTree {
   void search(const double* query, NearestMatches& nearest) const;
 
  private:
-  struct Node {
-    std::size_t index;  ///< the root is 1, the children of i are 2 i and 2 i + 1
-    std::size_t begin;
-    std::size_t end;
-  };
-  [[nodiscard]] bool is_leaf(const Node& node) const { return node.index >= leaves_; }
-  [[nodiscard]] static Node child(const Node& node, std::size_t which);
-  void bound(const Node& node);
-  void search(const Node& node, const double* query, NearestMatches& nearest) const;
-  void scan(const Node& leaf, const double* query, NearestMatches& nearest) const;
-  [[nodiscard]] double distance_to_box(const Node& node, const double* query) const;
+  /// The squared distance of a key of a leaf.
+  [[nodiscard]] double distance(std::size_t leaf, std::size_t i, const double* query) const;
+  void scan(std::size_t leaf, const double* query, const std::vector<std::int16_t>& cells,
+            NearestMatches& nearest) const;
 
   std::size_t key_size_;
-  std::size_t leaves_;
   KeyTreeData data_;
   std::int64_t components_;
-  std::vector<double> boxes_;  // per node: lower bounds, then upper bounds
+  std::vector<std::size_t> begins_;  // of the leaves, and the end of the last
+  CoarseKeys coarse_;
 };
 
 /// A few trees, each at least about twice as large as the next: a new one takes in those that are

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Keys in two bytes per number, which say soon that most of them are not near.
+#pragma once
+
+#include "experience/coarse_kernels.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+/// The keys of a tree's leaves, and boxes around leaves, in cells of one width. Const is
+/// parallel-safe.
+class CoarseKeys {
+ public:
+  /// Leaf i has the keys from `begins[i]` to `begins[i + 1]`, and all of the first numbers of its
+  /// keys, then all of the second ones, and so on, are in `keys`.
+  CoarseKeys(std::size_t key_size, std::span<const double> keys,
+             std::span<const std::size_t> begins);
+
+  /// What key_distances() and box_distances() take.
+  [[nodiscard]] std::vector<std::int16_t> query(const double* key) const;
+  /// What is nearer than a squared distance has at most as many squared cells; -1 if nothing is.
+  [[nodiscard]] std::int32_t most_cells(double squared_distance) const;
+
+  /// Of each leaf's box; room for kCoarseBlock - 1 more is there.
+  void box_distances(const std::vector<std::int16_t>& query,
+                     std::vector<std::int32_t>& squared) const;
+  /// Of the keys of a leaf, whose number is rounded up to a multiple of kCoarseBlock.
+  void key_distances(std::size_t leaf, const std::vector<std::int16_t>& query,
+                     std::int32_t* squared) const;
+
+ private:
+  [[nodiscard]] std::int16_t cell(double x, std::size_t number) const;
+  void add_leaf(std::size_t leaf, const double* columns, std::size_t count);
+
+  const CoarseKernels* kernels_;
+  std::size_t key_size_;
+  std::size_t pair_count_;
+  double last_cell_;
+  double per_cell_ = 0;  ///< cells per unit; 0 if all keys are the same
+  std::vector<double> lower_;
+  std::vector<std::size_t> first_blocks_;  ///< per leaf, and one behind the last
+  std::vector<std::int16_t> keys_;
+  std::vector<std::int16_t> boxes_;
+};
+
+}  // namespace mneme::internal
