@@ -58,7 +58,7 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
   if (Obstacle* body = scene.find(name)) {
     body->shapes.push_back(shape);
   } else {
-    scene.obstacles.push_back({name, {shape}});
+    unwrap(scene.add({name, {shape}}));
   }
 }
 

@@ -247,6 +247,17 @@ def test_wrong_points_and_meshes_are_errors():
     assert len(scene) == 0
 
 
+def test_clouds_of_too_many_points_are_errors(robot):
+    scene = mneme.Scene()
+    many = np.zeros((4_000_001, 3), np.float32)
+    refusal = ("unsupported", "obstacle 'a': expected at most 4000000 points, got 4000001")
+    assert raised(scene.add_points, "a", many, 0.1) == refusal
+    assert len(scene) == 0
+    scene.add_sphere("a", [5, 0, 0], 0.1)
+    scene.add_points("a", many, 0.1)
+    assert raised(mneme.CollisionChecker, robot, scene) == refusal
+
+
 def test_arrays_that_are_no_points_are_named_by_their_shape():
     scene = mneme.Scene()
     for points, shape in ((np.ones(3), "(3,)"), (np.ones((5, 4)), "(5, 4)"), (np.ones((4, 5, 3)), "(4, 5, 3)"), ([], "(0,)")):

@@ -4,6 +4,7 @@
 #include "collision/crowd_tables.h"
 #include "collision/make_tables.h"
 #include "geometry/parts.h"
+#include "scene/cloud_file.h"
 
 #include <Eigen/LU>
 
@@ -61,6 +62,7 @@ Result<void> check(const Obstacle& obstacle) {
   if (obstacle.shapes.empty()) {
     return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "' has no shapes");
   }
+  if (auto counted = check_point_count(obstacle); !counted) return counted;
   for (const Shape& shape : obstacle.shapes) {
     const Sphere bound = bounding_sphere(shape);
     const std::string_view flaw = bound.center.norm() + bound.radius <= kFarthestShape

@@ -229,13 +229,13 @@ class StateChecker {
                                    Verdict<kIsMotion>& verdict) const {
     const BodyRow& body = robot_.bodies[index];
     const auto margin = margins_.of_body(index, centers_[index]);
-    const auto reach2 = squared(sum(body.ball.radius, margin));
+    const auto reach = sum(body.ball.radius, margin);
     const ObstacleRow* near[kLanes];
     int count = 0;
     for (; bits != 0; bits &= bits - 1) {
       const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
       near[count] = &scene_.obstacles[i];
-      count += is_any_below(distance2_to_bounds(scene_, centers_[index], i), reach2);
+      count += is_near(i, centers_[index], reach);
     }
     const Pose& pose = poses_[body.frame];
     const bool is_one = body.cluster_end - body.cluster_begin == 1;
@@ -254,18 +254,28 @@ class StateChecker {
     return false;
   }
 
-  /// The obstacles of `count` whose bounds are near a cluster.
+  /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a crowd.
+  template <class Reach>
+  HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach) const {
+    if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), squared(reach))) return false;
+    const ObstacleRow& row = scene_.obstacles[obstacle];
+    if (row.kind != ObstacleKind::crowd) return true;
+    const CrowdRow& crowd = scene_.crowds[row.crowd];
+    return find_near(*crowd.cells, into_crowd(crowd, center),
+                     lanes_of(sum(row.rounding, reach))) != 0;
+  }
+
+  /// The obstacles of `count` that are near a cluster.
   template <class Margin>
   HWY_INLINE int list_near(int cluster, const Pose& pose, Margin margin,
                            const ObstacleRow* const* from, int count,
                            const ObstacleRow** near) const {
     const V3 center = transform_point(pose, robot_.clusters[cluster].ball.center);
-    const auto reach2 = squared(sum(robot_.clusters[cluster].ball.radius, margin));
+    const auto reach = sum(robot_.clusters[cluster].ball.radius, margin);
     int kept = 0;
     for (int i = 0; i < count; ++i) {
-      const auto obstacle = static_cast<size_t>(from[i] - scene_.obstacles.data());
       near[kept] = from[i];
-      kept += is_any_below(distance2_to_bounds(scene_, center, obstacle), reach2);
+      kept += is_near(static_cast<size_t>(from[i] - scene_.obstacles.data()), center, reach);
     }
     return kept;
   }

@@ -6,6 +6,7 @@
 #include "geometry/large_pages.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace mneme::internal {
@@ -39,40 +40,69 @@ bool visit_places(PointGrid& grid, std::size_t cell, const Visit& visit) {
   return false;
 }
 
-void take_out(const Point3& point, PointGrid& grid) {
-  const Point3 p = relative_to(grid.cells.middle, point);
-  const CellGrid::Index i = grid.cells.octant_of(p);
-  if (!grid.region.contains(p) || !grid.cells.contains(i)) return;
-  visit_places(grid, grid.cells.slot_of(i), [&](PointBlock& block, int place) {
+/// A point within the grid, relative to its middle, and where it belongs.
+struct Placed {
+  Point3 p;
+  CellGrid::Index octant;
+  std::size_t cell;
+};
+
+void take_out(const Placed& placed, PointGrid& grid) {
+  const Point3& p = placed.p;
+  visit_places(grid, placed.cell, [&](PointBlock& block, int place) {
     const bool is_it = block.x[place] == p[0] && block.y[place] == p[1] && block.z[place] == p[2];
     if (is_it) put({kNowhere, kNowhere, kNowhere}, place, block);
     return is_it;
   });
 }
 
-void put_in(const Point3& p, const CellGrid::Index& octant, PointGrid& grid) {
-  const std::size_t cell = grid.cells.slot_of(octant);
-  occupy(octant, grid.cells);
-  const bool has_place = visit_places(grid, cell, [&](PointBlock& block, int place) {
+void put_in(const Placed& placed, PointGrid& grid) {
+  occupy(placed.octant, grid.cells);
+  const bool has_place = visit_places(grid, placed.cell, [&](PointBlock& block, int place) {
     if (block.x[place] != kNowhere) return false;
-    put(p, place, block);
+    put(placed.p, place, block);
     return true;
   });
   if (has_place) return;
   grid.blocks.push_back(empty_block());
-  grid.blocks.back().next = grid.first_block[cell];
-  put(p, 0, grid.blocks.back());
-  grid.first_block[cell] = static_cast<int>(grid.blocks.size()) - 1;
+  grid.blocks.back().next = grid.first_block[placed.cell];
+  put(placed.p, 0, grid.blocks.back());
+  grid.first_block[placed.cell] = static_cast<int>(grid.blocks.size()) - 1;
 }
 
-/// Calls `visit(p, octant)` for the points within the grid, relative to its middle.
-template <class Visit>
-void visit_points(PointSpan points, const CellGrid& cells, const Region& region,
+/// Calls `visit(placed)` for the points within the region. False if one of them lies outside of the
+/// cells, and is not visited. Neighbours in a cloud may be anywhere in memory: `fetch(cell)` says
+/// early what will be read.
+template <class Fetch, class Visit>
+bool visit_points(PointSpan points, const PointGrid& grid, const Fetch& fetch,
                   const Visit& visit) {
-  for (const Point3& point : points) {
-    const Point3 p = relative_to(cells.middle, point);
-    const CellGrid::Index octant = cells.octant_of(p);
-    if (region.contains(p) && cells.contains(octant)) visit(p, octant);
+  constexpr std::size_t kAhead = 32;
+  std::array<Placed, kAhead> batch;
+  bool are_all_inside = true;
+  for (std::size_t first = 0; first < points.size(); first += kAhead) {
+    std::size_t count = 0;
+    for (const Point3& point : points.subspan(first, std::min(kAhead, points.size() - first))) {
+      const Point3 p = relative_to(grid.cells.middle, point);
+      if (!grid.region.contains(p)) continue;
+      const CellGrid::Index octant = grid.cells.octant_of(p);
+      if (!grid.cells.contains(octant)) {
+        are_all_inside = false;
+        continue;
+      }
+      batch[count] = {p, octant, grid.cells.slot_of(octant)};
+      __builtin_prefetch(&grid.first_block[batch[count].cell]);
+      ++count;
+    }
+    for (std::size_t i = 0; i < count; ++i) fetch(batch[i].cell);
+    for (std::size_t i = 0; i < count; ++i) visit(batch[i]);
+  }
+  return are_all_inside;
+}
+
+void fetch_block(const PointBlock* block) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < sizeof(PointBlock); at += kLine) {
+    __builtin_prefetch(reinterpret_cast<const char*>(block) + at);
   }
 }
 
@@ -124,16 +154,22 @@ PointGrid make_point_grid(PointSpan points, const Region& region, const Middle& 
                  points.size(),
                  0};
   grid.first_block.resize(grid.cells.size(), 0);
-  visit_points(points, grid.cells, region, [&](const Point3&, const CellGrid::Index& octant) {
-    const std::size_t cell = grid.cells.slot_of(octant);
-    ++grid.first_block[cell];
-    grid.cells.octants[cell] |= CellGrid::bit_of(octant);
-  });
+  visit_points(
+      points, grid, [&](std::size_t cell) { __builtin_prefetch(&grid.cells.octants[cell], 1); },
+      [&](const Placed& placed) {
+        ++grid.first_block[placed.cell];
+        grid.cells.octants[placed.cell] |= CellGrid::bit_of(placed.octant);
+      });
   lay_out_blocks(grid);
-  visit_points(points, grid.cells, region, [&](const Point3& p, const CellGrid::Index& octant) {
-    const int place = --grid.first_block[grid.cells.slot_of(octant)];
-    put(p, place % kPointsPerBlock, grid.blocks[as_index(place / kPointsPerBlock)]);
-  });
+  visit_points(
+      points, grid,
+      [&](std::size_t cell) {
+        fetch_block(&grid.blocks[as_index((grid.first_block[cell] - 1) / kPointsPerBlock)]);
+      },
+      [&](const Placed& placed) {
+        const int place = --grid.first_block[placed.cell];
+        put(placed.p, place % kPointsPerBlock, grid.blocks[as_index(place / kPointsPerBlock)]);
+      });
   for (int& first : grid.first_block) first = first < 0 ? -1 : first / kPointsPerBlock;
   find_gaps(grid.cells);
   return grid;
@@ -143,15 +179,12 @@ bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
   // Cells that are empty by now still narrow the gaps around them.
   grid.replaced += after.size();
   if (grid.replaced > grid.size) return false;
-  for (const Point3& p : before) take_out(p, grid);
-  for (const Point3& point : after) {
-    const Point3 p = relative_to(grid.cells.middle, point);
-    if (!grid.region.contains(p)) continue;
-    const CellGrid::Index i = grid.cells.octant_of(p);
-    if (!grid.cells.contains(i)) return false;
-    put_in(p, i, grid);
-  }
-  return true;
+  const auto fetch = [&](std::size_t cell) {
+    __builtin_prefetch(&grid.cells.octants[cell], 1);
+    if (grid.first_block[cell] >= 0) fetch_block(&grid.blocks[as_index(grid.first_block[cell])]);
+  };
+  visit_points(before, grid, fetch, [&](const Placed& placed) { take_out(placed, grid); });
+  return visit_points(after, grid, fetch, [&](const Placed& placed) { put_in(placed, grid); });
 }
 
 }  // namespace mneme::internal

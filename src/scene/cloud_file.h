@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mneme/base.h"
-#include "mneme/geometry.h"
+#include "mneme/scene.h"
 
 #include <cstddef>
 #include <string>
@@ -15,6 +15,9 @@
 namespace mneme::internal {
 
 inline constexpr std::size_t kMaxCloudPoints = 4'000'000;
+
+/// The same for clouds that are not from files. Errors: unsupported, if one has more points.
+[[nodiscard]] Result<void> check_point_count(const Obstacle& obstacle);
 
 struct CloudFile {
   std::vector<CloudPoint> points;  ///< one at least, all finite

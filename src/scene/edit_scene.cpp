@@ -3,6 +3,7 @@
 #include "mneme/scene.h"
 
 #include "geometry/parts.h"
+#include "scene/cloud_file.h"
 
 #include <fmt/format.h>
 
@@ -28,6 +29,17 @@ auto* find_in(Obstacles& obstacles, std::string_view name) {
 
 }  // namespace
 
+Result<void> internal::check_point_count(const Obstacle& obstacle) {
+  for (const Shape& shape : obstacle.shapes) {
+    const auto* cloud = std::get_if<PointCloud>(&shape);
+    if (cloud == nullptr || cloud->parts->list().size() <= kMaxCloudPoints) continue;
+    return fail(ErrorCode::unsupported,
+                fmt::format("obstacle '{}': expected at most {} points, got {}", obstacle.name,
+                            kMaxCloudPoints, cloud->parts->list().size()));
+  }
+  return {};
+}
+
 const Obstacle* Scene::find(std::string_view obstacle) const {
   return find_in(obstacles, obstacle);
 }
@@ -40,6 +52,7 @@ Result<void> Scene::add(Obstacle obstacle) {
   if (find(obstacle.name) != nullptr) {
     return refuse_edit(obstacle.name, "expected a name of its own, there is one of this name");
   }
+  if (auto counted = internal::check_point_count(obstacle); !counted) return counted;
   obstacles.push_back(std::move(obstacle));
   return {};
 }

@@ -123,7 +123,7 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("parts too far out in their own frame are an error, wherever that frame stands") {
+  TEST_CASE("parts too far out in their own frame, and too many points, are errors") {
     const auto message = [](const Shape& shape) {
       const auto checker = CollisionChecker::make(pointer(), {"", {named("map", shape)}});
       return checker ? "" : checker.error().message;
@@ -134,6 +134,9 @@ TEST_SUITE("unit") {
           "obstacle 'map': its octree has parts beyond 10000 km in their own frame");
     CHECK(message(point_at(1.1e4f)) ==
           "obstacle 'map': its cloud has points beyond 10 km in their own frame");
+    const auto many = std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>(4'000'001));
+    CHECK(message(PointCloud{{}, many, 0.1}) ==
+          "obstacle 'map': expected at most 4000000 points, got 4000001");
   }
 
   TEST_CASE("a margin that the tables of a crowd cannot keep makes nothing valid") {

@@ -173,6 +173,9 @@ TEST_SUITE("unit") {
           "obstacle \"cloud\": expected a name of its own, there is one of this name");
     CHECK(edit_message(scene.add(ball(""))) == "obstacle \"\": expected a name");
     CHECK(edit_message(scene.add({"e", {}})) == "obstacle \"e\": expected a shape");
+    const auto many = std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>(4'000'001));
+    CHECK(edit_message(scene.add({"m", {PointCloud{{}, many, 0.1}}})) ==
+          "obstacle 'm': expected at most 4000000 points, got 4000001");
   }
 
   TEST_CASE("points are replaced in this scene, not in a copy of it") {
