@@ -25,6 +25,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string counted_samplers(std::int64_t count) {
+  return counted(static_cast<std::size_t>(count), "sampler", "samplers");
+}
+
 /// Learning on many machines.
 struct Sharing {
   Part shard;
@@ -78,8 +82,9 @@ void print_summary(const LearnSummary& summary, const Database& database) {
     fmt::print("skipped {}: learned before or by other processes\n", summary.skipped);
   }
   const DatabaseInfo info = database.info();
-  fmt::print("{} now holds {} samplers with {} components in {} bytes\n", info.url, info.samplers,
-             info.components, info.bytes);
+  fmt::print("{} now holds {} with {} in {} bytes\n", info.url, counted_samplers(info.samplers),
+             counted(static_cast<std::size_t>(info.components), "component", "components"),
+             info.bytes);
 }
 
 void print_coverage(const Coverage& coverage, double threshold) {
@@ -134,8 +139,9 @@ void report_problems(const LearnOptions& options, const LearnSummary& summary,
   }
   fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
              summary.learned, summary.skipped, summary.unsolved.size(), summary.time_s);
-  fmt::print("added {} samplers with {} components; {} now holds {}\n", summary.rows,
-             summary.components, database.info().url, database.size());
+  fmt::print("added {} with {}; {} now holds {}\n", counted_samplers(summary.rows),
+             counted(static_cast<std::size_t>(summary.components), "component", "components"),
+             database.info().url, database.size());
 }
 
 Result<ExitCode> run_problem_lesson(const LearnOptions& options) {

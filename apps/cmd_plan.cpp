@@ -267,7 +267,8 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
   if (loaded.database && needs_memory(result.sampler)) print_memory(loaded.problem, result);
   if (result.remembered.rows > 0) {
-    fmt::print("remembered  {} samplers in {:.3f} ms\n", result.remembered.rows,
+    fmt::print("remembered  {} in {:.3f} ms\n",
+               counted(static_cast<std::size_t>(result.remembered.rows), "sampler", "samplers"),
                1e3 * result.remembered.time_s);
   }
   print_path(measures, plan.path);
