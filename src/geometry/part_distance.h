@@ -20,6 +20,10 @@ namespace mneme::internal {
 [[nodiscard]] double distance_between(const Vec3& a, const Vec3& b, const Triangle& triangle);
 [[nodiscard]] double distance_between(const Vec3& a, const Vec3& b, const Cube& cube);
 
+/// Distance between two triangles, exact if that is less than `limit`, and otherwise `limit`; 0 if
+/// they meet.
+[[nodiscard]] double distance_between(const Triangle& s, const Triangle& t, double limit);
+
 /// The part that is nearest to the segment ab, without the crowd's radius.
 template <class Part>
 [[nodiscard]] NearestPart nearest_part(const Crowd<Part>& crowd, const Vec3& a, const Vec3& b) {

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace mneme::internal {
 namespace {
@@ -29,26 +31,14 @@ Vec3 support(const Cylinder& s, const Vec3& direction) {
          Vec3(share * local.x(), share * local.y(), std::copysign(0.5 * s.length, local.z()));
 }
 
-Vec3 support(const Triangle& t, const Vec3& direction) {
-  return std::max({t.a, t.b, t.c}, [&](const Vec3& p, const Vec3& q) {
-    return direction.dot(p) < direction.dot(q);
-  });
-}
-
-double distance_from(const Vec3& a, const Vec3& b, const Triangle& t) {
-  return distance_between(a, b, t);
-}
-
-double distance_from(const Vec3& a, const Vec3& b, const Shape& solid) {
-  return distance_to_segment(a, b, solid);
-}
-
 /// Of a convex solid. Where no edge of the triangle is nearest, and none meets the solid, either
 /// the solid's support towards the triangle is, or the segment between both supports crosses it.
 template <class Convex>
 double gap(const Triangle& t, const Convex& solid) {
-  const double least = std::min({distance_from(t.a, t.b, solid), distance_from(t.b, t.c, solid),
-                                 distance_from(t.c, t.a, solid)});
+  const Shape shape = solid;
+  const double least =
+      std::min({distance_to_segment(t.a, t.b, shape), distance_to_segment(t.b, t.c, shape),
+                distance_to_segment(t.c, t.a, shape)});
   if (least == 0) return 0;
   const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
   return std::min(least, distance_between(support(solid, normal), support(solid, -normal), t));
@@ -83,22 +73,6 @@ double radius_of(const Triangle& t) {
 Vec3 point_of(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
 Vec3 point_of(const Cube& cube) { return cube.center; }
 
-/// Metres between two triangles along an axis of any length; at most 0 if they overlap there.
-double apart_along(const Vec3& axis, const Triangle& s, const Triangle& t) {
-  const auto [low_s, high_s] = std::minmax({axis.dot(s.a), axis.dot(s.b), axis.dot(s.c)});
-  const auto [low_t, high_t] = std::minmax({axis.dot(t.a), axis.dot(t.b), axis.dot(t.c)});
-  const double length = axis.norm();
-  return length > 0 ? std::max(low_t - high_s, low_s - high_t) / length : 0;
-}
-
-Vec3 normal_of(const Triangle& t) { return (t.b - t.a).cross(t.c - t.a); }
-
-/// False if that takes no look at edges.
-bool may_be_within(double limit, const Triangle& s, const Triangle& t) {
-  return apart_along(t.centroid() - s.centroid(), s, t) < limit &&
-         apart_along(normal_of(s), s, t) < limit && apart_along(normal_of(t), s, t) < limit;
-}
-
 /// Between the triangles of two surfaces, by both trees at once.
 class SurfaceGap {
  public:
@@ -119,6 +93,10 @@ class SurfaceGap {
 
  private:
   using Nodes = std::pair<int, int>;
+  struct Boxed {
+    Triangle triangle;
+    AxisBox box;
+  };
 
   void search(int i, int k) {
     const BoxTree::Node &a = tree_a_->nodes()[as_index(i)], &b = tree_b_->nodes()[as_index(k)];
@@ -136,14 +114,22 @@ class SurfaceGap {
   }
 
   void compare(const BoxTree::Node& a, const BoxTree::Node& b) {
-    for (int k = b.first; k < b.first + b.count; ++k) {
+    own_.clear();
+    const AxisBox around_b = moved(b.box);
+    for (int i = a.first; i < a.first + a.count; ++i) {
+      const Triangle& t = a_[as_index(tree_a_->order()[as_index(i)])];
+      if (const AxisBox box = box_of(t); is_within(distance2(box, around_b))) {
+        own_.push_back({t, box});
+      }
+    }
+    for (int k = b.first; k < b.first + b.count && !own_.empty(); ++k) {
       const Triangle& t = b_[as_index(tree_b_->order()[as_index(k)])];
       const Triangle other{X_AB_ * t.a, X_AB_ * t.b, X_AB_ * t.c};
       const AxisBox box = box_of(other);
-      for (int i = a.first; i < a.first + a.count; ++i) {
-        const Triangle& own = a_[as_index(tree_a_->order()[as_index(i)])];
-        if (!is_within(distance2(box_of(own), box)) || !may_be_within(least_, own, other)) continue;
-        least_ = std::min(least_, gap(own, other));
+      if (!is_within(distance2(a.box, box))) continue;
+      for (const Boxed& own : own_) {
+        if (!is_within(distance2(own.box, box))) continue;
+        least_ = distance_between(own.triangle, other, least_);
       }
     }
   }
@@ -154,16 +140,21 @@ class SurfaceGap {
   [[nodiscard]] bool is_within(double distance2) const { return distance2 < least_ * least_; }
 
   [[nodiscard]] double reach2(int i, int k) const {
-    const AxisBox& b = tree_b_->nodes()[as_index(k)].box;
+    return distance2(tree_a_->nodes()[as_index(i)].box, moved(tree_b_->nodes()[as_index(k)].box));
+  }
+
+  /// Around a box of b, in a's frame.
+  [[nodiscard]] AxisBox moved(const AxisBox& b) const {
     const Vec3 middle = X_AB_ * Vec3(0.5 * (b.low + b.high));
     const Vec3 half = extent_ * (0.5 * (b.high - b.low));
-    return distance2(tree_a_->nodes()[as_index(i)].box, {middle - half, middle + half});
+    return {middle - half, middle + half};
   }
 
   const std::vector<Triangle>&a_, &b_;
   std::shared_ptr<const BoxTree> tree_a_, tree_b_;
   Transform X_AB_;
   Eigen::Matrix3d extent_;
+  std::vector<Boxed> own_;  ///< those of a leaf that may be near another leaf
   double least_ = 0;
 };
 

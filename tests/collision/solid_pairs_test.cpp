@@ -321,6 +321,34 @@ TEST_SUITE("unit") {
           "no attached object of this name");
   }
 
+  TEST_CASE("a capsule that lies wholly inside what another link covers touches it") {
+    const Box box{{}, {0.3, 0.3, 0.3}};
+    for (const double out : {0.0, 0.55}) {
+      Robot::Parts parts;
+      parts.name = "held";
+      Link pin;
+      pin.name = "pin";
+      pin.capsules = {{{out, 0, -0.1}, {out, 0, 0.1}, 0.02}};
+      parts.links = {covered_link("case", box, 0.3), pin};
+      Joint& joint = parts.joints.emplace_back();
+      joint.name = "slide";
+      joint.type = JointType::prismatic;
+      joint.parent_link = 0;
+      joint.child_link = 1;
+      joint.lower = -0.1;
+      joint.upper = 0.1;
+      parts.allowed_pairs.emplace();
+      const auto robot = make_robot(parts);
+      REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+      Scene scene;
+      scene.by_solid = {{"case", "pin"}};
+      const CollisionChecker checker = require_checker(*robot, scene);
+      const std::vector<double> q = {0.0};
+      CHECK(checker.is_valid(q) == (out > 0));
+      CHECK(checker.contacts(q).empty() == (out > 0));
+    }
+  }
+
   TEST_CASE("pairs of links without a cover are checked as ever") {
     Rng rng(95);
     const Robot robot = planar8();

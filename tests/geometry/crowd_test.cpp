@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/fcl_shapes.h"
+#include "geometry/part_distance.h"
 #include "geometry/random_crowds.h"
 #include "geometry/solids.h"
 #include "support/support.h"
@@ -26,7 +27,64 @@ double distance_by_samples(const Vec3& a, const Vec3& b, const Triangle& t) {
   return least;
 }
 
+Triangle random_triangle(Rng& rng) {
+  return {random_vector(rng, 0.5), random_vector(rng, 0.5), random_vector(rng, 0.5)};
+}
+
+/// Where two triangles are nearest, an edge of one is nearest to the other.
+double distance_by_edges(const Triangle& s, const Triangle& t) {
+  using internal::distance_between;
+  return std::min({distance_between(s.a, s.b, t), distance_between(s.b, s.c, t),
+                   distance_between(s.c, s.a, t), distance_between(t.a, t.b, s),
+                   distance_between(t.b, t.c, s), distance_between(t.c, t.a, s)});
+}
+
+/// With a corner in the plane of the other one, parallel to it, along an edge of it, with a corner
+/// of it, a needle, nearly parallel: whatever makes comparisons degenerate.
+Triangle awkward_neighbour(const Triangle& t, Rng& rng) {
+  const Vec3 u = t.b - t.a, v = t.c - t.a, off = random_vector(rng, 0.5);
+  const auto within = [&] { return Vec3(t.a + rng.uniform(-1, 2) * u + rng.uniform(-1, 2) * v); };
+  switch (rng.index(6)) {
+    case 0:
+      return {within(), random_vector(rng, 0.5), random_vector(rng, 0.5)};
+    case 1:
+      return {t.a + off, t.b + off, t.c + off};
+    case 2:
+      return {t.a + off, t.a + off + 2 * u, random_vector(rng, 0.5)};
+    case 3:
+      return {t.a, random_vector(rng, 0.5), random_vector(rng, 0.5)};
+    case 4:
+      return {off, off + u, off + u + 1e-7 * random_vector(rng, 1)};
+    default:
+      return {t.a + off, t.b + off + 1e-6 * random_vector(rng, 1), t.c + off};
+  }
+}
+
 TEST_SUITE("law") {
+  TEST_CASE("triangles are as far apart as their edges say, or farther than what is asked for") {
+    constexpr std::uint64_t kSeed = 71;
+    constexpr double kFar = 1e9, kTolerance = 1e-8;
+    Rng rng(kSeed);
+    int touching = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Triangle s = random_triangle(rng);
+      const Triangle t = i % 2 == 0 ? random_triangle(rng) : awkward_neighbour(s, rng);
+      const double expected = distance_by_edges(s, t);
+      INFO("seed " << kSeed << ", pair " << i);
+      CHECK(internal::distance_between(s, t, kFar) ==
+            doctest::Approx(expected).epsilon(kTolerance));
+      CHECK(internal::distance_between(t, s, kFar) ==
+            doctest::Approx(expected).epsilon(kTolerance));
+      CHECK(internal::distance_between(s, t, expected + 0.01) ==
+            doctest::Approx(expected).epsilon(kTolerance));
+      const double less = 0.9 * expected;
+      if (less > kTolerance) CHECK(internal::distance_between(s, t, less) == less);
+      touching += expected == 0 ? 1 : 0;
+    }
+    CHECK(touching > 2000);
+    CHECK(touching < 18000);
+  }
+
   TEST_CASE("distances from points, meshes and octrees are those from their nearest part") {
     Rng rng(61);
     for (const auto make : kMakers) {
