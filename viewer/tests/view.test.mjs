@@ -61,7 +61,7 @@ describe("pages", { skip }, () => {
     mneme("learn", "--robot", "planar8", "--scenes", problem3, "--db", db, "--starts-per-link", "1", "--paths-per-start",
       "1", "--jobs", "1");
     planar = join(directory, "planar.html");
-    mneme("plan", problem3, "--db", db, "--view", planar);
+    mneme("plan", problem3, "--db", db, "--retrieve-after", "0", "--view", planar);
     browser = await launch();
   });
   after(async () => {
