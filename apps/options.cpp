@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -118,7 +119,10 @@ CLI::Option* add_text(CLI::App& app, const std::string& flag,
 CLI::Option* add_configuration(CLI::App& app, const std::string& flag,
                                std::optional<GivenConfiguration>& given, const std::string& help) {
   const auto read = [flag, &given](const std::string& text) {
-    const bool is_name = text.find(',') == std::string::npos && !parse_number<double>(text);
+    const bool begins_as_name =
+        !text.empty() && (std::isalpha(static_cast<unsigned char>(text[0])) != 0 || text[0] == '_');
+    const bool is_name =
+        begins_as_name && text.find(',') == std::string::npos && !parse_number<double>(text);
     given = is_name ? GivenConfiguration(text) : parse_numbers(flag, text);
   };
   return add_text(app, flag, read, help)->type_name("X,X,.. or STATE");

@@ -214,7 +214,7 @@ settings:
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
     for (const char* directory :
-         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS", "PROBLEMS"}) {
+         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS", "PROBLEMS", "WORLDS"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
     for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);
