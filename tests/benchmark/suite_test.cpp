@@ -18,10 +18,10 @@ namespace {
 
 // The files of problems that script/hard, script/repeats, script/enclosed and script/growth make.
 std::vector<std::string> made_by_scripts() {
-  std::vector<std::string> names = {"wide.json",  "middle.json",     "narrow.json", "two.json",
-                                    "three.json", "two_narrow.json", "starts.json", "carried.json",
-                                    "reach",      "panda.json",      "fetch.json",  "starts",
-                                    "base",       "meshes",          "clouds",      "new"};
+  std::vector<std::string> names = {
+      "wide.json",   "middle.json",  "narrow.json", "two.json",   "three.json", "two_narrow.json",
+      "starts.json", "carried.json", "reach",       "panda.json", "fetch.json", "starts",
+      "base",        "meshes",       "clouds",      "new",        "solids",     "segments"};
   for (const std::string robot : {"panda", "fetch", "ur5"}) {
     for (const char* cell : {"static", "moved", "new", "narrow", "random", "wide", "tight"}) {
       names.push_back(robot + "_" + cell + ".json");
