@@ -10,6 +10,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kMostCells = 8191;
+/// Below, cells per unit would not be finite when squared.
+constexpr double kLeastWidth = 1e-100;
 constexpr std::int32_t kMostSquared = std::numeric_limits<std::int32_t>::max();
 
 std::size_t blocks_of(std::size_t count) { return (count + kCoarseBlock - 1) / kCoarseBlock; }
@@ -45,7 +47,7 @@ CoarseKeys::CoarseKeys(std::size_t key_size, std::span<const double> keys,
   }
   double widest = 0;
   for (std::size_t i = 0; i < key_size; ++i) widest = std::max(widest, upper[i] - lower_[i]);
-  if (widest > 0) per_cell_ = last_cell_ / widest;
+  if (widest > kLeastWidth) per_cell_ = last_cell_ / widest;
   keys_.resize(2 * first_blocks_.back() * pair_count_ * kCoarseBlock);
   boxes_.resize(4 * blocks_of(leaves) * pair_count_ * kCoarseBlock);
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
@@ -68,7 +70,8 @@ void CoarseKeys::add_leaf(std::size_t leaf, const double* columns, std::size_t c
 
 std::int16_t CoarseKeys::cell(double x, std::size_t number) const {
   const double cells = std::floor((x - lower_[number]) * per_cell_);
-  return static_cast<std::int16_t>(std::clamp(cells, 0.0, last_cell_));
+  // A number that is none counts as the first cell: it is near nothing by exact distances.
+  return static_cast<std::int16_t>(std::fmin(std::fmax(cells, 0), last_cell_));
 }
 
 std::vector<std::int16_t> CoarseKeys::query(const double* key) const {

@@ -42,7 +42,7 @@ class CoarseKeys {
   std::size_t key_size_;
   std::size_t pair_count_;
   double last_cell_;
-  double per_cell_ = 0;  ///< cells per unit; 0 if all keys are the same
+  double per_cell_ = 0;  ///< cells per unit; 0 if all keys are as good as the same
   std::vector<double> lower_;
   std::vector<std::size_t> first_blocks_;  ///< per leaf, and one behind the last
   std::vector<std::int16_t> keys_;

@@ -80,6 +80,15 @@ TEST_SUITE("unit") {
       CHECK(found[static_cast<std::size_t>(i)].error == 0);
     }
   }
+
+  TEST_CASE("keys that differ by next to nothing are found, and nothing by what is no number") {
+    const KeyTree tree(1, IndexRows{{1, 2}, {1, 1}, {0, 1e-310}});
+    NearestMatches nearest(1e-12, 0, 0), nowhere(1e-12, 0, 0);
+    tree.search(std::array{0.0}.data(), nearest);
+    CHECK(nearest.matches().size() == 2);
+    tree.search(std::array{std::numeric_limits<double>::quiet_NaN()}.data(), nowhere);
+    CHECK(nowhere.matches().empty());
+  }
 }
 
 TEST_SUITE("oracle") {
