@@ -43,7 +43,7 @@ export function mneme(...args) {
  * A page once `ready` is in it, of a file without a network or of a service; `complaints` collects console errors,
  * exceptions and requests to others.
  */
-export async function open(browser, file, { width = 1280, height = 800, theme = "light", ready = "body.ready" } = {}) {
+export async function open(browser, file, { width = 960, height = 600, theme = "light", ready = "body.ready" } = {}) {
   const isServed = file.startsWith("http:");
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, offline: !isServed });
   const page = await context.newPage();
@@ -63,22 +63,12 @@ export async function open(browser, file, { width = 1280, height = 800, theme = 
   return { page, complaints, close: () => context.close() };
 }
 
-/** Milliseconds from opening a page to its first picture: the best of three, which others disturb least. */
-export async function timeToFirstPicture(browser, file) {
-  const times = [];
-  for (let i = 0; i < 3; ++i) {
-    const { page, close } = await open(browser, file);
-    times.push(await page.evaluate(() => performance.getEntriesByName("first-picture")[0].startTime));
-    await close();
-  }
-  return Math.min(...times);
-}
-
+/** A screenshot, where they are wanted. */
 export async function shoot(page, name) {
+  if (!process.env.MNEME_SHOTS) return;
   // The last picture of a still scene has smooth edges.
   await page.waitForTimeout(400);
-  const path = process.env.MNEME_SHOTS ? join(process.env.MNEME_SHOTS, `${name}.png`) : undefined;
-  return page.screenshot({ path, timeout: 120000 });
+  await page.screenshot({ path: join(process.env.MNEME_SHOTS, `${name}.png`), timeout: 120000 });
 }
 
 /** Pixels of the canvas, and how many of them differ from the most frequent colour. */
