@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct Pair {
   Time reference;
   Time other;
 };
-/// The pairs of one problem.
+/// Of one problem.
 using Group = std::vector<Pair>;
 
 Time time_of(const BenchmarkRow& row) {
@@ -74,67 +75,117 @@ constexpr std::array<Statistic, 5> kStatistics = {
      {&PairedRatio::mean, &Estimate::mean},
      {&PairedRatio::geometric, &Estimate::geometric}}};
 
-Time percentile(int percent, std::vector<Time>& times) {
-  const int rank = internal::nearest_rank(percent, static_cast<int>(times.size()));
-  std::ranges::nth_element(times, times.begin() + rank - 1);
-  return times[static_cast<std::size_t>(rank - 1)];
-}
+constexpr std::array kPercents = {50, 95, 99, 100};
+using Percentiles = std::array<Time, kPercents.size()>;
 
-/// Estimates of samples of pairs, in buffers that are kept.
+/// Estimates of samples of pairs. The pairs are sorted once, and each sample counts how often it
+/// has drawn them.
 class Estimator {
  public:
-  void clear() {
-    reference_.clear();
-    other_.clear();
-    reference_sum_ = other_sum_ = log_sum_ = 0;
+  explicit Estimator(const std::vector<Group>& groups) {
+    begins_.push_back(0);
+    for (const Group& group : groups) {
+      pairs_.insert(pairs_.end(), group.begin(), group.end());
+      begins_.push_back(pairs_.size());
+    }
+    for (const Pair& pair : pairs_) {
+      logs_.push_back(std::log(pair.reference.seconds / pair.other.seconds));
+    }
+    by_reference_ = sorted_by(&Pair::reference);
+    by_other_ = sorted_by(&Pair::other);
   }
-  void add(const Pair& pair) {
-    reference_.push_back(pair.reference);
-    other_.push_back(pair.other);
-    reference_sum_ += pair.reference.seconds;
-    other_sum_ += pair.other.seconds;
-    log_sum_ += std::log(pair.reference.seconds / pair.other.seconds);
+
+  [[nodiscard]] std::size_t size() const { return pairs_.size(); }
+
+  void draw_all() {
+    clear();
+    for (std::size_t i = 0; i < pairs_.size(); ++i) add(i);
   }
-  Estimate estimate() {
-    const auto ratio = [this](int percent) {
-      return percentile(percent, reference_).seconds / percentile(percent, other_).seconds;
-    };
-    return {ratio(50), ratio(95), ratio(99), reference_sum_ / other_sum_,
-            std::exp(log_sum_ / static_cast<double>(other_.size()))};
+  /// Whole groups, or pairs of each if there are few.
+  void draw(Rng& rng) {
+    clear();
+    const std::size_t groups = begins_.size() - 1;
+    const bool draws_groups = groups >= kEnoughProblems;
+    for (std::size_t i = 0; i < groups; ++i) {
+      const std::size_t group = draws_groups ? draw_index(groups, rng) : i;
+      const std::size_t count = begins_[group + 1] - begins_[group];
+      for (std::size_t j = 0; j < count; ++j) {
+        add(begins_[group] + (draws_groups ? j : draw_index(count, rng)));
+      }
+    }
   }
-  /// What of the last estimate's is a failure, or holds one.
-  void mark_bounds(PairedRatio& ratio) {
-    const auto mark = [this](int percent, TimeRatio& marked) {
-      marked.is_at_least = percentile(percent, reference_).is_failure;
-      marked.is_at_most = percentile(percent, other_).is_failure;
-    };
-    mark(50, ratio.p50);
-    mark(95, ratio.p95);
-    mark(99, ratio.p99);
-    mark(100, ratio.mean);
+
+  [[nodiscard]] Estimate estimate() const {
+    const Percentiles reference = percentiles(by_reference_, &Pair::reference);
+    const Percentiles other = percentiles(by_other_, &Pair::other);
+    const auto ratio = [&](std::size_t i) { return reference[i].seconds / other[i].seconds; };
+    return {ratio(0), ratio(1), ratio(2), reference_sum_ / other_sum_,
+            std::exp(log_sum_ / static_cast<double>(drawn_))};
+  }
+  /// What of the last draw's is a failure, or holds one.
+  void mark_bounds(PairedRatio& ratio) const {
+    const Percentiles reference = percentiles(by_reference_, &Pair::reference);
+    const Percentiles other = percentiles(by_other_, &Pair::other);
+    const std::array marked = {&ratio.p50, &ratio.p95, &ratio.p99, &ratio.mean};
+    for (std::size_t i = 0; i < marked.size(); ++i) {
+      marked[i]->is_at_least = reference[i].is_failure;
+      marked[i]->is_at_most = other[i].is_failure;
+    }
   }
 
  private:
-  std::vector<Time> reference_;
-  std::vector<Time> other_;
+  [[nodiscard]] std::vector<std::size_t> sorted_by(Time Pair::*time) const {
+    std::vector<std::size_t> order(pairs_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t i) { return pairs_[i].*time; });
+    return order;
+  }
+
+  static std::size_t draw_index(std::size_t count, Rng& rng) {
+    const auto index = static_cast<std::size_t>(rng.uniform() * static_cast<double>(count));
+    return std::min(index, count - 1);
+  }
+
+  void clear() {
+    counts_.assign(pairs_.size(), 0);
+    drawn_ = 0;
+    reference_sum_ = other_sum_ = log_sum_ = 0;
+  }
+  void add(std::size_t i) {
+    ++counts_[i];
+    ++drawn_;
+    reference_sum_ += pairs_[i].reference.seconds;
+    other_sum_ += pairs_[i].other.seconds;
+    log_sum_ += logs_[i];
+  }
+
+  /// Of what was drawn, at kPercents.
+  [[nodiscard]] Percentiles percentiles(const std::vector<std::size_t>& order,
+                                        Time Pair::*time) const {
+    std::array<int, kPercents.size()> ranks{};
+    std::ranges::transform(kPercents, ranks.begin(),
+                           [&](int percent) { return internal::nearest_rank(percent, drawn_); });
+    Percentiles found;
+    std::size_t next = 0;
+    int passed = 0;
+    for (const std::size_t i : order) {
+      passed += counts_[i];
+      while (next < ranks.size() && passed >= ranks[next]) {
+        found[next++] = pairs_[i].*time;
+      }
+    }
+    return found;
+  }
+
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> begins_;  // of the groups, and the end of the last
+  std::vector<double> logs_;
+  std::vector<std::size_t> by_reference_;
+  std::vector<std::size_t> by_other_;
+  std::vector<int> counts_;
+  int drawn_ = 0;
   double reference_sum_ = 0, other_sum_ = 0, log_sum_ = 0;
 };
-
-std::size_t draw_index(std::size_t count, Rng& rng) {
-  const auto index = static_cast<std::size_t>(rng.uniform() * static_cast<double>(count));
-  return std::min(index, count - 1);
-}
-
-void resample(const std::vector<Group>& groups, Rng& rng, Estimator& estimator) {
-  estimator.clear();
-  const bool draws_problems = groups.size() >= kEnoughProblems;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const Group& group = groups[draws_problems ? draw_index(groups.size(), rng) : i];
-    for (std::size_t j = 0; j < group.size(); ++j) {
-      estimator.add(group[draws_problems ? j : draw_index(group.size(), rng)]);
-    }
-  }
-}
 
 const Estimate& at_quantile(const std::vector<Estimate>& sorted, double quantile) {
   const auto last = static_cast<double>(sorted.size() - 1);
@@ -145,20 +196,17 @@ const Estimate& at_quantile(const std::vector<Estimate>& sorted, double quantile
 
 PairedRatio compare_runs(std::span<const BenchmarkRow> reference,
                          std::span<const BenchmarkRow> other) {
-  const std::vector<Group> groups = make_groups(reference, other);
+  Estimator estimator(make_groups(reference, other));
   PairedRatio ratio;
-  Estimator estimator;
-  for (const Group& group : groups) {
-    ratio.pairs += static_cast<int>(group.size());
-    for (const Pair& pair : group) estimator.add(pair);
-  }
+  ratio.pairs = static_cast<int>(estimator.size());
   if (ratio.pairs == 0) return ratio;
+  estimator.draw_all();
   const Estimate all = estimator.estimate();
   estimator.mark_bounds(ratio);
   Rng rng(kSeed);
   std::vector<Estimate> resampled;
   for (int i = 0; i < kResamples; ++i) {
-    resample(groups, rng, estimator);
+    estimator.draw(rng);
     resampled.push_back(estimator.estimate());
   }
   for (const auto& [member, value] : kStatistics) {
