@@ -24,8 +24,8 @@ bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplificat
 difficulty: tasks, which are problems whose names agree up to their last underscore, by the baseline's median for them, with solved, p50,
 mean and p95 of each setting, whose name up to a comma counts. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
-from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, its mean
-planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
+from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the median time of retrieval
+where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
 problems, OTHER's by NAME's, from what is the median of each problem's runs, with 95 % intervals over problems: pairs, percentiles, and length of those
 that both solved. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
 written: it fails if something would be.
@@ -276,9 +276,11 @@ def growth_lines(results, names, options, where):
 
 def cost_lines(results, names, options, where):
     rows = [row for row in results.rows(names[0]) if is_meant(row, where) and not row["status"].startswith("invalid")]
-    means = {}
+    means, retrievals = {}, {}
     for row in rows:
         means.setdefault(row["setting"].replace(" ", "_"), []).append(1e3 * float(row["planning_time_s"]))
+        if float(row["retrieval_time_s"]) > 0:
+            retrievals.setdefault(row["setting"], []).append(1e3 * float(row["retrieval_time_s"]))
     if options.get("baseline") not in means:
         raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(means)}")
     means = {setting: statistics.fmean(times) for setting, times in means.items()}
@@ -291,9 +293,10 @@ def cost_lines(results, names, options, where):
         with_it = means[drawing[0].replace(" ", "_")]
         pays = 1e3 * float(memory["learning_time_s"]) / (without - with_it) if with_it < without else math.inf
         lines.append([memory["name"], drawing[0], memory["primitives"], memory["components"], f"{int(memory['bytes']) / 1e6:.2f}",
-                      factor(float(memory["learning_time_s"])), f"{factor(without)} → {factor(with_it)}",
+                      factor(float(memory["learning_time_s"])), factor(statistics.median(retrievals[drawing[0]])) if drawing[0] in retrievals else "none",
+                      f"{factor(without)} → {factor(with_it)}",
                       f"{math.ceil(pays)} queries" if pays < math.inf else "never"])
-    return ["memory", "setting", "rows", "components", "MB", "s to learn", "mean ms", "gained after"], lines
+    return ["memory", "setting", "rows", "components", "MB", "s to learn", "retrieval ms", "mean ms", "gained after"], lines
 
 
 def medians_of(results, name, column):

@@ -189,15 +189,15 @@ def test_difficulty_of_some_sets_only(source):
 def test_a_memory_is_paid_for_by_what_its_queries_gain(source):
     folder = source / "bench" / "results"
     with lzma.open(folder / "mbm.csv.xz", "wt") as packed:
-        packed.write("set,problem,setting,settings,status,planning_time_s\n")
-        packed.writelines(f"a,{i},no memory,range=1,solved,0.03\na,{i},grid,range=1 memory=first 12,solved,0.01\n" for i in range(2))
-        packed.write("a,3,grid,range=1 memory=first 12,invalid_start,5\na,1,worse,memory=large,solved,0.5\n")
+        packed.write("set,problem,setting,settings,status,planning_time_s,retrieval_time_s\n")
+        packed.writelines(f"a,{i},no memory,range=1,solved,0.03,0\na,{i},grid,range=1 memory=first 12,solved,0.01,{i * 5e-5}\n" for i in range(2))
+        packed.write("a,3,grid,range=1 memory=first 12,invalid_start,5,1\na,1,worse,memory=large,solved,0.5,0\n")
     (folder / "mbm.memories.csv").write_text("name,primitives,components,bytes,learning_time_s\nfirst 12,12,99,2500000,1.5\n"
                                              "large,800,9,1,2\nthere already,1,1,1,0\nunused,1,1,1,3\n", encoding="utf-8")
     lines = written(source, "cost mbm baseline=no_memory")
-    assert lines[0] == "| memory | setting | rows | components | MB | s to learn | mean ms | gained after |"
-    assert lines[2:-2] == ["| first 12 | grid | 12 | 99 | 2.50 | 1.5 | 30 → 10 | 75 queries |",
-                           "| large | worse | 800 | 9 | 0.00 | 2 | 30 → 500 | never |"]
+    assert lines[0] == "| memory | setting | rows | components | MB | s to learn | retrieval ms | mean ms | gained after |"
+    assert lines[2:-2] == ["| first 12 | grid | 12 | 99 | 2.50 | 1.5 | 0.05 | 30 → 10 | 75 queries |",
+                           "| large | worse | 800 | 9 | 0.00 | 2 | none | 30 → 500 | never |"]
 
 
 def test_two_programs_are_compared_on_the_problems_of_both(source):
