@@ -54,10 +54,10 @@ struct MeshFile {
 /// Collision geometry that is not checked as it is, but covered with spheres (covering.h).
 using Solid = std::variant<Box, Cylinder, MeshFile>;
 
-/// What spheres of a link cover.
+/// What spheres of a link, or of an object that it carries, cover.
 struct Cover {
   Mesh surface;          ///< of the solids, in the link's frame; all that it encloses is covered
-  int sphere_count = 0;  ///< the last ones of the link's spheres are the cover
+  int sphere_count = 0;  ///< the last ones of the spheres are the cover
   double excess = 0;     ///< metres that they stick out at most, by samples
 };
 
@@ -84,8 +84,9 @@ struct AttachedObject {
 /// An object as it is checked: cover_object (covering.h) makes it.
 struct CoveredObject {
   AttachedObject object;
-  std::vector<Sphere> spheres;    ///< in the link's frame
-  std::vector<Capsule> capsules;  ///< in the link's frame
+  std::vector<Sphere> spheres;      ///< in the link's frame
+  std::vector<Capsule> capsules;    ///< in the link's frame
+  std::optional<Cover> cover = {};  ///< of boxes, cylinders and meshes that became spheres
 };
 
 /// What a URDF alone does not say.

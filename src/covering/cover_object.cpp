@@ -4,6 +4,7 @@
 
 #include "base/installation.h"
 #include "covering/cover_robot.h"
+#include "covering/triangle_mesh.h"
 #include "geometry/solids.h"
 
 #include <fmt/format.h>
@@ -11,7 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <span>
 
 namespace mneme {
 namespace {
@@ -87,26 +90,23 @@ double excess_of(std::span<const Sphere> spheres, double radius, double half_len
   return excess;
 }
 
-std::vector<Sphere> posed(std::vector<Sphere> spheres, const Transform& pose) {
-  for (Sphere& sphere : spheres) sphere.center = pose * sphere.center;
-  return spheres;
-}
+/// Spheres and what they cover.
+struct CoveredSolids {
+  std::vector<Sphere> spheres;
+  internal::TriangleMesh surface;
+  double excess = 0;  ///< metres that the spheres stick out at most
 
-/// Coarsens until there are few enough. `size` is half the longest extent.
-template <class Cover>
-std::vector<Sphere> cover_within(const CoverSettings& settings, double size, const Cover& cover) {
-  // So many spheres in a row cannot do with less.
-  const double least = 0.25 * size / settings.max_spheres;
-  for (double excess = std::max(settings.excess, least);; excess *= kCoarser) {
-    std::vector<Sphere> spheres = cover(excess);
-    if (std::ssize(spheres) <= settings.max_spheres) return spheres;
+  void add(std::span<const Sphere> cover, std::span<const Triangle> covered, double beyond) {
+    spheres.insert(spheres.end(), cover.begin(), cover.end());
+    surface.insert(surface.end(), covered.begin(), covered.end());
+    excess = std::max(excess, beyond);
   }
-}
+};
 
 class CoverShape {
  public:
-  CoverShape(const CoverSettings& settings, CoveredObject& object)
-      : settings_(settings), object_(object) {}
+  CoverShape(const CoverSettings& settings, CoveredObject& object, CoveredSolids& solids)
+      : settings_(settings), object_(object), solids_(solids) {}
 
   void operator()(const Sphere& sphere) const { object_.spheres.push_back(sphere); }
   void operator()(const Capsule& capsule) const { object_.capsules.push_back(capsule); }
@@ -114,48 +114,67 @@ class CoverShape {
   template <class Part>
   void operator()(const Crowd<Part>& /*crowd*/) const {}
   void operator()(const Box& box) const {
-    const double size = box.half_extents.maxCoeff();
-    add(box.pose, cover_within(settings_, size, [&](double excess) {
-          std::vector<Sphere> spheres;
-          cover_cells(box.half_extents, excess, spheres);
-          return spheres;
-        }));
+    add(box, box.half_extents.maxCoeff(), [&](double excess) {
+      std::vector<Sphere> spheres;
+      cover_cells(box.half_extents, excess, spheres);
+      return spheres;
+    });
   }
   void operator()(const Cylinder& cylinder) const {
     const double half_length = cylinder.length / 2;
     const double size = std::max(cylinder.radius, half_length);
-    add(cylinder.pose, cover_within(settings_, size, [&](double excess) {
-          std::vector<Sphere> spheres;
-          for (double cell = size;; cell /= kCoarser) {
-            spheres.clear();
-            cover_rings(cylinder.radius, half_length, cell, spheres);
-            const bool is_close = excess_of(spheres, cylinder.radius, half_length) <= excess;
-            if (is_close || std::ssize(spheres) > settings_.max_spheres) return spheres;
-          }
-        }));
+    add(cylinder, size, [&](double excess) {
+      std::vector<Sphere> spheres;
+      for (double cell = size;; cell /= kCoarser) {
+        spheres.clear();
+        cover_rings(cylinder.radius, half_length, cell, spheres);
+        const bool is_close = excess_of(spheres, cylinder.radius, half_length) <= excess;
+        if (is_close || std::ssize(spheres) > settings_.max_spheres) return spheres;
+      }
+    });
   }
 
  private:
-  void add(const Transform& pose, std::vector<Sphere> spheres) const {
-    spheres = posed(std::move(spheres), pose);
-    object_.spheres.insert(object_.spheres.end(), spheres.begin(), spheres.end());
+  /// Coarsens until there are few enough. `size` is half the longest extent.
+  template <class Convex, class CoverWithin>
+  void add(const Convex& solid, double size, const CoverWithin& cover_within) const {
+    // So many spheres in a row cannot do with less.
+    double excess = std::max(settings_.excess, 0.25 * size / settings_.max_spheres);
+    std::vector<Sphere> spheres = cover_within(excess);
+    while (std::ssize(spheres) > settings_.max_spheres) {
+      excess *= kCoarser;
+      spheres = cover_within(excess);
+    }
+    for (Sphere& sphere : spheres) sphere.center = solid.pose * sphere.center;
+    solids_.add(spheres, internal::triangulate(solid), excess);
   }
 
   const CoverSettings& settings_;
   CoveredObject& object_;
+  CoveredSolids& solids_;
 };
 
-Result<std::vector<Sphere>> cover_meshes(const AttachedObject& object,
-                                         const CoverSettings& settings) {
+Result<void> cover_meshes(const AttachedObject& object, const CoverSettings& settings,
+                          CoveredSolids& solids) {
   Robot::Parts parts;
   Link& link = parts.links.emplace_back();
   link.name = object.name;
   link.solids.assign(object.meshes.begin(), object.meshes.end());
   const internal::CoverCache cache(internal::cache_directory());
   return internal::cover_robot(std::move(parts), settings, cache)
-      .map([](const internal::CachedCovering& made) {
-        return made.covering.parts.links.front().spheres;
+      .map([&](const internal::CachedCovering& made) {
+        const Link& covered = made.covering.parts.links.front();
+        solids.add(covered.spheres, covered.cover->surface.parts->list(), covered.cover->excess);
       });
+}
+
+/// Spheres of the cover come last.
+void add_cover(CoveredSolids solids, CoveredObject& object) {
+  if (solids.spheres.empty()) return;
+  object.spheres.insert(object.spheres.end(), solids.spheres.begin(), solids.spheres.end());
+  auto surface = std::make_shared<const Parts<Triangle>>(std::move(solids.surface));
+  object.cover = {
+      {{}, std::move(surface), 0}, static_cast<int>(solids.spheres.size()), solids.excess};
 }
 
 bool is_usable(const Shape& shape) {
@@ -174,6 +193,7 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
     return tl::unexpected(refusal(object, "has no shapes"));
   }
   CoveredObject covered;
+  CoveredSolids solids;
   for (const Shape& shape : object.shapes) {
     if (!is_usable(shape)) {
       return tl::unexpected(refusal(
@@ -185,17 +205,17 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
                               "a mesh in a file",
                               shape_name(shape))));
     }
-    std::visit(CoverShape(settings, covered), shape);
+    std::visit(CoverShape(settings, covered, solids), shape);
   }
   if (!object.meshes.empty()) {
-    const auto spheres = cover_meshes(object, settings);
-    if (!spheres) {
+    const auto done = cover_meshes(object, settings, solids);
+    if (!done) {
       return tl::unexpected(
-          Error{spheres.error().code,
-                fmt::format("attached object '{}': {}", object.name, spheres.error().message)});
+          Error{done.error().code,
+                fmt::format("attached object '{}': {}", object.name, done.error().message)});
     }
-    covered.spheres.insert(covered.spheres.end(), spheres->begin(), spheres->end());
   }
+  add_cover(std::move(solids), covered);
   covered.object = std::move(object);
   return covered;
 }

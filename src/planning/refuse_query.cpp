@@ -55,6 +55,14 @@ std::string advise(double room) {
       excess);
 }
 
+/// Covers of links can be finer; those of attached objects are as they are.
+bool can_be_finer(const Robot& robot, const Contact& contact) {
+  return std::ranges::none_of(robot.attached(), [&](const CoveredObject& covered) {
+    const std::string& name = covered.object.name;
+    return name == contact.link || (contact.is_self && name == contact.other);
+  });
+}
+
 /// Contacts first, then what is only within the margin.
 Refusal describe_contacts(const CollisionChecker& checker, const Configuration& q,
                           std::vector<Contact> contacts) {
@@ -67,7 +75,8 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const auto behind = look_behind_covers(checker.robot(), checker.scene(), q, contacts[i]);
     const double margin = contacts[i].is_self ? 0 : checker.margin();
-    room = behind ? std::min(room, (behind->distance - margin) / behind->covers) : 0;
+    const bool can_help = behind && can_be_finer(checker.robot(), contacts[i]);
+    room = can_help ? std::min(room, (behind->distance - margin) / behind->covers) : 0;
     if (i >= kMostNamed) continue;
     text += (i == 0 ? "" : ", ") + describe(contacts[i]) + (behind ? describe(*behind) : "");
   }

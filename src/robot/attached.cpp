@@ -39,8 +39,12 @@ std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& l
   joint.name = object.name;
   joint.parent_link = *carrier;
   joint.child_link = static_cast<int>(links.size());
-  links.push_back(
-      {object.name, static_cast<int>(joints.size()), covered.spheres, covered.capsules, {}});
+  links.push_back({object.name,
+                   static_cast<int>(joints.size()),
+                   covered.spheres,
+                   covered.capsules,
+                   {},
+                   covered.cover});
   joints.push_back(std::move(joint));
   return std::nullopt;
 }

@@ -77,12 +77,35 @@ TEST_SUITE("unit") {
     CHECK(count_beyond(made, Box{{}, Vec3::Constant(0.05)}, 0.013, rng) == 0);
   }
 
+  TEST_CASE("of what became spheres the surface is kept, and these come last") {
+    const test::TemporaryDirectory directory;
+    const std::string path = directory / "cube.stl";
+    write_file(path, to_text_stl(internal::triangulate(make_box(Vec3::Constant(0.1)))));
+    const Box box{{}, Vec3::Constant(0.05)};
+    const Cylinder can{{Eigen::Matrix3d::Identity(), {1, 0, 0}}, 0.03, 0.12};
+    const Sphere ball{{0, 1, 0}, 0.2};
+    const CoveredObject made =
+        require_cover({"all", "hand", {box, ball, can}, {{path, Vec3::Ones(), {}}}, {}});
+    REQUIRE(made.cover.has_value());
+    const std::vector<Triangle>& surface = made.cover->surface.parts->list();
+    CHECK(surface.size() ==
+          12 + internal::triangulate(can).size() + internal::triangulate(box).size());
+    CHECK(made.cover->sphere_count + 1 == std::ssize(made.spheres));
+    CHECK(made.spheres[0] == ball);
+    CHECK(made.cover->excess <= kObjectCover.excess);
+    CHECK(made.cover->surface.pose == Transform{});
+    CHECK_FALSE(require_cover({"ball", "hand", {ball}, {}, {}}).cover.has_value());
+  }
+
   TEST_CASE("large objects have no more spheres than they may") {
+    Rng rng(3);
     for (const Shape& shape : {Shape(Box{{}, {1000, 0.01, 2}}), Shape(Cylinder{{}, 3000, 0.1}),
                                Shape(Cylinder{{}, 0.01, 5000}), Shape(Box{{}, {9, 9, 9}})}) {
       const CoveredObject made = require_cover({"large", "hand", {shape}, {}, {}});
       CHECK(made.spheres.size() <= 64);
       CHECK(!made.spheres.empty());
+      CHECK(made.cover->excess > kObjectCover.excess);
+      CHECK(count_beyond(made, shape, made.cover->excess, rng) == 0);
     }
   }
 
@@ -121,8 +144,11 @@ TEST_SUITE("unit") {
     const auto robot = attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}});
     REQUIRE(robot.has_value());
     CHECK(robot->links().back().spheres.size() == robot->attached()[0].spheres.size());
-    CHECK(attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
-          std::string::npos);
+    REQUIRE(robot->links().back().cover.has_value());
+    CHECK(robot->links().back().cover->surface == robot->attached()[0].cover->surface);
+    CHECK(
+        attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
+        std::string::npos);
     CHECK(attach(bare, {{"cup", "tool", {}}}).error().message ==
           "attached object 'cup' has no shapes");
   }

@@ -92,6 +92,20 @@ TEST_SUITE("unit") {
     CHECK(refuse(higher, 0.3).find("what is covered is 202 mm away)") != std::string::npos);
   }
 
+  TEST_CASE("what is carried says how far its cover sticks out, which nothing makes finer") {
+    const Robot robot =
+        attach(covered_arm(), {{"rod", "l2", {Box{{}, Vec3::Constant(0.05)}}}}).value();
+    const Box ahead{{Eigen::Matrix3d::Identity(), {2.152, 0, 0}}, {0.1, 0.1, 0.1}};
+    const auto checker = CollisionChecker::make(robot, {"scene", {{"wall", {ahead}}}});
+    REQUIRE(checker.has_value());
+    const auto refused = refuse_query(*checker, {Configuration{0, 0}, {Configuration{0, 1}}});
+    REQUIRE(refused.has_value());
+    INFO(refused->message);
+    CHECK(refused->message.starts_with("start is in contact: link 'rod' touches obstacle 'wall'"));
+    CHECK(refused->message.ends_with(
+        "(a cover sticks out by up to 15 mm; what is covered is 2 mm away)"));
+  }
+
   TEST_CASE("goals in contact are left out with a note, unless all are") {
     const CollisionChecker checker = checker_of({{5, 0, 1}});
     std::vector<Configuration> goals = {kStraight, kUp, kStraight};
