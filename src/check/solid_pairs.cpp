@@ -15,9 +15,13 @@ namespace {
 /// Metres: where there is less room, a motion is taken to touch.
 constexpr double kLeastRoom = 1e-4;
 /// Metres: where covers have so much room, solids are not looked at.
-constexpr double kCoverRoom = 0.01;
-/// Whether there is more room is asked again where there was as much as was asked for.
-constexpr double kGrowth = 4;
+constexpr double kCoverRoom = 0.003;
+
+/// Of a motion, between two shares of it: there a pair is not known to be apart.
+struct Stretch {
+  std::size_t pair = 0;
+  double first = 0, last = 1;
+};
 
 }  // namespace
 
@@ -72,20 +76,23 @@ bool SolidPairs::stay_apart(std::span<const float> from, std::span<const float> 
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * delta[j];
     return q;
   };
-  std::vector<double> ways, asked(pairs_.size(), kCoverRoom);
-  for (const Pair& pair : pairs_) ways.push_back(longest_way(pair, begin, at(1)));
-  for (double share = 0; share < 1;) {
-    const PosedLinks posed = pose(at(share));
-    double step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const double most = std::min(kLeastRoom + ways[i], asked[i]);
-      const double room =
-          std::min(this->room(posed, pairs_[i], pairs_[i].margin + extra, most), most);
-      if (!(room >= kLeastRoom)) return false;
-      asked[i] = std::max(kCoverRoom, kGrowth * room);
-      step = std::min(step, room / ways[i]);
-    }
-    share += step;
+  std::vector<double> ways;
+  std::vector<Stretch> open;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    ways.push_back(longest_way(pairs_[i], begin, at(1)));
+    open.push_back({i});
+  }
+  // Long stretches of all pairs come before short ones of any: so contact is found early.
+  for (std::size_t next = 0; next < open.size(); ++next) {
+    const auto [i, first, last] = open[next];
+    const double middle = 0.5 * (first + last), half = 0.5 * (last - first) * ways[i];
+    const double margin = pairs_[i].margin + extra;
+    const double room = this->room(pose(at(middle)), pairs_[i], margin, half + kLeastRoom);
+    if (!(room >= kLeastRoom)) return false;
+    if (room >= half) continue;
+    const double known = room / ways[i];
+    open.push_back({i, middle + known, last});
+    open.push_back({i, first, middle - known});
   }
   return true;
 }

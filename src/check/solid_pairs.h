@@ -27,9 +27,9 @@ class SolidPairs {
   [[nodiscard]] bool empty() const { return pairs_.empty(); }
   /// True if at `q` no pair touches.
   [[nodiscard]] bool are_apart(std::span<const float> q) const;
-  /// True if no pair comes closer than `extra` metres, and 1e-4 m besides, on the whole motion from
-  /// `from` by `delta`: from each state that is looked at the motion goes on to where the links
-  /// have moved by no more than they had room.
+  /// True if no pair comes closer than `extra` metres on the whole motion from `from` by `delta`,
+  /// nor than 1e-4 m more at the states that are looked at: around each of them the motion is free
+  /// where the links have moved by no more than they had room.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
 
