@@ -9,6 +9,7 @@
 #include "collision/clearance.h"
 #include "collision/make_tables.h"
 #include "geometry/random_shapes.h"
+#include "support/isas.h"
 #include "support/support.h"
 
 #include <algorithm>
@@ -19,14 +20,6 @@
 #include <vector>
 
 namespace mneme::test {
-
-inline std::vector<Isa> available_isas() {
-  std::vector<Isa> result;
-  for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-    if (is_available(isa)) result.push_back(isa);
-  }
-  return result;
-}
 
 inline CollisionChecker require_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings = {}) {

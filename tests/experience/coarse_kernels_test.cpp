@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/coarse_kernels.h"
 #include "store/fixtures.h"
+#include "support/isas.h"
 
 #include <algorithm>
 #include <vector>
@@ -40,8 +41,7 @@ TEST_SUITE("oracle") {
           of_boxes[key] += outside * outside;
         }
       }
-      for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-        if (!is_available(isa)) continue;
+      for (const Isa isa : available_isas()) {
         INFO(pairs << " pairs, " << to_string(isa));
         const auto& kernels = internal::coarse_kernels(isa);
         std::vector<std::int32_t> squared(of_keys.size(), -1);

@@ -3,6 +3,7 @@
 #include "mneme/covering.h"
 
 #include "goal/posed_robots.h"
+#include "support/isas.h"
 #include "support/planar_memory.h"
 
 #include <algorithm>
@@ -52,8 +53,7 @@ TEST_SUITE("law") {
          {std::pair("panda", "panda_hand"), std::pair("fetch", "gripper_link"),
           std::pair("ur5", "tool0")}) {
       const Robot robot = shipped_robot(name);
-      for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-        if (!is_available(isa)) continue;
+      for (const Isa isa : available_isas()) {
         CAPTURE(name);
         CAPTURE(to_string(isa));
         CHECK(count_reached(robot, link, 200, isa) >= 199);

@@ -203,7 +203,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the same seed takes the same walks and another one others") {
-    for (const Isa isa : isas_of_this_machine()) {
+    for (const Isa isa : available_isas()) {
       INFO(to_string(isa));
       PlanSettings settings = walking(1);
       const internal::FloatPath first = nodes_of_walks(threaded_world(), settings, isa, 20);
@@ -217,7 +217,7 @@ TEST_SUITE("unit") {
 TEST_SUITE("flow") {
   TEST_CASE("an arm threaded between posts gets out with walks in far fewer iterations") {
     const World world = threaded_world();
-    for (const Isa isa : isas_of_this_machine()) {
+    for (const Isa isa : available_isas()) {
       const CollisionChecker checker = make_checker(world, RunFixture::of_isa(isa));
       const auto sampler = make_uniform_sampler(world.robot);
       std::uint64_t with = 0, without = 0;
@@ -237,7 +237,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("plans with walks repeat themselves with the same seed") {
     const World world = threaded_world();
-    for (const Isa isa : isas_of_this_machine()) {
+    for (const Isa isa : available_isas()) {
       INFO(to_string(isa));
       const CollisionChecker checker = make_checker(world, RunFixture::of_isa(isa));
       const auto sampler = make_uniform_sampler(world.robot);

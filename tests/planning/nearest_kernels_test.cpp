@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/isas.h"
 #include "support/support.h"
 #include "planning/nearest_kernels.h"
 
@@ -58,14 +59,6 @@ struct Blocks {
     return result;
   }
 };
-
-std::vector<Isa> available_isas() {
-  std::vector<Isa> isas = {Isa::automatic};
-  for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-    if (is_available(isa)) isas.push_back(isa);
-  }
-  return isas;
-}
 
 }  // namespace
 

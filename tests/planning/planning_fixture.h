@@ -36,14 +36,6 @@ struct RunFixture {
   internal::PlannerRun run;
 };
 
-inline std::vector<Isa> isas_of_this_machine() {
-  std::vector<Isa> result;
-  for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-    if (is_available(isa)) result.push_back(isa);
-  }
-  return result;
-}
-
 /// So many joints that no steps are computed for it.
 inline Robot chain_without_limbs() {
   Robot::Parts parts;
