@@ -128,11 +128,13 @@ class Database {
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
   /// process and a loss of power. A row whose kind, key, mixture, settings and seed are those of a
   /// row that is there already is not added again, so that a failed insertion can be repeated
-  /// safely. The first row of a kind decides how long its keys are. Returns the ids. Errors: io
-  /// (disk full, read-only, locked, connection lost), invalid (wrong sizes, not finite, a number of
-  /// a key beyond 1e6, text that is not UTF-8); then nothing was inserted, unless the connection
-  /// was lost during the very last step.
-  Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows);
+  /// safely. The first row of a kind decides how long its keys are. Returns the ids, and
+  /// in `is_new`, if it is not null, for each row whether it was added. Errors: io (disk full,
+  /// read-only, locked, connection lost), invalid (wrong sizes, not finite, a number of a key
+  /// beyond 1e6, text that is not UTF-8); then nothing was inserted, unless the connection was lost
+  /// during the very last step.
+  Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows,
+                                           std::vector<bool>* is_new = nullptr);
 
   /// Whether memory may grow again, for what planning has cost: adds `iterations` to those that
   /// came together in this process; once there are `price` of them, begins anew and says yes. With

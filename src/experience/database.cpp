@@ -363,12 +363,14 @@ Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
   return matches;
 }
 
-Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows) {
+Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
+                                                   std::vector<bool>* is_new) {
   const auto prepared = internal::prepare_rows(rows, state_->space);
   if (!prepared) return tl::unexpected(prepared.error());
   const std::lock_guard writing(state_->writing);
   auto appended = internal::append_rows(*state_->store, rows, internal::Duplicates::keep_first);
   if (!appended) return tl::unexpected(appended.error());
+  if (is_new != nullptr) *is_new = appended->is_new;
   if (appended->before != state_->reached) {
     // The rows are safe, whatever becomes of those of others: refresh() will tell.
     (void)state_->catch_up();

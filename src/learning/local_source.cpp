@@ -23,11 +23,16 @@ class LocalSource final : public TaskSource {
     for (; end != results.end() && end->first == tasks_[saved]; ++end, ++saved) {
       rows.insert(rows.end(), end->second.rows.begin(), end->second.rows.end());
     }
+    std::vector<bool> is_new;
     if (!rows.empty()) {
-      const auto inserted = database_.insert(std::move(rows));
+      const auto inserted = database_.insert(std::move(rows), &is_new);
       if (!inserted) return tl::unexpected(inserted.error());
     }
-    for (auto done = results.begin(); done != end; ++done) count(done->second, summary);
+    auto first = is_new.cbegin();
+    for (auto done = results.begin(); done != end; ++done) {
+      count(done->second, first, summary);
+      first += std::ssize(done->second.rows);
+    }
     results.erase(results.begin(), end);
     saved_ = saved;
     return {};

@@ -202,17 +202,21 @@ class Run {
 
 bool is_cancelled(const LearnRun& run) { return run.cancel != nullptr && run.cancel->load(); }
 
-void count(const Learned& learned, LearnSummary& summary) {
+void count(const Learned& learned, std::vector<bool>::const_iterator is_new,
+           LearnSummary& summary) {
   if (!learned.failure.empty()) {
     summary.unsolved.push_back(learned.failure);
     return;
   }
   ++summary.learned;
-  summary.rows += static_cast<std::int64_t>(learned.rows.size());
   std::int64_t components = 0;
-  for (const Experience& row : learned.rows) components += row.sampler.component_count();
+  for (const Experience& row : learned.rows) {
+    components += row.sampler.component_count();
+    if (!*is_new++) continue;
+    ++summary.rows;
+    summary.components += row.sampler.component_count();
+  }
   if (components == 0) ++summary.empty;
-  summary.components += components;
 }
 
 Result<LearnSummary> run_tasks(TaskSource& source, const Tasks& tasks, const LearnRun& run) {

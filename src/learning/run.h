@@ -46,8 +46,8 @@ class TaskSource {
 };
 
 [[nodiscard]] bool is_cancelled(const LearnRun& run);
-/// Counts a task that was saved.
-void count(const Learned& learned, LearnSummary& summary);
+/// Counts a task that was saved, and of its rows those that are new.
+void count(const Learned& learned, std::vector<bool>::const_iterator is_new, LearnSummary& summary);
 
 [[nodiscard]] Result<LearnSummary> run_tasks(TaskSource& source, const Tasks& tasks,
                                              const LearnRun& run);

@@ -47,8 +47,10 @@ class SharedSource final : public TaskSource {
     }
     const auto good = queue_->finish(leases, std::move(rows));
     if (!good) return tl::unexpected(good.error());
-    for (const Lease& lease : *good)
-      count(results.at(static_cast<std::size_t>(lease.task)), summary);
+    const std::vector<bool> is_new = {true};  // each has one row, which nobody else inserts
+    for (const Lease& lease : *good) {
+      count(results.at(static_cast<std::size_t>(lease.task)), is_new.cbegin(), summary);
+    }
     for (const auto& [task, learned] : std::exchange(results, {})) held_.erase(task);
     return {};
   }

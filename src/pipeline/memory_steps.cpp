@@ -46,8 +46,8 @@ std::uint64_t lesson_seed(const MemoryRequest& request, const PrimitiveRetrieval
 }
 
 Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& primitive,
-                           LocalSampler sampler, const LearnSettings& settings,
-                           std::uint64_t seed, bool is_whole) {
+                           LocalSampler sampler, const LearnSettings& settings, std::uint64_t seed,
+                           bool is_whole) {
   Experience row;
   row.kind = primitive.kind;
   row.key = primitive.key;
@@ -186,8 +186,9 @@ Result<int> insert_solved(const Query& query, const Path& path, const KindSettin
                       {}};
   }
   if (rows->empty()) return 0;
-  return query.database->insert(std::move(*rows)).map([](const auto& ids) {
-    return static_cast<int>(ids.size());
+  std::vector<bool> is_new;
+  return query.database->insert(std::move(*rows), &is_new).map([&](const auto&) {
+    return static_cast<int>(std::ranges::count(is_new, true));
   });
 }
 

@@ -76,6 +76,19 @@ TEST_SUITE("law") {
     CHECK(summary.components == database.info().components);
   }
 
+  TEST_CASE("a problem that is named twice teaches once, and counts once") {
+    const Posts posts;
+    std::vector<Problem> problems = post_problems(posts);
+    problems.erase(problems.begin() + 1, problems.end());
+    problems.push_back(problems[0]);
+    Database database = open_paths(posts.directory / "twice.db", problems[0].robot);
+    const LearnSummary summary = learn_well(problems, database, two_paths());
+    CHECK(summary.learned == 2);
+    CHECK(summary.empty == 0);
+    CHECK(summary.rows == database.size());
+    CHECK(summary.components == database.info().components);
+  }
+
   TEST_CASE("the paths are those of solve() with uniform samples and the same seeds") {
     const Posts posts;
     const Problem problem = post_problems(posts).front();

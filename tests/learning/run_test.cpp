@@ -25,7 +25,7 @@ class ScriptedSource final : public internal::TaskSource {
     if (failures-- > 0) return fail(code, "the server is away");
     for (const auto& [task, learned] : std::exchange(results, {})) {
       saved.push_back(task);
-      internal::count(learned, summary);
+      internal::count(learned, std::vector<bool>(learned.rows.size(), true).cbegin(), summary);
     }
     return {};
   }

@@ -61,6 +61,16 @@ TEST_SUITE("flow") {
     CHECK(growing.solve_with(database).remembered.rows == 0);
   }
 
+  TEST_CASE("a path that memory has already is not remembered again") {
+    Growing growing;
+    Database database = growing.open(OpenMode::create);
+    growing.settings.remember_after = 0;
+    growing.settings.retrieve_after = 1000000000;
+    CHECK(growing.solve_with(database).remembered.rows == 1);
+    CHECK(growing.solve_with(database).remembered.rows == 0);
+    CHECK(database.size() == 1);
+  }
+
   TEST_CASE("nothing is remembered unless it is asked for") {
     Growing growing;
     Database database = growing.open(OpenMode::create);
