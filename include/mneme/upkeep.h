@@ -27,8 +27,8 @@ enum class VerifyMode {
 /// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
 /// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
 /// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
-/// if it was interrupted. Errors: wrong_robot if the two are not of one space; those of
-/// Database::open().
+/// if it was interrupted. If `from` is damaged, `into` stays as it was. Errors: wrong_robot if the
+/// two are not of one space; those of Database::open().
 [[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
                                                    const std::string& from);
 

@@ -142,6 +142,10 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
   if (source->schema_version == 0) return summary;
   const auto list = internal::list_by_content(*source->store);
   if (!list) return tl::unexpected(internal::with_advice(list.error(), from));
+  // All of it, before anything is made or changed: what is damaged adds nothing.
+  const auto sound = internal::visit_rows(*source->store, source->space, *list,
+                                          [](auto) { return Result<void>(); });
+  if (!sound) return tl::unexpected(internal::with_advice(sound.error(), from));
   const auto target = internal::open_store_of(into, source->space, OpenMode::create);
   if (!target) return tl::unexpected(internal::with_advice(target.error(), into));
   const auto merged = internal::visit_rows(*source->store, source->space, *list, [&](auto rows) {

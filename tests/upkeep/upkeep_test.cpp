@@ -267,9 +267,23 @@ TEST_SUITE("unit") {
     REQUIRE(!damaged.has_value());
     CHECK(damaged.error().code == ErrorCode::corrupt);
     CHECK(damaged.error().message.find("row 2") != std::string::npos);
+    CHECK(!std::filesystem::exists(directory / "c.db"));
     CHECK(merge_databases(directory / "c.db", directory / "none.db").error().code == ErrorCode::io);
     write_file(directory / "empty.db", "");
     CHECK(merge_databases(directory / "d.db", directory / "empty.db")->read == 0);
+  }
+
+  TEST_CASE("nothing of a damaged database is merged, however far down the damage is") {
+    const TemporaryDirectory directory;
+    Rng rng(27);
+    fill_database(directory / "a.db", random_rows(rng, 2000));
+    fill_database(directory / "into.db", random_rows(rng, 3));
+    const auto before = contents(directory / "into.db");
+    run_sql(directory / "a.db",
+            "UPDATE mixture SET seed = 0 WHERE id = (SELECT id FROM experience ORDER BY "
+            "content_hash DESC LIMIT 1)");
+    CHECK(!merge_databases(directory / "into.db", directory / "a.db").has_value());
+    CHECK(contents(directory / "into.db") == before);
   }
 
   TEST_CASE("a sound copy heals a row that was set aside") {
