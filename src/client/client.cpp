@@ -57,6 +57,23 @@ tl::unexpected<Error> unreadable(const std::string& path) {
               fmt::format("{}: expected an answer of mneme serve, got something else", path));
 }
 
+/// Why there is no answer; the library's own words are names of its enumerators.
+std::string describe(httplib::Error error, double timeout_s) {
+  switch (error) {
+    case httplib::Error::Connection:
+    case httplib::Error::BindIPAddress:
+      return "cannot connect; is `mneme serve` running there?";
+    case httplib::Error::ConnectionTimeout:
+      return "cannot connect in time";
+    case httplib::Error::Read:
+      return fmt::format("it went away, or took longer than {:g} s", timeout_s);
+    case httplib::Error::Write:
+      return "it went away while it was being asked";
+    default:
+      return "the connection failed";
+  }
+}
+
 /// What a service refused, in its words.
 tl::unexpected<Error> refusal_of(const std::string& path, const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
@@ -96,7 +113,7 @@ class Client::State {
       const httplib::Result answer = send(method, path, body);
       if (!answer) {
         return fail(ErrorCode::io, fmt::format("{}{}: no answer: {}", settings_.address, path,
-                                               httplib::to_string(answer.error())));
+                                               describe(answer.error(), settings_.timeout_s)));
       }
       if (answer->status < 400) return answer->body;
       const std::string wait = answer->get_header_value("Retry-After");

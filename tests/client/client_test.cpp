@@ -176,7 +176,8 @@ TEST_SUITE("flow") {
     CHECK(has(refused(client.plan({"", other, "", {}, zero, {zero}, {}}), ErrorCode::invalid),
               "expected the joints"));
     Client lost = client_of("http://127.0.0.1:1");
-    CHECK(has(refused(lost.plan(problem), ErrorCode::io), "no answer"));
+    CHECK(has(refused(lost.plan(problem), ErrorCode::io),
+              "no answer: cannot connect; is `mneme serve` running there?"));
   }
 
   TEST_CASE("a busy service is waited for as long as the client likes") {
