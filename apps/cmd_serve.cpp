@@ -141,9 +141,14 @@ void add_serve(CLI::App& program, Action& action) {
   add_number(*command, "--remember-after", options->service.remember_after, 0, 1000000000,
              "insert what solved problems teach that took at least this many iterations")
       ->needs("--db");
-  command->add_option("--listen", options->service.listen,
-                      "HOST:PORT, where port 0 is any that is free, or unix:PATH (default "
-                      "127.0.0.1:7890); addresses that other machines reach need --token-file");
+  const auto listen = [&where = options->service.listen](const std::string& text) {
+    const auto checked = check_listen(text);
+    if (!checked) throw CLI::ValidationError("--listen", checked.error().message);
+    where = text;
+  };
+  add_text(*command, "--listen", listen,
+           "HOST:PORT, where port 0 is any that is free, or unix:PATH (default 127.0.0.1:7890); "
+           "addresses that other machines reach need --token-file");
   command->add_option("--problem", options->problem,
                       "what the page at / begins with, whose group and fixed joints the robot then "
                       "has: YAML file, or FILE.json#NAME");

@@ -46,6 +46,10 @@ struct ServiceSettings {
   double refresh_s = 1;                    ///< how often rows of other processes are looked for
 };
 
+/// Error: invalid, if `listen` is neither HOST:PORT nor unix:PATH; whether there is such an address
+/// shows when it is listened at.
+[[nodiscard]] Result<void> check_listen(const std::string& listen);
+
 /// A server, from start() to stop(). Its threads are its own.
 class Service {
  public:

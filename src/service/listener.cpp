@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/listener.h"
 
+#include "mneme/service.h"
+
 #include <fmt/format.h>
 
 #include <netdb.h>
@@ -34,14 +36,37 @@ const sockaddr* generic(const sockaddr_un& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
 
-Result<Listener> listen_at_file(const std::string& where) {
-  const std::string path = where.substr(kUnix.size());
+/// HOST and PORT, or the path of a socket.
+struct Address {
+  std::string host = {}, port = {}, path = {};
+};
+
+Result<Address> split_address(const std::string& where) {
+  if (where.starts_with(kUnix)) {
+    const std::string path = where.substr(kUnix.size());
+    constexpr std::size_t kMostBytes = sizeof sockaddr_un{}.sun_path - 1;
+    if (!path.empty() && path.size() <= kMostBytes) return Address{.path = path};
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}': expected unix:PATH with 1 to {} bytes", where, kMostBytes));
+  }
+  const std::size_t colon = where.rfind(':');
+  std::string host = where.substr(0, colon);
+  const std::string port = colon == std::string::npos ? "" : where.substr(colon + 1);
+  const bool is_number = !port.empty() && port.size() <= 5 &&
+                         port.find_first_not_of("0123456789") == std::string::npos;
+  if (host.empty() || !is_number || std::stoi(port) > 65535) {
+    return fail(
+        ErrorCode::invalid,
+        fmt::format("'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where));
+  }
+  const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
+  if (is_bracketed) host = host.substr(1, host.size() - 2);
+  return Address{.host = std::move(host), .port = port};
+}
+
+Result<Listener> listen_at_file(const std::string& path, const std::string& where) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path) {
-    return fail(ErrorCode::invalid, fmt::format("'{}': expected unix:PATH with 1 to {} bytes",
-                                                where, sizeof address.sun_path - 1));
-  }
   path.copy(address.sun_path, path.size());
   struct stat file {};
   if (stat(path.c_str(), &file) == 0) {
@@ -90,24 +115,14 @@ int port_of(int socket) {
                      : reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
 }
 
-Result<Listener> listen_at_host(const std::string& where, bool may_be_remote) {
-  const std::size_t colon = where.rfind(':');
-  std::string host = where.substr(0, colon);
-  const std::string port = colon == std::string::npos ? "" : where.substr(colon + 1);
-  const bool is_number = !port.empty() && port.size() <= 5 &&
-                         port.find_first_not_of("0123456789") == std::string::npos;
-  if (host.empty() || !is_number || std::stoi(port) > 65535) {
-    return fail(
-        ErrorCode::invalid,
-        fmt::format("'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where));
-  }
-  const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
-  if (is_bracketed) host = host.substr(1, host.size() - 2);
+Result<Listener> listen_at_host(const Address& asked, const std::string& where,
+                                bool may_be_remote) {
+  const std::string& host = asked.host;
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  if (const int code = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); code != 0) {
+  if (const int code = getaddrinfo(host.c_str(), asked.port.c_str(), &hints, &found); code != 0) {
     return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where, gai_strerror(code)));
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
@@ -144,7 +159,10 @@ Descriptor::~Descriptor() {
 int Descriptor::release() { return std::exchange(number_, -1); }
 
 Result<Listener> listen_at(const std::string& where, bool may_be_remote) {
-  return where.starts_with(kUnix) ? listen_at_file(where) : listen_at_host(where, may_be_remote);
+  const auto asked = split_address(where);
+  if (!asked) return tl::unexpected(asked.error());
+  return asked->path.empty() ? listen_at_host(*asked, where, may_be_remote)
+                             : listen_at_file(asked->path, where);
 }
 
 void remove_socket_file(const Listener& listener) {
@@ -167,3 +185,11 @@ bool is_own_host(const std::string& host, const std::string& address) {
 }
 
 }  // namespace mneme::internal
+
+namespace mneme {
+
+Result<void> check_listen(const std::string& listen) {
+  return internal::split_address(listen).map([](const auto&) {});
+}
+
+}  // namespace mneme
