@@ -99,8 +99,7 @@ void print_robot(const Robot& robot, const std::string& path) {
   fmt::print("robot   {} ({})\n", printable(robot.name()), printable(path));
   fmt::print("hash    {}\n", robot.hash());
   fmt::print("planar  {}\n", robot.is_planar() ? "yes" : "no");
-  fmt::print("pairs   {} pairs of links are checked against each other\n",
-             robot.self_pairs().size());
+  fmt::print("pairs   {} checked against each other\n", robot.self_pairs().size());
   fmt::print("joints  {}\n", robot.joint_count());
   for (int i = 0; i < robot.joint_count(); ++i) {
     const Joint& joint = robot.group_joint(i);
@@ -167,13 +166,20 @@ void print_tips(const Json& tips) {
   }
 }
 
-/// `ending` says what follows from the contacts.
-void print_contacts(const std::vector<Contact>& contacts, std::string_view ending) {
-  for (const Contact& contact : contacts) {
-    fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
-               contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
-               ending);
-  }
+/// `ending` says what follows from the contact.
+void print_contact(const Contact& contact, std::string_view ending) {
+  fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
+             contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
+             ending);
+}
+
+/// Plans may begin and end where nothing but covers touches.
+std::string describe_cover(const CollisionChecker& checker, const Configuration& q,
+                           const Contact& contact) {
+  const auto behind = look_behind_covers(checker.robot(), checker.scene(), q, contact);
+  if (!behind) return "";
+  if (behind->distance == 0) return "; what is covered touches, too";
+  return fmt::format("; by covers: what is covered is {:.6f} m away", behind->distance);
 }
 
 ExitCode report_state(const CollisionChecker& checker, const Configuration& q, bool is_json) {
@@ -186,8 +192,12 @@ ExitCode report_state(const CollisionChecker& checker, const Configuration& q, b
                 {"fixed_contacts", to_json(checker.fixed_contacts())},
                 {"tips", tips}});
   } else {
-    print_contacts(contacts, "");
-    print_contacts(checker.fixed_contacts(), "; left aside, because no joint moves either");
+    for (const Contact& contact : contacts) {
+      print_contact(contact, describe_cover(checker, q, contact));
+    }
+    for (const Contact& contact : checker.fixed_contacts()) {
+      print_contact(contact, "; left aside, because no joint moves either");
+    }
     if (contacts.empty()) fmt::print("valid\n");
     print_tips(tips);
   }

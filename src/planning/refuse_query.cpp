@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/planning.h"
 
+#include "base/as_index.h"
 #include "planning/end_contacts.h"
 
 #include <fmt/format.h>
@@ -22,12 +23,28 @@ std::string millimetres(double metres) {
   return length < 99.5 ? fmt::format("{:.2g} mm", length) : fmt::format("{:.0f} mm", length);
 }
 
-std::string describe(const Contact& contact) {
+double least_radius(const Robot& robot, const std::string& name) {
+  double least = std::numeric_limits<double>::infinity();
+  if (const auto index = robot.find_link(name)) {
+    const Link& link = robot.links()[internal::as_index(*index)];
+    for (const Sphere& sphere : link.spheres) least = std::min(least, sphere.radius);
+    for (const Capsule& capsule : link.capsules) least = std::min(least, capsule.radius);
+  }
+  return least;
+}
+
+std::string describe(const Robot& robot, const Contact& contact) {
   const std::string_view kind = contact.is_self ? "link" : "obstacle";
-  return is_near(contact) ? fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link,
-                                        contact.distance, kind, contact.other)
-                          : fmt::format("link '{}' touches {} '{}' by {}", contact.link, kind,
-                                        contact.other, millimetres(-contact.distance));
+  if (is_near(contact)) {
+    return fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link, contact.distance, kind,
+                       contact.other);
+  }
+  // Depth ends at the middle of a sphere and the axis of a capsule, however far these are inside.
+  const double depth = -contact.distance;
+  const bool is_deeper = depth >= least_radius(robot, contact.link) ||
+                         (contact.is_self && depth >= least_radius(robot, contact.other));
+  return fmt::format("link '{}' touches {} '{}' by {}{}", contact.link, kind, contact.other,
+                     is_deeper ? "at least " : "", millimetres(depth));
 }
 
 std::string describe(const CoveredContact& behind) {
@@ -78,7 +95,8 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
     const bool can_help = behind && can_be_finer(checker.robot(), contacts[i]);
     room = can_help ? std::min(room, (behind->distance - margin) / behind->covers) : 0;
     if (i >= kMostNamed) continue;
-    text += (i == 0 ? "" : ", ") + describe(contacts[i]) + (behind ? describe(*behind) : "");
+    text += (i == 0 ? "" : ", ") + describe(checker.robot(), contacts[i]) +
+            (behind ? describe(*behind) : "");
   }
   if (contacts.size() > kMostNamed)
     text += fmt::format(" and {} more", contacts.size() - kMostNamed);

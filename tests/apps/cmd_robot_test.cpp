@@ -69,6 +69,22 @@ TEST_SUITE("flow") {
     CHECK(json["contacts"][0]["other"] == make_circle_scene("", kTwoCircles).obstacles[1].name);
   }
 
+  TEST_CASE("check tells contacts of covers from those of what they cover") {
+    const PlanarFiles files;
+    const auto check = [&](double z) {
+      write_file(files / "slab.yaml",
+                 fmt::format("obstacles: [{{name: slab, type: box, position: [0.8, 0, {}], "
+                             "size: [0.1, 0.3, 0.2]}}]\n",
+                             z));
+      return run_program({"robot", "check", source_file("examples/own_robot/arm.urdf"), "--q",
+                          "0,0,0", "--scene", files / "slab.yaml"})
+          .out;
+    };
+    // The box of the link ends at 0.27 m.
+    CHECK(has_text(check(0.165), "); by covers: what is covered is 0.005000 m away\n"));
+    CHECK(has_text(check(0.175), "); what is covered touches, too\n"));
+  }
+
   TEST_CASE("check finds links that cross, and configurations that are none") {
     const ProgramRun crossing =
         run_program({"robot", "check", "planar8", "--q", "0,2.5,2.5,0,0,0,0,0"});
