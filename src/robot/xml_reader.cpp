@@ -52,6 +52,8 @@ std::optional<double> parse_number(std::string_view word) {
 
 /// tinyxml2's own words for its error, such as "mismatched element".
 std::string describe(const tinyxml2::XMLDocument& document) {
+  if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING) return "an element that does not end";
+  if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_TEXT) return "text that no tag follows";
   std::string_view name = document.ErrorName();
   constexpr std::string_view kPrefix = "XML_ERROR_";
   if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
