@@ -137,8 +137,9 @@ void report_problems(const LearnOptions& options, const LearnSummary& summary,
                 {"bytes", database.info().bytes}});
     return;
   }
-  fmt::print("learned from {} problems ({} learned before, {} unsolved) in {:.1f} s\n",
-             summary.learned, summary.skipped, summary.unsolved.size(), summary.time_s);
+  fmt::print("learned from {} ({} learned before, {} unsolved) in {:.1f} s\n",
+             counted(static_cast<std::size_t>(summary.learned), "problem", "problems"),
+             summary.skipped, summary.unsolved.size(), summary.time_s);
   fmt::print("added {} with {}; {} now holds {}\n", counted_samplers(summary.rows),
              counted(static_cast<std::size_t>(summary.components), "component", "components"),
              database.info().url, database.size());

@@ -14,20 +14,21 @@ constexpr int kCoverageProbes = 2000;
 constexpr std::uint64_t kCoverageSeed = 1;
 
 /// Lets a run heed an interrupt and show how far it is.
-void watch(LearnRun& run, Progress& progress, std::size_t count, std::string_view what) {
+void watch(LearnRun& run, Progress& progress, const std::string& what) {
   run.cancel = interrupt_flag();
   run.on_progress = [&progress](const LearnProgress& state) {
     progress.update(state.done, state.total, fmt::format("{} components", state.components));
   };
-  print_note(
-      fmt::format("learning {} {} with {} threads, seed {}", count, what, run.jobs, run.seed));
+  print_note(fmt::format("learning {} with {}, seed {}", what,
+                         counted(static_cast<std::size_t>(run.jobs), "thread", "threads"),
+                         run.seed));
 }
 
 template <class Primitive>
 Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
                            Database& database, LearnJob job) {
   Progress progress("learning");
-  watch(job, progress, primitives.size(), "primitives");
+  watch(job, progress, counted(primitives.size(), "primitive", "primitives"));
   return learn_primitives(robot, primitives, database, job);
 }
 
@@ -56,7 +57,7 @@ Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
   Result<LearnSummary> summary;
   {
     Progress progress("learning");
-    watch(lesson, progress, problems.size(), "problems");
+    watch(lesson, progress, counted(problems.size(), "problem", "problems"));
     summary = learn_from_problems(problems, memory, database, lesson);
   }
   if (summary) {
