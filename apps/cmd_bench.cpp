@@ -47,11 +47,11 @@ struct BenchOptions {
   SolveSettings settings;
 };
 
-Result<void> check_files(const BenchOptions& options, const std::vector<BenchProblem>& problems,
-                         const std::string& robot) {
-  std::vector<ReadFile> inputs = robot_files(robot, options.robot_options.srdf_path);
-  inputs.push_back({"the memory", options.db});
-  for (const BenchProblem& problem : problems) inputs.push_back({"a problem", problem.where});
+Result<void> check_files(const BenchOptions& options, const std::vector<LoadedProblem>& problems) {
+  std::vector<ReadFile> inputs = {{"the memory", options.db}};
+  for (const auto& [set, problem] : problems) {
+    add_problem_files("a file of a problem", problem, options.robot_options.srdf_path, inputs);
+  }
   return check_outputs(std::array{options.csv, options.sqlite}, inputs);
 }
 
@@ -62,12 +62,11 @@ Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
   if (!found) return tl::unexpected(found.error());
   const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
   if (!overrides) return tl::unexpected(overrides.error());
-  if (auto checked = check_files(options, *found, overrides->robot_path); !checked) {
-    return tl::unexpected(checked.error());
-  }
   std::vector<SuiteProblems> entries;
   for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
-  return load_bench_problems(entries, *overrides, print_note);
+  auto loaded = load_bench_problems(entries, *overrides, print_note);
+  if (!loaded) return loaded;
+  return check_files(options, *loaded).map([&] { return *std::move(loaded); });
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {

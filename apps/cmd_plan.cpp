@@ -151,26 +151,14 @@ Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, c
   });
 }
 
-/// None of them is YAML, but scenes that problems name are.
-Result<void> refuse_yaml(const PlanFiles& files) {
-  for (const std::string& path : {files.svg, files.view, files.trace}) {
-    if (!path.ends_with(".yaml") && !path.ends_with(".yml")) continue;
-    return fail(
-        ErrorCode::invalid,
-        fmt::format("'{}': expected a name of a picture, page or trace, not of YAML", path));
-  }
-  return {};
-}
-
 /// Before anything is planned: a memory and a problem are worth more than a picture.
 Result<void> check_files(const PlanOptions& options, const Problem& problem) {
-  std::vector<ReadFile> inputs = robot_files(problem.robot_path, options.robot_options.srdf_path);
-  inputs.insert(inputs.end(), {{"the problem", options.problem},
-                               {"the memory", options.db},
-                               {"the file of limits", options.trajectory.limits}});
+  std::vector<ReadFile> inputs = {{"the memory", options.db},
+                                  {"the file of limits", options.trajectory.limits}};
+  add_problem_files("a file of the problem", problem, options.robot_options.srdf_path, inputs);
   const std::array outputs = {options.files.svg, options.files.view, options.files.trace,
                               options.trajectory.file};
-  return check_outputs(outputs, inputs).and_then([&] { return refuse_yaml(options.files); });
+  return check_outputs(outputs, inputs);
 }
 
 Result<LoadedPlan> load(const PlanOptions& options) {

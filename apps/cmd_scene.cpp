@@ -46,7 +46,7 @@ Result<FramedScene> read_scene(const ConvertOptions& options) {
   const Result<Robot> robot = load_named_robot(options.robot);
   if (!robot) return tl::unexpected(robot.error());
   return in_root_frame(*scene, *robot).map([&](Scene moved) {
-    return FramedScene{std::move(moved), robot->links().front().name};
+    return FramedScene{std::move(moved), robot->links().front().name, scene->files};
   });
 }
 
@@ -56,11 +56,12 @@ Result<std::string> to_text(const FramedScene& scene, const std::string& format)
 }
 
 Result<ExitCode> run_convert(const ConvertOptions& options) {
-  const std::array<ReadFile, 1> inputs = {{{"the scene", options.input}}};
-  const auto checked = check_outputs(std::array{options.output}, inputs);
-  if (!checked) return tl::unexpected(checked.error());
   Result<FramedScene> scene = read_scene(options);
   if (!scene) return tl::unexpected(scene.error());
+  std::vector<ReadFile> inputs;
+  add_files("a file of the scene", scene->files, inputs);
+  const auto checked = check_outputs(std::array{options.output}, inputs);
+  if (!checked) return tl::unexpected(checked.error());
   if (scene->frame.empty()) scene->frame = options.frame;
   const Result<std::string> text = to_text(*scene, options.format);
   if (!text) return tl::unexpected(text.error());
@@ -122,8 +123,8 @@ Result<std::string> write_one(const VaryOptions& options, const FramedScene& nom
   scene->name = fmt::format("{}_{:04}", nominal.scene.name, index);
   const std::string path =
       (std::filesystem::path(options.output) / (scene->name + ".yaml")).string();
-  const std::array<ReadFile, 2> inputs = {
-      {{"the scene", options.nominal}, {"the file of variations", options.variations}}};
+  std::vector<ReadFile> inputs = {{"the file of variations", options.variations}};
+  add_files("a file of the scene", nominal.files, inputs);
   return check_outputs(std::array{path}, inputs)
       .and_then([&] {
         return write_file(path, to_scene_yaml({std::move(*scene), nominal.frame}));

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <system_error>
 
 namespace mneme::app {
@@ -40,20 +41,6 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
   // Files that are still to be made have nothing but their names.
   return fs::equivalent(a, b, ignored) ||
          fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
-}
-
-/// The files that FILE.json#NAME and SCENE.yaml,REQUEST.yaml name.
-std::vector<std::string> files_of(const std::string& where) {
-  if (const std::size_t json = where.find(".json#"); json != std::string::npos) {
-    return {where.substr(0, json + 5)};
-  }
-  for (const std::string_view end : {".yaml,", ".yml,"}) {
-    const std::size_t first = where.find(end);
-    if (first == std::string::npos) continue;
-    const std::size_t comma = first + end.size() - 1;
-    return {where, where.substr(0, comma), where.substr(comma + 1)};
-  }
-  return {where};
 }
 
 tl::unexpected<Error> cannot_write(const std::string& path) {
@@ -111,6 +98,17 @@ std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& sr
   return {{"the robot", urdf}, {"the robot", srdf}, {"the robot", beside.string()}};
 }
 
+void add_files(std::string_view what, std::span<const std::string> files,
+               std::vector<ReadFile>& all) {
+  for (const std::string& file : files) all.push_back({what, file});
+}
+
+void add_problem_files(std::string_view what, const Problem& problem, const std::string& srdf,
+                       std::vector<ReadFile>& all) {
+  for (ReadFile& file : robot_files(problem.robot_path, srdf)) all.push_back(std::move(file));
+  add_files(what, problem.files, all);
+}
+
 namespace {
 
 /// Such files are read, and never written: whoever names one as an output has mistaken it.
@@ -137,13 +135,11 @@ Result<void> refuse_memory(const std::string& path) {
 Result<void> check_outputs(std::span<const std::string> outputs, std::span<const ReadFile> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const std::string& output = outputs[i];
+    std::set<std::string_view> seen;  // many problems come from one file
     for (const ReadFile& input : inputs) {
-      for (const std::string& file : files_of(input.path)) {
-        if (!is_same_file(output, file)) continue;
-        return fail(
-            ErrorCode::invalid,
-            fmt::format("'{}' is {} that is read; expected another file", output, input.what));
-      }
+      if (!seen.insert(input.path).second || !is_same_file(output, input.path)) continue;
+      return fail(ErrorCode::invalid, fmt::format("'{}' is {} that is read; expected another file",
+                                                  output, input.what));
     }
     for (const std::string& other : outputs.first(i)) {
       if (!is_same_file(output, other)) continue;

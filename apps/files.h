@@ -5,7 +5,7 @@
 /// whole new one; memories, and whatever the same command reads, are never written over.
 #pragma once
 
-#include "mneme/base.h"
+#include "mneme/problem.h"
 
 #include <cstddef>
 #include <span>
@@ -27,11 +27,17 @@ namespace mneme::app {
 
 /// A file that a command reads.
 struct ReadFile {
-  std::string_view what;  ///< "the problem"
-  std::string path;       ///< also FILE.json#NAME and SCENE.yaml,REQUEST.yaml
+  std::string_view what;  ///< "the memory"
+  std::string path;
 };
 /// What a robot is read from: its URDF, and `srdf` or the SRDF beside it.
 [[nodiscard]] std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& srdf);
+/// Adds those of a problem or a scene.
+void add_files(std::string_view what, std::span<const std::string> files,
+               std::vector<ReadFile>& all);
+/// Adds those of a problem, as `what`, and those of its robot.
+void add_problem_files(std::string_view what, const Problem& problem, const std::string& srdf,
+                       std::vector<ReadFile>& all);
 
 /// Error: invalid, if one of `outputs` (empty ones do not count) is one of `inputs` under whatever
 /// name, another output too, a memory, or called as meshes, clouds and octrees are.

@@ -8,6 +8,7 @@
 #include "mneme/covering.h"
 
 #include "console.h"
+#include "files.h"
 
 #include <fmt/format.h>
 
@@ -31,6 +32,15 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
   for (const std::string& note : loaded->notes) print_note(note);
   for (const std::string& warning : loaded->robot.warnings()) print_note("warning: " + warning);
   return loaded->robot;
+}
+
+Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options,
+                               std::span<const std::string> outputs) {
+  const Result<std::string> path = robot_file(robot);
+  if (!path) return tl::unexpected(path.error());
+  return check_outputs(outputs, robot_files(*path, options.srdf_path)).and_then([&] {
+    return load_named_robot(robot, options);
+  });
 }
 
 Result<ProblemOptions> problem_options(const std::string& robot, const RobotOptions& options) {

@@ -10,6 +10,7 @@
 #include "mneme/problem.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ namespace mneme::app {
 /// The robot of robot_file(); what was noticed on the way are notes on standard error.
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,
                                              const RobotOptions& options = {});
+/// The same, unless it is read from one of `outputs`, which are to be written.
+[[nodiscard]] Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options,
+                                             std::span<const std::string> outputs);
 /// What is said of a problem's robot on the command line; an empty `robot` leaves it to the
 /// problem.
 [[nodiscard]] Result<ProblemOptions> problem_options(const std::string& robot,

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <limits>
 #include <memory>
 
@@ -55,7 +56,8 @@ Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedI
 }
 
 Result<ExitCode> run(EnclosedOptions options) {
-  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
+  const Result<Robot> robot =
+      load_named_robot(options.robot, options.robot_options, std::array{options.output});
   if (!robot) return tl::unexpected(robot.error());
   Progress progress("enclosing");
   options.settings.cancel = interrupt_flag();

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -76,6 +77,14 @@ Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
                                               options.tasks, tasks.size()));
 }
 
+Result<void> check_output(const RepeatOptions& options, const std::vector<Problem>& tasks) {
+  std::vector<ReadFile> inputs;
+  for (const Problem& task : tasks) {
+    add_problem_files("a file of a problem", task, options.robot_options.srdf_path, inputs);
+  }
+  return check_outputs(std::array{options.output}, inputs);
+}
+
 /// Tasks take turns, as they do in a cell.
 Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Problem>& tasks) {
   Json file;
@@ -96,6 +105,9 @@ Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Proble
 Result<ExitCode> run(const RepeatOptions& options) {
   const auto tasks = choose_tasks(options);
   if (!tasks) return tl::unexpected(tasks.error());
+  if (auto checked = check_output(options, *tasks); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const Result<Json> file = make_repeats(options, *tasks);
   if (!file) return tl::unexpected(file.error());
   const auto written = write_file(options.output, file->dump() + "\n");

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -69,7 +70,7 @@ Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
 
 Result<ExitCode> run(ThreadedOptions options, const std::array<double, 2>& depth) {
   if (auto set = set_depth(depth, options.settings); !set) return tl::unexpected(set.error());
-  const Result<Robot> robot = load_named_robot(options.robot);
+  const Result<Robot> robot = load_named_robot(options.robot, {}, std::array{options.output});
   if (!robot) return tl::unexpected(robot.error());
   const auto exit_code = [] {
     return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;

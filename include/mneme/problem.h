@@ -65,6 +65,8 @@ struct Problem {
   /// Pairs of links that may touch, besides those of the SRDF: the robot was made so.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   std::vector<OrientationConstraint> constraints = {};  ///< that all of the path keeps
+  /// That it was read from, but for meshes, clouds, octrees and an SRDF that nobody named.
+  std::vector<std::string> files = {};
 };
 
 /// The compact file and the robots that were read last.
@@ -74,6 +76,10 @@ struct ProblemCache;
 /// What may be set from outside the problem's file.
 struct ProblemOptions {
   std::string robot_path;  ///< URDF to use instead of the one that the problem names
+  /// A robot that is there already, instead of the one that the problem names: what the file and
+  /// `robot` say of robot, SRDF, group, joints and fixed joints is not looked at. Errors: the file
+  /// allows pairs of its links, or is a request of MoveIt, which says more about its robot.
+  std::optional<Robot> made_robot = std::nullopt;
   /// SRDF, packages and whatever the problem does not say itself: `group` counts where neither it
   /// nor this names `joints`; `joints`, `srdf_path` and each of the `fixed_values` stand for those
   /// of the problem.

@@ -18,6 +18,10 @@ namespace mneme {
 /// Metres from the origin; checkers refuse shapes that reach farther (docs/numerics.md).
 inline constexpr double kFarthestShape = 1e4;
 
+/// Error: unsupported, if a cloud of so many points, those that are not finite included, is more
+/// than an obstacle may have: 4 million.
+[[nodiscard]] Result<void> check_point_count(std::string_view obstacle, std::size_t points);
+
 /// A named rigid body of one or more shapes, in the frame of the robot's root link. Metres.
 struct Obstacle {
   std::string name;
@@ -68,6 +72,8 @@ struct Scene {
 struct FramedScene {
   Scene scene;
   std::string frame;  ///< a link that is fixed to the root; empty for the root itself
+  /// That it was read from, but for meshes, clouds and octrees.
+  std::vector<std::string> files = {};
 };
 
 /// Reads a scene file or MoveIt's planning scene (docs/file_formats.md), whose objects must then

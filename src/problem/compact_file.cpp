@@ -218,7 +218,7 @@ FramedScene extract_compact_scene(const CompactAddress& address) {
   const auto frame = found.header.find("frame");
   Scene scene = read_compact_scene(found.problem, found.name);
   read_allowed(found.problem, scene);
-  return {std::move(scene), frame ? frame->text() : ""};
+  return {std::move(scene), frame ? frame->text() : "", {address.path}};
 }
 
 Problem read_compact_problem(const CompactAddress& address, const ProblemOptions& options) {
@@ -228,8 +228,13 @@ Problem read_compact_problem(const CompactAddress& address, const ProblemOptions
     cache->file_path = address.path;
   }
   const CompactProblem found = find_in_file(cache->file, address);
-  return read_problem({found.header, found.problem, found.name, directory_of(address.path),
-                       read_compact_scene(found.problem, found.name), kCompactSpelling},
+  return read_problem({found.header,
+                       found.problem,
+                       found.name,
+                       directory_of(address.path),
+                       read_compact_scene(found.problem, found.name),
+                       kCompactSpelling,
+                       {address.path}},
                       options);
 }
 

@@ -55,9 +55,11 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
                     "start", "goal", "goals", "allow", "attached", "constraints", "self_filter"});
   const auto named = input.find("name");
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
-  return internal::read_problem({input, input, name, internal::directory_of(path),
-                                 internal::read_scene_of_problem(input, path)},
-                                options);
+  FramedScene scene = internal::read_scene_of_problem(input, path);
+  return internal::read_problem(
+      {input, input, name, internal::directory_of(path), std::move(scene.scene),
+       internal::kSceneSpelling, std::move(scene.files)},
+      options);
 }
 
 }  // namespace
@@ -83,13 +85,15 @@ FramedScene extract_from_yaml(const std::string& path) {
   const internal::InputValue value = internal::parse_yaml(text, path);
   const Input input(value, path);
   if (internal::is_moveit_request(input)) {
-    return value_or_throw(load_framed_scene(internal::scene_of_request(input, path)));
+    FramedScene scene = value_or_throw(load_framed_scene(internal::scene_of_request(input, path)));
+    scene.files.push_back(path);
+    return scene;
   }
   if (!input.is_map() || !input.find("scene")) return value_or_throw(load_framed_scene(path));
-  const auto frame = input.find("frame");
-  Scene scene = internal::read_scene_of_problem(input, path);
-  internal::read_allowed(input, scene);
-  return {std::move(scene), frame ? frame->text() : ""};
+  FramedScene scene = internal::read_scene_of_problem(input, path);
+  if (const auto frame = input.find("frame")) scene.frame = frame->text();
+  internal::read_allowed(input, scene.scene);
+  return scene;
 }
 
 }  // namespace

@@ -75,6 +75,8 @@ class MoveitReader {
     ProblemRobot robot = load_robot();
     const MoveitFrames frames(scene_input_, state_);
     Problem problem{stem(address_.request), robot.robot, robot.path, {}, {}, {}, {}};
+    problem.files = std::move(robot.files);
+    problem.files.insert(problem.files.end(), {address_.scene, address_.request});
     problem.scene = place_scene(robot.robot, frames);
     std::vector<AttachedObject> attached = name_attached(robot);
     allow_and_fix(robot, attached, problem.scene);
@@ -322,6 +324,11 @@ Problem read_moveit_problem(const MoveitAddress& address, const ProblemOptions& 
   const Input request_input(request, address.request);
   if (!is_moveit_request(request_input)) {
     request_input.fail(ErrorCode::parse, "expected a motion plan request with goal_constraints");
+  }
+  if (options.made_robot) {
+    request_input.fail(ErrorCode::unsupported,
+                       "a motion plan request says more about its robot, its groups and fixed "
+                       "joints; expected a robot by file or name");
   }
   return MoveitReader(scene_input, request_input, address, options).read();
 }

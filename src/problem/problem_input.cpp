@@ -87,7 +87,8 @@ ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& opt
     if (known != cache->robots.end()) return known->robot;
   }
   CoveredRobot covered = value_or_throw(load_covered_robot(path, options));
-  ProblemRobot robot{path, std::move(covered.robot), std::move(covered.notes)};
+  ProblemRobot robot{path, std::move(covered.robot), std::move(covered.notes), {path}};
+  if (!options.srdf_path.empty()) robot.files.push_back(options.srdf_path);
   if (!cache) return robot;
   if (cache->robots.size() == kCachedRobots) cache->robots.erase(cache->robots.begin());
   cache->robots.push_back({options, robot});
@@ -227,16 +228,16 @@ std::vector<Input> find_goals(const Input& input) {
 
 }  // namespace
 
-Scene read_scene_of_problem(const Input& problem, const std::string& path) {
+FramedScene read_scene_of_problem(const Input& problem, const std::string& path) {
   const auto named = problem.find("name");
   const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
   const Input scene = problem.at("scene");
   if (scene.is_text()) {
-    return value_named_by(
-        scene, load_scene((std::filesystem::path(directory_of(path)) / scene.text()).string()));
+    const std::string file = (std::filesystem::path(directory_of(path)) / scene.text()).string();
+    return {value_named_by(scene, load_scene(file)), "", {path, file}};
   }
   if (!scene.is_map()) scene.fail_expecting("a scene, or the path of a scene file");
-  return read_scene(scene, name);
+  return {read_scene(scene, name), "", {path}};
 }
 
 std::string directory_of(const std::string& path) {
@@ -303,7 +304,8 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   allowing.allowed_pairs.insert(allowing.allowed_pairs.end(), contacts.link_pairs().begin(),
                                 contacts.link_pairs().end());
   if (!contacts.link_pairs().empty()) robot = allow(allowing);
-  robot.robot = attach_to(robot.robot, std::move(attached), input.problem);
+  robot.robot = attach_to(robot.robot, std::move(attached),
+                          input.problem.find("attached").value_or(input.problem));
   Configuration start = read_start(input.problem, robot.robot, options);
   const auto add_notes = [&](const std::vector<std::string>& more) {
     robot.warnings.insert(robot.warnings.end(), more.begin(), more.end());
@@ -321,6 +323,8 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   {},
                   std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
+  problem.files = input.files;
+  std::ranges::move(robot.files, std::back_inserter(problem.files));
   if (!take_goals(options, X_RF, problem)) {
     for (const Input& goal : find_goals(input.problem)) read_goal(goal, X_RF, problem);
   }
@@ -332,6 +336,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
 }  // namespace
 
 Problem read_problem(const ProblemInput& input, const ProblemOptions& options) {
+  if (options.made_robot) return read_problem_of({"", *options.made_robot, {}}, input, options);
   const auto allow = [&](const RobotOptions& allowing) {
     ProblemOptions changed = options;
     changed.robot = allowing;

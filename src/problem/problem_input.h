@@ -20,6 +20,7 @@ struct ProblemRobot {
   std::string path;
   Robot robot;
   std::vector<std::string> warnings;
+  std::vector<std::string> files = {};  ///< that it was read from; the SRDF only if it was named
 };
 
 /// A robot as these options made it.
@@ -80,14 +81,15 @@ struct ProblemInput {
   std::string directory;  ///< of the file
   Scene scene;            ///< in the frame that the header names
   ObstacleSpelling spelling = kSceneSpelling;
+  std::vector<std::string> files = {};  ///< that were read, the robot's aside
 };
 
 /// The directory that paths in the file `path` are relative to.
 [[nodiscard]] std::string directory_of(const std::string& path);
 
-/// The key `scene` of the problem file at `path`: a scene, or the path of a scene file. Throws
-/// InputFailure.
-[[nodiscard]] Scene read_scene_of_problem(const Input& problem, const std::string& path);
+/// The key `scene` of the problem file at `path`: a scene, or the path of a scene file; `files`
+/// begins with `path`. Throws InputFailure.
+[[nodiscard]] FramedScene read_scene_of_problem(const Input& problem, const std::string& path);
 
 /// A sentence for each obstacle and link that touch whatever the group does.
 [[nodiscard]] std::vector<std::string> describe_fixed_contacts(const Robot& robot,

@@ -32,12 +32,18 @@ auto* find_in(Obstacles& obstacles, std::string_view name) {
 Result<void> internal::check_point_count(const Obstacle& obstacle) {
   for (const Shape& shape : obstacle.shapes) {
     const auto* cloud = std::get_if<PointCloud>(&shape);
-    if (cloud == nullptr || cloud->parts->list().size() <= kMaxCloudPoints) continue;
-    return fail(ErrorCode::unsupported,
-                fmt::format("obstacle '{}': expected at most {} points, got {}", obstacle.name,
-                            kMaxCloudPoints, cloud->parts->list().size()));
+    if (cloud == nullptr) continue;
+    auto checked = mneme::check_point_count(obstacle.name, cloud->parts->list().size());
+    if (!checked) return checked;
   }
   return {};
+}
+
+Result<void> check_point_count(std::string_view obstacle, std::size_t points) {
+  if (points <= internal::kMaxCloudPoints) return {};
+  return fail(ErrorCode::unsupported,
+              fmt::format("obstacle '{}': expected at most {} points, got {}", obstacle,
+                          internal::kMaxCloudPoints, points));
 }
 
 const Obstacle* Scene::find(std::string_view obstacle) const {

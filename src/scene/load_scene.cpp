@@ -55,7 +55,10 @@ Result<Scene> load_scene(const std::string& path) {
 Result<FramedScene> load_framed_scene(const std::string& path) {
   const auto text = internal::read_text_file(path);
   if (!text) return tl::unexpected<Error>(text.error());
-  return parse_framed_scene(*text, path);
+  return parse_framed_scene(*text, path).map([&](FramedScene scene) {
+    scene.files = {path};
+    return scene;
+  });
 }
 
 Result<Scene> parse_scene(std::string_view yaml, const std::string& source) {

@@ -55,17 +55,20 @@ TEST_SUITE("unit") {
     const std::string before = read_file(problem);
     const std::string robot = std::filesystem::canonical(source_file("robots/planar8.urdf"));
     check_bad_inputs({
-        {{"plan", problem, "--trace", problem}, 1, {problem, "is the problem that is read"}},
-        {{"plan", problem, "--svg", files / "hard.yaml"}, 1, {"hard.yaml", "is the problem"}},
-        {{"plan", problem, "--view", files / "scene.yaml"}, 1, {"scene.yaml", "not of YAML"}},
+        {{"plan", problem, "--trace", problem},
+         1,
+         {problem, "is a file of the problem that is read"}},
+        {{"plan", problem, "--svg", files / "hard.yaml"},
+         1,
+         {"hard.yaml", "is a file of the problem"}},
         {{"plan", problem, "--trace", files / "arm.stl"}, 1, {"arm.stl", "which mneme reads"}},
         {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is the robot that is read"}},
         {{"plan", problem, "--svg", files / "a", "--trace", files / "./a"},
          1,
          {"to be written twice"}},
-        {{"bench", "run", problem, "--csv", problem}, 1, {problem, "is a problem that is read"}},
+        {{"bench", "run", problem, "--csv", problem}, 1, {problem, "is a file of a problem"}},
         {{"bench", "report", csv, "-o", csv}, 1, {csv, "is a file of runs that is read"}},
-        {{"scene", "convert", problem, "-o", problem}, 1, {problem, "is the scene that is read"}},
+        {{"scene", "convert", problem, "-o", problem}, 1, {problem, "is a file of the scene"}},
         {{"view", files / "trace.json", "-o", files / "trace.json"}, 1, {"is the trace"}},
     });
     CHECK(read_file(problem) == before);
@@ -73,6 +76,39 @@ TEST_SUITE("unit") {
     const ProgramRun run =
         run_program({"plan", problem, "--trace", "/dev/null", "--svg", "/dev/null"});
     CHECK_MESSAGE(run.exit_code == 0, run.err);
+  }
+
+  TEST_CASE("what a problem or a robot is read from is not written over, whatever it is called") {
+    const PlanarFiles files;
+    const std::string named = files / "named.yaml", scene = files / "scene.json",
+                      srdf = files / "groups.json", compact = files / "many.json",
+                      arm = files / "arm.urdf";
+    const Problem problem = load_problem(files.problem()).value();
+    write_file(scene, to_scene_yaml({problem.scene, ""}));
+    write_file(srdf, read_file(source_file("robots/planar8.srdf")));
+    write_file(named, fmt::format("robot: planar8\nsrdf: groups.json\nscene: scene.json\n"
+                                  "start: [{}]\ngoal: [{}]\n",
+                                  fmt::join(kStart, ", "), fmt::join(kGoal, ", ")));
+    write_file(compact, to_compact_json(problem, "planar8"));
+    write_file(arm, read_file(source_file("robots/planar8.urdf")));
+    const std::string before =
+        read_file(scene) + read_file(srdf) + read_file(compact) + read_file(arm);
+    const std::string kept = "is a file of the problem that is read; expected another file";
+    check_bad_inputs({
+        {{"plan", named, "--trace", scene}, 1, {scene, kept}},
+        {{"plan", named, "--trajectory", scene}, 1, {scene, kept}},
+        {{"plan", named, "--svg", srdf}, 1, {srdf, kept}},
+        {{"plan", compact, "--view", compact}, 1, {compact, kept}},
+        {{"bench", "run", named, compact, "--csv", scene}, 1, {scene, "a file of a problem"}},
+        {{"bench", "run", named, compact, "--csv", compact}, 1, {compact, "a file of a problem"}},
+        {{"scene", "convert", named, "-o", scene}, 1, {scene, "is a file of the scene"}},
+        {{"scene", "repeat", compact, "--tasks", "1", "-n", "1", "-o", compact},
+         1,
+         {compact, "is a file of a problem"}},
+        {{"scene", "threaded", "--robot", arm, "-n", "1", "-o", arm}, 1, {arm, "is the robot"}},
+        {{"scene", "enclosed", "--robot", arm, "-n", "1", "-o", arm}, 1, {arm, "is the robot"}},
+    });
+    CHECK(read_file(scene) + read_file(srdf) + read_file(compact) + read_file(arm) == before);
   }
 
   TEST_CASE("a suite does not write over a memory that it names") {

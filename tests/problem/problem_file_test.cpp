@@ -264,6 +264,42 @@ TEST_SUITE("unit") {
     CHECK((sphere.center - Vec3(-4, 3, 0.5)).norm() < 1e-12);
   }
 
+  TEST_CASE("a problem says which files it was read from") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    write_file(directory / "lifter.json", "<robot name='lifter'/>");
+    write_file(directory / "scene.json", "{circles: {a: [5, 5, 1]}}");
+    const std::string ends = "start: [0, 0, 0]\ngoal: [0, 0, 0]\n", path = directory / "p.yaml";
+    write_file(path, "robot: lifter.urdf\nsrdf: lifter.json\nscene: scene.json\n" + ends);
+    const auto problem = load_problem(path);
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const std::vector<std::string> files = {path, directory / "scene.json",
+                                            directory / "lifter.urdf", directory / "lifter.json"};
+    CHECK(problem->files == files);
+    CHECK(extract_scene(path)->files == std::vector(files.begin(), files.begin() + 2));
+    const std::string compact = directory / "many.json";
+    write_file(compact, to_compact_json(*problem, directory / "lifter.urdf"));
+    CHECK(load_problem(compact)->files == std::vector{compact, directory / "lifter.urdf"});
+  }
+
+  TEST_CASE("a robot that is there already is taken instead of the one that the file names") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "p.yaml";
+    const std::string text =
+        "robot: nowhere.urdf\nscene: {circles: {a: [90, 5, 1]}}\n"
+        "start: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: {joint_2: 1}\n";
+    write_file(path, text);
+    ProblemOptions options;
+    options.made_robot = shipped_robot("planar8");
+    const auto problem = load_problem(path, options);
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    CHECK(problem->robot.links().data() == options.made_robot->links().data());
+    write_file(path, text + "allow: [[link_1, link_3]]\n");
+    const auto allowing = load_problem(path, options);
+    REQUIRE(!allowing.has_value());
+    CHECK(allowing.error().message.find("the robot is given") != std::string::npos);
+  }
+
   TEST_CASE("an obstacle far out of reach is a warning that names the unit") {
     const TemporaryDirectory directory;
     write_file(directory / "p.yaml",
