@@ -20,22 +20,27 @@ std::string shape_of(const Array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
+[[noreturn]] void refuse_numbers(const py::handle& value, const std::string& what) {
+  PyErr_Clear();
+  throw py::type_error(fmt::format("{}: expected an array of real numbers, got {}", what,
+                                   py::repr(value).cast<std::string>().substr(0, 80)));
+}
+
 }  // namespace
 
-Array to_numbers(const py::handle& value, const std::string& what) {
-  const auto fail_with = [&] {
-    PyErr_Clear();
-    throw py::type_error(fmt::format("{}: expected an array of real numbers, got {}", what,
-                                     py::repr(value).cast<std::string>().substr(0, 80)));
-  };
-  if (value.is_none()) fail_with();
+py::array to_real_array(const py::handle& value, const std::string& what) {
+  if (value.is_none()) refuse_numbers(value, what);
   const py::array raw = py::array::ensure(value);
-  if (!raw) fail_with();
+  if (!raw) refuse_numbers(value, what);
   const char kind = raw.dtype().kind();
   const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
-  if (!is_real && raw.size() > 0) fail_with();
-  Array array = Array::ensure(raw);
-  if (!array) fail_with();
+  if (!is_real && raw.size() > 0) refuse_numbers(value, what);
+  return raw;
+}
+
+Array to_numbers(const py::handle& value, const std::string& what) {
+  Array array = Array::ensure(to_real_array(value, what));
+  if (!array) refuse_numbers(value, what);
   return array;
 }
 

@@ -22,6 +22,8 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// Anything that NumPy makes an array of real numbers of. Raises TypeError if it is none; `what`
 /// names it.
 [[nodiscard]] Array to_numbers(const py::handle& value, const std::string& what);
+/// The same as NumPy has them, before they become float64.
+[[nodiscard]] py::array to_real_array(const py::handle& value, const std::string& what);
 /// A 1-D array of `count` numbers, or of any number of them if `count` is negative.
 [[nodiscard]] std::vector<double> to_vector(const py::handle& value, int count,
                                             const std::string& what);

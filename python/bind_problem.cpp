@@ -23,10 +23,9 @@ namespace {
 /// One configuration or rows of them.
 std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
   const Array array = to_numbers(goals, "goals");
+  if (array.size() == 0) raise_invalid("goals: expected at least one configuration, got none");
   if (array.ndim() == 1) return {to_vector(array, joint_count, "goals")};
-  std::vector<Configuration> rows = to_rows(array, joint_count, "goals");
-  if (rows.empty()) raise_invalid("goals: expected at least one configuration");
-  return rows;
+  return to_rows(array, joint_count, "goals");
 }
 
 using Constraints = std::vector<OrientationConstraint>;
@@ -59,9 +58,19 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   return {std::move(problem), scene};
 }
 
+/// A name or a path, in whatever type Python has it.
+std::string path_of(const py::object& robot) {
+  try {
+    return robot.cast<std::filesystem::path>().string();
+  } catch (const py::cast_error&) {
+    throw py::type_error(fmt::format("robot: expected a name, a path or a Robot, got {}",
+                                     py::repr(robot).cast<std::string>().substr(0, 80)));
+  }
+}
+
 struct ProblemArguments {
   std::string where;
-  std::string robot;
+  py::object robot;
   py::object start;
   py::object goal;
   std::vector<PoseGoal> pose_goals;
@@ -73,7 +82,14 @@ struct ProblemArguments {
 SharedProblem load(const ProblemArguments& arguments) {
   ProblemOptions options;
   options.robot = arguments.options;
-  if (!arguments.robot.empty()) options.robot_path = unwrap(robot_file(arguments.robot));
+  if (py::isinstance<Robot>(arguments.robot)) {
+    options.made_robot = arguments.robot.cast<Robot>();
+    if (!(arguments.options == RobotOptions())) {
+      raise_invalid("robot: a Robot has its SRDF, group and packages; expected none beside it");
+    }
+  } else if (const auto named = path_of(arguments.robot); !named.empty()) {
+    options.robot_path = unwrap(robot_file(named));
+  }
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   options.pose_goals = arguments.pose_goals;
@@ -95,15 +111,15 @@ void bind_factories(py::class_<SharedProblem>& problem) {
               "shared: what is added to it later counts; scene.copy() is one of its own.");
   problem.def_static(
       "load",
-      [](const std::filesystem::path& where, const std::filesystem::path& robot, py::object start,
-         py::object goal, std::vector<PoseGoal> pose_goals, Constraints constraints,
+      [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
+         std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
          std::vector<std::string> package_paths, std::optional<double> self_filter) {
         RobotOptions options;
         options.srdf_path = srdf.string();
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
-        return load({where.string(), robot.string(), std::move(start), std::move(goal),
+        return load({where.string(), std::move(robot), std::move(start), std::move(goal),
                      std::move(pose_goals), std::move(constraints), std::move(options),
                      self_filter});
       },
@@ -112,7 +128,9 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
-      "request of MoveIt. What is given besides replaces what the file says. self_filter: metres;\n"
+      "request of MoveIt. What is given besides replaces what the file says. robot: a name, the\n"
+      "path of a URDF, or a Robot, which is then shared; what the file says of robot, SRDF, group\n"
+      "and joints is not looked at, and MoveIt's requests do not take one. self_filter: metres;\n"
       "points of clouds that are nearer to the robot at its start are left out, which warnings\n"
       "tell.");
 }

@@ -78,7 +78,9 @@ Array to_triples(const py::object& value, const std::string& what) {
 std::size_t add_points(Scene& scene, const std::string& name, const py::object& points,
                        double radius, const py::object& position, const py::object& quat_xyzw) {
   check_size("radius", radius);
-  const Array array = to_triples(points, "points");
+  const py::array raw = to_real_array(points, "points");
+  if (raw.ndim() > 0) unwrap(check_point_count(name, static_cast<std::size_t>(raw.shape(0))));
+  const Array array = to_triples(raw, "points");
   const auto rows = array.unchecked<2>();
   std::vector<CloudPoint> finite;
   finite.reserve(static_cast<std::size_t>(rows.shape(0)));

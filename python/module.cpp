@@ -15,8 +15,8 @@ PYBIND11_MODULE(_mneme, module) {
 #endif
   module.doc() = "The compiled part of mneme; import mneme instead.";
   mneme::python::bind_base(module);
-  mneme::python::bind_robot(module);
   mneme::python::bind_scene(module);
+  mneme::python::bind_robot(module);
   mneme::python::bind_goal(module);
   mneme::python::bind_problem(module);
   mneme::python::bind_collision(module);

@@ -206,7 +206,7 @@ class Problem:
     def load(
         where: PathLike,
         *,
-        robot: PathLike = "",
+        robot: Union[PathLike, Robot] = "",
         start: Optional[npt.ArrayLike] = None,
         goal: Optional[npt.ArrayLike] = None,
         pose_goals: Sequence[PoseGoal] = ...,
