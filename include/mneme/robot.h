@@ -264,10 +264,10 @@ class Robot {
 /// which are no matter of URDF. Solids are written too, meshes by their path on this machine.
 /// `comment` stands at the top and holds no "--". The indices in `parts` are valid.
 [[nodiscard]] std::string to_urdf(const Robot::Parts& parts, std::string_view comment = "");
-/// SRDF text with the groups as lists of joints, the named states, the end effectors and the allowed
-/// pairs. `reasons` says why each pair is allowed, such as "Adjacent"; "User" stands for those that
-/// it leaves out. Read back, no others may touch: of parts without allowed pairs none, not even
-/// neighbours.
+/// SRDF text with the groups as lists of joints, the named states, the end effectors and the
+/// allowed pairs. `reasons` says why each pair is allowed, such as "Adjacent"; "User" stands for
+/// those that it leaves out. Read back, no others may touch: of parts without allowed pairs none,
+/// not even neighbours.
 [[nodiscard]] std::string to_srdf(const Robot::Parts& parts,
                                   std::span<const std::string> reasons = {},
                                   std::string_view comment = "");

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
+import tracemalloc
+
 import numpy as np
 import pytest
 from conftest import CIRCLES, GOAL, START, raised

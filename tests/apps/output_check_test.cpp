@@ -84,8 +84,8 @@ TEST_SUITE("unit") {
                       srdf = files / "groups.json", compact = files / "many.json",
                       arm = files / "arm.urdf";
     const Problem problem = load_problem(files.problem()).value();
-    write_file(scene, to_scene_yaml({problem.scene, ""}));
-    write_file(srdf, read_file(source_file("robots/planar8.srdf")));
+    write_file(scene, "{circles: {a: [-5.75, -1.15, 1.73], b: [-2.1, -2.85, 1.88]}}");
+    write_file(srdf, "<robot name='planar8'/>");
     write_file(named, fmt::format("robot: planar8\nsrdf: groups.json\nscene: scene.json\n"
                                   "start: [{}]\ngoal: [{}]\n",
                                   fmt::join(kStart, ", "), fmt::join(kGoal, ", ")));
@@ -98,7 +98,7 @@ TEST_SUITE("unit") {
         {{"plan", named, "--trace", scene}, 1, {scene, kept}},
         {{"plan", named, "--trajectory", scene}, 1, {scene, kept}},
         {{"plan", named, "--svg", srdf}, 1, {srdf, kept}},
-        {{"plan", compact, "--view", compact}, 1, {compact, kept}},
+        {{"plan", compact + "#two", "--view", compact}, 1, {compact, kept}},
         {{"bench", "run", named, compact, "--csv", scene}, 1, {scene, "a file of a problem"}},
         {{"bench", "run", named, compact, "--csv", compact}, 1, {compact, "a file of a problem"}},
         {{"scene", "convert", named, "-o", scene}, 1, {scene, "is a file of the scene"}},

@@ -279,7 +279,9 @@ TEST_SUITE("unit") {
     CHECK(extract_scene(path)->files == std::vector(files.begin(), files.begin() + 2));
     const std::string compact = directory / "many.json";
     write_file(compact, to_compact_json(*problem, directory / "lifter.urdf"));
-    CHECK(load_problem(compact)->files == std::vector{compact, directory / "lifter.urdf"});
+    const auto again = load_problem(compact + "#p");
+    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
+    CHECK(again->files == std::vector{compact, directory / "lifter.urdf"});
   }
 
   TEST_CASE("a robot that is there already is taken instead of the one that the file names") {
@@ -287,10 +289,10 @@ TEST_SUITE("unit") {
     const std::string path = directory / "p.yaml";
     const std::string text =
         "robot: nowhere.urdf\nscene: {circles: {a: [90, 5, 1]}}\n"
-        "start: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: {joint_2: 1}\n";
+        "start: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: [0, 1, 0, 0, 0, 0, 0, 0]\n";
     write_file(path, text);
     ProblemOptions options;
-    options.made_robot = shipped_robot("planar8");
+    options.made_robot = planar8();
     const auto problem = load_problem(path, options);
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     CHECK(problem->robot.links().data() == options.made_robot->links().data());
