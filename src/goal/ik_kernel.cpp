@@ -37,7 +37,8 @@ constexpr float kLongestStep = 1.0f;
 /// How far the tip is from where it should be, and which way it should go.
 struct TipError {
   V3 position;     ///< metres
-  V3 rotation;     ///< axis times 2 sin(angle / 2)
+  V3 rotation;     ///< axis times 2 sin(angle / 2); shorter at half a turn, which has no one axis
+  V rotation2;     ///< (2 sin(angle / 2))^2
   V3 axis;         ///< of the tip, about which it may turn
   M leans, turns;  ///< lanes in which the error has such a part
 };
@@ -57,7 +58,7 @@ class IkSolver {
       pose_frames(chain_, q, poses_);
       const TipError error = find_error();
       position2 = squared_norm(error.position);
-      rotation2 = squared_norm(error.rotation);
+      rotation2 = error.rotation2;
       const M is_done = hn::And(hn::Le(position2, splat(target_.near_m * target_.near_m)),
                                 hn::Le(rotation2, splat(target_.near_rad * target_.near_rad)));
       const int done = static_cast<int>(hn::CountTrue(Tag(), is_done));
@@ -87,12 +88,15 @@ class IkSolver {
     const V3 x = tip_axis(pose, 0), y = tip_axis(pose, 1);
     error.axis = cross(x, y);
     if (target_.lean == 0 && target_.turn == 0) {
-      error.rotation = turn_to_axes(x, y, error.axis);
+      find_turn_to_axes(x, y, error);
     } else {
       find_lean_and_turn(x, y, error);
     }
     return error;
   }
+
+  /// Of twice the square of cos(angle / 2): the axis is lost in rounding.
+  static HWY_INLINE M is_half_turn(V twice_square) { return hn::Lt(twice_square, splat(1e-6f)); }
 
   /// 1 / cos(angle / 2) from twice its cosine squared; finite at half a turn.
   static HWY_INLINE V inverse_half_cosine(V twice_square) {
@@ -100,19 +104,25 @@ class IkSolver {
   }
 
   /// The shortest rotation from x, y, z to the axes of the target.
-  static HWY_INLINE V3 turn_to_axes(const V3& x, const V3& y, const V3& z) {
+  static HWY_INLINE void find_turn_to_axes(const V3& x, const V3& y, TipError& error) {
+    const V3& z = error.axis;
     const V half = splat(0.5f);
     const V3 sine = half * V3{hn::Sub(z.y, y.z), hn::Sub(x.z, z.x), hn::Sub(y.x, x.y)};
     const V trace = hn::Add(x.x, hn::Add(y.y, z.z));
-    return inverse_half_cosine(hn::Mul(half, hn::Add(trace, splat(1.0f)))) * sine;
+    const V twice_square = hn::Mul(half, hn::Add(trace, splat(1.0f)));
+    error.rotation = inverse_half_cosine(twice_square) * sine;
+    error.rotation2 =
+        hn::IfThenElse(is_half_turn(twice_square), splat(4.0f), squared_norm(error.rotation));
   }
 
   /// Apart: how far the tip's axis leans, and how far the tip is turned about it.
   HWY_INLINE void find_lean_and_turn(const V3& x, const V3& y, TipError& error) const {
     const V zero = hn::Zero(Tag()), one = splat(1.0f);
     const V3& z = error.axis;
-    const V3 leaning = inverse_half_cosine(hn::Add(one, z.z)) * V3{z.y, hn::Neg(z.x), zero};
-    const V length = hn::Sqrt(squared_norm(leaning));
+    const V twice_square = hn::Add(one, z.z);
+    const V3 leaning = inverse_half_cosine(twice_square) * V3{z.y, hn::Neg(z.x), zero};
+    const M is_upside_down = is_half_turn(twice_square);
+    const V length = hn::IfThenElse(is_upside_down, splat(2.0f), hn::Sqrt(squared_norm(leaning)));
     const V excess = hn::Max(zero, hn::Sub(length, splat(target_.lean)));
     error.leans = hn::Gt(excess, zero);
     const V3 lean =
@@ -121,11 +131,17 @@ class IkSolver {
     // is.
     const V w = hn::Add(one, hn::Add(x.x, hn::Add(y.y, z.z)));
     const V about = hn::Sub(y.x, x.y);
-    const V norm = hn::Sqrt(hn::Max(hn::MulAdd(w, w, hn::Mul(about, about)), splat(1e-12f)));
-    const V turned = hn::Div(hn::Mul(splat(2.0f), about), norm);
+    const V norm = hn::Sqrt(hn::MulAdd(w, w, hn::Mul(about, about)));
+    const V two = splat(2.0f);
+    // At half a turn rounding says which way.
+    const V turned = hn::IfThenElse(hn::Lt(norm, splat(1e-5f)), hn::CopySign(two, about),
+                                    hn::Div(hn::Mul(two, about), norm));
     const V turn = beyond(turned, target_.turn);
     error.turns = hn::Ne(turn, zero);
     error.rotation = mul_add(turn, z, lean);
+    error.rotation2 =
+        hn::IfThenElse(is_upside_down, hn::MulAdd(excess, excess, hn::Mul(turn, turn)),
+                       squared_norm(error.rotation));
   }
 
   HWY_INLINE void step(const TipError& error, V position2, V rotation2, M is_done, V* q) {

@@ -99,6 +99,26 @@ TEST_SUITE("law") {
     CHECK(exact < 20);
   }
 
+  TEST_CASE("what is half a turn away is not there yet") {
+    const Robot robot = shipped_robot("panda");
+    for (const Isa isa : available_isas()) {
+      const InverseKinematics kinematics = require_kinematics(robot, kHand, isa);
+      for (int i = 0; i < 36; ++i) {
+        CAPTURE(to_string(isa));
+        CAPTURE(i);
+        PoseGoal goal = pose_at(robot, kHand, kReady);
+        const Vec3 axis = Vec3::Unit(i % 3);
+        goal.pose.rotation = goal.pose.rotation * Eigen::AngleAxisd(kPi, axis).toRotationMatrix();
+        goal.axis = static_cast<Axis>(i / 3 % 3);
+        goal.cone = i / 9 % 2 * 0.1;
+        goal.turn = i / 18 * 0.1;
+        const IkResult result = kinematics.solve(goal, kReady);
+        CHECK(!result.solutions.empty());
+        check_solutions(robot, goal, kReady, result);
+      }
+    }
+  }
+
   TEST_CASE("a position with any rotation is reached") {
     const Robot robot = shipped_robot("panda");
     const InverseKinematics kinematics = require_kinematics(robot, "panda_hand");
