@@ -5,6 +5,7 @@
 #include "mneme/covering.h"
 
 #include "base/as_index.h"
+#include "base/text_file.h"
 #include "check/link_distances.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"
@@ -70,6 +71,24 @@ T value_named_by(const Input& place, Result<T> result) {
   return value_or_throw(std::move(result));
 }
 
+/// load_problem_robot of what `input` names, unless `overrides` name something else.
+ProblemRobot load_named_robot(const Input& input, const std::string& path,
+                              const RobotOptions& options, const ProblemOptions& overrides) {
+  try {
+    return load_problem_robot(path, options, overrides.cache.get());
+  } catch (const InputFailure& failure) {
+    if (failure.error.code != ErrorCode::io) throw;
+    const auto check = [&](std::string_view key, const std::string& file,
+                           const std::string& override_path) {
+      const auto named = input.find(key);
+      if (named && override_path.empty()) value_named_by(*named, read_text_file(file));
+    };
+    check("robot", path, overrides.robot_path);
+    check("srdf", options.srdf_path, overrides.robot.srdf_path);
+    throw;
+  }
+}
+
 std::vector<std::string> joint_names(const Input& list) {
   std::vector<std::string> names;
   for (const Input& joint : list.items()) names.push_back(joint.text());
@@ -112,7 +131,7 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   } else if (const auto group = input.find("group"); group && options.group.empty()) {
     options.group = group->text();
   }
-  ProblemRobot result = load_problem_robot(path, options, overrides.cache.get());
+  ProblemRobot result = load_named_robot(input, path, options, overrides);
   std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
   if (const auto fixed_joints = input.find("fixed_joints")) {
     std::map<std::string, double> values;

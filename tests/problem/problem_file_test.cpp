@@ -78,7 +78,24 @@ TEST_SUITE("unit") {
     const auto lost = lifter.read("robot: ./lost.urdf");
     REQUIRE_FALSE(lost.has_value());
     CHECK(lost.error().code == ErrorCode::io);
-    CHECK(lost.error().message.find("lost.urdf") != std::string::npos);
+    CHECK(lost.error().message.find("f:1: key robot: ") == 0);
+    CHECK(lost.error().message.find("lost.urdf: cannot be read") != std::string::npos);
+    const auto groups = lifter.read("robot: lifter.urdf\nsrdf: lost.srdf");
+    REQUIRE_FALSE(groups.has_value());
+    CHECK(groups.error().message.find("f:2: key srdf: ") == 0);
+    CHECK(groups.error().message.find("lost.srdf: cannot be read") != std::string::npos);
+  }
+
+  TEST_CASE("a robot of the caller's that is missing is not looked for in the problem") {
+    const Lifter lifter;
+    const auto lost = lifter.read("robot: lifter.urdf", "none.urdf");
+    REQUIRE_FALSE(lost.has_value());
+    CHECK(lost.error().message.find("none.urdf: cannot be read") == 0);
+    ProblemOptions options;
+    options.robot.srdf_path = "none.srdf";
+    const auto groups = lifter.read("robot: lifter.urdf\nsrdf: lost.srdf", options);
+    REQUIRE_FALSE(groups.has_value());
+    CHECK(groups.error().message.find("none.srdf: cannot be read") == 0);
   }
 
   TEST_CASE("joints choose the group and its order, and fixed joints have their values") {
