@@ -33,6 +33,7 @@ using internal::refusal;
 constexpr double kGrace = 0.5;    ///< seconds for what runs when the service stops
 constexpr double kGoodbye = 0.3;  ///< seconds for the answers to what was cancelled then
 constexpr const char* kNames = "([A-Za-z0-9_.-]{1,64})";
+constexpr std::string_view kScenes = "/v1/scenes/";
 
 ServiceSettings completed(ServiceSettings settings) {
   if (settings.threads <= 0) {
@@ -103,6 +104,16 @@ std::optional<Answer> refuse_framing(const Request& request) {
     return refusal(411, "invalid", "expected the header Content-Length");
   }
   return std::nullopt;
+}
+
+/// What is not served. A scene that is called so is a mistake of whoever uploads it.
+Answer refuse_path(const Request& request) {
+  const bool is_scene = request.path.starts_with(kScenes);
+  const std::string message =
+      fmt::format("there is no {} {}{}", request.method, request.path,
+                  is_scene ? ": ids of scenes are 1 to 64 letters, digits, '_', '.' and '-'" : "");
+  return is_scene && request.method == "PUT" ? refusal(400, "invalid", message)
+                                             : refusal(404, "not_found", message);
 }
 
 bool is_json(const std::string& type) {
@@ -259,7 +270,7 @@ class Service::State {
   }
 
   void add_scene_routes() {
-    const std::string pattern = std::string("/v1/scenes/") + kNames;
+    const std::string pattern = std::string(kScenes) + kNames;
     const std::string endpoint = "/v1/scenes/{id}";
     server_.Get(pattern, timed(endpoint, [this](const Request& request) {
                   return endpoints_.scene(request.matches[1]);
@@ -289,18 +300,17 @@ class Service::State {
     // What httplib refuses by itself has no body yet.
     server_.set_error_handler([this](const Request& request, Response& response) {
       if (!response.body.empty()) return;
-      endpoints_.metrics().add_request("refused", response.status, 0);
+      Answer refused = response.status == 404
+                           ? refuse_path(request)
+                           : refusal(response.status, "refused",
+                                     "the request cannot be read, or is beyond a limit");
+      endpoints_.metrics().add_request("refused", refused.status, 0);
       if (response.status == 416) {
         // It would still be sent once per range: nothing is not.
         HttpServer::connection().close_after_answer();
         return;
       }
-      const bool is_missing = response.status == 404;
-      const std::string message =
-          is_missing ? fmt::format("there is no {} {}", request.method, request.path)
-                     : "the request cannot be read, or is beyond a limit";
-      respond_and_close(response,
-                        refusal(response.status, is_missing ? "not_found" : "refused", message));
+      respond_and_close(response, std::move(refused));
     });
     server_.set_exception_handler(
         [](const Request&, Response& response, const std::exception_ptr&) {

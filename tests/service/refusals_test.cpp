@@ -93,6 +93,22 @@ TEST_SUITE("flow") {
     CHECK(reply_of(client->Delete("/v1/plan")).status == 404);
   }
 
+  TEST_CASE("ids of scenes that are none are refused with what ids are") {
+    const RunningService running;
+    const auto client = running.client();
+    const std::string ids = "ids of scenes are 1 to 64 letters, digits, '_', '.' and '-'";
+    for (const std::string& id : {std::string("a%20b"), std::string("a%2Fb"), std::string("%C3%A4"),
+                                  std::string(), std::string(65, 'a')}) {
+      INFO(id);
+      check_refused(reply_of(client->Put("/v1/scenes/" + id, "{}", "application/json")), 400, ids);
+      check_refused(reply_of(client->Patch("/v1/scenes/" + id, "{}", "application/json")), 404,
+                    ids);
+      check_refused(reply_of(client->Delete("/v1/scenes/" + id)), 404, ids);
+    }
+    CHECK(reply_of(client->Put("/v1/scenes/" + std::string(64, '.'), "{}", "application/json"))
+              .status == 200);
+  }
+
   TEST_CASE("bodies and scenes have limits") {
     ServiceSettings settings;
     settings.body_bytes = 20000;
