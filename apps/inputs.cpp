@@ -29,7 +29,8 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
     return load_covered_robot(path, options, {}, show_covering());
   });
   if (!loaded) return tl::unexpected(loaded.error());
-  for (const std::string& note : loaded->notes) print_note(note);
+  // As problems have them: commands say the same of a robot, whichever way they come by it.
+  for (const std::string& note : loaded->notes) print_note("warning: " + note);
   for (const std::string& warning : loaded->robot.warnings()) print_note("warning: " + warning);
   return loaded->robot;
 }

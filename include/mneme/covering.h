@@ -110,7 +110,7 @@ struct CoveredRobot {
 
 /// load_robot for robots with any collision geometry: solids are covered, and without an SRDF the
 /// pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks although no
-/// configuration parts them are allowed too, with a note.
+/// configuration parts them are allowed too, with a warning.
 [[nodiscard]] Result<CoveredRobot> load_covered_robot(const std::string& path,
                                                       const RobotOptions& options = {},
                                                       const CoverSettings& settings = {},

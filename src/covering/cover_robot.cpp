@@ -277,8 +277,7 @@ Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robo
 }
 
 /// make_robot, with pairs that no configuration parts allowed, because nothing would be valid.
-Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options,
-                          std::vector<std::string>& notes) {
+Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
   const auto inseparable = internal::find_inseparable_pairs(*robot);
@@ -286,7 +285,7 @@ Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options,
   RobotOptions allowing = options;
   for (const auto& pair : inseparable) {
     allowing.allowed_pairs.push_back(pair);
-    notes.push_back(fmt::format(
+    parts.warnings.push_back(fmt::format(
         "links '{}' and '{}' touch in every configuration; they are not checked against each other",
         pair.first, pair.second));
   }
@@ -314,7 +313,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
       parts->allowed_pairs = std::move(*pairs);
     }
   }
-  auto robot = make_usable(std::move(*parts), options, notes);
+  auto robot = make_usable(std::move(*parts), options);
   if (!robot) return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
   return CoveredRobot{std::move(*robot), std::move(notes)};
 }

@@ -113,7 +113,7 @@ TEST_SUITE("flow") {
     const ProcessChanges with_cache{{"XDG_CACHE_HOME=" + arm.files / "cache"}, false};
     const ProgramRun info = run_program({"robot", "info", arm.urdf, "--json"}, with_cache);
     REQUIRE_MESSAGE(info.exit_code == 0, info.err);
-    CHECK(has_text(info.err, "covered the geometry of 3 links with"));
+    CHECK(has_text(info.err, "mneme: warning: covered the geometry of 3 links with"));
     CHECK_FALSE(has_text(info.err, "from the cache"));
     write_file(arm.files / "problem.yaml",
                "robot: arm.urdf\nscene:\n  obstacles:\n"
@@ -123,6 +123,10 @@ TEST_SUITE("flow") {
         run_program({"plan", arm.files / "problem.yaml", "--sampler", "uniform"}, with_cache);
     CHECK_MESSAGE(plan.exit_code == 0, plan.err);
     CHECK(has_text(plan.err, "; 3 from the cache " + arm.files / "cache/mneme"));
+    // Whichever way a command comes by a robot, it says the same of it.
+    const std::string said = run_program({"robot", "info", arm.urdf}, with_cache).err;
+    CHECK(has_text(said, "mneme: warning: covered the geometry of 3 links with"));
+    CHECK(has_text(plan.err, said));
   }
 }
 

@@ -311,6 +311,27 @@ TEST_SUITE("unit") {
     CHECK(with_srdf.self_pairs()[1] == std::pair(1, 2));
   }
 
+  TEST_CASE("a robot warns of pairs that are not checked because nothing parts them") {
+    const TemporaryDirectory files;
+    const auto ball = [](const std::string& name) {
+      return "<link name=\"" + name +
+             "\"><collision><geometry><sphere radius=\"0.3\"/></geometry></collision></link>";
+    };
+    write_file(files / "r.urdf",
+               "<robot name=\"r\">" + ball("a") + ball("b") +
+                   "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
+                   "<limit lower=\"-1\" upper=\"1\" velocity=\"1\"/></joint></robot>");
+    write_file(files / "r.srdf", "<robot name=\"r\"/>");
+    const auto robot = load_covered_robot(files / "r.urdf");
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    CHECK(robot->robot.self_pairs().empty());
+    REQUIRE(robot->robot.warnings().size() == 1);
+    CHECK(
+        robot->robot.warnings()[0] ==
+        "links 'a' and 'b' touch in every configuration; they are not checked against each other");
+    CHECK(robot->notes.empty());
+  }
+
   TEST_CASE("a robot without solids is loaded as ever") {
     const auto robot = load_covered_robot(source_file("robots/planar8.urdf"));
     REQUIRE(robot.has_value());
