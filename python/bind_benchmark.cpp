@@ -7,6 +7,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "origins.h"
 #include "problem.h"
 
 #include <pybind11/pybind11.h>
@@ -103,6 +104,11 @@ void bind_benchmark(py::module_& module) {
       py::arg("problems"), py::arg("database"), py::arg("planners"), py::arg("samplers"),
       py::arg("seeds"), py::arg("seed"), py::arg("on_row"), py::kw_only(),
       py::arg("isa") = "automatic");
+  module.def("_check_output", [](const std::string& path,
+                                 const std::vector<SharedProblem>& problems, const Memory* memory) {
+    check_output(path, problems, memory == nullptr ? nullptr : memory->get(),
+                 "a file of a problem");
+  });
   module.def("planner_names", &planner_names,
              "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
   module.def("sampler_names", &sampler_names, "Names of all sources of configurations.");

@@ -8,6 +8,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "memory.h"
+#include "origins.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -38,8 +39,10 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
-  if (!robot) return Memory(unwrap(Database::inspect(path.string(), kept)));
-  return Memory(unwrap(Database::open(path.string(), make_space(*robot), open_mode, kept)));
+  Memory memory(unwrap(robot ? Database::open(path.string(), make_space(*robot), open_mode, kept)
+                             : Database::inspect(path.string(), kept)));
+  set_origin(memory.get(), {{"the memory", path.string()}});
+  return memory;
 }
 
 py::array_t<float> means_of(const GaussianMixture& mixture) {

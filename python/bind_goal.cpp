@@ -124,14 +124,28 @@ void bind_constraint(py::module_& module) {
       });
 }
 
-py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& goals,
-                             const py::object& near, const Scene& scene, std::uint64_t seed,
-                             const std::string& isa, const py::kwargs& arguments) {
+struct FoundConfigurations {
+  std::vector<Configuration> rows;
+  std::string message;  ///< why there are none
+};
+
+/// A mneme.Solutions.
+py::object to_solutions(const FoundConfigurations& found, int joint_count) {
+  const py::object type = py::module_::import("mneme._solutions").attr("Solutions");
+  py::object rows = to_array(found.rows, joint_count).attr("view")(type);
+  rows.attr("message") = found.message;
+  return rows;
+}
+
+py::object solve_ik(const Robot& robot, const std::vector<PoseGoal>& goals, const py::object& near,
+                    const Scene& scene, std::uint64_t seed, const std::string& isa,
+                    const py::kwargs& arguments) {
   IkSettings settings;
   Keywords keywords("inverse_kinematics", arguments);
   keywords.apply(settings);
   keywords.finish();
   settings.seed = seed;
+  if (goals.empty()) raise_invalid("goals: expected at least one, got none");
   for (const PoseGoal& goal : goals) {
     if (const auto fault = describe_fault(robot, goal)) raise_invalid("goals: " + *fault);
   }
@@ -145,9 +159,13 @@ py::array_t<double> solve_ik(const Robot& robot, const std::vector<PoseGoal>& go
   settings.is_over = [&] { return cancel.load(); };
   auto found = run_interruptible(cancel, [&] {
     return PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin)
-        .map([](PoseGoalSource source) { return source.more(); });
+        .map([](PoseGoalSource source) {
+          FoundConfigurations all{source.more(), {}};
+          if (all.rows.empty()) all.message = source.describe_failure();
+          return all;
+        });
   });
-  return to_array(unwrap(std::move(found)), robot.joint_count());
+  return to_solutions(unwrap(std::move(found)), robot.joint_count());
 }
 
 }  // namespace
@@ -185,7 +203,7 @@ void bind_goal(py::module_& module) {
       py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
       py::arg("isa") = "automatic",
       ("Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
-       "(k, joint_count), radians; none if k is 0.\n\n" +
+       "(k, joint_count), radians; none if k is 0, and then `message` says why.\n\n" +
        describe_keywords<IkSettings>())
           .c_str());
 }

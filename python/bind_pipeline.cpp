@@ -10,6 +10,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "origins.h"
 #include "problem.h"
 
 #include <fmt/format.h>
@@ -300,6 +301,10 @@ void bind_pipeline(py::module_& module) {
       .def("to_trace", &trace_of,
            "The plan as geometry, JSON that `mneme view` shows (docs/file_formats.md).")
       .def("to_page", &page_of, "A page that shows the plan, HTML that needs no network.")
+      .def("_check_output",
+           [](const Plan& self, const std::string& path) {
+             check_output(path, {&self.asked, 1}, self.database, "a file of the problem");
+           })
       .def("to_row", &row_of, py::arg("set") = "",
            "The row of a benchmark; the path is checked again by independent code.")
       .def("__repr__", [](const Plan& self) {

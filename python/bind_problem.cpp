@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "origins.h"
 #include "prepare.h"
 #include "problem.h"
 
@@ -98,7 +99,16 @@ SharedProblem load(const ProblemArguments& arguments) {
   const py::gil_scoped_release released;
   Problem problem = unwrap(load_problem(arguments.where, options));
   prepare(problem.robot);
-  return SharedProblem(std::move(problem));
+  SharedProblem shared(std::move(problem));
+  std::vector<ReadFile> files;
+  const Problem& rest = shared.rest();
+  add_files("a file of the problem", rest.files, files);
+  set_origin(shared.scene(), std::move(files));
+  if (!rest.robot_path.empty()) {
+    set_origin(rest.robot.without_attached().identity(),
+               robot_files(rest.robot_path, options.robot.srdf_path));
+  }
+  return shared;
 }
 
 void bind_factories(py::class_<SharedProblem>& problem) {

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "keywords.h"
+#include "origins.h"
 #include "prepare.h"
 
 #include <fmt/format.h>
@@ -27,9 +28,9 @@ Robot load(const std::string& robot, const RobotOptions& options, const py::kwar
   keywords.apply(cover);
   keywords.finish();
   const py::gil_scoped_release released;
-  const Robot loaded = unwrap(robot_file(robot).and_then([&](const std::string& path) {
-                         return load_covered_robot(path, options, cover);
-                       })).robot;
+  const std::string path = unwrap(robot_file(robot));
+  const Robot loaded = unwrap(load_covered_robot(path, options, cover)).robot;
+  set_origin(loaded.identity(), robot_files(path, options.srdf_path));
   prepare(loaded);
   return loaded;
 }

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "origins.h"
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
@@ -176,11 +177,17 @@ void bind_edits(SceneClass& scene) {
   scene.def("move", &move, py::arg("name"), py::arg("position"), py::arg("quat_xyzw") = py::none(),
             "Moves an obstacle as a whole, so that its first shape is where add_box or its like\n"
             "would put it; without quat_xyzw it is not turned.");
-  const auto copy = [](const Scene& self) { return self; };
+  const auto copy = [](const std::shared_ptr<Scene>& self) {
+    auto made = std::make_shared<Scene>(*self);
+    set_origin(made, origin_of(self));
+    return made;
+  };
   scene.def("copy", copy, "A scene of its own, which later edits of this one leave as it is.");
   scene.def("__copy__", copy);
   scene.def(
-      "__deepcopy__", [](const Scene& self, const py::dict&) { return self; }, py::arg("memo"));
+      "__deepcopy__",
+      [=](const std::shared_ptr<Scene>& self, const py::dict&) { return copy(self); },
+      py::arg("memo"));
 }
 
 void bind_shapes(SceneClass& scene) {
@@ -236,6 +243,12 @@ void bind_shapes(SceneClass& scene) {
       "contact.");
 }
 
+std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
+  auto scene = std::make_shared<Scene>(unwrap(load_scene(path.string())));
+  set_origin(scene, {{"a file of the scene", path.string()}});
+  return scene;
+}
+
 void bind_text(SceneClass& scene) {
   scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
@@ -257,9 +270,8 @@ void bind_scene(py::module_& module) {
               return Scene{std::move(name), {}};
             }),
             py::arg("name") = "scene");
-  scene.def_static(
-      "load", [](const std::filesystem::path& path) { return unwrap(load_scene(path.string())); },
-      py::arg("path"), "Reads a scene file of mneme or a planning scene of MoveIt (YAML).");
+  scene.def_static("load", &load_file, py::arg("path"),
+                   "Reads a scene file of mneme or a planning scene of MoveIt (YAML).");
   scene.def_static(
       "parse",
       [](const std::string& yaml, const std::string& source) {

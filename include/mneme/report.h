@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What came out of a plan, for people and programs: JSON, SVG pictures, traces and their page.
+/// What came out of a plan, for people and programs: JSON, SVG pictures, traces and their page; and
+/// which files none of it may replace.
 #pragma once
 
 #include "mneme/base.h"
@@ -234,5 +235,26 @@ inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
 /// and scene, beside it. Errors: text that is no trace, too long, or of another version.
 [[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source,
                                           std::string_view beside = {});
+
+/// A file that is read.
+struct ReadFile {
+  std::string what;  ///< "the memory"
+  std::string path;
+};
+/// What a robot is read from: its URDF, and `srdf` or the SRDF beside it.
+[[nodiscard]] std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& srdf);
+/// Adds those of a problem or a scene.
+void add_files(std::string_view what, std::span<const std::string> files,
+               std::vector<ReadFile>& all);
+/// Adds those of a problem, as `what`, and those of its robot.
+void add_problem_files(std::string_view what, const Problem& problem, const std::string& srdf,
+                       std::vector<ReadFile>& all);
+
+/// Error: invalid, if one of `outputs` (empty ones do not count) is one of `inputs` under whatever
+/// name, another output too, a memory, or called as meshes, clouds and octrees are.
+[[nodiscard]] Result<void> check_outputs(std::span<const std::string> outputs,
+                                         std::span<const ReadFile> inputs);
+/// Error: invalid, if `path` is a memory, sound or not.
+[[nodiscard]] Result<void> refuse_memory(const std::string& path);
 
 }  // namespace mneme

@@ -45,6 +45,7 @@ from ._mneme import (
 )
 from ._bench import Benchmark, bench
 from ._client import Busy, Client, RemotePlan
+from ._solutions import Solutions
 from ._view import view
 
 __all__ = [
@@ -65,6 +66,7 @@ __all__ = [
     "RemotePlan",
     "Robot",
     "Scene",
+    "Solutions",
     "Trajectory",
     "__version__",
     "available_isas",

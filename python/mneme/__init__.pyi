@@ -172,6 +172,9 @@ class OrientationConstraint:
     def up(self) -> Floats: ...
     def tilt(self, robot: Robot, q: npt.ArrayLike) -> float: ...
 
+class Solutions(np.ndarray[Any, np.dtype[np.float64]]):
+    message: str
+
 def inverse_kinematics(
     robot: Robot,
     goals: Sequence[PoseGoal],
@@ -187,7 +190,7 @@ def inverse_kinematics(
     ik_rotation_tolerance: float = 0.001,
     ik_apart: float = 0.1,
     # /settings
-) -> Floats: ...
+) -> Solutions: ...
 
 class Problem:
     name: str
@@ -516,7 +519,7 @@ class Client:
         scene: Union[Scene, str, None] = None,
         margin: float = 0.0,
         **settings: Any,
-    ) -> Floats: ...
+    ) -> Solutions: ...
     def check(
         self, configurations: npt.ArrayLike, scene: Union[Scene, str, None] = None, margin: float = 0.0
     ) -> list[dict[str, Any]]: ...

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """bench(): problems x planners x samplers x seeds."""
 import html
+import os
 
 from . import _mneme
 
@@ -37,7 +38,7 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
 
     problems: Problem objects. samplers: default "uniform", with a database "gl" and "uniform".
     seeds: runs of each, with seeds from `seed` on; all problems with one seed come before the next.
-    csv: file for one line per run, written while it runs. on_row: called with each BenchmarkRow.
+    csv: file for one line per run, written while it runs; none that problems or database were read from. on_row: called with each BenchmarkRow.
     settings: those of plan(), such as timeout=4.
     """
     problems = [problems] if isinstance(problems, _mneme.Problem) else list(problems)
@@ -50,6 +51,8 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
             raise TypeError(f"bench: the sampler '{sampler}' needs a database, the memory that it draws from")
     if not problems or not planners or not samplers or seeds < 1:
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
+    if csv is not None:
+        _mneme._check_output(os.fsdecode(csv), problems, database)
     rows = []
     file = None if csv is None else open(csv, "w", encoding="utf-8", newline="")
 

@@ -10,6 +10,7 @@ import urllib.parse
 import numpy as np
 
 from ._mneme import Error, PoseGoal
+from ._solutions import Solutions
 
 
 class Busy(Exception):
@@ -186,14 +187,18 @@ class Client:
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
         """Free configurations that reach any of the PoseGoals, nearest to `near` (zeros) first.
 
-        Shape (k, joint_count); none if k is 0. settings: `seed` and those of mneme.inverse_kinematics().
+        Solutions, of shape (k, joint_count); none if k is 0, and then `message` says why. settings: `seed` and those of
+        mneme.inverse_kinematics().
         """
         body = {"goals": _goals(goals), "margin": float(margin), "settings": _settings(settings),
                 **self._place(scene)}
         if near is not None:
             body["near"] = _configuration(near)
-        found = [solution["q"] for solution in self.ask("POST", "/v1/ik", body)["solutions"]]
-        return np.array(found, dtype=float) if found else np.empty((0, 0))
+        answer = self.ask("POST", "/v1/ik", body)
+        found = [solution["q"] for solution in answer["solutions"]]
+        solutions = (np.array(found, dtype=float) if found else np.empty((0, 0))).view(Solutions)
+        solutions.message = answer.get("message") or ""
+        return solutions
 
     def check(self, configurations, scene=None, margin=0.0):
         """A dict per configuration: "valid", and if it is not, "contacts" or a "message"."""

@@ -103,7 +103,8 @@ def test_inverse_kinematics_is_that_of_this_process(client, problem):
     remote = client.inverse_kinematics(goal, near=problem.start, scene=problem.scene, seed=4, ik_solutions=3)
     local = mneme.inverse_kinematics(robot, [goal], near=problem.start, scene=problem.scene, seed=4, ik_solutions=3)
     assert len(local) >= 3 and np.array_equal(remote, local)
-    assert client.inverse_kinematics([mneme.PoseGoal("link_8", [90, 0, 0])]).size == 0
+    none = client.inverse_kinematics([mneme.PoseGoal("link_8", [90, 0, 0])])
+    assert none.size == 0 and "out of reach of link 'link_8' by" in none.message and local.message == ""
 
 
 def test_goals_may_be_poses(client, problem):

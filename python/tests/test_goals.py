@@ -30,10 +30,34 @@ def test_inverse_kinematics_finds_free_configurations_nearest_first(panda):
 
 def test_a_pose_out_of_reach_has_no_configuration(panda):
     far = mneme.PoseGoal("panda_hand", [2, 0, 0.5])
-    assert mneme.inverse_kinematics(panda, [far]).shape == (0, 7)
+    none = mneme.inverse_kinematics(panda, [far])
+    assert none.shape == (0, 7) and none.copy().message == none.message
     plan = mneme.plan(mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[far]))
     assert plan.status == "invalid_goal"
     assert "out of reach of link 'panda_hand' by " in plan.message
+    assert none.message == plan.message
+
+
+def test_no_configuration_says_why(panda):
+    goal = mneme.PoseGoal("panda_hand", POSITION, TURN)
+    scene = mneme.Scene()
+    scene.add_sphere("ball", POSITION, 0.3)
+    blocked = mneme.inverse_kinematics(panda, [goal], near=READY, scene=scene)
+    assert len(blocked) == 0
+    assert "link 'panda_hand' reaches it only in contact with obstacle 'ball'" in blocked.message
+    upside_down = mneme.PoseGoal("panda_link1", [0, 0, 0.333], TURN)
+    assert "but not with that rotation" in mneme.inverse_kinematics(panda, [upside_down]).message
+    with pytest.raises(mneme.Error, match="at least one"):
+        mneme.inverse_kinematics(panda, [])
+
+
+def test_solutions_are_an_array_like_any_other(panda):
+    goal = mneme.PoseGoal("panda_hand", POSITION, TURN)
+    solutions = mneme.inverse_kinematics(panda, [goal], near=READY, ik_solutions=2)
+    assert isinstance(solutions, mneme.Solutions) and isinstance(solutions, np.ndarray)
+    assert solutions.message == "" and solutions[:0].message == ""
+    assert mneme.CollisionChecker(panda, mneme.Scene()).is_valid(solutions[0])
+    np.testing.assert_array_equal(np.vstack([solutions, solutions])[-1], solutions[-1])
 
 
 def test_a_plan_goes_to_a_pose_or_a_region(panda):

@@ -62,6 +62,7 @@ TEST_SUITE("unit") {
          1,
          {"hard.yaml", "is a file of the problem"}},
         {{"plan", problem, "--trace", files / "arm.stl"}, 1, {"arm.stl", "which mneme reads"}},
+        {{"plan", problem, "--trace", files / "ARM.STL"}, 1, {"is a .STL file", "mneme reads"}},
         {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is the robot that is read"}},
         {{"plan", problem, "--svg", files / "a", "--trace", files / "./a"},
          1,
