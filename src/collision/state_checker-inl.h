@@ -177,6 +177,12 @@ struct PosedSpheres {
   V3 centers[kGroupSize];
 };
 
+struct PosedGroup {
+  const GroupRow& row;
+  const Pose& pose;
+  V3 center;  ///< of its ball
+};
+
 template <bool kIsMotion, class Margins = EvenMargins>
 class StateChecker {
  public:
@@ -254,15 +260,16 @@ class StateChecker {
     return false;
   }
 
-  /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a crowd.
+  /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
+  /// crowd.
   template <class Reach>
   HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach) const {
     if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), squared(reach))) return false;
     const ObstacleRow& row = scene_.obstacles[obstacle];
     if (row.kind != ObstacleKind::crowd) return true;
     const CrowdRow& crowd = scene_.crowds[row.crowd];
-    return find_near(*crowd.cells, into_crowd(crowd, center),
-                     lanes_of(sum(row.rounding, reach))) != 0;
+    return find_near(*crowd.cells, into_crowd(crowd, center), lanes_of(sum(row.rounding, reach))) !=
+           0;
   }
 
   /// The obstacles of `count` that are near a cluster.
@@ -422,8 +429,9 @@ class StateChecker {
     const Pose& other_pose = poses_[robot_.bodies[pair.second].frame];
     if (pair.is_single) {
       const GroupPairRow& groups = robot_.group_pairs[pair.begin];
-      return verdict.add(find_hits(robot_.groups[groups.first], pose,
-                                   robot_.groups[groups.second_begin], other_pose, margin));
+      return verdict.add(find_hits(posed_group(robot_.groups[groups.first], pose),
+                                   posed_group(robot_.groups[groups.second_begin], other_pose),
+                                   margin));
     }
     const float other_radius = robot_.bodies[pair.second].ball.radius;
     const V3& other_center = centers_[pair.second];
@@ -448,58 +456,70 @@ class StateChecker {
   template <class Margin>
   HWY_INLINE bool hits_groups(const GroupPairRow& pair, const Pose& pose, const Pose& other_pose,
                               Margin margin, Verdict<kIsMotion>& verdict) const {
-    const GroupRow& first = robot_.groups[pair.first];
-    const V3 center = transform_point(pose, first.ball.center);
-    const auto is_near = [&](const Ball& ball) {
-      return is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
-                          squared(sum(ball.radius + first.ball.radius, margin)));
+    const PosedGroup first = posed_group(robot_.groups[pair.first], pose);
+    const auto is_near = [&](const V3& center, float radius) {
+      return is_any_below(squared_norm(center - first.center),
+                          squared(sum(radius + first.row.ball.radius, margin)));
     };
     for (int begin = pair.second_begin; begin < pair.second_end;) {
       const ClusterRow& cluster = robot_.clusters[robot_.groups[begin].cluster];
       const int end = std::min(cluster.end, pair.second_end);
-      if (end - begin > 1 && !is_near(cluster.ball)) begin = end;
+      if (end - begin > 1 &&
+          !is_near(transform_point(other_pose, cluster.ball.center), cluster.ball.radius)) {
+        begin = end;
+      }
       for (; begin < end; ++begin) {
-        const GroupRow& second = robot_.groups[begin];
-        if (!is_near(second.ball)) continue;
-        if (verdict.add(find_hits(first, pose, second, other_pose, margin))) return true;
+        const PosedGroup second = posed_group(robot_.groups[begin], other_pose);
+        if (!is_near(second.center, second.row.ball.radius)) continue;
+        if (verdict.add(find_hits(first, second, margin))) return true;
       }
     }
     return false;
   }
 
-  template <class Margin>
-  HWY_INLINE M find_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
-                         const Pose& other_pose, Margin margin) const {
-    if (first.is_capsule) return find_capsule_hits(first, pose, second, other_pose, margin);
-    if (second.is_capsule) return find_capsule_hits(second, other_pose, first, pose, margin);
-    return find_sphere_hits(first, pose, second, other_pose, margin);
+  HWY_INLINE PosedGroup posed_group(const GroupRow& row, const Pose& pose) const {
+    return {row, pose, transform_point(pose, row.ball.center)};
   }
 
   template <class Margin>
-  HWY_INLINE M find_sphere_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
-                                const Pose& other_pose, Margin margin) const {
-    const PosedSpheres spheres = posed(first, pose), others = posed(second, other_pose);
+  HWY_INLINE M find_hits(const PosedGroup& first, const PosedGroup& second, Margin margin) const {
+    if (first.row.is_capsule) return find_capsule_hits(first, second, margin);
+    if (second.row.is_capsule) return find_capsule_hits(second, first, margin);
+    return find_sphere_hits(first, second, margin);
+  }
+
+  template <class Margin>
+  HWY_INLINE M find_sphere_hits(const PosedGroup& first, const PosedGroup& second,
+                                Margin margin) const {
+    const PosedSpheres spheres = posed(first.row, first.pose);
+    const PosedSpheres others = posed(second.row, second.pose);
     M hit = hn::MaskFromVec(hn::Zero(Tag()));
     for (int i = 0; i < kGroupSize; ++i) {
       const auto distance2 = [&](const V3& p) { return squared_norm(p - spheres.centers[i]); };
-      const auto extra = sum(robot_.spheres[first.begin + i].radius, margin);
-      hit = hn::Or(hit, find_hits(second, others, extra, distance2));
+      const auto extra = sum(robot_.spheres[first.row.begin + i].radius, margin);
+      hit = hn::Or(hit, find_hits(second.row, others, extra, distance2));
     }
     return hit;
   }
 
-  /// The first group is a capsule.
+  /// The first group is a capsule. Its ball says little if it is long: its axis says more of the
+  /// other's ball.
   template <class Margin>
-  HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
-                                   const Pose& other_pose, Margin margin) const {
-    const CapsuleRow& capsule = robot_.capsules[first.begin];
-    const Segment axis = posed(capsule, pose);
-    if (!second.is_capsule) {
-      return find_hits(second, posed(second, other_pose), sum(capsule.radius, margin),
+  HWY_NOINLINE M find_capsule_hits(const PosedGroup& first, const PosedGroup& second,
+                                   Margin margin) const {
+    const CapsuleRow& capsule = robot_.capsules[first.row.begin];
+    const Segment axis = posed(capsule, first.pose);
+    if (!second.row.is_capsule) {
+      const auto reach = sum(capsule.radius, margin);
+      if (!is_any_below(point_segment(second.center, axis),
+                        squared(sum(second.row.ball.radius, reach)))) {
+        return hn::MaskFromVec(hn::Zero(Tag()));
+      }
+      return find_hits(second.row, posed(second.row, second.pose), reach,
                        [&](const V3& p) { return point_segment(p, axis); });
     }
-    const CapsuleRow& other = robot_.capsules[second.begin];
-    const V distance2 = segment_segment(axis, posed(other, other_pose));
+    const CapsuleRow& other = robot_.capsules[second.row.begin];
+    const V distance2 = segment_segment(axis, posed(other, second.pose));
     return hn::Lt(distance2, lanes_of(squared(sum(capsule.radius + other.radius, margin))));
   }
 

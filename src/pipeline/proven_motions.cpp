@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMostCells = 32;
 constexpr std::size_t kMostMotions = 1024;
 
-/// All that a proof depends on besides the motion.
+/// All that a proof depends on besides the motion: not the scene's name, for one.
 struct Cell {
   std::weak_ptr<const void> robot;  ///< Robot::identity()
   Scene scene;
@@ -22,10 +22,21 @@ struct Cell {
   Verification verification;
   std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>();
 
-  [[nodiscard]] bool is_like(const Cell& other) const {
-    return !robot.owner_before(other.robot) && !other.robot.owner_before(robot) &&
-           resolution == other.resolution && margin == other.margin && isa == other.isa &&
-           verification == other.verification && scene == other.scene;
+  Cell(const CollisionChecker& checker, Verification by)
+      : robot(checker.robot().identity()),
+        scene(checker.scene()),
+        resolution(checker.resolution()),
+        margin(checker.margin()),
+        isa(checker.isa()),
+        verification(by) {}
+
+  [[nodiscard]] bool is_of(const CollisionChecker& checker, Verification by) const {
+    const std::weak_ptr<const void> asked = checker.robot().identity();
+    return !robot.owner_before(asked) && !asked.owner_before(robot) &&
+           resolution == checker.resolution() && margin == checker.margin() &&
+           isa == checker.isa() && verification == by &&
+           scene.obstacles == checker.scene().obstacles &&
+           scene.by_solid == checker.scene().by_solid;
   }
 };
 
@@ -58,14 +69,12 @@ std::shared_ptr<ProvenMotions> ProvenMotions::of(const CollisionChecker& checker
   if (!checker.constraints().empty() || !has_few_parts(checker.scene())) return nullptr;
   const std::lock_guard lock(mutex);
   cells.remove_if([](const Cell& cell) { return cell.robot.expired(); });
-  Cell asked{checker.robot().identity(), checker.scene(), checker.resolution(),
-             checker.margin(),           checker.isa(),   verification};
-  const auto known =
-      std::ranges::find_if(cells, [&](const Cell& cell) { return cell.is_like(asked); });
+  const auto known = std::ranges::find_if(
+      cells, [&](const Cell& cell) { return cell.is_of(checker, verification); });
   if (known != cells.end()) {
     cells.splice(cells.begin(), cells, known);
   } else {
-    cells.push_front(std::move(asked));
+    cells.emplace_front(checker, verification);
     if (cells.size() > kMostCells) cells.pop_back();
   }
   return cells.front().motions;
