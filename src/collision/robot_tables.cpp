@@ -282,10 +282,10 @@ class RobotTablesBuilder {
         for_each_part(cluster, kGroupSize, [&](auto group) { add_spheres(group); });
         close_cluster(cluster);
       });
-      for_each_part({capsules, shapes.end()}, kClusterSize, [&](auto cluster) {
-        for (const Capsule& capsule : cluster) add_capsule(capsule);
-        close_cluster(cluster);
-      });
+      for (auto capsule = capsules; capsule != shapes.end(); ++capsule) {
+        add_capsule(*capsule);
+        close_cluster(std::span(&*capsule, 1));
+      }
       groups.end = static_cast<int>(tables_.groups.size());
       tables_.link_of_group.resize(tables_.groups.size(), link);
       body_of_link_[link] = static_cast<int>(tables_.bodies.size());

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "collision/collision_kernels.h"
 #include "collision/crowd-inl.h"
@@ -171,16 +172,11 @@ struct Verdict {
 constexpr int kBatch = 4;
 /// What passed a coarse test is listed before the finer one.
 constexpr int kListSize = 64;
+constexpr int kMostRuns = 32;
 
 /// The spheres of a group, one pose per lane.
 struct PosedSpheres {
   V3 centers[kGroupSize];
-};
-
-struct PosedGroup {
-  const GroupRow& row;
-  const Pose& pose;
-  V3 center;  ///< of its ball
 };
 
 template <bool kIsMotion, class Margins = EvenMargins>
@@ -429,75 +425,160 @@ class StateChecker {
     const Pose& other_pose = poses_[robot_.bodies[pair.second].frame];
     if (pair.is_single) {
       const GroupPairRow& groups = robot_.group_pairs[pair.begin];
-      return verdict.add(find_hits(posed_group(robot_.groups[groups.first], pose),
-                                   posed_group(robot_.groups[groups.second_begin], other_pose),
-                                   margin));
+      return verdict.add(find_hits(robot_.groups[groups.first], pose,
+                                   robot_.groups[groups.second_begin], other_pose, margin));
     }
+    const BodyRow& other = robot_.bodies[pair.second];
+    const int tests = (pair.end - pair.begin) * (other.cluster_end - other.cluster_begin);
+    return tests > kListSize ? hits_runs(pair, margin, verdict) : hits_rows(pair, margin, verdict);
+  }
+
+  /// Of few rows.
+  template <class Margin>
+  HWY_INLINE bool hits_rows(const BodyPairRow& pair, Margin margin,
+                            Verdict<kIsMotion>& verdict) const {
+    const Pose& pose = poses_[robot_.bodies[pair.first].frame];
     const float other_radius = robot_.bodies[pair.second].ball.radius;
     const V3& other_center = centers_[pair.second];
-    for (int begin = pair.begin; begin < pair.end; begin += kListSize) {
-      const int end = std::min(begin + kListSize, pair.end);
-      int near[kListSize];
+    int near[kListSize];
+    int count = 0;
+    for (int i = pair.begin; i < pair.end; ++i) {
+      const Ball& ball = robot_.groups[robot_.group_pairs[i].first].ball;
+      near[count] = i;
+      count += is_any_below(squared_norm(transform_point(pose, ball.center) - other_center),
+                            squared(sum(ball.radius + other_radius, margin)));
+    }
+    for (int i = 0; i < count; ++i) {
+      if (hits_groups(pair, near[i], ~std::uint64_t{0}, margin, verdict)) return true;
+    }
+    return false;
+  }
+
+  /// Of many rows: clusters are held against each other first.
+  template <class Margin>
+  HWY_NOINLINE bool hits_runs(const BodyPairRow& pair, Margin margin,
+                              Verdict<kIsMotion>& verdict) const {
+    Run runs[kMostRuns];
+    for (int begin = pair.begin; begin < pair.end;) {
       int count = 0;
-      for (int i = begin; i < end; ++i) {
-        const Ball& ball = robot_.groups[robot_.group_pairs[i].first].ball;
-        near[count] = i;
-        count += is_any_below(squared_norm(transform_point(pose, ball.center) - other_center),
-                              squared(sum(ball.radius + other_radius, margin)));
+      while (begin < pair.end && count < kMostRuns) {
+        const bool is_near = start_run(pair, begin, margin, runs[count]);
+        begin = runs[count].end;
+        count += is_near;
       }
+      if (count > 0) find_near_clusters(robot_.bodies[pair.second], margin, runs, count);
       for (int i = 0; i < count; ++i) {
-        if (hits_groups(robot_.group_pairs[near[i]], pose, other_pose, margin, verdict))
-          return true;
+        for (int k = runs[i].begin; k < runs[i].end && runs[i].near != 0; ++k) {
+          if (hits_groups(pair, k, runs[i].near, margin, verdict)) return true;
+        }
       }
     }
     return false;
   }
 
+  /// Pairs of groups, the first of which are of one cluster, and which clusters of the other body
+  /// come near that: a bit each (bit_of).
+  struct Run {
+    int begin, end;
+    V3 center;
+    float radius;
+    std::uint64_t near;
+  };
+  /// The last of many clusters share a bit.
+  static HWY_INLINE std::uint64_t bit_of(int cluster, const BodyRow& body) {
+    return std::uint64_t{1} << std::min(cluster - body.cluster_begin, 63);
+  }
+
+  /// False if it is far from the ball around the pair's second body.
   template <class Margin>
-  HWY_INLINE bool hits_groups(const GroupPairRow& pair, const Pose& pose, const Pose& other_pose,
+  HWY_INLINE bool start_run(const BodyPairRow& pair, int begin, Margin margin, Run& run) const {
+    const int cluster = robot_.groups[robot_.group_pairs[begin].first].cluster;
+    run.begin = begin;
+    run.end = begin + 1;
+    while (run.end < pair.end &&
+           robot_.groups[robot_.group_pairs[run.end].first].cluster == cluster) {
+      ++run.end;
+    }
+    const Ball& ball = robot_.clusters[cluster].ball;
+    run.center = transform_point(poses_[robot_.bodies[pair.first].frame], ball.center);
+    run.radius = ball.radius;
+    const float radii = ball.radius + robot_.bodies[pair.second].ball.radius;
+    return is_any_below(squared_norm(run.center - centers_[pair.second]),
+                        squared(sum(radii, margin)));
+  }
+
+  /// Capsules are held against by their axes: their balls say little if they are long.
+  template <class Margin>
+  HWY_INLINE void find_near_clusters(const BodyRow& body, Margin margin, Run* runs,
+                                     int count) const {
+    const Pose& pose = poses_[body.frame];
+    for (int i = 0; i < count; ++i) runs[i].near = 0;
+    for (int c = body.cluster_begin; c < body.cluster_end; ++c) {
+      const std::uint64_t bit = bit_of(c, body);
+      const ClusterRow& cluster = robot_.clusters[c];
+      const auto mark = [&](float radius, const auto& distance2) {
+        for (int i = 0; i < count; ++i) {
+          const auto reach2 = squared(sum(radius + runs[i].radius, margin));
+          runs[i].near |= is_any_below(distance2(runs[i].center), reach2) ? bit : 0;
+        }
+      };
+      const GroupRow& group = robot_.groups[cluster.begin];
+      if (group.is_capsule) {
+        const CapsuleRow& capsule = robot_.capsules[group.begin];
+        const Segment axis = posed(capsule, pose);
+        mark(capsule.radius, [&](const V3& p) { return point_segment(p, axis); });
+      } else {
+        const V3 center = transform_point(pose, cluster.ball.center);
+        mark(cluster.ball.radius, [&](const V3& p) { return squared_norm(p - center); });
+      }
+    }
+  }
+
+  /// A row of the pair against those clusters of its second body that are near.
+  template <class Margin>
+  HWY_INLINE bool hits_groups(const BodyPairRow& bodies, int index, std::uint64_t near,
                               Margin margin, Verdict<kIsMotion>& verdict) const {
-    const PosedGroup first = posed_group(robot_.groups[pair.first], pose);
-    const auto is_near = [&](const V3& center, float radius) {
-      return is_any_below(squared_norm(center - first.center),
-                          squared(sum(radius + first.row.ball.radius, margin)));
+    const GroupPairRow& pair = robot_.group_pairs[index];
+    const Pose& pose = poses_[robot_.bodies[bodies.first].frame];
+    const Pose& other_pose = poses_[robot_.bodies[bodies.second].frame];
+    const GroupRow& first = robot_.groups[pair.first];
+    const V3 center = transform_point(pose, first.ball.center);
+    const auto is_near = [&](const Ball& ball) {
+      return is_any_below(squared_norm(transform_point(other_pose, ball.center) - center),
+                          squared(sum(ball.radius + first.ball.radius, margin)));
     };
     for (int begin = pair.second_begin; begin < pair.second_end;) {
-      const ClusterRow& cluster = robot_.clusters[robot_.groups[begin].cluster];
+      const int c = robot_.groups[begin].cluster;
+      const ClusterRow& cluster = robot_.clusters[c];
       const int end = std::min(cluster.end, pair.second_end);
-      if (end - begin > 1 &&
-          !is_near(transform_point(other_pose, cluster.ball.center), cluster.ball.radius)) {
-        begin = end;
-      }
+      const bool is_far = (near & bit_of(c, robot_.bodies[bodies.second])) == 0;
+      if (is_far || (end - begin > 1 && !is_near(cluster.ball))) begin = end;
       for (; begin < end; ++begin) {
-        const PosedGroup second = posed_group(robot_.groups[begin], other_pose);
-        if (!is_near(second.center, second.row.ball.radius)) continue;
-        if (verdict.add(find_hits(first, second, margin))) return true;
+        const GroupRow& second = robot_.groups[begin];
+        if (!second.is_capsule && !is_near(second.ball)) continue;
+        if (verdict.add(find_hits(first, pose, second, other_pose, margin))) return true;
       }
     }
     return false;
   }
 
-  HWY_INLINE PosedGroup posed_group(const GroupRow& row, const Pose& pose) const {
-    return {row, pose, transform_point(pose, row.ball.center)};
+  template <class Margin>
+  HWY_INLINE M find_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                         const Pose& other_pose, Margin margin) const {
+    if (first.is_capsule) return find_capsule_hits(first, pose, second, other_pose, margin);
+    if (second.is_capsule) return find_capsule_hits(second, other_pose, first, pose, margin);
+    return find_sphere_hits(first, pose, second, other_pose, margin);
   }
 
   template <class Margin>
-  HWY_INLINE M find_hits(const PosedGroup& first, const PosedGroup& second, Margin margin) const {
-    if (first.row.is_capsule) return find_capsule_hits(first, second, margin);
-    if (second.row.is_capsule) return find_capsule_hits(second, first, margin);
-    return find_sphere_hits(first, second, margin);
-  }
-
-  template <class Margin>
-  HWY_INLINE M find_sphere_hits(const PosedGroup& first, const PosedGroup& second,
-                                Margin margin) const {
-    const PosedSpheres spheres = posed(first.row, first.pose);
-    const PosedSpheres others = posed(second.row, second.pose);
+  HWY_INLINE M find_sphere_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                const Pose& other_pose, Margin margin) const {
+    const PosedSpheres spheres = posed(first, pose), others = posed(second, other_pose);
     M hit = hn::MaskFromVec(hn::Zero(Tag()));
     for (int i = 0; i < kGroupSize; ++i) {
       const auto distance2 = [&](const V3& p) { return squared_norm(p - spheres.centers[i]); };
-      const auto extra = sum(robot_.spheres[first.row.begin + i].radius, margin);
-      hit = hn::Or(hit, find_hits(second.row, others, extra, distance2));
+      const auto extra = sum(robot_.spheres[first.begin + i].radius, margin);
+      hit = hn::Or(hit, find_hits(second, others, extra, distance2));
     }
     return hit;
   }
@@ -505,21 +586,21 @@ class StateChecker {
   /// The first group is a capsule. Its ball says little if it is long: its axis says more of the
   /// other's ball.
   template <class Margin>
-  HWY_NOINLINE M find_capsule_hits(const PosedGroup& first, const PosedGroup& second,
-                                   Margin margin) const {
-    const CapsuleRow& capsule = robot_.capsules[first.row.begin];
-    const Segment axis = posed(capsule, first.pose);
-    if (!second.row.is_capsule) {
+  HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const Pose& pose, const GroupRow& second,
+                                   const Pose& other_pose, Margin margin) const {
+    const CapsuleRow& capsule = robot_.capsules[first.begin];
+    const Segment axis = posed(capsule, pose);
+    if (!second.is_capsule) {
       const auto reach = sum(capsule.radius, margin);
-      if (!is_any_below(point_segment(second.center, axis),
-                        squared(sum(second.row.ball.radius, reach)))) {
+      const V3 center = transform_point(other_pose, second.ball.center);
+      if (!is_any_below(point_segment(center, axis), squared(sum(second.ball.radius, reach)))) {
         return hn::MaskFromVec(hn::Zero(Tag()));
       }
-      return find_hits(second.row, posed(second.row, second.pose), reach,
+      return find_hits(second, posed(second, other_pose), reach,
                        [&](const V3& p) { return point_segment(p, axis); });
     }
-    const CapsuleRow& other = robot_.capsules[second.row.begin];
-    const V distance2 = segment_segment(axis, posed(other, second.pose));
+    const CapsuleRow& other = robot_.capsules[second.begin];
+    const V distance2 = segment_segment(axis, posed(other, other_pose));
     return hn::Lt(distance2, lanes_of(squared(sum(capsule.radius + other.radius, margin))));
   }
 

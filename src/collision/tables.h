@@ -70,7 +70,7 @@ struct GroupRow {
   int cluster = 0;  ///< that it belongs to
 };
 
-/// Neighbouring groups of one link.
+/// Neighbouring groups of spheres of one link, or one of its capsules.
 struct ClusterRow {
   Ball ball;  ///< around them
   int begin = 0, end = 0;

@@ -7,6 +7,8 @@
 #include "collision/random_worlds.h"
 #include "geometry/fcl_shapes.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <map>
@@ -99,6 +101,40 @@ constexpr const char* kTwoArms = R"(<robot name="two_arms">
   <joint name="swing" type="revolute"><parent link="mast"/><child link="boom"/>
     <origin xyz="0 0 0.45" rpy="0 0 2"/><axis xyz="0 -1 0.2"/><limit lower="-3" upper="1"/></joint>
 </robot>)";
+
+/// A collision shape at a random place in a cube.
+std::string random_cover(Rng& rng, double side, const char* geometry) {
+  const Vec3 at = random_vector(rng, side), turn = random_vector(rng, 3);
+  return fmt::format(
+      R"(<collision><origin xyz="{} {} {}" rpy="{} {} {}"/><geometry>{}</geometry></collision>)",
+      at.x(), at.y(), at.z(), turn.x(), turn.y(), turn.z(), geometry);
+}
+
+/// A hand of three turns in front of a stand, both of scattered spheres and capsules.
+Robot scattered_robot(Rng& rng, int spheres, int capsules) {
+  std::string covers[2];
+  for (std::string& cover : covers) {
+    for (int i = 0; i < spheres; ++i)
+      cover += random_cover(rng, 0.4, R"(<sphere radius="0.006"/>)");
+    for (int i = 0; i < capsules; ++i) {
+      cover += random_cover(rng, 0.4, R"(<capsule radius="0.006" length="0.3"/>)");
+    }
+  }
+  const std::string limits = R"(<limit lower="-3" upper="3"/></joint>)";
+  return require_parsed(
+      R"(<robot name="scattered"><link name="stand">)" + covers[0] +
+      R"(</link><link name="a"/><link name="b"/><link name="hand">)" + covers[1] +
+      R"(</link>
+  <joint name="one" type="revolute"><parent link="stand"/><child link="a"/>
+    <origin xyz="0.3 0 0"/><axis xyz="0 0 1"/>)" +
+      limits +
+      R"(<joint name="two" type="revolute"><parent link="a"/><child link="b"/>
+    <origin xyz="0.3 0 0"/><axis xyz="0 1 0"/>)" +
+      limits +
+      R"(<joint name="three" type="revolute"><parent link="b"/><child link="hand"/>
+    <origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>)" +
+      limits + "</robot>");
+}
 
 /// All that touches, by FCL: the names of a link and of the other thing.
 class FclWorld {
@@ -196,6 +232,20 @@ TEST_SUITE("oracle") {
         CHECK(tally.self_only > 100);
       }
     }
+  }
+
+  TEST_CASE("kernels agree with exact contacts of links with few and with hundreds of covers") {
+    Rng rng(209);
+    Tally tally;
+    for (const auto [spheres, capsules] :
+         {std::pair{700, 30}, {600, 0}, {0, 90}, {40, 10}, {20, 2}, {4, 1}}) {
+      const Robot robot = scattered_robot(rng, spheres, capsules);
+      INFO("seed 209, " << spheres << " spheres and " << capsules << " capsules a link");
+      const int count = spheres > 100 ? 300 : 1000;
+      compare_with_contacts(robot, Scene{}, 0, random_states(robot, count, rng), tally);
+    }
+    CHECK(tally.free > 1000);
+    CHECK(tally.self_only > 1000);
   }
 
   TEST_CASE("composite obstacles are the sum of their shapes") {
