@@ -28,6 +28,7 @@ struct Options {
   double plans_per_spatial = 5;  ///< a planar plan is so many times cheaper
   CampaignSettings settings;
   bool has_limits = false;
+  bool is_detailed = false;
   double endurance_s = 0;
   double most_slower = 1.25;
 };
@@ -47,16 +48,22 @@ std::string line_of(const std::string& name, const Tally& tally) {
                      tally.invalid, tally.refused, tally.deepest);
 }
 
-Tally print(const CampaignResult& result) {
+void add(const Tally& tally, Tally& sum) {
+  sum.plans += tally.plans;
+  sum.solved += tally.solved;
+  sum.invalid += tally.invalid;
+  sum.refused += tally.refused;
+  sum.deepest = std::max(sum.deepest, tally.deepest);
+}
+
+/// The robot's line, or one for each planner and sampler, and what was wrong.
+Tally print(const CampaignResult& result, const std::string& robot, bool is_detailed) {
   Tally sum;
   for (const auto& [name, tally] : result.tallies) {
-    fmt::print("{}\n", line_of(name, tally));
-    sum.plans += tally.plans;
-    sum.solved += tally.solved;
-    sum.invalid += tally.invalid;
-    sum.refused += tally.refused;
-    sum.deepest = std::max(sum.deepest, tally.deepest);
+    if (is_detailed) fmt::print("{}\n", line_of(name, tally));
+    add(tally, sum);
   }
+  if (!is_detailed) fmt::print("{}\n", line_of(robot, sum));
   for (const std::string& finding : result.findings) fmt::print("  WRONG: {}\n", finding);
   return sum;
 }
@@ -71,11 +78,12 @@ mneme::Result<Tally> run(const std::string& name, const std::string& directory,
   }
   const auto result = mneme::soak::run_campaign(*robot, directory, settings);
   if (!result) return tl::unexpected(result.error());
-  return print(*result);
+  return print(*result, name, options.is_detailed);
 }
 
 int run_all(const Options& options) {
-  fmt::print("{:32} {:>7} {:>7} {:>7} {:>7} {:>10}\n", "robot, planner, sampler", "plans", "solved",
+  fmt::print("{:32} {:>7} {:>7} {:>7} {:>7} {:>10}\n",
+             options.is_detailed ? "robot, planner, sampler" : "robot", "plans", "solved",
              "invalid", "refused", "deepest m");
   const std::string directory = make_directory();
   Tally all;
@@ -87,11 +95,7 @@ int run_all(const Options& options) {
       has_failed = true;
       continue;
     }
-    all.plans += tally->plans;
-    all.solved += tally->solved;
-    all.invalid += tally->invalid;
-    all.refused += tally->refused;
-    all.deepest = std::max(all.deepest, tally->deepest);
+    add(*tally, all);
     std::fflush(stdout);
   }
   std::filesystem::remove_all(directory);
@@ -176,6 +180,7 @@ int main(int argc, char** argv) {
                "verify what lies between states too");
   app.add_option("--near", settings.near, "metres from contact at most, of starts and goals")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--detailed", options.is_detailed, "a line for each planner and sampler");
   app.add_flag("--limits", options.has_limits,
                "print instead how deep contact between two checked states can be");
   app.add_option("--endure", options.endurance_s,
