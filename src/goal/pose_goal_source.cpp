@@ -100,6 +100,7 @@ std::string describe_commonest(const CollisionChecker& checker,
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string describe_length(double metres) {
+  if (metres >= 1) return fmt::format("{:.2f} m", metres);
   return metres >= 0.01 ? fmt::format("{:.0f} cm", 100 * metres)
                         : fmt::format("{:.1f} mm", 1000 * metres);
 }

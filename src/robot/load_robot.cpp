@@ -107,7 +107,8 @@ std::string describe(const std::string& directory) {
 }  // namespace
 
 Result<std::string> find_robot(const std::string& name) {
-  if (name.empty() || name.find('/') != std::string::npos) {
+  if (name.empty()) return fail(ErrorCode::invalid, "expected a robot: a URDF file or a name");
+  if (name.find('/') != std::string::npos) {
     return fail(ErrorCode::invalid,
                 fmt::format("'{}' is no robot's name: expected one without '/'", name));
   }
@@ -119,7 +120,11 @@ Result<std::string> find_robot(const std::string& name) {
     if (std::filesystem::is_regular_file(path, ignored)) return path;
     tried += (tried.empty() ? "" : ", ") + describe(directory);
   }
-  return fail(ErrorCode::io, fmt::format("there is no robot '{}': no {} in {}", name, file, tried));
+  std::error_code ignored;
+  const bool is_here = std::filesystem::is_regular_file(file, ignored);
+  return fail(ErrorCode::io,
+              fmt::format("there is no robot '{}': no {} in {}{}", name, file, tried,
+                          is_here ? fmt::format("; the file here is ./{}", file) : ""));
 }
 
 Result<std::string> robot_file(const std::string& robot) {

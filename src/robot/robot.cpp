@@ -128,8 +128,10 @@ Result<Configuration> Robot::configuration_of(const GivenConfiguration& given) c
 std::optional<std::string> Robot::describe_violation(std::span<const double> q,
                                                      std::string_view what) const {
   if (q.size() != group().size()) {
-    return fmt::format("{}: there are {} values, but robot '{}' has {} joints in its group", what,
-                       q.size(), name(), joint_count());
+    return fmt::format("{}: there {}, but robot '{}' has {} in its group", what,
+                       q.size() == 1 ? "is 1 value" : fmt::format("are {} values", q.size()),
+                       name(),
+                       joint_count() == 1 ? "1 joint" : fmt::format("{} joints", joint_count()));
   }
   for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = group_joint(i);

@@ -91,7 +91,11 @@ const XmlElement* XmlReader::read_root(tinyxml2::XMLDocument& document, std::str
     return nullptr;
   }
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    note(document.ErrorLineNum(), "malformed XML: " + describe(document));
+    const bool is_xml =
+        text.substr(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf") + 1).ends_with('<');
+    note(document.ErrorLineNum(),
+         "malformed XML: " + describe(document) +
+             (is_xml ? "" : fmt::format("; expected a <{}> element", name)));
     return nullptr;
   }
   const XmlElement* root = document.RootElement();

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -58,6 +59,10 @@ void warn_of_unit(const Input& file, const std::vector<Part>& parts,
 /// Numbers of the list `key`, `count` for each part.
 std::vector<double> list_of(const Input& input, std::string_view key, std::size_t count) {
   const Input list = input.at(key);
+  const auto is_row = [](const Input& item) { return item.is_list(); };
+  if (list.is_list() && std::ranges::any_of(list.items(), is_row)) {
+    list.fail_expecting(fmt::format("the numbers of all parts in one list, {} for each", count));
+  }
   const std::vector<double> numbers = list.numbers();
   if (numbers.empty() || numbers.size() % count != 0) {
     list.fail(ErrorCode::parse, fmt::format("expected {} numbers for each of the parts, got {}",

@@ -69,6 +69,9 @@ TEST_SUITE("unit") {
       CHECK_MESSAGE(failure.starts_with("goal pose: it is out of reach of link 'panda_hand' by "),
                     failure);
       CHECK(failure.ends_with(" cm"));
+      goal.pose.translation = Vec3(11.5, 0, 0.3);
+      const std::string far = failure_of({}, goal);
+      CHECK_MESSAGE(far.ends_with(" by 10.64 m"), far);
     }
     SUBCASE("only in contact") {
       Scene scene;

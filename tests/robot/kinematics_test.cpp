@@ -115,6 +115,10 @@ TEST_SUITE("unit") {
     const std::string why = robot.describe_violation(q, "start").value();
     CHECK(contains(why, "start: there are 2 values"));
     CHECK(contains(why, "3 joints"));
+    const std::vector<double> one{0}, two{0, 0};
+    CHECK(contains(robot.describe_violation(one, "start").value(), "there is 1 value, but"));
+    CHECK(contains(test::require_robot(test::make_chain(1)).describe_violation(two, "q").value(),
+                   "has 1 joint in its group"));
   }
 
   TEST_CASE("a value that is no number is refused by joint") {

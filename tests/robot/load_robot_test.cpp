@@ -134,6 +134,17 @@ TEST_SUITE("unit") {
     CHECK(test::contains(found.error().message, "robots (which has fetch, panda, planar8, ur5)"));
   }
 
+  TEST_CASE("a file that is called as an unknown robot is said") {
+    const test::TemporaryDirectory here;
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(here / "");
+    test::write_file(here / "arm.urdf", "");
+    const auto found = find_robot("arm");
+    std::filesystem::current_path(before);
+    REQUIRE_FALSE(found.has_value());
+    CHECK(found.error().message.ends_with("; the file here is ./arm.urdf"));
+  }
+
   TEST_CASE("a path is no name") {
     CHECK(find_robot("../robots/planar8").error().code == ErrorCode::invalid);
     CHECK(find_robot("").error().code == ErrorCode::invalid);

@@ -104,7 +104,9 @@ TEST_SUITE("unit") {
     CHECK(contains(fault_of_document("<r a='1' a='2'/>"), "f:1: malformed XML"));
     CHECK(contains(fault_of_document("<r>"), "malformed XML"));
     CHECK(contains(fault_of_document("<r><s/>\n"), "f:1: malformed XML: an element that does not"));
-    CHECK(contains(fault_of_document("r: 1"), "f:1: malformed XML: text that no tag follows"));
+    CHECK(fault_of_document("r: 1") ==
+          "f:1: malformed XML: text that no tag follows; expected a <r> element");
+    CHECK(fault_of_document(" <r>") == "f:1: malformed XML: mismatched element");
     CHECK(contains(fault_of_document(std::string("<r/>\n\0<x>", 9)), "f:2: a null byte"));
   }
 

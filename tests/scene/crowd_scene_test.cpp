@@ -131,6 +131,8 @@ TEST_SUITE("unit") {
     CHECK(contains(files.message_of("name: a, type: mesh, triangles: []"), "got 0"));
     CHECK(
         contains(files.message_of("name: a, type: octree, cubes: [0, 0, 0, -1]"), "edges above 0"));
+    CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [[1, 2, 3]]"),
+                   "expected the numbers of all parts in one list, 3 for each, got a list"));
     CHECK(contains(files.message_of("name: a, type: mesh, points: [1, 2, 3]"), "unknown key"));
     CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [1, 2, .inf]"),
                    "finite"));
