@@ -158,7 +158,7 @@ Result<void> check_files(const PlanOptions& options, const Problem& problem) {
   add_problem_files("a file of the problem", problem, options.robot_options.srdf_path, inputs);
   const std::array outputs = {options.files.svg, options.files.view, options.files.trace,
                               options.trajectory.file};
-  return check_outputs(outputs, inputs);
+  return check_files_to_write(outputs, inputs);
 }
 
 Result<LoadedPlan> load(const PlanOptions& options) {

@@ -110,6 +110,15 @@ std::optional<Complaint> missing_value(const CLI::App& program,
   return std::nullopt;
 }
 
+std::string describe_mismatch(const std::string& message) {
+  constexpr std::string_view kRequired = ": 1 required ", kMissing = " missing";
+  const std::size_t begin = message.find(kRequired);
+  if (begin == std::string::npos || !message.ends_with(kMissing)) return message;
+  const std::size_t type = begin + kRequired.size();
+  return fmt::format("{}: expected a value: {}", message.substr(0, begin),
+                     message.substr(type, message.size() - kMissing.size() - type));
+}
+
 std::optional<std::string> unexpected_argument(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
   if (words.empty()) return std::nullopt;

@@ -46,6 +46,10 @@ struct Complaint {
 [[nodiscard]] std::optional<Complaint> missing_value(const CLI::App& program,
                                                      const std::vector<std::string>& words);
 
+/// What CLI11 says of a number of values, in the words of this program where it is a value that is
+/// missing.
+[[nodiscard]] std::string describe_mismatch(const std::string& message);
+
 /// The complaint about what `command` was given but does not take, if there is such a thing.
 [[nodiscard]] std::optional<std::string> unexpected_argument(const CLI::App& command);
 

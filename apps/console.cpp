@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <set>
 
 namespace mneme::app {
 namespace {
@@ -77,6 +78,11 @@ void print_error(std::string_view message) {
 }
 
 void print_note(std::string_view message) { fmt::print(stderr, "mneme: {}\n", printable(message)); }
+
+void print_warning(const std::string& message) {
+  static std::set<std::string> printed;
+  if (printed.insert(message).second) print_note("warning: " + message);
+}
 
 void print_json(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));

@@ -94,6 +94,29 @@ Result<void> write_file(const std::string& path, std::string_view text) {
   return {};
 }
 
+Result<void> check_files_to_write(std::span<const std::string> outputs,
+                                  std::span<const ReadFile> inputs) {
+  if (auto checked = check_outputs(outputs, inputs); !checked) return checked;
+  for (const std::string& output : outputs) {
+    if (output.empty() || output == "-") continue;
+    std::error_code ignored;
+    const std::filesystem::path real = std::filesystem::weakly_canonical(output, ignored);
+    const std::filesystem::file_status status = std::filesystem::status(real, ignored);
+    if (std::filesystem::is_directory(status)) {
+      errno = EISDIR;
+      return cannot_write(output);
+    }
+    // What is renamed to it needs a place in its directory; pipes and devices are written to.
+    const bool is_special =
+        std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+    const std::filesystem::path written = is_special ? real : real.parent_path();
+    if (::access(written.c_str(), is_special ? W_OK : W_OK | X_OK) != 0) {
+      return cannot_write(output);
+    }
+  }
+  return {};
+}
+
 Result<void> make_directory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

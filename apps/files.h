@@ -8,6 +8,7 @@
 #include "mneme/report.h"
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,11 @@ namespace mneme::app {
 /// Writes `text` to a temporary file beside `path` and renames it. Errors name `path`;
 /// a memory is never written over.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
+
+/// check_outputs(), before hours of work rather than after: also an error if an output is a
+/// directory, or is in one that there is not or that may not be written.
+[[nodiscard]] Result<void> check_files_to_write(std::span<const std::string> outputs,
+                                                std::span<const ReadFile> inputs);
 
 /// Makes a directory and those above it, if they are missing. Errors name `path`.
 [[nodiscard]] Result<void> make_directory(const std::string& path);

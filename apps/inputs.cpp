@@ -30,8 +30,8 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
   });
   if (!loaded) return tl::unexpected(loaded.error());
   // As problems have them: commands say the same of a robot, whichever way they come by it.
-  for (const std::string& note : loaded->notes) print_note("warning: " + note);
-  for (const std::string& warning : loaded->robot.warnings()) print_note("warning: " + warning);
+  for (const std::string& note : loaded->notes) print_warning(note);
+  for (const std::string& warning : loaded->robot.warnings()) print_warning(warning);
   return loaded->robot;
 }
 
@@ -39,7 +39,7 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
                                std::span<const std::string> outputs) {
   const Result<std::string> path = robot_file(robot);
   if (!path) return tl::unexpected(path.error());
-  return check_outputs(outputs, robot_files(*path, options.srdf_path)).and_then([&] {
+  return check_files_to_write(outputs, robot_files(*path, options.srdf_path)).and_then([&] {
     return load_named_robot(robot, options);
   });
 }
@@ -70,7 +70,7 @@ Result<Problem> read_problem(const std::string& where, const ProblemOptions& opt
   cover_beforehand(options);
   Result<Problem> problem = load_problem(where, options);
   if (!problem) return problem;
-  for (const std::string& warning : problem->warnings) print_note("warning: " + warning);
+  for (const std::string& warning : problem->warnings) print_warning(warning);
   // What checkers of a robot share is loading, too: the first plan shall be as fast as the second.
   static_cast<void>(CollisionChecker::make(problem->robot, {}));
   return problem;
@@ -87,7 +87,7 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
 
   Result<FramedScene> scene = load_framed_scene(where);
   if (scene) {
-    for (const std::string& warning : scene->scene.warnings) print_note("warning: " + warning);
+    for (const std::string& warning : scene->scene.warnings) print_warning(warning);
     return Workspace{std::move(*scene), std::nullopt};
   }
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());

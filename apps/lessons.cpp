@@ -4,6 +4,7 @@
 
 #include "mneme/benchmark.h"
 
+#include "console.h"
 #include "inputs.h"
 
 #include <fmt/format.h>
@@ -133,6 +134,7 @@ Result<std::vector<Problem>> load_problem_lesson(const std::vector<std::string>&
                       "one robot",
                       entry.where, problem->robot.name(), found->front().where));
     }
+    for (const std::string& warning : problem->warnings) print_warning(warning);
     problem->name = fmt::format("{}#{}", entry.set, problem->name);
     problems.push_back(std::move(*problem));
   }

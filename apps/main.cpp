@@ -99,6 +99,8 @@ int run(int argument_count, char** arguments) {
     program.parse(argument_count, arguments);
   } catch (const CLI::Success& request) {
     return program.exit(request);
+  } catch (const CLI::ArgumentMismatch& error) {
+    return report_usage_error(chosen_command(program), describe_mismatch(error.what()));
   } catch (const CLI::ParseError& error) {
     const CLI::App& command = chosen_command(program);
     return report_usage_error(command, unexpected_argument(command).value_or(error.what()));

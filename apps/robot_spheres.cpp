@@ -104,7 +104,7 @@ Result<std::vector<LinkCover>> cover_named(const SpheresOptions& options, Robot:
 Result<Made> make(const std::string& path, const SpheresOptions& options) {
   auto parts = read_robot(path, options.reading);
   if (!parts) return tl::unexpected(parts.error());
-  for (const std::string& warning : parts->warnings) print_note("warning: " + warning);
+  for (const std::string& warning : parts->warnings) print_warning(warning);
   auto named = cover_named(options, *parts);
   if (!named) return fail(named.error().code, fmt::format("{}: {}", path, named.error().message));
   auto covering = cover_robot(std::move(*parts), options.cover, show_covering());
@@ -195,7 +195,7 @@ Result<ExitCode> run_spheres(const SpheresOptions& options) {
   const Result<std::string> path = robot_file(options.robot);
   if (!path) return tl::unexpected(path.error());
   const std::array outputs = {options.output, options.srdf_output};
-  const auto checked = check_outputs(outputs, robot_files(*path, options.reading.srdf_path));
+  const auto checked = check_files_to_write(outputs, robot_files(*path, options.reading.srdf_path));
   if (!checked) return tl::unexpected(checked.error());
   const Result<Made> made = make(*path, options);
   if (!made) return tl::unexpected(made.error());

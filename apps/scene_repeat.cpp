@@ -82,7 +82,7 @@ Result<void> check_output(const RepeatOptions& options, const std::vector<Proble
   for (const Problem& task : tasks) {
     add_problem_files("a file of a problem", task, options.robot_options.srdf_path, inputs);
   }
-  return check_outputs(std::array{options.output}, inputs);
+  return check_files_to_write(std::array{options.output}, inputs);
 }
 
 /// Tasks take turns, as they do in a cell.

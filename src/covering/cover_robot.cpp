@@ -9,6 +9,7 @@
 #include "covering/allowed_pairs.h"
 #include "covering/cover_solid.h"
 #include "covering/triangle_mesh.h"
+#include "robot/link_shapes.h"
 #include "robot/planning_group.h"
 
 #include <fmt/format.h>
@@ -24,6 +25,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <mutex>
 #include <sstream>
 #include <thread>
@@ -276,12 +278,26 @@ Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robo
   });
 }
 
+/// A robot without collision geometry passes through everything: mostly a URDF with <visual> alone.
+std::vector<std::string> describe_missing_shapes(const Robot& robot) {
+  const std::vector<bool> is_moving = internal::find_moving_links(robot);
+  for (std::size_t i = 0; i < is_moving.size(); ++i) {
+    if (is_moving[i] && internal::has_shapes(robot.links()[i])) return {};
+  }
+  return {
+      fmt::format("no link that the group moves has collision geometry: robot {} touches "
+                  "nothing; expected <collision> elements in its URDF",
+                  robot.name())};
+}
+
 /// make_robot, with pairs that no configuration parts allowed, because nothing would be valid.
 Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
   const auto inseparable = internal::find_inseparable_pairs(*robot);
-  if (inseparable.empty()) return robot;
+  auto missing = describe_missing_shapes(*robot);
+  if (inseparable.empty() && missing.empty()) return robot;
+  std::ranges::move(missing, std::back_inserter(parts.warnings));
   RobotOptions allowing = options;
   for (const auto& pair : inseparable) {
     allowing.allowed_pairs.push_back(pair);

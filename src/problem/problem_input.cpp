@@ -296,18 +296,6 @@ std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene&
   return notes;
 }
 
-/// A robot without collision geometry passes through everything: mostly a URDF with <visual> alone.
-std::vector<std::string> describe_missing_shapes(const Robot& robot) {
-  const std::vector<bool> is_moving = find_moving_links(robot);
-  for (std::size_t i = 0; i < is_moving.size(); ++i) {
-    if (is_moving[i] && has_shapes(robot.links()[i])) return {};
-  }
-  return {
-      fmt::format("no link that the group moves has collision geometry: robot {} touches "
-                  "nothing; expected <collision> elements in its URDF",
-                  robot.name())};
-}
-
 /// `allow(pairs)` gives the robot anew, with pairs of links that may touch.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
@@ -333,7 +321,6 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));
   add_notes(describe_far_obstacles(robot.robot, scene));
-  add_notes(describe_missing_shapes(robot.robot));
   Problem problem{input.name,
                   robot.robot,
                   robot.path,

@@ -83,6 +83,23 @@ TEST_SUITE("flow") {
     CHECK(json["is_cancelled"] == false);
   }
 
+  TEST_CASE("what many scenes warn of is said once") {
+    const PlanarFiles files;
+    const std::string scene = files / "far.yaml", other = files / "other.yaml";
+    write_file(scene,
+               "robot: planar8\nscene: {circles: [[700, 0, 1]]}\nstart: [0, 0, 0, 0, 0, 0, 0, 0]\n"
+               "goal: [1, 0, 0, 0, 0, 0, 0, 0]\n");
+    write_file(other, read_file(scene));
+    for (const std::string from : {"--scenes", "--problems"}) {
+      const std::string err = run_program({"learn", "--robot", "planar8", from, scene, from, other,
+                                           "--db", files / "far.db"})
+                                  .err;
+      const std::size_t first = err.find("is 699 m away");
+      CHECK_MESSAGE(first != std::string::npos, err);
+      CHECK_MESSAGE(err.find("is 699 m away", first + 1) == std::string::npos, err);
+    }
+  }
+
   TEST_CASE("learning the same again adds nothing, and another seed adds") {
     const PlanarFiles files;
     const std::string database = files / "new.db";

@@ -86,6 +86,8 @@ TEST_SUITE("unit") {
         {{"plan", source_file("robots/ur5.urdf")}, 1, {"this is XML", "expected a problem"}},
         {{"plan"}, 2, {"PROBLEM is required", "see 'mneme plan --help'"}},
         {{"plan", "a.yaml", "b.yaml"}, 2, {"b.yaml"}},
+        {{"plan", "p.yaml", "--db"}, 2, {"--db: expected a value: TEXT\n"}},
+        {{"plan", "p.yaml", "--timeout"}, 2, {"--timeout: expected a value: X\n"}},
     });
   }
 

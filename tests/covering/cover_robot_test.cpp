@@ -332,6 +332,20 @@ TEST_SUITE("unit") {
     CHECK(robot->notes.empty());
   }
 
+  TEST_CASE("a robot that nothing can touch is a warning") {
+    const TemporaryDirectory files;
+    write_file(
+        files / "r.urdf",
+        "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>"
+        "<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>"
+        "</robot>");
+    const auto robot = load_covered_robot(files / "r.urdf");
+    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    REQUIRE(robot->robot.warnings().size() == 1);
+    CHECK(robot->robot.warnings()[0].starts_with(
+        "no link that the group moves has collision geometry: robot r touches nothing"));
+  }
+
   TEST_CASE("a robot without solids is loaded as ever") {
     const auto robot = load_covered_robot(source_file("robots/planar8.urdf"));
     REQUIRE(robot.has_value());
