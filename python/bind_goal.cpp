@@ -22,6 +22,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace mneme::python {
@@ -137,9 +138,13 @@ py::object to_solutions(const FoundConfigurations& found, int joint_count) {
   return rows;
 }
 
-py::object solve_ik(const Robot& robot, const std::vector<PoseGoal>& goals, const py::object& near,
+using OneOrMore = std::variant<PoseGoal, std::vector<PoseGoal>>;
+
+py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object& near,
                     const Scene& scene, std::uint64_t seed, const std::string& isa,
                     const py::kwargs& arguments) {
+  const auto* one = std::get_if<PoseGoal>(&given);
+  const std::vector<PoseGoal> goals = one ? std::vector{*one} : std::get<1>(given);
   IkSettings settings;
   Keywords keywords("inverse_kinematics", arguments);
   keywords.apply(settings);

@@ -177,7 +177,7 @@ class Solutions(np.ndarray[Any, np.dtype[np.float64]]):
 
 def inverse_kinematics(
     robot: Robot,
-    goals: Sequence[PoseGoal],
+    goals: Union[PoseGoal, Sequence[PoseGoal]],
     *,
     near: Optional[npt.ArrayLike] = None,
     scene: Scene = ...,

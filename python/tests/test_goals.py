@@ -53,7 +53,8 @@ def test_no_configuration_says_why(panda):
 
 def test_solutions_are_an_array_like_any_other(panda):
     goal = mneme.PoseGoal("panda_hand", POSITION, TURN)
-    solutions = mneme.inverse_kinematics(panda, [goal], near=READY, ik_solutions=2)
+    solutions = mneme.inverse_kinematics(panda, goal, near=READY, ik_solutions=2)
+    np.testing.assert_array_equal(solutions, mneme.inverse_kinematics(panda, [goal], near=READY, ik_solutions=2))
     assert isinstance(solutions, mneme.Solutions) and isinstance(solutions, np.ndarray)
     assert solutions.message == "" and solutions[:0].message == ""
     assert mneme.CollisionChecker(panda, mneme.Scene()).is_valid(solutions[0])
