@@ -14,143 +14,19 @@
 #endif
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "collision/collision_kernels.h"
 #include "collision/crowd-inl.h"
 #include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
+#include "collision/margins-inl.h"
 #include "collision/scene_boxes-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
-
-// By how much bodies are inflated: all alike at a state, or by how far each may move around it.
-// A margin is one float for all lanes, or one per lane.
-HWY_INLINE float sum(float a, float b) { return a + b; }
-HWY_INLINE V sum(float a, V b) { return hn::Add(splat(a), b); }
-HWY_INLINE float squared(float x) { return x * x; }
-HWY_INLINE V squared(V x) { return hn::Mul(x, x); }
-HWY_INLINE V lanes_of(float x) { return splat(x); }
-HWY_INLINE V lanes_of(V x) { return x; }
-
-/// The same for all bodies.
-class EvenMargins {
- public:
-  HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) {}
-
-  HWY_INLINE void follow(const Pose*) const {}
-
-  [[nodiscard]] HWY_INLINE bool moves_body(int) const { return true; }
-  [[nodiscard]] HWY_INLINE bool moves_pair(int) const { return true; }
-  [[nodiscard]] HWY_INLINE float of_body(int, const V3&) const { return margin_; }
-  [[nodiscard]] HWY_INLINE float widest_of_body(int) const { return margin_; }
-  [[nodiscard]] HWY_INLINE float of_pair(int, const V3*) const { return 0; }
-  /// Squared, between the centres of a pair's balls.
-  [[nodiscard]] HWY_INLINE float reach2(const BodyPairRow& pair, int) const { return pair.reach2; }
-
- private:
-  float margin_;
-};
-
-/// What a motion of constant joint speeds sweeps in the intervals around its states. Within half an
-/// interval h, no point of a body moves farther than h times the body's way, nor than h v + h^2 a/2
-/// with its speed v at the state and its acceleration. That is the sum of |q_i' q_j'| |z_i x (z_j x
-/// r_j)| over pairs of joints, i the nearer to the root: no more than a = 2 way times all turns.
-class SweptMargins {
- public:
-  HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
-      : robot_(robot), motion_(motion), half_(hn::Zero(Tag())), since_end_(hn::Zero(Tag())) {
-    const V zero = hn::Zero(Tag());
-    twists_[0] = {{zero, zero, zero}, {zero, zero, zero}};
-    for (const FrameRow& frame : robot.frames) {
-      if (!frame.is_prismatic) turns_ += std::abs(frame.multiplier * motion.delta[frame.joint]);
-    }
-  }
-
-  /// Intervals from `middle` - `half` to `middle` + `half`, of at most `widest` on either side.
-  HWY_INLINE void set(V middle, V half, float widest) {
-    half_ = half;
-    widest_ = widest;
-    const V never = splat(1e30f);
-    since_end_ = hn::Min(motion_.is_from_start ? middle : never,
-                         motion_.is_to_goal ? hn::Sub(splat(1.0f), middle) : never);
-  }
-
-  [[nodiscard]] HWY_INLINE bool moves_body(int i) const { return motion_.body_ways[i] > 0; }
-  [[nodiscard]] HWY_INLINE bool moves_pair(int i) const { return motion_.pair_ways[i] > 0; }
-  /// Moves frames with the poses of the state. Only then the margins below can be asked for.
-  HWY_INLINE void follow(const Pose* poses) const {
-    poses_ = poses;
-    for (size_t i = 0; i < robot_.frames.size(); ++i) {
-      const FrameRow& frame = robot_.frames[i];
-      const Twist& parent = twists_[frame.parent];
-      const V3 arm = poses[i + 1].origin - poses[frame.parent].origin;
-      Twist twist{parent.turn, parent.way + cross(parent.turn, arm)};
-      V3& moved = frame.is_prismatic ? twist.way : twist.turn;
-      moved = mul_add(splat(frame.multiplier * motion_.delta[frame.joint]), poses[i + 1].axes[2],
-                      moved);
-      twists_[i + 1] = twist;
-    }
-  }
-
-  [[nodiscard]] HWY_INLINE V of_body(int i, const V3& center) const {
-    return sum(motion_.obstacle_margin, inflation(motion_.body_ways[i], speed_of(i, 0, center)));
-  }
-  [[nodiscard]] HWY_INLINE float widest_of_body(int i) const {
-    return motion_.obstacle_margin + motion_.margin + widest_ * motion_.body_ways[i];
-  }
-  [[nodiscard]] HWY_INLINE V of_pair(int i, const V3* centers) const {
-    const BodyPairRow& pair = robot_.body_pairs[i];
-    const V first = speed_of(pair.first, pair.ancestor, centers[pair.first]);
-    const V second = speed_of(pair.second, pair.ancestor, centers[pair.second]);
-    return inflation(motion_.pair_ways[i], hn::Add(first, second));
-  }
-  [[nodiscard]] HWY_INLINE V reach2(const BodyPairRow& pair, int i) const {
-    const float radii =
-        robot_.bodies[pair.first].ball.radius + robot_.bodies[pair.second].ball.radius;
-    const float way = motion_.pair_ways[i];
-    return squared(sum(radii, inflation(way, splat(way))));
-  }
-
- private:
-  /// Metres per motion at the state, and radians.
-  struct Twist {
-    V3 turn, way;
-  };
-
-  /// Of a body's points at most, as seen from a frame.
-  [[nodiscard]] HWY_INLINE V speed_of(int i, int observer, const V3& center) const {
-    const BodyRow& body = robot_.bodies[i];
-    const Twist &own = twists_[body.frame], &other = twists_[observer];
-    const V3 way = own.way + cross(own.turn, center - poses_[body.frame].origin) - other.way -
-                   cross(other.turn, center - poses_[observer].origin);
-    const V turn = hn::Sqrt(squared_norm(own.turn - other.turn));
-    return hn::MulAdd(turn, splat(body.ball.radius), hn::Sqrt(squared_norm(way)));
-  }
-
-  /// For what goes `way` at most along the motion, at the rate `speed` at the state.
-  [[nodiscard]] HWY_INLINE V inflation(float way, V speed) const {
-    const V grown = hn::Mul(splat(SweptMotion::kMarginGrowth * way), since_end_);
-    const V bent = hn::MulAdd(half_, splat(turns_ * way), splat(kRounding * way));
-    const V rate = hn::Min(hn::Add(speed, bent), splat(way));
-    return hn::MulAdd(half_, rate, hn::Min(splat(motion_.margin), grown));
-  }
-
-  /// More than single precision loses, relative to the way.
-  static constexpr float kRounding = 1e-5f;
-
-  const RobotTables& robot_;
-  const SweptMotion& motion_;
-  V half_, since_end_;
-  float widest_ = 0;
-  float turns_ = 0;  // radians, of all joints together
-  mutable const Pose* poses_ = nullptr;
-  mutable Twist twists_[kMaxFrames + 1];
-};
 
 /// What is hit so far. With `kIsMotion`, one hit in any lane settles the question; otherwise all
 /// lanes must be hit before the rest can be skipped.
