@@ -100,7 +100,8 @@ Result<void> check_files_to_write(std::span<const std::string> outputs,
   for (const std::string& output : outputs) {
     if (output.empty() || output == "-") continue;
     std::error_code ignored;
-    const std::filesystem::path real = std::filesystem::weakly_canonical(output, ignored);
+    const std::filesystem::path real =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(output, ignored), ignored);
     const std::filesystem::file_status status = std::filesystem::status(real, ignored);
     if (std::filesystem::is_directory(status)) {
       errno = EISDIR;

@@ -377,6 +377,16 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a new file may be named from where the program runs") {
+    const PlanarFiles files;
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(files / "");
+    const ProgramRun run = run_program({"plan", "problem.yaml", "--svg", "p.svg"});
+    std::filesystem::current_path(before);
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(std::filesystem::exists(files / "p.svg"));
+  }
+
   TEST_CASE("a robot that no picture can show has a page none the less") {
     const PlanarFiles files;
     const std::string problem = source_file("scenes/shelf/thin.yaml");
