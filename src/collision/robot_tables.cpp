@@ -161,7 +161,7 @@ class RobotTablesBuilder {
 
   /// What is carried stands with the tips, before bodies that do not move.
   void move_last_body_to_front() {
-    std::ranges::rotate(tables_.bodies, tables_.bodies.end() - 1);
+    std::rotate(tables_.bodies.begin(), tables_.bodies.end() - 1, tables_.bodies.end());
     const int last = static_cast<int>(tables_.bodies.size()) - 1;
     for (auto& [link, body] : body_of_link_) body = body == last ? 0 : body + 1;
     for (BodyPairRow& pair : tables_.body_pairs) {

@@ -24,7 +24,7 @@ PrimitiveKey stored_pair(const Match& match, const PrimitiveKey& scene_pair) {
     }
     return sum;
   };
-  if (distance(3) < distance(0)) std::ranges::rotate(pair, pair.begin() + 3);
+  if (distance(3) < distance(0)) std::rotate(pair.begin(), pair.begin() + 3, pair.end());
   return pair;
 }
 

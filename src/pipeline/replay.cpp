@@ -13,7 +13,6 @@
 #include <iterator>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -282,9 +281,9 @@ void Replayer::limit_repair(const Experience& row) {
 /// Leads the path round each block, the last one first: what comes before stays where it is.
 bool Replayer::repair(Draft& draft, const std::vector<Block>& blocks) {
   measure(draft.path);
-  for (const Block& block : std::views::reverse(blocks)) {
-    const Block part{std::max(0.0f, block.first - kRun),
-                     std::min(way_.length(), block.last + kRun)};
+  for (auto block = blocks.rbegin(); block != blocks.rend(); ++block) {
+    const Block part{std::max(0.0f, block->first - kRun),
+                     std::min(way_.length(), block->last + kRun)};
     const MotionEnds ends{part.first == 0, part.last == way_.length()};
     const Draft round = lead_round(cut(draft.path, part), ends);
     if (round.path.empty()) return false;

@@ -164,7 +164,7 @@ class DescribeFields {
       const Eigen::Quaterniond q(pose.rotation);
       fields.push_back({spelling_.quaternion, {q.x(), q.y(), q.z(), q.w()}, true});
       std::vector<double>& values = fields.back().values;
-      if (spelling_.is_scalar_first) std::ranges::rotate(values, values.end() - 1);
+      if (spelling_.is_scalar_first) std::rotate(values.begin(), values.end() - 1, values.end());
     }
     fields.insert(fields.end(), sizes.begin(), sizes.end());
     return fields;

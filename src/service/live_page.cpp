@@ -189,7 +189,8 @@ Result<std::string> make_live_page(const Robot& robot, bool has_memory,
                                    const ServiceSettings& settings) {
   Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
   // The order of a plan's scene: what its request holds, then what the service keeps.
-  std::ranges::stable_partition(problem.scene.obstacles, std::not_fn(has_crowd));
+  auto& obstacles = problem.scene.obstacles;
+  std::stable_partition(obstacles.begin(), obstacles.end(), std::not_fn(has_crowd));
   TraceSettings seen;
   seen.package_paths = settings.package_paths;
   const auto trace = make_trace(problem, {}, nullptr, 0, seen);

@@ -83,8 +83,8 @@ Result<CarvedRows> CarvedRows::read(const std::string& path) {
   for (auto* parts : {&rows.keys_, &rows.mixtures_}) {
     std::ranges::sort(*parts, {},
                       [](const Part& part) { return std::pair(part.id, part.is_sound ? 0 : 1); });
-    const auto repeated = std::ranges::unique(*parts, {}, &Part::id);
-    parts->erase(repeated.begin(), repeated.end());
+    const auto is_repeated = [](const Part& a, const Part& b) { return a.id == b.id; };
+    parts->erase(std::unique(parts->begin(), parts->end(), is_repeated), parts->end());
   }
   return rows;
 }
@@ -146,8 +146,7 @@ std::vector<std::int64_t> CarvedRows::ids() const {
     for (const Part& part : *parts) ids.push_back(part.id);
   }
   std::ranges::sort(ids);
-  const auto repeated = std::ranges::unique(ids);
-  ids.erase(repeated.begin(), repeated.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 
