@@ -5,7 +5,8 @@
 //
 // What is far apart costs little: bodies are held against obstacles 16 at a time by the box that a
 // body sweeps in all lanes, then by their bounding balls lane by lane, then group by group; only a
-// group whose ball hits has its shapes posed.
+// group whose ball hits has its shapes posed. Bodies of many groups are held against each other
+// cluster by cluster first.
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_
@@ -48,6 +49,7 @@ struct Verdict {
 constexpr int kBatch = 4;
 /// What passed a coarse test is listed before the finer one.
 constexpr int kListSize = 64;
+/// Clusters of a body that are held against those of another together.
 constexpr int kMostRuns = 32;
 
 /// The spheres of a group, one pose per lane.
