@@ -136,7 +136,7 @@ describe("the page of a service", { skip }, () => {
     const goal = await place(page, "goal");
     // The gizmo stands at the goal itself; the arrow that points up takes hold of its height.
     const above = await pixels(page, [goal[0], goal[1], goal[2] + 0.12]);
-    await planned(page, () => drag(page, above, { x: 0, y: -9 }));
+    await planned(page, () => drag(page, above, { x: 0, y: -5 }));
     const moved = await place(page, "goal");
     assert.ok(distance(goal, moved) > 0.005, `moved by ${distance(goal, moved)}`);
     assert.match(await page.locator("#note").textContent(), /^planned in/);
