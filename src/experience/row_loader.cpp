@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/row_loader.h"
-#include "experience/row_loader.h"
 
 #include "store/open_store.h"
 

@@ -54,6 +54,13 @@ TEST_SUITE("flow") {
     CHECK(cell.states() == 0);
   }
 
+  TEST_CASE("a static cell is known by its obstacles, whatever its scene is called") {
+    StaticCell cell;
+    CHECK(cell.states() > 0);
+    cell.problem.scene.name = "another";
+    CHECK(cell.states() == 0);
+  }
+
   TEST_CASE("an obstacle that moved by a hair has everything proven again") {
     StaticCell cell;
     const std::uint64_t first = cell.states();
