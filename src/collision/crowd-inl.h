@@ -184,7 +184,7 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
 }
 
 /// A capsule is looked at in stretches as long as two cells.
-HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
+static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
   if (probe.inverse_length2 == 0) return touches_around(grid, probe.a, probe.reach, probe);
   const float length = 1 / std::sqrt(probe.inverse_length2);
   const int stretches = std::max(1, static_cast<int>(length / (2 * grid.cells.cell)));
@@ -291,7 +291,7 @@ HWY_INLINE float distance2_to_node(const PartNode& node, const float* low, const
   return sum;
 }
 
-HWY_NOINLINE bool touches(const PartTree& tree, const Probe& probe) {
+static HWY_NOINLINE bool touches(const PartTree& tree, const Probe& probe) {
   float low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
     low[axis] = std::min(probe.a[axis], probe.a[axis] + probe.u[axis]);

@@ -4,6 +4,7 @@
 #include "collision/body_reaches.h"
 #include "collision/joint_reach.h"
 #include "collision/make_tables.h"
+#include "geometry/axis_box.h"
 #include "geometry/shape_groups.h"
 #include "robot/link_shapes.h"
 
@@ -22,6 +23,8 @@ namespace {
 constexpr double kSweep = 0.15;
 /// Two bodies are one if that meets at most so many times what their own balls do.
 constexpr double kMergeRatio = 1.0;
+/// Metres; more than kernels lose in single precision where a body's frame is turned into another.
+constexpr double kBoxRounding = 2e-5;
 
 Ball to_ball(const Sphere& sphere) {
   Ball ball;
@@ -74,10 +77,6 @@ struct Drive {
   int joint = 0;
   double multiplier = 1, offset = 0;
 };
-
-bool is_single(std::span<const GroupPairRow> rows) {
-  return rows.size() == 1 && rows[0].second_end - rows[0].second_begin == 1;
-}
 
 class RobotTablesBuilder {
  public:
@@ -294,8 +293,19 @@ class RobotTablesBuilder {
     row.group_end = static_cast<int>(tables_.groups.size());
     row.cluster_end = static_cast<int>(tables_.clusters.size());
     row.ball = to_ball(enclosing_ball(all));
+    store_box(all, row);
     tables_.bodies.push_back(row);
     if (body.frame > 0) ++tables_.moving_count;
+  }
+
+  static void store_box(std::span<const Capsule> shapes, BodyRow& row) {
+    AxisBox box;
+    for (const Capsule& shape : shapes) {
+      const Vec3 reach = Vec3::Constant(shape.radius + kBoxRounding);
+      box.include(AxisBox{shape.a.cwiseMin(shape.b) - reach, shape.a.cwiseMax(shape.b) + reach});
+    }
+    store(box.low, row.low);
+    store(box.high, row.high);
   }
 
   /// Sorts `shapes` into neighbours, at most `most` together.
@@ -368,7 +378,6 @@ class RobotTablesBuilder {
                       static_cast<int>(tables_.group_pairs.size())};
       tables_.group_pairs.insert(tables_.group_pairs.end(), rows.begin(), rows.end());
       row.end = static_cast<int>(tables_.group_pairs.size());
-      row.is_single = is_single(rows);
       tables_.body_pairs.push_back(row);
     }
   }
@@ -480,7 +489,6 @@ RobotTables without_pairs(RobotTables tables, const std::set<std::pair<int, int>
     }
     bodies.begin = static_cast<int>(begin);
     bodies.end = static_cast<int>(kept.size());
-    bodies.is_single = is_single(std::span(kept).subspan(begin));
   }
   std::erase_if(tables.body_pairs, [](const BodyPairRow& row) { return row.begin == row.end; });
   tables.group_pairs = std::move(kept);

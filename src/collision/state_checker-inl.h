@@ -5,8 +5,8 @@
 //
 // What is far apart costs little: bodies are held against obstacles 16 at a time by the box that a
 // body sweeps in all lanes, then by their bounding balls lane by lane, then group by group; only a
-// group whose ball hits has its shapes posed. Bodies of many groups are held against each other
-// cluster by cluster first.
+// group whose ball hits has its shapes posed. Bodies are held against each other by their balls,
+// then each one's ball against the other's box, then cluster by cluster.
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_
@@ -299,40 +299,31 @@ class StateChecker {
   HWY_NOINLINE bool hits_body(int index, Verdict<kIsMotion>& verdict) const {
     const BodyPairRow& pair = robot_.body_pairs[index];
     const auto margin = margins_.of_pair(index, centers_);
-    const Pose& pose = poses_[robot_.bodies[pair.first].frame];
-    const Pose& other_pose = poses_[robot_.bodies[pair.second].frame];
-    if (pair.is_single) {
-      const GroupPairRow& groups = robot_.group_pairs[pair.begin];
-      return verdict.add(find_hits(robot_.groups[groups.first], pose,
-                                   robot_.groups[groups.second_begin], other_pose, margin));
+    const BodyRow &first = robot_.bodies[pair.first], &other = robot_.bodies[pair.second];
+    if (!reaches_box(first.ball.radius, centers_[pair.first], other, margin) ||
+        !reaches_box(other.ball.radius, centers_[pair.second], first, margin)) {
+      return false;
     }
-    const BodyRow& other = robot_.bodies[pair.second];
-    const int tests = (pair.end - pair.begin) * (other.cluster_end - other.cluster_begin);
-    return tests > kListSize ? hits_runs(pair, margin, verdict) : hits_rows(pair, margin, verdict);
+    return hits_runs(pair, margin, verdict);
   }
 
-  /// Of few rows.
+  /// Whether a ball comes near a body's box in any lane: long bodies fill little of their balls.
   template <class Margin>
-  HWY_INLINE bool hits_rows(const BodyPairRow& pair, Margin margin,
-                            Verdict<kIsMotion>& verdict) const {
-    const Pose& pose = poses_[robot_.bodies[pair.first].frame];
-    const float other_radius = robot_.bodies[pair.second].ball.radius;
-    const V3& other_center = centers_[pair.second];
-    int near[kListSize];
-    int count = 0;
-    for (int i = pair.begin; i < pair.end; ++i) {
-      const Ball& ball = robot_.groups[robot_.group_pairs[i].first].ball;
-      near[count] = i;
-      count += is_any_below(squared_norm(transform_point(pose, ball.center) - other_center),
-                            squared(sum(ball.radius + other_radius, margin)));
-    }
-    for (int i = 0; i < count; ++i) {
-      if (hits_groups(pair, near[i], ~std::uint64_t{0}, margin, verdict)) return true;
-    }
-    return false;
+  HWY_INLINE bool reaches_box(float radius, const V3& center, const BodyRow& body,
+                              Margin margin) const {
+    const Pose& pose = poses_[body.frame];
+    const V3 from = center - pose.origin;
+    const auto beyond = [&](int axis) {
+      const V along = dot(from, pose.axes[axis]);
+      return hn::Max(
+          hn::Max(hn::Sub(splat(body.low[axis]), along), hn::Sub(along, splat(body.high[axis]))),
+          hn::Zero(Tag()));
+    };
+    return is_any_below(squared_norm(V3{beyond(0), beyond(1), beyond(2)}),
+                        squared(sum(radius, margin)));
   }
 
-  /// Of many rows: clusters are held against each other first.
+  /// Clusters are held against each other first.
   template <class Margin>
   HWY_NOINLINE bool hits_runs(const BodyPairRow& pair, Margin margin,
                               Verdict<kIsMotion>& verdict) const {
@@ -367,7 +358,7 @@ class StateChecker {
     return std::uint64_t{1} << std::min(cluster - body.cluster_begin, 63);
   }
 
-  /// False if it is far from the ball around the pair's second body.
+  /// False if it is far from the pair's second body.
   template <class Margin>
   HWY_INLINE bool start_run(const BodyPairRow& pair, int begin, Margin margin, Run& run) const {
     const int cluster = robot_.groups[robot_.group_pairs[begin].first].cluster;
@@ -380,9 +371,7 @@ class StateChecker {
     const Ball& ball = robot_.clusters[cluster].ball;
     run.center = transform_point(poses_[robot_.bodies[pair.first].frame], ball.center);
     run.radius = ball.radius;
-    const float radii = ball.radius + robot_.bodies[pair.second].ball.radius;
-    return is_any_below(squared_norm(run.center - centers_[pair.second]),
-                        squared(sum(radii, margin)));
+    return reaches_box(ball.radius, run.center, robot_.bodies[pair.second], margin);
   }
 
   /// Capsules are held against by their axes: their balls say little if they are long.

@@ -80,6 +80,7 @@ struct ClusterRow {
 struct BodyRow {
   int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
   Ball ball = {};  ///< around all groups
+  float low[3] = {}, high[3] = {};  ///< of the box around them, in the frame
   int group_begin = 0, group_end = 0, cluster_begin = 0, cluster_end = 0;
 };
 
@@ -100,7 +101,6 @@ struct BodyPairRow {
   int first = 0, second = 0;
   float reach2 = 0;        ///< squared sum of the balls' radii
   int begin = 0, end = 0;  ///< into group_pairs
-  bool is_single = false;  ///< of one group each
   int ancestor = 0;        ///< the frame nearest to both that carries them
 };
 

@@ -11,6 +11,12 @@ std::vector<float> to_floats(std::span<const double> q) {
   return result;
 }
 
+std::vector<float> to_rows(const Path& path) {
+  std::vector<float> rows;
+  for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
+  return rows;
+}
+
 Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
   Path result;
   result.reserve(path.size());

@@ -52,9 +52,7 @@ class Shortener {
         counters_(counters),
         must_stop_(must_stop),
         states_(as_index(kBatch * joints_)) {
-    std::vector<float> rows;
-    for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
-    way_.assign(std::move(rows));
+    way_.assign(internal::to_rows(path));
     start_margin_ = margin_at(0);
     goal_margin_ = margin_at(way_.count() - 1);
   }

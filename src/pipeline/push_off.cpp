@@ -3,6 +3,7 @@
 #include "pipeline/push_off.h"
 
 #include "base/as_index.h"
+#include "path/path_conversion.h"
 #include "path/waypoints.h"
 
 #include <algorithm>
@@ -46,9 +47,7 @@ class Band {
  public:
   Band(const CollisionChecker& checker, const Path& path, double clearance, CheckCounters& counters)
       : checker_(checker), way_(checker.robot()), clearance_(clearance), counters_(counters) {
-    std::vector<float> rows;
-    for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
-    way_.assign(std::move(rows));
+    way_.assign(to_rows(path));
     joints_ = as_index(way_.joint_count());
     rows_.assign(way_[0], way_[0] + joints_);
     for (int i = 0; i + 1 < way_.count(); ++i) divide(way_[i], way_[i + 1]);

@@ -218,9 +218,7 @@ bool Replayer::prove(std::span<const float> from, std::span<const float> to, Mot
 }
 
 void Replayer::measure(const Path& path) {
-  std::vector<float> rows;
-  for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
-  way_.assign(std::move(rows));
+  way_.assign(to_rows(path));
 }
 
 /// Those of motions that have not passed, at least one; what follows so closely that it is changed
