@@ -304,8 +304,8 @@ class RobotTablesBuilder {
       const Vec3 reach = Vec3::Constant(shape.radius + kBoxRounding);
       box.include(AxisBox{shape.a.cwiseMin(shape.b) - reach, shape.a.cwiseMax(shape.b) + reach});
     }
-    store(box.low, row.low);
-    store(box.high, row.high);
+    store(Vec3(0.5 * (box.low + box.high)), row.box_center);
+    store(Vec3(0.5 * (box.high - box.low)), row.box_half_extents);
   }
 
   /// Sorts `shapes` into neighbours, at most `most` together.

@@ -80,7 +80,8 @@ struct ClusterRow {
 struct BodyRow {
   int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
   Ball ball = {};  ///< around all groups
-  float low[3] = {}, high[3] = {};  ///< of the box around them, in the frame
+  /// The box around them, along the frame's axes.
+  float box_center[3] = {}, box_half_extents[3] = {};
   int group_begin = 0, group_end = 0, cluster_begin = 0, cluster_end = 0;
 };
 

@@ -1,0 +1,224 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Whether two bodies of a robot touch.
+#if defined(MNEME_COLLISION_PAIR_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_COLLISION_PAIR_CHECKER_INL_H_
+#undef MNEME_COLLISION_PAIR_CHECKER_INL_H_
+#else
+#define MNEME_COLLISION_PAIR_CHECKER_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstdint>
+
+#include "collision/hits-inl.h"
+#include "collision/scene_boxes-inl.h"
+#include "collision/tables.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+
+/// Clusters of a body that are held against those of another together.
+constexpr int kMostRuns = 32;
+
+/// In the frame of the second body, where that stands still, whatever the lane. Each one's ball is
+/// held against the other's box, because long bodies fill little of their balls; then clusters of
+/// the first against that box; then cluster against cluster, and group against group.
+template <bool kIsMotion, class Margin>
+class PairChecker {
+ public:
+  HWY_INLINE PairChecker(const RobotTables& robot, const BodyPairRow& pair, const Pose& first,
+                         const Pose& second, Margin margin)
+      : robot_(robot),
+        pair_(pair),
+        second_(robot.bodies[pair.second]),
+        pose_(seen_from(second, first)),
+        margin_(margin) {}
+
+  /// True as soon as the verdict is settled.
+  HWY_INLINE bool check(Verdict<kIsMotion>& verdict) const {
+    const BodyRow& first = robot_.bodies[pair_.first];
+    if (!reaches_box(second_, first.ball.radius, transform_point(pose_, first.ball.center)) ||
+        !reaches_box(first, second_.ball.radius,
+                     into_frame(pose_, splat(second_.ball.center) - pose_.origin))) {
+      return false;
+    }
+    Run runs[kMostRuns];
+    for (int begin = pair_.begin; begin < pair_.end;) {
+      int count = 0;
+      while (begin < pair_.end && count < kMostRuns) {
+        const bool is_near = start_run(begin, runs[count]);
+        begin = runs[count].end;
+        count += is_near;
+      }
+      if (count > 0) find_near_clusters(runs, count);
+      for (int i = 0; i < count; ++i) {
+        for (int k = runs[i].begin; k < runs[i].end && runs[i].near != 0; ++k) {
+          if (hits_groups(robot_.group_pairs[k], runs[i].near, verdict)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// Pairs of groups, the first of which are of one cluster, and which clusters of the second body
+  /// come near that: a bit each (bit_of).
+  struct Run {
+    int begin, end;
+    V3 center;
+    float radius;
+    std::uint64_t near;
+  };
+
+  static HWY_INLINE V3 into_frame(const Pose& frame, const V3& v) {
+    return {dot(frame.axes[0], v), dot(frame.axes[1], v), dot(frame.axes[2], v)};
+  }
+  static HWY_INLINE Pose seen_from(const Pose& frame, const Pose& pose) {
+    return {{into_frame(frame, pose.axes[0]), into_frame(frame, pose.axes[1]),
+             into_frame(frame, pose.axes[2])},
+            into_frame(frame, pose.origin - frame.origin)};
+  }
+  /// The axis of a capsule of the second body.
+  static HWY_INLINE Segment axis_of(const CapsuleRow& capsule) {
+    return {splat(capsule.a), splat(capsule.along), splat(capsule.inverse_length2)};
+  }
+  /// The last of many clusters share a bit.
+  [[nodiscard]] HWY_INLINE std::uint64_t bit_of(int cluster) const {
+    return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, 63);
+  }
+
+  /// Whether a ball comes near a body's box in any lane; its centre is in the body's frame.
+  [[nodiscard]] HWY_INLINE bool reaches_box(const BodyRow& body, float radius,
+                                            const V3& center) const {
+    return is_any_below(point_box(center - splat(body.box_center), splat(body.box_half_extents)),
+                        squared(sum(radius, margin_)));
+  }
+
+  /// False if it is far from the second body.
+  HWY_INLINE bool start_run(int begin, Run& run) const {
+    const int cluster = robot_.groups[robot_.group_pairs[begin].first].cluster;
+    run.begin = begin;
+    run.end = begin + 1;
+    while (run.end < pair_.end &&
+           robot_.groups[robot_.group_pairs[run.end].first].cluster == cluster) {
+      ++run.end;
+    }
+    const Ball& ball = robot_.clusters[cluster].ball;
+    run.center = transform_point(pose_, ball.center);
+    run.radius = ball.radius;
+    return reaches_box(second_, ball.radius, run.center);
+  }
+
+  /// Capsules are held against by their axes: their balls say little if they are long.
+  HWY_INLINE void find_near_clusters(Run* runs, int count) const {
+    for (int i = 0; i < count; ++i) runs[i].near = 0;
+    for (int c = second_.cluster_begin; c < second_.cluster_end; ++c) {
+      const std::uint64_t bit = bit_of(c);
+      const ClusterRow& cluster = robot_.clusters[c];
+      const auto mark = [&](float radius, const auto& distance2) {
+        for (int i = 0; i < count; ++i) {
+          const auto reach2 = squared(sum(radius + runs[i].radius, margin_));
+          runs[i].near |= is_any_below(distance2(runs[i].center), reach2) ? bit : 0;
+        }
+      };
+      const GroupRow& group = robot_.groups[cluster.begin];
+      if (group.is_capsule) {
+        const CapsuleRow& capsule = robot_.capsules[group.begin];
+        const Segment axis = axis_of(capsule);
+        mark(capsule.radius, [&](const V3& p) { return point_segment(p, axis); });
+      } else {
+        const V3 center = splat(cluster.ball.center);
+        mark(cluster.ball.radius, [&](const V3& p) { return squared_norm(p - center); });
+      }
+    }
+  }
+
+  /// A group of the first body against those clusters of the second that are near.
+  HWY_INLINE bool hits_groups(const GroupPairRow& row, std::uint64_t near,
+                              Verdict<kIsMotion>& verdict) const {
+    const GroupRow& first = robot_.groups[row.first];
+    const V3 center = transform_point(pose_, first.ball.center);
+    const auto is_near = [&](const Ball& ball) {
+      return is_any_below(squared_norm(center - splat(ball.center)),
+                          squared(sum(ball.radius + first.ball.radius, margin_)));
+    };
+    if (!reaches_box(second_, first.ball.radius, center)) return false;
+    PosedSpheres spheres;
+    if (!first.is_capsule) spheres = posed(robot_, first, pose_);
+    for (int begin = row.second_begin; begin < row.second_end;) {
+      const int c = robot_.groups[begin].cluster;
+      const ClusterRow& cluster = robot_.clusters[c];
+      const int end = std::min(cluster.end, row.second_end);
+      const bool is_far = (near & bit_of(c)) == 0;
+      if (is_far || (end - begin > 1 && !is_near(cluster.ball))) begin = end;
+      for (; begin < end; ++begin) {
+        const GroupRow& second = robot_.groups[begin];
+        if (!second.is_capsule && !is_near(second.ball)) continue;
+        const M hit = first.is_capsule ? find_capsule_hits(first, second)
+                                       : find_sphere_hits(first, spheres, second);
+        if (verdict.add(hit)) return true;
+      }
+    }
+    return false;
+  }
+
+  HWY_NOINLINE M find_sphere_hits(const GroupRow& first, const PosedSpheres& spheres,
+                                  const GroupRow& second) const {
+    if (second.is_capsule) {
+      const CapsuleRow& capsule = robot_.capsules[second.begin];
+      const Segment axis = axis_of(capsule);
+      const auto reach = sum(capsule.radius, margin_);
+      const V3 center = transform_point(pose_, first.ball.center);
+      const auto around2 = squared(sum(first.ball.radius, reach));
+      if (!is_any_below(point_segment(center, axis), around2)) return no_hit();
+      return find_hits(robot_, first, spheres, reach,
+                       [&](const V3& p) { return point_segment(p, axis); });
+    }
+    M hit = no_hit();
+    for (int i = 0; i < kGroupSize; ++i) {
+      const Ball& ball = robot_.spheres[second.begin + i];
+      const V3 center = splat(ball.center);
+      const auto distance2 = [&](const V3& p) { return squared_norm(p - center); };
+      const auto extra = sum(ball.radius, margin_);
+      hit = hn::Or(hit, find_hits(robot_, first, spheres, extra, distance2));
+    }
+    return hit;
+  }
+
+  /// The first group is a capsule: its axis says more of the other's ball than its own ball does.
+  HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const GroupRow& second) const {
+    const CapsuleRow& capsule = robot_.capsules[first.begin];
+    const Segment axis = posed(capsule, pose_);
+    const auto reach = sum(capsule.radius, margin_);
+    if (second.is_capsule) {
+      const CapsuleRow& other = robot_.capsules[second.begin];
+      const V distance2 = segment_segment(axis, axis_of(other));
+      return hn::Lt(distance2, lanes_of(squared(sum(other.radius, reach))));
+    }
+    const V from_ball = point_segment(splat(second.ball.center), axis);
+    if (!is_any_below(from_ball, squared(sum(second.ball.radius, reach)))) return no_hit();
+    M hit = no_hit();
+    for (int i = 0; i < kGroupSize; ++i) {
+      const Ball& ball = robot_.spheres[second.begin + i];
+      const V distance2 = point_segment(splat(ball.center), axis);
+      hit = hn::Or(hit, hn::Lt(distance2, lanes_of(squared(sum(ball.radius, reach)))));
+    }
+    return hit;
+  }
+
+  const RobotTables& robot_;
+  const BodyPairRow& pair_;
+  const BodyRow& second_;
+  Pose pose_;  ///< of the first body in the frame of the second
+  Margin margin_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#endif  // MNEME_COLLISION_PAIR_CHECKER_INL_H_
