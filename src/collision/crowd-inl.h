@@ -20,7 +20,7 @@
 
 #include "collision/distance-inl.h"
 #include "collision/scene_boxes-inl.h"
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

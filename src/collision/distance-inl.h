@@ -9,7 +9,7 @@
 #define MNEME_COLLISION_DISTANCE_INL_H_
 #endif
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "geometry/solids-inl.h"
 
 HWY_BEFORE_NAMESPACE();

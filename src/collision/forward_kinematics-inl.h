@@ -9,7 +9,7 @@
 #define MNEME_COLLISION_FORWARD_KINEMATICS_INL_H_
 #endif
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -11,7 +11,7 @@
 
 #include "collision/forward_kinematics-inl.h"
 #include "collision/margins-inl.h"
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,7 +12,7 @@
 #include <algorithm>
 
 #include "collision/forward_kinematics-inl.h"
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

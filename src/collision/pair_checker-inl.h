@@ -14,7 +14,7 @@
 
 #include "collision/hits-inl.h"
 #include "collision/scene_boxes-inl.h"
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

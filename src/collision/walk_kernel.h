@@ -6,7 +6,7 @@
 
 #include "mneme/base.h"
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 
 namespace mneme::internal {
 

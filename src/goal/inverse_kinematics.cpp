@@ -3,7 +3,7 @@
 #include "mneme/goal.h"
 
 #include "base/as_index.h"
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "goal/ik_kernel.h"
 #include "robot/joint_space.h"
 

@@ -3,7 +3,7 @@
 #include "mneme/collision.h"
 
 #include "collision/collision_kernels.h"
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "collision/random_worlds.h"
 
 #include <cmath>

@@ -237,7 +237,7 @@ TEST_SUITE("oracle") {
   TEST_CASE("kernels agree with exact contacts of links with few and with hundreds of covers") {
     Rng rng(209);
     Tally tally;
-    for (const auto [spheres, capsules] :
+    for (const auto& [spheres, capsules] :
          {std::pair{700, 30}, {600, 0}, {0, 90}, {40, 10}, {20, 2}, {4, 1}}) {
       const Robot robot = scattered_robot(rng, spheres, capsules);
       INFO("seed 209, " << spheres << " spheres and " << capsules << " capsules a link");

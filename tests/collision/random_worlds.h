@@ -7,7 +7,7 @@
 #include "mneme/collision.h"
 
 #include "collision/clearance.h"
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "geometry/random_shapes.h"
 #include "support/isas.h"
 #include "support/support.h"

@@ -3,7 +3,7 @@
 #include "mneme/collision.h"
 
 #include "collision/clearance.h"
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "collision/walking_robots.h"
 
 #include <Eigen/Geometry>

@@ -134,7 +134,9 @@ TEST_SUITE("unit") {
     CHECK(proven->contain(a, {{1024, 0}}, {}));
   }
 
-  TEST_CASE("what may touch and what is checked by solid is part of a cell, and cells of points have no proven motions") {
+  TEST_CASE(
+      "what may touch and what is checked by solid is part of a cell, and cells of points have no "
+      "proven motions") {
     StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
     cell.proven()->add(a, b, {});

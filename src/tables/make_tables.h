@@ -8,7 +8,7 @@
 #include "mneme/scene.h"
 
 #include "check/link_distances.h"
-#include "collision/tables.h"
+#include "tables/tables.h"
 
 #include <cstdint>
 #include <limits>

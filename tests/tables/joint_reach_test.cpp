@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/joint_reach.h"
-#include "collision/make_tables.h"
+#include "tables/joint_reach.h"
+#include "tables/make_tables.h"
 #include "collision/random_worlds.h"
 #include "geometry/shape_groups.h"
 #include "geometry/random_shapes.h"

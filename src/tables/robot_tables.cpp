@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
-#include "collision/body_reaches.h"
-#include "collision/joint_reach.h"
-#include "collision/make_tables.h"
+#include "tables/body_reaches.h"
+#include "tables/joint_reach.h"
+#include "tables/make_tables.h"
 #include "geometry/axis_box.h"
 #include "geometry/shape_groups.h"
 #include "robot/link_shapes.h"

@@ -78,7 +78,7 @@ struct ClusterRow {
 
 /// Links that move together and lie close to each other.
 struct BodyRow {
-  int frame = 0;  ///< 0 is the robot's root, i + 1 is frame row i
+  int frame = 0;   ///< 0 is the robot's root, i + 1 is frame row i
   Ball ball = {};  ///< around all groups
   /// The box around them, along the frame's axes.
   float box_center[3] = {}, box_half_extents[3] = {};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/joint_reach.h"
+#include "tables/joint_reach.h"
 
 #include "base/as_index.h"
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/crowd_tables.h"
+#include "tables/crowd_tables.h"
 
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "geometry/crowd_grids.h"
 #include "geometry/parts.h"
 #include "robot/link_shapes.h"

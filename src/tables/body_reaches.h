@@ -4,7 +4,7 @@
 /// How far joints can move bodies.
 #pragma once
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 
 #include <span>
 

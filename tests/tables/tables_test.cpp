@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/make_tables.h"
+#include "tables/make_tables.h"
 #include "collision/random_worlds.h"
 
 #include <Eigen/Geometry>

@@ -7,7 +7,7 @@
 #include "mneme/geometry.h"
 #include "mneme/robot.h"
 
-#include "collision/tables.h"
+#include "tables/tables.h"
 
 #include <span>
 

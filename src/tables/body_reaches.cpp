@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collision/body_reaches.h"
+#include "tables/body_reaches.h"
 
 #include "base/as_index.h"
 

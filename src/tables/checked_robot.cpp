@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tables/crowd_tables.h"
+#include "tables/make_tables.h"
+
+#include <algorithm>
+#include <mutex>
+
+namespace mneme::internal {
+namespace {
+
+struct Entry {
+  std::weak_ptr<const void> identity;
+  std::shared_ptr<const CheckedRobot> robot;
+
+  [[nodiscard]] bool is_of(const std::weak_ptr<const void>& other) const {
+    return !identity.owner_before(other) && !other.owner_before(identity);
+  }
+};
+
+class Registry {
+ public:
+  std::shared_ptr<const CheckedRobot> find(const Robot& robot) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find_if(
+        entries_, [&](const Entry& entry) { return entry.is_of(robot.identity()); });
+    return found == entries_.end() ? nullptr : found->robot;
+  }
+
+  void add(const Robot& robot, std::shared_ptr<const CheckedRobot> checked) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [](const Entry& entry) { return entry.identity.expired(); });
+    entries_.push_back({robot.identity(), std::move(checked)});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+};
+
+Result<CheckedRobot> make_checked_robot(const Robot& robot) {
+  if (robot.attached().empty()) {
+    return make_robot_tables(robot).map([&](RobotTables tables) {
+      return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
+    });
+  }
+  const auto bare = share_checked_robot(robot.without_attached());
+  if (!bare) return tl::unexpected(bare.error());
+  return add_attached(robot, (*bare)->tables).map([&](RobotTables tables) {
+    return CheckedRobot{std::move(tables), LinkDistances(robot, (*bare)->links), reach_of(robot)};
+  });
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot) {
+  static Registry registry;
+  if (auto found = registry.find(robot)) return found;
+  auto checked = make_checked_robot(robot);
+  if (!checked) return tl::unexpected(checked.error());
+  auto made = std::make_shared<const CheckedRobot>(std::move(*checked));
+  registry.add(robot, made);
+  return made;
+}
+
+}  // namespace mneme::internal
