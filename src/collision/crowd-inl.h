@@ -93,6 +93,38 @@ struct Probe {
   float reach;
 };
 
+/// True if nothing is within `reach` of `p`, as a cell shows that lies farther from all parts: the
+/// larger an empty ball is, the less it matters how far from its centre, and sideways, `p` is.
+HWY_INLINE bool is_clear_beyond(const CellGrid& grid, const float* p, float reach) {
+  constexpr float kCellsAway = 3;
+  const ptrdiff_t strides[3] = {1, grid.count[0], ptrdiff_t{grid.count[0]} * grid.count[1]};
+  float from[3];  // in cells
+  ptrdiff_t slot = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    from[axis] = (p[axis] - grid.origin[axis]) * grid.per_metre;
+    if (!(from[axis] >= 1 && from[axis] < static_cast<float>(grid.count[axis] - 1))) return false;
+    slot += strides[axis] * static_cast<ptrdiff_t>(from[axis]);
+  }
+  float away[3], norm2 = 1e-9f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const uint8_t* const gap = grid.gaps.data() + slot;
+    away[axis] = static_cast<float>(gap[strides[axis]] - gap[-strides[axis]]);
+    norm2 += away[axis] * away[axis];
+  }
+  float way2 = 0;
+  slot = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float there = from[axis] + kCellsAway / std::sqrt(norm2) * away[axis];
+    if (!(there >= 0 && there < static_cast<float>(grid.count[axis]))) return false;
+    const auto cell = static_cast<ptrdiff_t>(there);
+    const float way = static_cast<float>(cell) + 0.5f - from[axis];
+    way2 += way * way;
+    slot += strides[axis] * cell;
+  }
+  const float wanted = (reach + gap_tolerance(grid)) * grid.per_metre + std::sqrt(way2);
+  return 0.25f * static_cast<float>(grid.gaps[static_cast<size_t>(slot)]) >= wanted * wanted;
+}
+
 /// Some points at once: no wider than a block.
 using PointTag = hn::CappedTag<float, kPointsPerBlock>;
 
@@ -185,7 +217,10 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
 
 /// A capsule is looked at in stretches as long as two cells.
 static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
-  if (probe.inverse_length2 == 0) return touches_around(grid, probe.a, probe.reach, probe);
+  if (probe.inverse_length2 == 0) {
+    return !is_clear_beyond(grid.cells, probe.a, probe.reach) &&
+           touches_around(grid, probe.a, probe.reach, probe);
+  }
   const float length = 1 / std::sqrt(probe.inverse_length2);
   const int stretches = std::max(1, static_cast<int>(length / (2 * grid.cells.cell)));
   const float half = 0.5f / static_cast<float>(stretches);

@@ -102,11 +102,12 @@ bool fills_its_box(const Triangle& t) {
   return normal.maxCoeff() > (1 - 1e-6) * normal.sum();
 }
 
-/// Of a cube of the grid, so many times smaller than a cell.
-Vec3 center_of(const CellGrid::Index& i, int per_cell, const CellGrid& grid) {
-  const Vec3 origin = middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2]);
-  return origin + double{grid.cell} / per_cell * Vec3(i[0] + 0.5, i[1] + 0.5, i[2] + 0.5);
+/// True if a cube of half the edge `half` lies on one side of the part's plane.
+bool is_beside(const Triangle& t, const Vec3& center, double half) {
+  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+  return std::abs(normal.dot(center - t.a)) > half * normal.lpNorm<1>();
 }
+bool is_beside(const Cube&, const Vec3&, double) { return false; }
 
 /// Calls `visit(index)` for all from `low` to `high`.
 template <class Visit>
@@ -118,45 +119,83 @@ void visit_range(const CellGrid::Index& low, const CellGrid::Index& high, const 
   }
 }
 
-/// Marks the octants that a part may run through.
+/// Marks the octants that a part may run through: of cubes of 2^level octants along each axis those
+/// that it comes near, and of each of these the eighths.
 template <class Part>
-void mark(const Part& part, CellGrid& grid) {
-  const Region box = region_of(box_of(part), middle_of(grid));
-  CellGrid::Index low = grid.octant_of(box.low), high = grid.octant_of(box.high);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(low[axis], 0);
-    high[axis] = std::min(high[axis], 2 * grid.count[axis] - 1);
-    if (low[axis] > high[axis]) return;
+class Marker {
+ public:
+  Marker(const Part& part, CellGrid& grid)
+      : part_(part),
+        grid_(grid),
+        origin_(middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2])) {
+    const Region box = region_of(box_of(part), middle_of(grid));
+    low_ = grid.octant_of(box.low);
+    high_ = grid.octant_of(box.high);
   }
-  const bool is_full =
-      fills_its_box(part) || (high[0] - low[0] < 2 && high[1] - low[1] < 2 && high[2] - low[2] < 2);
-  const auto is_near = [&](const CellGrid::Index& i, int per_cell) {
-    const double half_diagonal = std::sqrt(0.75) * grid.cell / per_cell * (1 + 1e-4);
-    const Vec3 center = center_of(i, per_cell, grid);
-    return is_full || (center - nearest_on(center, part)).norm() <= half_diagonal;
-  };
-  const auto half = [](const CellGrid::Index& i) {
-    return CellGrid::Index{i[0] / 2, i[1] / 2, i[2] / 2};
-  };
-  visit_range(half(low), half(high), [&](const CellGrid::Index& cell) {
-    std::uint8_t& octants = grid.octants[grid.slot(cell)];
-    if (octants == 0xff || !is_near(cell, 1)) return;
+
+  void mark() {
+    int longest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low_[axis] = std::max(low_[axis], 0);
+      high_[axis] = std::min(high_[axis], 2 * grid_.count[axis] - 1);
+      if (low_[axis] > high_[axis]) return;
+      longest = std::max(longest, high_[axis] - low_[axis]);
+    }
+    is_full_ = longest < 2 || fills_its_box(part_);
+    int level = kCellLevel;
+    while (longest >> level != 0) ++level;
+    visit_range(shifted(low_, level), shifted(high_, level),
+                [&](const CellGrid::Index& cube) { mark(cube, level); });
+  }
+
+ private:
+  static constexpr int kCellLevel = 1;
+
+  static CellGrid::Index shifted(const CellGrid::Index& octant, int level) {
+    return {octant[0] >> level, octant[1] >> level, octant[2] >> level};
+  }
+
+  void mark(const CellGrid::Index& cube, int level) {
+    if (is_marked(cube, level) || !is_near(cube, level)) return;
+    if (level == 0) {
+      grid_.octants[grid_.slot_of(cube)] |= CellGrid::bit_of(cube);
+      return;
+    }
     CellGrid::Index first, last;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      first[axis] = std::max(low[axis], 2 * cell[axis]);
-      last[axis] = std::min(high[axis], 2 * cell[axis] + 1);
+      first[axis] = std::max(low_[axis] >> (level - 1), 2 * cube[axis]);
+      last[axis] = std::min(high_[axis] >> (level - 1), 2 * cube[axis] + 1);
     }
-    visit_range(first, last, [&](const CellGrid::Index& octant) {
-      const std::uint8_t bit = CellGrid::bit_of(octant);
-      if ((octants & bit) == 0 && is_near(octant, 2)) octants |= bit;
-    });
-  });
-}
+    visit_range(first, last, [&](const CellGrid::Index& eighth) { mark(eighth, level - 1); });
+  }
+
+  /// All of it.
+  [[nodiscard]] bool is_marked(const CellGrid::Index& cube, int level) const {
+    if (level > kCellLevel) return false;
+    if (level == kCellLevel) return grid_.octants[grid_.slot(cube)] == 0xff;
+    return (grid_.octants[grid_.slot_of(cube)] & CellGrid::bit_of(cube)) != 0;
+  }
+
+  [[nodiscard]] bool is_near(const CellGrid::Index& cube, int level) const {
+    if (is_full_) return true;
+    const double half = 0.25 * grid_.cell * (1 << level);
+    const Vec3 center = origin_ + half * Vec3(2 * cube[0] + 1, 2 * cube[1] + 1, 2 * cube[2] + 1);
+    const double slack = half * (1 + 1e-4);
+    return !is_beside(part_, center, slack) &&
+           (center - nearest_on(center, part_)).squaredNorm() <= 3 * slack * slack;
+  }
+
+  const Part& part_;
+  CellGrid& grid_;
+  Vec3 origin_;                     ///< of the parts' frame
+  CellGrid::Index low_{}, high_{};  ///< octants of the part's box
+  bool is_full_ = false;            ///< it runs through all of its box, or nearly so
+};
 
 template <class Part>
 PartTree make_part_tree(const std::vector<Part>& list, const Region& region, const Middle& middle) {
   PartTree tree{make_cell_grid(region, middle), region, {}, {}, {}};
-  for (const Part& part : list) mark(part, tree.cells);
+  for (const Part& part : list) Marker<Part>(part, tree.cells).mark();
   find_gaps(tree.cells);
   add_nodes(list, tree);
   return tree;
