@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/crowd_grids.h"
 #include "geometry/point_grid.h"
+#include "geometry/random_crowds.h"
 #include "support/support.h"
 
 #include <algorithm>
@@ -70,6 +72,30 @@ std::vector<Point3> stored(const internal::PointGrid& grid) {
   return points;
 }
 
+bool is_occupied(const CellGrid& grid, const CellGrid::Index& octant) {
+  return (grid.octants[grid.slot_of(octant)] & CellGrid::bit_of(octant)) != 0;
+}
+
+CellGrid::Index octant_at(const CellGrid& grid, const Vec3& p) {
+  const Vec3 local = p - internal::middle_of(grid);
+  return grid.octant_of({static_cast<float>(local.x()), static_cast<float>(local.y()),
+                         static_cast<float>(local.z())});
+}
+
+/// Calls `visit(octant, centre)`.
+template <class Visit>
+void for_each_octant(const CellGrid& grid, const Visit& visit) {
+  const Vec3 origin =
+      internal::middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2]);
+  for (int z = 0; z < 2 * grid.count[2]; ++z) {
+    for (int y = 0; y < 2 * grid.count[1]; ++y) {
+      for (int x = 0; x < 2 * grid.count[0]; ++x) {
+        visit(CellGrid::Index{x, y, z}, origin + 0.5 * grid.cell * Vec3(x + 0.5, y + 0.5, z + 0.5));
+      }
+    }
+  }
+}
+
 TEST_SUITE("law") {
   TEST_CASE("gaps of cells are the way from their centres to the nearest occupied octant") {
     Rng rng(71);
@@ -135,6 +161,33 @@ TEST_SUITE("law") {
   TEST_CASE("points outside of the region are left out") {
     const std::vector<Point3> points = {{0, 0, 0}, {5, 0, 0}, {0.1f, 0.2f, 0.3f}};
     CHECK(stored(internal::make_point_grid(points, kAll)).size() == 2);
+  }
+
+  TEST_CASE("octants that a triangle runs through are occupied, and no others but near it") {
+    Rng rng(73);
+    int far = 0, occupied = 0;
+    for (int round = 0; round < 40; ++round) {
+      const Vec3 at = random_vector(rng, 0.3);
+      const double size = round % 2 == 0 ? 0.6 : 0.05;
+      const Triangle t{at, at + random_vector(rng, size), at + random_vector(rng, size)};
+      const Parts<Triangle> mesh({t});
+      const auto tree = internal::share_grid(mesh, {Vec3::Constant(-1), Vec3::Constant(1)});
+      const CellGrid& grid = tree->cells;
+      for (int i = 0; i < 2000; ++i) {
+        const double u = rng.uniform(), v = rng.uniform() * (1 - u);
+        const Vec3 p = t.a + u * (t.b - t.a) + v * (t.c - t.a);
+        if (p.cwiseAbs().maxCoeff() > 0.99) continue;
+        INFO("round " << round << ", point " << p.transpose());
+        REQUIRE(is_occupied(grid, octant_at(grid, p)));
+      }
+      for_each_octant(grid, [&](const CellGrid::Index& octant, const Vec3& center) {
+        if (!is_occupied(grid, octant)) return;
+        ++occupied;
+        far += (center - internal::nearest_on(center, t)).norm() > 0.87 * 0.5 * grid.cell;
+      });
+    }
+    CHECK(occupied > 10'000);
+    CHECK(far < occupied / 100);  // small triangles fill their boxes
   }
 }
 
