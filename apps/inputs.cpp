@@ -18,9 +18,11 @@
 namespace mneme::app {
 
 CoverProgress show_covering() {
-  const auto progress = std::make_shared<Progress>("covering");
+  const auto progress = std::make_shared<std::optional<Progress>>();
   return [progress](int done, int total, const std::string& link) {
-    progress->update(done, total, link);
+    if (!*progress) progress->emplace("covering");
+    (*progress)->update(done, total, link);
+    if (done == total) progress->reset();
   };
 }
 
@@ -47,6 +49,7 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
 Result<ProblemOptions> problem_options(const std::string& robot, const RobotOptions& options) {
   ProblemOptions result;
   result.robot = options;
+  result.on_covered = show_covering();
   if (robot.empty()) return result;
   return robot_file(robot).map([&](const std::string& path) {
     result.robot_path = path;
@@ -54,20 +57,7 @@ Result<ProblemOptions> problem_options(const std::string& robot, const RobotOpti
   });
 }
 
-namespace {
-
-/// Covers what the problem's robot needs, so that people see how far it is; the covers are kept.
-/// Errors are left to whoever loads the problem.
-void cover_beforehand(const ProblemOptions& options) {
-  if (options.robot_path.empty()) return;
-  auto parts = read_robot(options.robot_path, options.robot);
-  if (parts) static_cast<void>(cover_robot(std::move(*parts), {}, show_covering()));
-}
-
-}  // namespace
-
 Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
-  cover_beforehand(options);
   Result<Problem> problem = load_problem(where, options);
   if (!problem) return problem;
   for (const std::string& warning : problem->warnings) print_warning(warning);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/check.h"
+#include "mneme/covering.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
@@ -96,6 +97,8 @@ struct ProblemOptions {
   /// Of whoever loads many problems, so that neither their file nor their robot is read again for
   /// each; one thread's alone.
   std::shared_ptr<ProblemCache> cache = nullptr;
+  /// Hears of links that are covered, as that of cover_robot() does.
+  CoverProgress on_covered = nullptr;
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a

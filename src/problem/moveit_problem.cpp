@@ -112,7 +112,7 @@ class MoveitReader {
 
   ProblemRobot load_robot() {
     if (options_.group.empty() && options_.joints.empty()) options_.group = request_.group;
-    return load_problem_robot(find_path(), options_, overrides_.cache.get());
+    return load_problem_robot(find_path(), options_, overrides_);
   }
 
   /// The objects that are not attached.
@@ -169,7 +169,7 @@ class MoveitReader {
     std::map<std::string, double> others = state_.positions;
     std::erase_if(others, [&](const auto& joint) { return is_planned(robot.robot, joint.first); });
     if (fix_joints(robot, options_, others, request_input_) || !contacts.link_pairs().empty()) {
-      robot.robot = load_problem_robot(robot.path, options_, overrides_.cache.get()).robot;
+      robot.robot = load_problem_robot(robot.path, options_, overrides_).robot;
     }
     std::ranges::move(left_aside, std::back_inserter(robot.warnings));
   }

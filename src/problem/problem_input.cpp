@@ -75,7 +75,7 @@ T value_named_by(const Input& place, Result<T> result) {
 ProblemRobot load_named_robot(const Input& input, const std::string& path,
                               const RobotOptions& options, const ProblemOptions& overrides) {
   try {
-    return load_problem_robot(path, options, overrides.cache.get());
+    return load_problem_robot(path, options, overrides);
   } catch (const InputFailure& failure) {
     if (failure.error.code != ErrorCode::io) throw;
     const auto check = [&](std::string_view key, const std::string& file,
@@ -98,14 +98,16 @@ std::vector<std::string> joint_names(const Input& list) {
 }  // namespace
 
 ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
-                                ProblemCache* cache) {
+                                const ProblemOptions& overrides) {
+  ProblemCache* const cache = overrides.cache.get();
   if (cache) {
     const auto known = std::ranges::find_if(cache->robots, [&](const CachedRobot& candidate) {
       return candidate.robot.path == path && candidate.options == options;
     });
     if (known != cache->robots.end()) return known->robot;
   }
-  CoveredRobot covered = value_or_throw(load_covered_robot(path, options));
+  CoveredRobot covered =
+      value_or_throw(load_covered_robot(path, options, {}, overrides.on_covered));
   ProblemRobot robot{path, std::move(covered.robot), std::move(covered.notes), {path}};
   if (!options.srdf_path.empty()) robot.files.push_back(options.srdf_path);
   if (!cache) return robot;
@@ -137,7 +139,7 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
     std::map<std::string, double> values;
     for (const auto& [name, value] : fixed_joints->entries()) values[name] = value.finite_number();
     if (fix_joints(result, options, values, *fixed_joints)) {
-      result.robot = load_problem_robot(path, options, overrides.cache.get()).robot;
+      result.robot = load_problem_robot(path, options, overrides).robot;
     }
   }
   for (const std::string& warning : result.robot.warnings()) result.warnings.push_back(warning);

@@ -43,10 +43,10 @@ struct ProblemCache {
 
 namespace mneme::internal {
 
-/// load_covered_robot, whose notes become warnings, or what `cache` (which may be null) has of it.
-/// Throws InputFailure.
+/// load_covered_robot, whose notes become warnings, or what the cache of `overrides` has of it;
+/// otherwise they do not count. Throws InputFailure.
 [[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
-                                              ProblemCache* cache);
+                                              const ProblemOptions& overrides);
 
 /// Reads the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` of `input`, and the robot.
 /// What `options` say stands for what the keys say; paths of the keys are relative to `directory`.
