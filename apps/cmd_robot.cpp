@@ -44,20 +44,6 @@ struct PlanarOptions {
   bool is_json = false;
 };
 
-std::string_view to_string(JointType type) {
-  switch (type) {
-    case JointType::fixed:
-      return "fixed";
-    case JointType::revolute:
-      return "revolute";
-    case JointType::continuous:
-      return "continuous";
-    case JointType::prismatic:
-      return "prismatic";
-  }
-  return "";
-}
-
 // info
 
 const std::string& link_name(const Robot& robot, int link) {

@@ -20,6 +20,8 @@
 namespace mneme {
 
 enum class JointType { fixed, revolute, continuous, prismatic };
+/// As URDF calls it.
+[[nodiscard]] std::string_view to_string(JointType type);
 
 /// A joint whose value follows another one: multiplier * (value of `joint`) + offset.
 struct Mimic {

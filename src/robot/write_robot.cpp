@@ -66,13 +66,8 @@ std::string xml_origin(const Transform& pose) {
 }  // namespace mneme::internal
 
 namespace mneme {
-namespace {
 
-using internal::xml_escaped;
-using internal::xml_origin;
-using internal::xml_vector;
-
-std::string_view type_name(JointType type) {
+std::string_view to_string(JointType type) {
   switch (type) {
     case JointType::fixed:
       return "fixed";
@@ -85,6 +80,12 @@ std::string_view type_name(JointType type) {
   }
   return "fixed";
 }
+
+namespace {
+
+using internal::xml_escaped;
+using internal::xml_origin;
+using internal::xml_vector;
 
 std::string collision(const Transform& pose, const std::string& shape) {
   return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n", xml_origin(pose),
@@ -166,7 +167,7 @@ std::string to_xml(const Joint& joint, const Robot::Parts& parts) {
   return fmt::format(
       "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
       "{}{}  </joint>\n",
-      xml_escaped(joint.name), type_name(joint.type), link_name(joint.parent_link),
+      xml_escaped(joint.name), to_string(joint.type), link_name(joint.parent_link),
       link_name(joint.child_link), origin.empty() ? "" : "    " + origin + "\n",
       motion_to_xml(joint, parts));
 }
