@@ -35,6 +35,22 @@ void refuse_xml(std::string_view text, const std::string& path) {
                    path)}};
 }
 
+/// A file that holds what a scene does, where a problem names its scene.
+void refuse_scene(const Input& input) {
+  if (input.find("scene")) return;
+  for (const char* key : {"obstacles", "circles"}) {
+    const auto found = input.find(key);
+    if (!found) continue;
+    if (input.find("start") || input.find("goal") || input.find("goals")) {
+      found->fail(
+          ErrorCode::invalid,
+          fmt::format("expected it in the problem's scene, as in `scene: {{{}: ..}}`", key));
+    }
+    input.fail(ErrorCode::invalid,
+               "this is a scene; expected a problem, which names robot, scene, start and goal");
+  }
+}
+
 Problem read_problem_file(const std::string& path, const ProblemOptions& options) {
   const auto text = internal::value_or_throw(internal::read_text_file(path));
   refuse_xml(text, path);
@@ -47,10 +63,7 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
     input.fail(ErrorCode::invalid,
                "this is a planning scene without start and goal; expected its motion plan request");
   }
-  if (!input.find("scene") && (input.find("obstacles") || input.find("circles"))) {
-    input.fail(ErrorCode::invalid,
-               "this is a scene; expected a problem, which names robot, scene, start and goal");
-  }
+  refuse_scene(input);
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
                     "start", "goal", "goals", "allow", "attached", "constraints", "self_filter"});
   const auto named = input.find("name");

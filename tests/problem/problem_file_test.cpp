@@ -412,6 +412,9 @@ TEST_SUITE("unit") {
     CHECK(failure("circles: {a: [1, 2, 1]}") ==
           "p.yaml:1: this is a scene; expected a problem, which names robot, scene, start and "
           "goal");
+    CHECK(
+        failure(rest + "circles: {a: [1, 2, 1]}") ==
+        "p.yaml:4: key circles: expected it in the problem's scene, as in `scene: {circles: ..}`");
     CHECK(failure("") == "p.yaml:1: expected a map, got nothing");
   }
 
