@@ -96,15 +96,23 @@ void add_nodes(const std::vector<Part>& list, PartTree& result) {
   }
 }
 
+/// Of a triangle's plane, of any length; zero of a sliver, whose plane rounding leaves uncertain.
+Vec3 normal_of(const Triangle& t) {
+  constexpr double kLeastSine2 = 1e-12;
+  const Vec3 u = t.b - t.a, v = t.c - t.a, normal = u.cross(v);
+  const bool is_certain = normal.squaredNorm() > kLeastSine2 * u.squaredNorm() * v.squaredNorm();
+  return is_certain ? normal : Vec3::Zero();
+}
+
 bool fills_its_box(const Cube&) { return true; }
 bool fills_its_box(const Triangle& t) {
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a).cwiseAbs();
+  const Vec3 normal = normal_of(t).cwiseAbs();
   return normal.maxCoeff() > (1 - 1e-6) * normal.sum();
 }
 
-/// True if a cube of half the edge `half` lies on one side of the part's plane.
+/// True if a cube of half the edge `half` surely lies on one side of the part's plane.
 bool is_beside(const Triangle& t, const Vec3& center, double half) {
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+  const Vec3 normal = normal_of(t);
   return std::abs(normal.dot(center - t.a)) > half * normal.lpNorm<1>();
 }
 bool is_beside(const Cube&, const Vec3&, double) { return false; }

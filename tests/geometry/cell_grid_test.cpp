@@ -166,10 +166,13 @@ TEST_SUITE("law") {
   TEST_CASE("octants that a triangle runs through are occupied, and no others but near it") {
     Rng rng(73);
     int far = 0, occupied = 0;
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < 80; ++round) {
       const Vec3 at = random_vector(rng, 0.3);
       const double size = round % 2 == 0 ? 0.6 : 0.05;
-      const Triangle t{at, at + random_vector(rng, size), at + random_vector(rng, size)};
+      Triangle t{at, at + random_vector(rng, size), at + random_vector(rng, size)};
+      if (round % 4 == 2) {  // a sliver
+        t.c = t.a + 0.5 * (t.b - t.a) + random_vector(rng, std::pow(10, rng.uniform(-17, -5)));
+      }
       const Parts<Triangle> mesh({t});
       const auto tree = internal::share_grid(mesh, {Vec3::Constant(-1), Vec3::Constant(1)});
       const CellGrid& grid = tree->cells;
