@@ -137,10 +137,7 @@ Result<StoreState> recount(StoreTransaction& transaction) {
           });
   if (!counted) return tl::unexpected(counted.error());
   StoreState state = tally.found();
-  // Without the old epoch, one that was certainly never in use.
-  state.epoch =
-      head ? head->epoch + 1
-           : std::chrono::system_clock::now().time_since_epoch() / std::chrono::microseconds(1);
+  state.epoch = next_epoch(head ? &*head : nullptr);
   if (head) {
     state.generation = head->generation;
     state.last_row = std::max(state.last_row, head->last_row);
@@ -155,6 +152,11 @@ Result<StoreState> recount(StoreTransaction& transaction) {
 std::string current_time() {
   const auto time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
+}
+
+std::int64_t next_epoch(const StoreState* old_head) {
+  if (old_head != nullptr) return old_head->epoch + 1;
+  return std::chrono::system_clock::now().time_since_epoch() / std::chrono::microseconds(1);
 }
 
 Result<void> prepare_rows(std::vector<Experience>& rows, const ExperienceSpace& space) {

@@ -54,6 +54,9 @@ struct Burial {
 /// Now, UTC, ISO 8601.
 [[nodiscard]] std::string current_time();
 
+/// The epoch after that of `old_head`; without one (null), one that was certainly never in use.
+[[nodiscard]] std::int64_t next_epoch(const StoreState* old_head);
+
 /// Adds rows that `target` does not have, in one transaction, and counts them. The rows must be
 /// sound.
 [[nodiscard]] Result<void> merge_rows(Store& target, std::span<const Experience> rows,

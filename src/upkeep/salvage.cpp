@@ -7,13 +7,13 @@
 #include "store/sqlite_connection.h"
 #include "store/sqlite_store.h"
 #include "store/store_reads.h"
+#include "store/store_writes.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -263,10 +263,7 @@ class Salvage {
     StoreState state = tally_.found();
     state.generation = std::max(state.generation, old_head_.generation) + 1;
     state.last_row = std::max(state.last_row, old_head_.last_row);
-    // Without the old epoch, one that was certainly never in use.
-    state.epoch = rows_.head() ? old_head_.epoch + 1
-                               : std::chrono::system_clock::now().time_since_epoch() /
-                                     std::chrono::microseconds(1);
+    state.epoch = next_epoch(rows_.head() ? &old_head_ : nullptr);
     return state;
   }
 

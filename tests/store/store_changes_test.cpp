@@ -229,6 +229,15 @@ TEST_SUITE("unit") {
     CHECK(summary.added == 3);
     CHECK(summary.replaced == 1);
   }
+
+  TEST_CASE("an epoch follows that of the old head, and is new where that is lost") {
+    StoreState head;
+    head.epoch = 6;
+    CHECK(internal::next_epoch(&head) == 7);
+    const std::int64_t first = internal::next_epoch(nullptr);
+    CHECK(first > std::int64_t{1} << 40);
+    CHECK(internal::next_epoch(nullptr) >= first);
+  }
 }
 
 }  // namespace mneme::test
