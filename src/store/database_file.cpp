@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/database_file.h"
 
+#include "store/new_file.h"
+
 #include <fmt/format.h>
 
-#include <fcntl.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <system_error>
 
 namespace mneme::internal {
@@ -102,16 +102,6 @@ std::string free_name(const std::string& path, const std::string& suffix) {
     name = fmt::format("{}.{}.{}", path, suffix, i);
   }
   return name;
-}
-
-/// Makes a new name in a directory survive a loss of power. A file system that cannot do so has its
-/// own rules.
-void sync_directory_of(const std::string& path) {
-  const auto directory = std::filesystem::path(path).parent_path();
-  const int file = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
-  if (file < 0) return;
-  (void)::fsync(file);
-  (void)::close(file);
 }
 
 }  // namespace

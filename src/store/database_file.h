@@ -6,7 +6,10 @@
 
 #include "store/sqlite_connection.h"
 
+#include <array>
+#include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace mneme::internal {

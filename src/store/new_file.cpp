@@ -4,12 +4,42 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
 
 namespace mneme::internal {
+namespace {
+
+bool is_named(int file, const std::string& path) {
+  struct stat opened {};
+  struct stat named {};
+  return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/// Opens a file that only one writer at a time has, and may be what a killed one left. Where files
+/// cannot be locked, they have to take turns by themselves. Negative, with errno, if it cannot be
+/// opened; EWOULDBLOCK if another writer has it.
+int open_alone(const std::string& path) {
+  for (;;) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) return file;
+    const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    // Before it was locked, another writer may have finished or removed it.
+    if (!is_taken && is_named(file, path)) return file;
+    (void)::close(file);
+    if (!is_taken) continue;
+    errno = EWOULDBLOCK;
+    return -1;
+  }
+}
+
+}  // namespace
 
 Result<NewFile> NewFile::create(const std::string& path) {
   std::error_code ignored;
@@ -21,8 +51,17 @@ Result<NewFile> NewFile::create(const std::string& path) {
   NewFile file;
   file.path_ = path;
   file.written_path_ = is_special ? path : path + ".unfinished";
-  file.file_.reset(std::fopen(file.written_path_.c_str(), "wb"));
-  if (file.file_ == nullptr) return file.error();
+  if (is_special) {
+    file.file_.reset(std::fopen(path.c_str(), "wb"));
+    if (file.file_ == nullptr) return file.error();
+    return file;
+  }
+  const int alone = open_alone(file.written_path_);
+  if (alone < 0 && errno == EWOULDBLOCK) {
+    return fail(ErrorCode::io, fmt::format("{}: is being written by another process", path));
+  }
+  if (alone >= 0) file.file_.reset(::fdopen(alone, "wb"));
+  if (file.file_ == nullptr || ::ftruncate(alone, 0) != 0) return file.error();
   return file;
 }
 
@@ -43,12 +82,21 @@ Result<void> NewFile::finish() {
   if (::fsync(::fileno(file_.get())) != 0) return error();
   if (std::rename(written_path_.c_str(), path_.c_str()) != 0) return error();
   file_.reset();
+  sync_directory_of(path_);
   return {};
 }
 
 tl::unexpected<Error> NewFile::error() const {
   return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_,
                                          std::generic_category().message(errno)));
+}
+
+void sync_directory_of(const std::string& path) {
+  const auto directory = std::filesystem::path(path).parent_path();
+  const int file = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
+  if (file < 0) return;
+  (void)::fsync(file);
+  (void)::close(file);
 }
 
 }  // namespace mneme::internal

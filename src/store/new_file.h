@@ -13,10 +13,11 @@
 
 namespace mneme::internal {
 
-/// Writes beside `path` and takes its name at the end; a link, and whatever is no regular
+/// Writes `path.unfinished` and gives it its name at the end; a link, and whatever is no regular
 /// file, such as /dev/stdout, is written directly. Errors name `path`.
 class NewFile {
  public:
+  /// Errors: io, also while another process, or another NewFile, writes `path`.
   [[nodiscard]] static Result<NewFile> create(const std::string& path);
   NewFile(NewFile&&) noexcept = default;
   NewFile& operator=(NewFile&&) = delete;
@@ -24,7 +25,7 @@ class NewFile {
   ~NewFile();
 
   [[nodiscard]] Result<void> write(std::string_view bytes);
-  /// Puts it on the disk and gives it its name.
+  /// Puts it on the disk and gives it its name, which survives a loss of power.
   [[nodiscard]] Result<void> finish();
 
  private:
@@ -37,5 +38,9 @@ class NewFile {
   std::string written_path_;  // empty once it is finished
   std::unique_ptr<std::FILE, Close> file_;
 };
+
+/// Makes a new name in a directory survive a loss of power. A file system that cannot do so has its
+/// own rules.
+void sync_directory_of(const std::string& path);
 
 }  // namespace mneme::internal

@@ -27,6 +27,35 @@ TEST_SUITE("unit") {
     CHECK(!std::filesystem::exists(path + ".unfinished"));
   }
 
+  TEST_CASE("two who write one file at a time do not write into each other's") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a";
+    auto first = NewFile::create(path);
+    REQUIRE(first->write("first"));
+    auto second = NewFile::create(path);
+    REQUIRE(!second.has_value());
+    CHECK(second.error().code == ErrorCode::io);
+    CHECK(second.error().message == path + ": is being written by another process");
+    REQUIRE(first->finish());
+    CHECK(read_file(path) == "first");
+    auto later = NewFile::create(path);
+    REQUIRE(later->write("2"));
+    CHECK(read_file(path) == "first");
+    REQUIRE(later->finish());
+    CHECK(read_file(path) == "2");
+  }
+
+  TEST_CASE("what a killed process left unfinished is taken over") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a";
+    write_file(path + ".unfinished", "much that nobody needs any more");
+    auto file = NewFile::create(path);
+    REQUIRE(file->write("new"));
+    REQUIRE(file->finish());
+    CHECK(read_file(path) == "new");
+    CHECK(!std::filesystem::exists(path + ".unfinished"));
+  }
+
   TEST_CASE("a link is written through and stays a link") {
     const TemporaryDirectory directory;
     write_file(directory / "a", "old");
