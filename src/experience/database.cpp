@@ -70,7 +70,7 @@ internal::KeySizes sizes_of(const KindIndexes& kinds) {
 /// What is not const belongs to whoever holds `writing`, but for the index: whoever searches takes
 /// the one that is there, and goes on with it while the next one is made.
 struct Database::State {
-  State(internal::OpenedStore opened, const std::string& asked_url,
+  State(internal::OpenedStore opened, const std::string& lasting_url,
         const DatabaseSettings& settings);
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -97,7 +97,7 @@ struct Database::State {
   [[nodiscard]] bool is_partial() const { return is_too_large || rows.cache().is_full(); }
   [[nodiscard]] std::unordered_set<std::int64_t> known_ids() const;
 
-  const std::string url;
+  const std::string url;  ///< for messages
   const ExperienceSpace space;
   const bool is_too_large;
   std::atomic<std::uint64_t> iterations = 0;  ///< since a row was earned
@@ -114,13 +114,13 @@ struct Database::State {
   std::shared_ptr<const KindIndexes> published;  // never null
 };
 
-Database::State::State(internal::OpenedStore opened, const std::string& asked_url,
+Database::State::State(internal::OpenedStore opened, const std::string& lasting_url,
                        const DatabaseSettings& settings)
     : url(opened.store->name()),
       space(std::move(opened.space)),
       is_too_large(opened.store->bytes().value_or(0) > settings.memory_bytes),
-      index_file(internal::index_file_of(asked_url)),
-      rows(asked_url, space, settings.memory_bytes),
+      index_file(internal::index_file_of(lasting_url)),
+      rows(lasting_url, space, settings.memory_bytes),
       schema_version(opened.schema_version),
       store(std::move(opened.store)),
       published(std::make_shared<const KindIndexes>()) {}
@@ -258,7 +258,7 @@ Result<Database> Database::load(Result<internal::OpenedStore> opened, const std:
                                 const DatabaseSettings& settings) {
   if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
   const bool is_empty = opened->schema_version == 0;
-  auto state = std::make_unique<State>(std::move(*opened), url, settings);
+  auto state = std::make_unique<State>(std::move(*opened), internal::lasting_url(url), settings);
   if (!is_empty) {
     const auto read = state->read();
     if (!read) return tl::unexpected(internal::with_advice(read.error(), url));

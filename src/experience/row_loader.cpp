@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -96,25 +96,13 @@ bool ExperienceCache::is_full() const {
   return is_full_;
 }
 
-namespace {
-
-/// A name that stays right when the process changes its directory.
-std::string lasting_url(const std::string& url) {
-  if (engine_of(url) != Engine::sqlite) return url;
-  std::error_code error;
-  const auto path = std::filesystem::absolute(url, error);
-  return error ? url : path.string();
-}
-
-}  // namespace
-
 struct RowLoader::Reading {
   std::map<std::int64_t, SharedExperience> rows;
   std::map<std::int64_t, std::string> flaws;
 };
 
-RowLoader::RowLoader(const std::string& url, ExperienceSpace space, std::int64_t capacity_bytes)
-    : url_(lasting_url(url)), space_(std::move(space)), cache_(capacity_bytes) {}
+RowLoader::RowLoader(std::string url, ExperienceSpace space, std::int64_t capacity_bytes)
+    : url_(std::move(url)), space_(std::move(space)), cache_(capacity_bytes) {}
 
 Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64_t> ids,
                                                       bool is_kept) const {

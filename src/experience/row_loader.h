@@ -51,7 +51,8 @@ class ExperienceCache {
 /// Thread-safe.
 class RowLoader {
  public:
-  RowLoader(const std::string& url, ExperienceSpace space, std::int64_t capacity_bytes);
+  /// `url` has to stay right when the process changes its directory.
+  RowLoader(std::string url, ExperienceSpace space, std::int64_t capacity_bytes);
 
   [[nodiscard]] ExperienceCache& cache() const { return cache_; }
   /// Rows whose ids were known in `epoch` may have been removed in a later one.

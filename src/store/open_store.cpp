@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <system_error>
 
 namespace mneme::internal {
 namespace {
@@ -34,6 +36,13 @@ Result<Engine> engine_of(const std::string& url) {
               fmt::format("{}: databases of kind '{}' are not supported; expected the path of an "
                           "SQLite file or postgresql://...",
                           without_password(url), scheme));
+}
+
+std::string lasting_url(const std::string& url) {
+  if (engine_of(url) != Engine::sqlite) return url;
+  std::error_code error;
+  const auto path = std::filesystem::absolute(url, error);
+  return error ? url : path.string();
 }
 
 std::string without_password(const std::string& url) {

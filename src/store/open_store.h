@@ -44,6 +44,9 @@ enum class Engine { sqlite, postgresql };
 /// "://". Errors: unsupported for other schemes than postgresql and postgres.
 [[nodiscard]] Result<Engine> engine_of(const std::string& url);
 
+/// The same database by a name that stays right when the process changes its directory.
+[[nodiscard]] std::string lasting_url(const std::string& url);
+
 /// A PostgreSQL URL for messages: with asterisks for the password.
 [[nodiscard]] std::string without_password(const std::string& url);
 

@@ -156,9 +156,12 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
     // Only then does SQLite read pages of a file that was cut short. No statement reads its tables.
     sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);
     sqlite3_db_config(handle, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
   return connection;
 }
+
+std::string Connection::lasting_path() const { return sqlite3_db_filename(handle_.get(), "main"); }
 
 Result<void> Connection::execute(const char* sql) {
   const int status = sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr);

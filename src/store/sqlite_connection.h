@@ -54,13 +54,17 @@ class Connection {
  public:
   enum class Access { read_write, create, immutable, damaged };
   /// Opening reads nothing yet: the first statement does. `immutable` reads a file that nobody
-  /// writes, without locks or files beside it. `damaged` is for copies alone, and bears a file
-  /// that is shorter than its header says. Waits `kBusyTimeoutMs` for other processes.
+  /// writes, without locks or files beside it. `damaged` is for copies alone, bears a file that is
+  /// shorter than its header says, and changes nothing until the file is replaced. Waits
+  /// `kBusyTimeoutMs` for other processes.
   [[nodiscard]] static Result<Connection> open(const std::string& path, Access access);
 
   static constexpr int kBusyTimeoutMs = 10000;
 
+  /// As it was asked for: for messages.
   [[nodiscard]] const std::string& path() const { return *path_; }
+  /// The file's name, which stays right when the process changes its directory.
+  [[nodiscard]] std::string lasting_path() const;
   [[nodiscard]] Result<void> execute(const char* sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
   /// The first column of the first row.

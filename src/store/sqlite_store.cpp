@@ -328,7 +328,7 @@ class SqliteStore final : public Store {
     return std::make_unique<SqliteTransaction>(connection_, std::move(*transaction), *version == 0);
   }
 
-  Result<std::int64_t> bytes() override { return bytes_on_disk(name()); }
+  Result<std::int64_t> bytes() override { return bytes_on_disk(connection_.lasting_path()); }
 
   Result<void> check_structure(std::vector<Damage>& damages) override {
     auto statement = connection_.prepare("PRAGMA integrity_check");
@@ -349,7 +349,7 @@ class SqliteStore final : public Store {
   /// What SQLite reads as immutable it never looks at again by itself.
   Result<void> look_again() {
     if (!connection_.is_immutable()) return {};
-    auto connection = open_for_reading(name());
+    auto connection = open_for_reading(connection_.lasting_path());
     if (!connection) return tl::unexpected(connection.error());
     connection_ = std::move(*connection);
     return {};

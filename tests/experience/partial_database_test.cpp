@@ -111,6 +111,23 @@ TEST_SUITE("unit") {
     CHECK(saved->kinds.at(kPairs).size() == 300);
   }
 
+  TEST_CASE("a change of the directory does not change which files are meant") {
+    const TemporaryDirectory directory;
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(directory / "");
+    {
+      Rng rng(115);
+      Database database = open_partly("a.db", OpenMode::create);
+      std::filesystem::current_path(before);
+      REQUIRE(database.insert(random_rows(rng, 20)));
+      CHECK(database.get(3).has_value());
+      CHECK(database.info().bytes > 8192);
+      CHECK(database.info().url == "a.db");
+    }
+    CHECK(!std::filesystem::exists(internal::index_file_of("a.db")));
+    CHECK(std::filesystem::exists(internal::index_file_of(directory / "a.db")));
+  }
+
   TEST_CASE("an index that is behind is read on from where it stands") {
     const TemporaryDirectory directory;
     fill(directory / "a.db", 100);

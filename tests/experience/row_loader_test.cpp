@@ -180,16 +180,6 @@ TEST_SUITE("unit") {
     const RowLoader loader(directory / "none.db", arm_space(), kMuch);
     CHECK(load_error(loader, 1).code == ErrorCode::io);
   }
-
-  TEST_CASE("a change of the directory does not change which file is meant") {
-    const TemporaryDirectory directory;
-    fill(directory / "a.db");
-    const auto before = std::filesystem::current_path();
-    std::filesystem::current_path(directory / "");
-    const RowLoader loader("a.db", arm_space(), kMuch);
-    std::filesystem::current_path(before);
-    CHECK(ids_of(loader, {1}) == std::vector<std::int64_t>{1});
-  }
 }
 
 }  // namespace mneme::test

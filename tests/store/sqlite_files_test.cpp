@@ -229,6 +229,16 @@ TEST_SUITE("unit") {
           }) == 0);
   }
 
+  TEST_CASE("what is read without locks is read again whatever the directory is by then") {
+    const LockedDirectory locked;
+    CHECK(as_ordinary_user([&] {
+            std::filesystem::current_path(locked.directory / "");
+            auto database = Database::open("a.db", arm_space(), OpenMode::read_only);
+            std::filesystem::current_path("/");
+            return database && database->refresh() && database->info().bytes > 8192 ? 0 : 1;
+          }) == 0);
+  }
+
   TEST_CASE("a writable database in a read-only directory is refused to writers") {
     const LockedDirectory locked;
     permit(locked.path, 0666);
