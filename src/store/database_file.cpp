@@ -20,8 +20,6 @@ std::int64_t size_or_zero(const std::string& path) {
   return missing ? 0 : static_cast<std::int64_t>(size);
 }
 
-std::string log_path(const std::string& path) { return path + "-wal"; }
-
 /// Only asks about the file: opening and closing it here would drop the locks that this process may
 /// hold on it.
 Result<void> check_access(const std::string& path, int access, const char* verb) {
@@ -57,6 +55,12 @@ constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronou
 
 }  // namespace
 
+std::string log_path(const std::string& path) {
+  std::error_code error;
+  const auto file = std::filesystem::canonical(path, error);
+  return (error ? path : file.string()) + "-wal";
+}
+
 Result<Connection> open_for_reading(const std::string& path) {
   const auto checked = check_access(path, R_OK, "read");
   if (!checked) return tl::unexpected(checked.error());
@@ -91,6 +95,18 @@ Result<Connection> open_for_writing(const std::string& path, bool can_create) {
 
 std::int64_t bytes_on_disk(const std::string& path) {
   return size_or_zero(path) + size_or_zero(log_path(path));
+}
+
+FileStamp stamp_of(const std::string& path) {
+  FileStamp stamp;
+  const std::array files = {path, log_path(path)};
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    stamp.bytes[i] = size_or_zero(files[i]);
+    std::error_code ignored;
+    // An empty log says as much as none.
+    if (stamp.bytes[i] > 0) stamp.times[i] = std::filesystem::last_write_time(files[i], ignored);
+  }
+  return stamp;
 }
 
 namespace {

@@ -22,8 +22,22 @@ namespace mneme::internal {
 /// open_for_reading, and io if it may not be written.
 [[nodiscard]] Result<Connection> open_for_writing(const std::string& path, bool can_create);
 
+/// The write-ahead log of a file, which stands beside what a link leads to.
+[[nodiscard]] std::string log_path(const std::string& path);
+
 /// Bytes of the file and of its write-ahead log.
 [[nodiscard]] std::int64_t bytes_on_disk(const std::string& path);
+
+/// Sizes and times of the file and of its write-ahead log: every commit changes them, if it comes
+/// at least kStampStep after the one before.
+struct FileStamp {
+  std::array<std::int64_t, 2> bytes{};
+  std::array<std::filesystem::file_time_type, 2> times{};
+  bool operator==(const FileStamp&) const = default;
+};
+[[nodiscard]] FileStamp stamp_of(const std::string& path);
+/// Longer than the steps of the clock by which a kernel notes the times of files.
+inline constexpr std::chrono::milliseconds kStampStep{20};
 
 /// Copies what `source` holds to `PATH.suffix`, or `PATH.suffix.2` and so on if that is taken, and
 /// returns the name. The copy is on the disk, whole, before it has that name.

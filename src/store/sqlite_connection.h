@@ -10,6 +10,7 @@ struct sqlite3_stmt;
 #include "mneme/base.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -77,10 +78,12 @@ class Connection {
   [[nodiscard]] bool is_immutable() const { return is_immutable_; }
   /// Makes the file, in one transaction, a copy of what `source` holds, page by page.
   [[nodiscard]] Result<void> copy_from(Connection& source);
-  /// The same if not even the header of this file can be read.
-  [[nodiscard]] Result<void> replace_by(Connection& source);
+  /// The same if not even the header of this file can be read. `is_due` is asked once nobody else
+  /// can write; if it says no, the file stays as it is, and the result is false.
+  [[nodiscard]] Result<bool> replace_by(Connection& source, const std::function<bool()>& is_due);
 
  private:
+  [[nodiscard]] Result<bool> copy_if(Connection& source, const std::function<bool()>& is_due);
   struct Close {
     void operator()(sqlite3* handle) const;
   };

@@ -18,6 +18,7 @@
 #include <fstream>
 #include <set>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace mneme::internal {
@@ -308,8 +309,9 @@ Result<std::string> copy_under_mended_header(const std::string& path) {
   const auto copy = [&]() -> Result<std::string> {
     std::error_code error;
     fs::copy_file(path, raw, error);
-    const bool has_log = !error && fs::exists(path + "-wal", error);
-    if (has_log) fs::copy_file(path + "-wal", raw + "-wal", error);
+    const std::string log = log_path(path);
+    const bool has_log = !error && fs::exists(log, error);
+    if (has_log) fs::copy_file(log, raw + "-wal", error);
     if (error) {
       return fail(ErrorCode::io, fmt::format("{}: cannot be copied: {}", path, error.message()));
     }
@@ -340,33 +342,63 @@ Result<std::string> copy_damaged(const std::string& path) {
   return copy_under_mended_header(path);
 }
 
-}  // namespace
+/// Puts a file with what can be saved in the place of `path`, which must still have that stamp once
+/// nobody else can write to it: otherwise leaves it as it is and returns false.
+Result<bool> replace_file(const std::string& path, const FileStamp& stamp, Salvage& salvage) {
+  const std::string fresh = path + ".salvage";
+  remove_with_logs(fresh);
+  const auto replaced = [&]() -> Result<bool> {
+    auto target = Connection::open(fresh, Connection::Access::create);
+    if (!target) return tl::unexpected(target.error());
+    const auto saved = salvage.save_to(*target);
+    if (!saved) return tl::unexpected(saved.error());
+    auto original = Connection::open(path, Connection::Access::damaged);
+    if (!original) return tl::unexpected(original.error());
+    return original->replace_by(*target, [&] { return stamp_of(path) == stamp; });
+  }();
+  remove_with_logs(fresh);
+  return replaced;
+}
 
-Result<std::string> salvage_file(const std::string& path, std::vector<Damage>& damages) {
-  const auto copy = copy_damaged(path);
-  if (!copy) return copy;
+/// What salvage_file() does. Nothing, and nothing is changed, if others wrote to the file
+/// meanwhile.
+Result<std::optional<std::string>> try_salvage(const std::string& path,
+                                               std::vector<Damage>& damages) {
+  const FileStamp stamp = stamp_of(path);
+  std::this_thread::sleep_for(kStampStep);
+  auto copy = copy_damaged(path);
+  if (!copy) return tl::unexpected(copy.error());
   auto rows = CarvedRows::read(*copy);
   if (!rows) {
     remove_with_logs(*copy);
     return fail(rows.error().code, fmt::format("{}: {}", path, rows.error().message));
   }
-  const std::string fresh = path + ".salvage";
-  remove_with_logs(fresh);
-  Salvage salvage(*rows, damages);
-  const auto replaced = [&]() -> Result<void> {
-    auto target = Connection::open(fresh, Connection::Access::create);
-    if (!target) return tl::unexpected(target.error());
-    const auto saved = salvage.save_to(*target);
-    if (!saved) return saved;
-    auto original = Connection::open(path, Connection::Access::damaged);
-    if (!original) return tl::unexpected(original.error());
-    return original->replace_by(*target);
-  }();
-  remove_with_logs(fresh);
+  std::vector<Damage> found = damages;
+  Salvage salvage(*rows, found);
+  const auto replaced = replace_file(path, stamp, salvage);
   if (!replaced) return tl::unexpected(replaced.error());
+  if (!*replaced) {
+    remove_with_logs(*copy);
+    return std::nullopt;
+  }
+  damages = std::move(found);
   damages.push_back(
       {0, fmt::format("{}; {} is what was there before", salvage.summary(), *copy), false});
-  return copy;
+  return std::optional(std::move(*copy));
+}
+
+}  // namespace
+
+Result<std::string> salvage_file(const std::string& path, std::vector<Damage>& damages) {
+  constexpr int kMostAttempts = 3;
+  for (int i = 0; i < kMostAttempts; ++i) {
+    auto copy = try_salvage(path, damages);
+    if (!copy) return tl::unexpected(copy.error());
+    if (*copy) return std::move(**copy);
+  }
+  return fail(
+      ErrorCode::io,
+      fmt::format("{}: others wrote to it whenever it was built anew; stop them first", path));
 }
 
 }  // namespace mneme::internal

@@ -65,8 +65,8 @@ class CarvedRows {
 /// under its id, in one transaction. Rows are read from the leaves they stand in, so that a damaged
 /// header or schema, or lost pages, cost no other rows. Adds what cannot be saved to `damages`,
 /// unless it is named there already, and takes out of it what could be saved. Returns the name of a
-/// copy of the old file. Errors: corrupt, and nothing is changed, if not even the space can be
-/// read; io.
+/// copy of the old file. If others write to the file meanwhile, starts over. Errors: corrupt, and
+/// nothing is changed, if not even the space can be read; io, also if others go on writing.
 [[nodiscard]] Result<std::string> salvage_file(const std::string& path,
                                                std::vector<Damage>& damages);
 

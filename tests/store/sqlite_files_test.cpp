@@ -7,6 +7,7 @@
 #include "store/sqlite_connection.h"
 
 #include <sys/stat.h>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -278,12 +279,57 @@ TEST_SUITE("unit") {
     write_file(directory / "a.db-wal", std::string(20, 'x'));
     CHECK(internal::bytes_on_disk(directory / "a.db") == 120);
     CHECK(internal::bytes_on_disk(directory / "b.db") == 0);
+    std::filesystem::create_symlink(directory / "a.db", directory / "link.db");
+    CHECK(internal::bytes_on_disk(directory / "link.db") == 120);
   }
 }
 
 using internal::Connection;
 
 TEST_SUITE("unit") {
+  TEST_CASE("a stamp changes with every commit, but not with an empty log") {
+    const TemporaryDirectory directory;
+    Rng rng(19);
+    Database database = open_database(directory / "a.db");
+    auto stamp = internal::stamp_of(directory / "a.db");
+    for (int i = 0; i < 3; ++i) {
+      std::this_thread::sleep_for(internal::kStampStep);
+      REQUIRE(database.insert(random_rows(rng, 1)));
+      const auto next = internal::stamp_of(directory / "a.db");
+      CHECK(next != stamp);
+      CHECK(internal::stamp_of(directory / "a.db") == next);
+      stamp = next;
+    }
+    write_file(directory / "b.db", "x");
+    stamp = internal::stamp_of(directory / "b.db");
+    write_file(directory / "b.db-wal", "");
+    CHECK(internal::stamp_of(directory / "b.db") == stamp);
+    write_file(directory / "b.db-wal", "x");
+    CHECK(internal::stamp_of(directory / "b.db") != stamp);
+  }
+
+  TEST_CASE("a file is replaced only if that is due once nobody else can write") {
+    const TemporaryDirectory directory;
+    Rng rng(20);
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert(random_rows(rng, 3)));
+    REQUIRE(open_database(directory / "b.db").insert(random_rows(rng, 5)));
+    auto file = Connection::open(directory / "a.db", Connection::Access::damaged);
+    auto source = Connection::open(directory / "b.db", Connection::Access::read_write);
+    auto other = Connection::open(directory / "a.db", Connection::Access::read_write);
+    REQUIRE(other->execute("PRAGMA busy_timeout = 0"));
+    bool is_locked = false;
+    const auto refuse = [&] {
+      is_locked = !other->execute("BEGIN IMMEDIATE");
+      return false;
+    };
+    CHECK(file->replace_by(*source, refuse) == false);
+    CHECK(is_locked);
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 3);
+    CHECK(file->replace_by(*source, [] { return true; }) == true);
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 5);
+  }
+
   TEST_CASE("a copy holds what was committed by then, under a free name") {
     const TemporaryDirectory directory;
     Rng rng(18);

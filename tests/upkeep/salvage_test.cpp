@@ -5,6 +5,9 @@
 #include "store/fixtures.h"
 #include "upkeep/salvage.h"
 
+#include <atomic>
+#include <thread>
+
 namespace mneme::test {
 namespace {
 
@@ -22,6 +25,9 @@ std::string flaw_of(CarvedRows& rows, std::int64_t id) {
   Experience experience;
   return internal::decode(*row, rows.space(), experience).value_or("");
 }
+
+/// Rows that take a while to build a file of.
+constexpr int kMany = 1000;
 
 void create_filled(const std::string& path) {
   Rng rng(24);
@@ -221,6 +227,59 @@ TEST_SUITE("unit") {
     const Database database = open_database(directory / "b.db", OpenMode::read_only);
     REQUIRE(database.size() == 12);
     CHECK(is_same_content(*database.get(11), rows[11]));
+  }
+
+  TEST_CASE("what others insert while a file is built anew is saved, too") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    Rng rng(25);
+    Database writer = open_database(path);
+    REQUIRE(writer.insert(random_rows(rng, kMany, 30)));
+    const auto late = random_rows(rng, 1);
+    bool is_inserted = false;
+    std::vector<Damage> damages;
+    std::jthread thread([&](const std::stop_token& stop) {
+      while (!std::filesystem::exists(path + ".damaged")) {
+        if (stop.stop_requested()) return;
+        std::this_thread::yield();
+      }
+      is_inserted = writer.insert(late).has_value();
+    });
+    const auto copy = internal::salvage_file(path, damages);
+    thread.join();
+    REQUIRE_MESSAGE(copy.has_value(), (copy ? "" : copy.error().message));
+    CHECK(*copy == path + ".damaged");
+    CHECK(damages.size() == 1);
+    REQUIRE(is_inserted);
+    CHECK(open_database(path, OpenMode::read_only).size() == kMany + 1);
+    CHECK(verify_database(path)->empty());
+  }
+
+  TEST_CASE("a file that others go on writing to is not replaced") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    Rng rng(26);
+    Database writer = open_database(path);
+    REQUIRE(writer.insert(random_rows(rng, kMany, 30)));
+    std::atomic<int> acknowledged = 0;
+    std::vector<Damage> damages;
+    std::jthread thread([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        if (writer.insert(random_rows(rng, 1))) ++acknowledged;
+      }
+    });
+    const auto copy = internal::salvage_file(path, damages);
+    thread.request_stop();
+    thread.join();
+    REQUIRE(!copy.has_value());
+    CHECK(copy.error().code == ErrorCode::io);
+    CHECK(copy.error().message.find(path + ": others wrote to it") == 0);
+    CHECK(damages.empty());
+    for (const char* suffix : {".damaged", ".salvage"}) {
+      CHECK(!std::filesystem::exists(path + suffix));
+    }
+    CHECK(open_database(path, OpenMode::read_only).size() == kMany + acknowledged);
+    CHECK(verify_database(path)->empty());
   }
 
   TEST_CASE("whoever is killed while they build a file anew loses nothing") {
