@@ -182,6 +182,7 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   add_shapes(object, "primitives", "primitive_poses", X_FO, primitive, result);
   add_shapes(object, "meshes", "mesh_poses", X_FO, read_moveit_mesh, result);
   add_shapes(object, "planes", "plane_poses", X_FO, read_moveit_plane, result);
+  result.plane_count = items_if_any(object, "planes").size();
   if (result.obstacle.shapes.empty() && !may_be_empty) {
     object.fail(ErrorCode::parse,
                 fmt::format("object \"{}\": expected at least one primitive, mesh or plane", id));

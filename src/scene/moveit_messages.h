@@ -9,6 +9,7 @@
 
 #include "scene/input.h"
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -30,6 +31,7 @@ struct MoveitObject {
   Obstacle obstacle;  ///< in `frame`
   std::string frame;
   Input place;
+  std::size_t plane_count = 0;  ///< so many of its shapes, the last ones, stand for endless planes
 };
 
 /// An object that a link carries. Without shapes it is the world's object of this name.

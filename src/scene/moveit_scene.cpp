@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 namespace mneme::internal {
 namespace {
 
@@ -110,12 +112,27 @@ MoveitScene read_moveit_scene(const Input& input, const std::string& default_nam
   return scene;
 }
 
+namespace {
+
+/// The obstacle in the frame of the root, where planes are centred at the foot of its origin.
+Obstacle placed(const Transform& X_RF, const MoveitObject& object) {
+  Obstacle obstacle = moved(X_RF, object.obstacle);
+  for (Shape& plane : std::span(obstacle.shapes).last(object.plane_count)) {
+    Transform& pose = std::get<Box>(plane).pose;
+    const Vec3 normal = pose.rotation.col(2);
+    pose.translation = normal.dot(pose.translation) * normal;
+  }
+  return obstacle;
+}
+
+}  // namespace
+
 Scene place_objects(const MoveitScene& scene, const MoveitFrames& frames,
                     const FindLink& find_link) {
   Scene result{scene.name, {}};
   for (const MoveitObject& object : scene.objects) {
     const Transform X_RF = frames.pose_in_root(object.frame, object.place, find_link);
-    result.obstacles.push_back(moved(X_RF, object.obstacle));
+    result.obstacles.push_back(placed(X_RF, object));
   }
   return result;
 }
@@ -126,6 +143,8 @@ FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) 
     return object.frame.empty() ? frames.planning_frame() : object.frame;
   };
   if (!scene.objects.empty()) result.frame = frame_of(scene.objects.front());
+  const bool is_root_known = frames.X_PR() && result.frame == frames.planning_frame();
+  const Transform X_RF = is_root_known ? frames.X_PR()->inverse() : Transform{};
   for (const MoveitObject& object : scene.objects) {
     if (frame_of(object) != result.frame) {
       object.place.fail(
@@ -134,12 +153,9 @@ FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) 
                       "a problem with a robot may have objects in several frames",
                       object.obstacle.name, frame_of(object), result.frame));
     }
-    result.scene.obstacles.push_back(object.obstacle);
+    result.scene.obstacles.push_back(placed(X_RF, object));
   }
-  if (frames.X_PR() && result.frame == frames.planning_frame()) {
-    result.scene = moved(frames.X_PR()->inverse(), std::move(result.scene));
-    result.frame.clear();
-  }
+  if (is_root_known) result.frame.clear();
   return result;
 }
 

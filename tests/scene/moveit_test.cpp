@@ -416,6 +416,37 @@ TEST_SUITE("unit") {
     CHECK(scene.frame.empty());
     CHECK(std::get<Sphere>(scene.scene.obstacles.at(0).shapes.at(0)).center == Vec3(1, 0, -2));
   }
+
+  TEST_CASE("planes go on below the robot, wherever they and the robot are posed") {
+    const std::string planes = world(
+        "{id: floor, header: {frame_id: world}, planes: [{coef: [0, 0, 1, 0]}, {coef: [0, 3, 4, "
+        "10]}], plane_poses: [{position: [500, 0, 0]}, {position: [0, 0, 700]}], primitives: "
+        "[{type: sphere, dimensions: [1]}], primitive_poses: [{position: [3, 0, 0]}]}");
+    const auto check = [](const std::vector<Shape>& shapes, const Vec3& root) {
+      REQUIRE(shapes.size() == 3);
+      CHECK(std::get<Sphere>(shapes[0]).center + root == Vec3(3, 0, 0));
+      const auto centre = [&](std::size_t i) { return std::get<Box>(shapes[i]).pose.translation; };
+      const Vec3 normal(0, 0.6, 0.8);
+      CHECK((centre(1) - Vec3(0, 0, -root.z())).norm() < 1e-9);
+      CHECK((centre(2) - (normal.dot(Vec3(0, 0, 700) - root) - 2) * normal).norm() < 1e-9);
+    };
+    check(place(planes).value().scene.obstacles.at(0).shapes, Vec3::Zero());
+    const std::string robot_away =
+        "robot_state: {multi_dof_joint_state: {header: {frame_id: world}, joint_names: [v], "
+        "transforms: [{translation: [-900, 40, 2]}]}}\n";
+    const auto away = place(robot_away + planes);
+    REQUIRE(away.has_value());
+    CHECK(away->frame.empty());
+    check(away->scene.obstacles.at(0).shapes, Vec3(-900, 40, 2));
+    const auto with_robot = read_yaml(robot_away + planes, [](const Input& input) {
+      const internal::MoveitScene scene = read_planning_scene(input);
+      return internal::place_objects(
+          scene, MoveitFrames(input, scene.state),
+          [](const std::string&, const Input&) { return std::optional<Transform>(); });
+    });
+    REQUIRE(with_robot.has_value());
+    check(with_robot->obstacles.at(0).shapes, Vec3(-900, 40, 2));
+  }
 }
 
 }  // namespace
