@@ -21,16 +21,16 @@ namespace mneme {
 struct CoverSettings {
   /// Metres that a sphere may stick out of the solids. Halving it takes three to four times as many
   /// spheres; about half of it is the mean. Small links are given less: 0.4 of the middle one of
-  /// their three extents, though not less than 0.005. > 0.
+  /// their three extents, though not less than 0.005. 0.001 to 1.
   double excess = 0.015;
-  /// Spheres a link may have; where the excess needs more, it is enlarged for that link. > 0.
+  /// Spheres a link may have; where the excess needs more, it is enlarged for that link. 1 to 1000.
   int max_spheres = 1000;
   /// The same as `excess`, if that is not less, for an arm's fingers and last three links: those
-  /// with at least four joints before them and at most two beyond. > 0.
+  /// with at least four joints before them and at most two beyond. 0.001 to 1.
   double tip_excess = 0.005;
 };
 
-/// Declares the fields' names, ranges and sentences once, for the command line.
+/// Declares the fields' names, ranges and sentences once, for checks and the command line.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, CoverSettings>
 void visit_settings(Settings& s, Visitor&& visit) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/covering.h"
 
+#include "base/check_ranges.h"
 #include "base/installation.h"
 #include "covering/cover_robot.h"
 #include "covering/triangle_mesh.h"
@@ -189,6 +190,9 @@ Error refusal(const AttachedObject& object, std::string_view what) {
 }  // namespace
 
 Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& settings) {
+  if (auto checked = internal::check_ranges(settings); !checked) {
+    return tl::unexpected(checked.error());
+  }
   if (object.shapes.empty() && object.meshes.empty()) {
     return tl::unexpected(refusal(object, "has no shapes"));
   }

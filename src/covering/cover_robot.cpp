@@ -5,6 +5,7 @@
 #include "mneme/covering.h"
 
 #include "base/as_index.h"
+#include "base/check_ranges.h"
 #include "base/installation.h"
 #include "covering/allowed_pairs.h"
 #include "covering/cover_solid.h"
@@ -254,6 +255,9 @@ std::string describe(const internal::CachedCovering& made, const internal::Cover
 
 Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
                              const CoverProgress& on_covered) {
+  if (auto checked = internal::check_ranges(settings); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const internal::CoverCache cache(internal::cache_directory());
   return internal::cover_robot(std::move(parts), settings, cache, on_covered)
       .map([&](internal::CachedCovering result) {
@@ -313,6 +317,9 @@ Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
 Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOptions& options,
                                         const CoverSettings& settings,
                                         const CoverProgress& on_covered) {
+  if (auto checked = internal::check_ranges(settings); !checked) {
+    return tl::unexpected(checked.error());
+  }
   auto parts = read_robot(path, options);
   if (!parts) return tl::unexpected(parts.error());
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };

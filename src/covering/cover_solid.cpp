@@ -5,11 +5,10 @@
 #include "mneme/base.h"
 #include "mneme/covering.h"
 
+#include "base/check_ranges.h"
 #include "covering/cover_search.h"
 #include "covering/solid_model.h"
 #include "covering/triangle_mesh.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -210,11 +209,8 @@ LinkCover cover_solid(const TriangleMesh& mesh, const CoverSettings& settings) {
 namespace mneme {
 
 Result<LinkCover> cover_link(const Link& link, const CoverSettings& settings) {
-  if (!(settings.excess > 0 && std::isfinite(settings.excess)) || settings.max_spheres <= 0) {
-    return fail(ErrorCode::invalid,
-                fmt::format("an excess of {} m and at most {} spheres per link were asked for, "
-                            "expected more than 0 of both",
-                            settings.excess, settings.max_spheres));
+  if (auto checked = internal::check_ranges(settings); !checked) {
+    return tl::unexpected(checked.error());
   }
   return internal::link_surface(link).map([&](const internal::TriangleMesh& surface) {
     LinkCover cover = internal::cover_solid(surface, settings);

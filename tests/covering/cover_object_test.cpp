@@ -160,7 +160,7 @@ TEST_SUITE("law") {
     Rng rng(kSeed);
     for (int i = 0; i < 100; ++i) {
       INFO("seed " << kSeed << ", object " << i);
-      const CoverSettings settings{.excess = rng.uniform(0.006, 0.05), .max_spheres = 1000000};
+      const CoverSettings settings{.excess = rng.uniform(0.012, 0.05), .max_spheres = 1000};
       Box box{random_pose(rng, 0.2), {}};
       for (int k = 0; k < 3; ++k) box.half_extents[k] = rng.uniform(0.001, 0.12);
       const Cylinder can{random_pose(rng, 0.2), rng.uniform(0.002, 0.12), rng.uniform(0.002, 0.3)};

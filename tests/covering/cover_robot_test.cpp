@@ -167,6 +167,19 @@ TEST_SUITE("unit") {
     CHECK(cache.find(key_of(2, coarse)).has_value());
   }
 
+  TEST_CASE("settings that no cover can obey are refused") {
+    for (const CoverSettings& settings :
+         {CoverSettings{0, 64}, CoverSettings{0.02, 0}, CoverSettings{0.02, 64, -1}}) {
+      const auto covering = cover_robot(make_parts(), settings);
+      REQUIRE_FALSE(covering.has_value());
+      CHECK(covering.error().code == ErrorCode::invalid);
+      CHECK(covering.error().message.starts_with("setting '"));
+      const auto robot = load_covered_robot(source_file("robots/planar8.urdf"), {}, settings);
+      REQUIRE_FALSE(robot.has_value());
+      CHECK(robot.error().message == covering.error().message);
+    }
+  }
+
   TEST_CASE("the first link whose solids are wrong is named") {
     Robot::Parts parts = make_parts();
     parts.links[1].solids = {MeshFile{"/no/first.stl", Vec3::Ones(), {}}};
