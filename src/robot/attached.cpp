@@ -45,6 +45,9 @@ std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& l
                    covered.capsules,
                    {},
                    covered.cover});
+  if (const auto fault = internal::describe_shape_fault(links.back())) {
+    return refusal(object, *fault);
+  }
   joints.push_back(std::move(joint));
   return std::nullopt;
 }

@@ -116,33 +116,27 @@ constexpr double kFarthest = 1e6;
 bool is_position(const Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; }
 bool is_radius(double value) { return value >= 0 && value <= kFarthest; }
 
-Fault check_link(const Link& link, int i) {
+}  // namespace
+
+std::optional<std::string> describe_shape_fault(const Link& link) {
+  const auto beyond = [](const char* what) {
+    return fmt::format("{} is not within {} m", what, kFarthest);
+  };
+  const auto wrong_radius = [](const char* what, double radius) {
+    return fmt::format("a {} has the radius {}, expected 0 to 1e6", what, radius);
+  };
   for (const Sphere& sphere : link.spheres) {
-    if (!is_position(sphere.center)) {
-      return PartsFault{
-          fmt::format("link '{}': the centre of a sphere is not within {} m", link.name, kFarthest),
-          i};
-    }
-    if (!is_radius(sphere.radius)) {
-      return PartsFault{fmt::format("link '{}': a sphere has the radius {}, expected 0 to 1e6",
-                                    link.name, sphere.radius),
-                        i};
-    }
+    if (!is_position(sphere.center)) return beyond("the centre of a sphere");
+    if (!is_radius(sphere.radius)) return wrong_radius("sphere", sphere.radius);
   }
   for (const Capsule& capsule : link.capsules) {
-    if (!is_position(capsule.a) || !is_position(capsule.b)) {
-      return PartsFault{
-          fmt::format("link '{}': an end of a capsule is not within {} m", link.name, kFarthest),
-          i};
-    }
-    if (!is_radius(capsule.radius)) {
-      return PartsFault{fmt::format("link '{}': a capsule has the radius {}, expected 0 to 1e6",
-                                    link.name, capsule.radius),
-                        i};
-    }
+    if (!is_position(capsule.a) || !is_position(capsule.b)) return beyond("an end of a capsule");
+    if (!is_radius(capsule.radius)) return wrong_radius("capsule", capsule.radius);
   }
   return std::nullopt;
 }
+
+namespace {
 
 std::optional<std::string> describe_motion_fault(const Joint& joint) {
   if (!joint.origin.rotation.allFinite() || !is_position(joint.origin.translation)) {
@@ -192,7 +186,10 @@ Fault check_values(const Robot::Parts& parts) {
   }
   int i = 0;
   for (const Link& link : parts.links) {
-    if (auto fault = check_link(link, i++)) return fault;
+    if (const auto fault = describe_shape_fault(link)) {
+      return PartsFault{fmt::format("link '{}': {}", link.name, *fault), i};
+    }
+    ++i;
   }
   i = 0;
   for (const Joint& joint : parts.joints) {

@@ -29,6 +29,10 @@ namespace mneme::internal {
 [[nodiscard]] std::vector<bool> find_moving(std::span<const Joint> joints,
                                             std::span<const int> group);
 
+/// What is wrong with spheres and capsules of a link, or nothing: numbers that are not finite,
+/// radii below 0, or what is farther away or larger than any robot.
+[[nodiscard]] std::optional<std::string> describe_shape_fault(const Link& link);
+
 /// What is wrong with a robot's parts, and with which of them: -1 where it is not one link or one
 /// joint.
 struct PartsFault {

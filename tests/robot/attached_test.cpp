@@ -121,6 +121,14 @@ TEST_SUITE("unit") {
         "of this name");
     CHECK(refusal(bare, {{"cup", "l3", {Sphere{}}}, {}, {}}) ==
           "attached object 'cup': it has no spheres and no capsules; cover_object makes them");
+    CoveredObject inverted = ball("cup", "l3");
+    inverted.spheres[0].radius = -0.1;
+    CHECK(refusal(bare, inverted) ==
+          "attached object 'cup': a sphere has the radius -0.1, expected 0 to 1e6");
+    inverted = ball("cup", "l3");
+    inverted.capsules.push_back({Vec3::Zero(), {std::nan(""), 0, 0}, 0.1});
+    CHECK(refusal(bare, inverted) ==
+          "attached object 'cup': an end of a capsule is not within 1000000 m");
   }
 }
 
