@@ -123,7 +123,7 @@ inline constexpr CoverSettings kObjectCover{.excess = 0.015, .max_spheres = 64};
 /// microseconds, by lattices of spheres, at most `max_spheres` each; meshes as those of links, from
 /// the cache if they have been covered before. What was covered is kept, cylinders as prisms of 48
 /// sides around them. Errors: an object without shapes, or with one that
-/// is not finite or without size; a mesh that cannot be used.
+/// is not finite, without size or posed by no rotation; a mesh that cannot be used.
 [[nodiscard]] Result<CoveredObject> cover_object(AttachedObject object,
                                                  const CoverSettings& settings = kObjectCover);
 

@@ -95,7 +95,7 @@ struct Triangle {
 /// A box along the axes of its frame, of equal sides.
 struct Cube {
   Vec3 center = Vec3::Zero();
-  double half_extent = 0;
+  double half_extent = 0;  ///< at least 0
 };
 
 namespace internal {
@@ -123,9 +123,9 @@ class Parts {
 /// All points within `radius` of many parts.
 template <class Part>
 struct Crowd {
-  Transform pose;  ///< of the frame of the parts
-  std::shared_ptr<const Parts<Part>> parts;
-  double radius = 0;  ///< metres; above 0 for points, otherwise at least 0
+  Transform pose;                            ///< of the frame of the parts
+  std::shared_ptr<const Parts<Part>> parts;  ///< never null, or it is no shape
+  double radius = 0;                         ///< metres; above 0 for points, otherwise at least 0
 
   /// The very same parts, not just equal ones.
   bool operator==(const Crowd&) const = default;

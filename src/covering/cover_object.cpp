@@ -6,6 +6,7 @@
 #include "base/installation.h"
 #include "covering/cover_robot.h"
 #include "covering/triangle_mesh.h"
+#include "geometry/shape_flaw.h"
 #include "geometry/solids.h"
 
 #include <fmt/format.h>
@@ -178,13 +179,8 @@ void add_cover(CoveredSolids solids, CoveredObject& object) {
       {{}, std::move(surface), 0}, static_cast<int>(solids.spheres.size()), solids.excess};
 }
 
-bool is_usable(const Shape& shape) {
-  const Sphere bound = bounding_sphere(shape);
-  return bound.center.allFinite() && std::isfinite(bound.radius) && bound.radius > 0;
-}
-
 Error refusal(const AttachedObject& object, std::string_view what) {
-  return {ErrorCode::invalid, fmt::format("attached object '{}' {}", object.name, what)};
+  return {ErrorCode::invalid, fmt::format("attached object '{}': {}", object.name, what)};
 }
 
 }  // namespace
@@ -194,29 +190,27 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
     return tl::unexpected(checked.error());
   }
   if (object.shapes.empty() && object.meshes.empty()) {
-    return tl::unexpected(refusal(object, "has no shapes"));
+    return tl::unexpected(refusal(object, "it has no shapes"));
   }
   CoveredObject covered;
   CoveredSolids solids;
   for (const Shape& shape : object.shapes) {
-    if (!is_usable(shape)) {
-      return tl::unexpected(refusal(
-          object, fmt::format("has a {} that is not finite or without size", shape_name(shape))));
-    }
     if (internal::is_crowd(shape)) {
       return tl::unexpected(refusal(
-          object, fmt::format("has the shape {}; expected a sphere, box, cylinder or capsule, or "
-                              "a mesh in a file",
-                              shape_name(shape))));
+          object,
+          fmt::format("it has the shape {}; expected a sphere, box, cylinder or capsule, or "
+                      "a mesh in a file",
+                      shape_name(shape))));
+    }
+    if (const std::string_view flaw = internal::find_flaw(shape); !flaw.empty()) {
+      return tl::unexpected(refusal(object, internal::said_of(shape, flaw)));
     }
     std::visit(CoverShape(settings, covered, solids), shape);
   }
   if (!object.meshes.empty()) {
     const auto done = cover_meshes(object, settings, solids);
     if (!done) {
-      return tl::unexpected(
-          Error{done.error().code,
-                fmt::format("attached object '{}': {}", object.name, done.error().message)});
+      return fail(done.error().code, refusal(object, done.error().message).message);
     }
   }
   add_cover(std::move(solids), covered);

@@ -51,10 +51,15 @@ struct AxisBox {
   return {c.center - half, c.center + half};
 }
 
+/// Empty if the box of a part is, as that of a cube of negative size.
 template <class Part>
 [[nodiscard]] AxisBox box_around(const std::vector<Part>& parts) {
   AxisBox box;
-  for (const Part& part : parts) box.include(box_of(part));
+  for (const Part& part : parts) {
+    const AxisBox own = box_of(part);
+    if (own.is_empty()) return {};
+    box.include(own);
+  }
   return box;
 }
 

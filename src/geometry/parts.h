@@ -13,7 +13,8 @@
 namespace mneme::internal {
 
 struct PartsAccess {
-  /// A box around all parts: the smallest one until points are replaced.
+  /// A box around all parts: the smallest one until points are replaced. Empty if that of a part
+  /// is.
   template <class Part>
   static AxisBox bounds(const Parts<Part>& parts) {
     const std::lock_guard lock(parts.mutex_);

@@ -16,9 +16,6 @@ namespace mneme::internal {
 
 inline constexpr std::size_t kMaxCloudPoints = 4'000'000;
 
-/// The same for clouds that are not from files. Errors: unsupported, if one has more points.
-[[nodiscard]] Result<void> check_point_count(const Obstacle& obstacle);
-
 struct CloudFile {
   std::vector<CloudPoint> points;  ///< one at least, all finite
   std::size_t skipped = 0;         ///< points with a coordinate that is not finite

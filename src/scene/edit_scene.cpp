@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/scene.h"
+#include "scene/edit_scene.h"
 
 #include "geometry/parts.h"
+#include "geometry/shape_flaw.h"
 #include "scene/cloud_file.h"
 
 #include <fmt/format.h>
@@ -29,11 +30,15 @@ auto* find_in(Obstacles& obstacles, std::string_view name) {
 
 }  // namespace
 
-Result<void> internal::check_point_count(const Obstacle& obstacle) {
+Result<void> internal::check_shapes(const Obstacle& obstacle) {
   for (const Shape& shape : obstacle.shapes) {
+    if (const std::string_view flaw = find_flaw(shape); !flaw.empty()) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("obstacle '{}': {}", obstacle.name, said_of(shape, flaw)));
+    }
     const auto* cloud = std::get_if<PointCloud>(&shape);
     if (cloud == nullptr) continue;
-    auto checked = mneme::check_point_count(obstacle.name, cloud->parts->list().size());
+    auto checked = check_point_count(obstacle.name, cloud->parts->list().size());
     if (!checked) return checked;
   }
   return {};
@@ -58,7 +63,7 @@ Result<void> Scene::add(Obstacle obstacle) {
   if (find(obstacle.name) != nullptr) {
     return refuse_edit(obstacle.name, "expected a name of its own, there is one of this name");
   }
-  if (auto counted = internal::check_point_count(obstacle); !counted) return counted;
+  if (auto checked = internal::check_shapes(obstacle); !checked) return checked;
   obstacles.push_back(std::move(obstacle));
   return {};
 }

@@ -39,7 +39,7 @@ void store(const Matrix& m, float* out) {
 [[nodiscard]] RobotTables without_pairs(RobotTables tables,
                                         const std::set<std::pair<int, int>>& pairs);
 
-/// Errors: an obstacle without shapes, not finite, too far away, or without a positive size. Of
+/// Errors: an obstacle without shapes, with one that has a flaw (find_flaw()), or too far away. Of
 /// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());

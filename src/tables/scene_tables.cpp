@@ -4,9 +4,8 @@
 #include "tables/crowd_tables.h"
 #include "tables/make_tables.h"
 #include "geometry/parts.h"
-#include "scene/cloud_file.h"
-
-#include <Eigen/LU>
+#include "geometry/shape_flaw.h"
+#include "scene/edit_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,54 +24,33 @@ constexpr double kAligned = 1e-7;
 /// Of so many boxes the axes are tried as those of the scene.
 constexpr int kMaxTrials = 16;
 
-bool is_rotation(const Eigen::Matrix3d& matrix) {
-  return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
-}
-
-/// What is wrong with a shape, or nothing. Comparisons are written so that a NaN is wrong.
-struct FindFlaw {
-  static constexpr std::string_view kSize = "has a size that is not positive";
-  static constexpr std::string_view kPose = "is posed by a matrix that is no rotation";
-
-  std::string_view operator()(const Sphere& s) const { return s.radius > 0 ? "" : kSize; }
-  std::string_view operator()(const Capsule& s) const { return s.radius > 0 ? "" : kSize; }
-  std::string_view operator()(const Box& s) const {
-    if (!(s.half_extents.array() > 0).all()) return kSize;
-    return is_rotation(s.pose.rotation) ? "" : kPose;
-  }
-  std::string_view operator()(const Cylinder& s) const {
-    if (!(s.radius > 0 && s.length > 0)) return kSize;
-    return is_rotation(s.pose.rotation) ? "" : kPose;
-  }
-  template <class Part>
-  std::string_view operator()(const Crowd<Part>& s) const {
-    constexpr bool is_cloud = std::is_same_v<Part, CloudPoint>;
-    if (!(s.radius >= (is_cloud ? 1e-9 : 0.0))) return "has a radius that is not positive";
-    const AxisBox box = PartsAccess::bounds(*s.parts);
-    const double farthest = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).maxCoeff();
-    if (!(farthest <= (is_cloud ? kFarthestShape : kFarthestPart))) {
-      return is_cloud ? "has points beyond 10 km in their own frame"
-                      : "has parts beyond 10000 km in their own frame";
+/// What is too far away of a shape, or nothing.
+std::string_view find_far(const Shape& shape) {
+  const Sphere bound = bounding_sphere(shape);
+  if (!(bound.center.norm() + bound.radius <= kFarthestShape)) return "extends beyond 10 km";
+  const auto farthest = [](const auto& s) -> double {
+    if constexpr (requires { s.parts; }) {
+      const AxisBox box = PartsAccess::bounds(*s.parts);
+      return box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).maxCoeff();
     }
-    return is_rotation(s.pose.rotation) ? "" : kPose;
+    return 0;
+  };
+  const double away = std::visit(farthest, shape);
+  if (std::holds_alternative<PointCloud>(shape)) {
+    return away <= kFarthestShape ? "" : "has points beyond 10 km in their own frame";
   }
-};
+  return away <= kFarthestPart ? "" : "has parts beyond 10000 km in their own frame";
+}
 
 Result<void> check(const Obstacle& obstacle) {
   if (obstacle.shapes.empty()) {
     return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "' has no shapes");
   }
-  if (auto counted = check_point_count(obstacle); !counted) return counted;
+  if (auto checked = check_shapes(obstacle); !checked) return checked;
   for (const Shape& shape : obstacle.shapes) {
-    const Sphere bound = bounding_sphere(shape);
-    const std::string_view flaw = bound.center.norm() + bound.radius <= kFarthestShape
-                                      ? std::visit(FindFlaw{}, shape)
-                                      : "is not finite or extends beyond 10 km";
-    if (flaw.empty()) continue;
-    const bool is_cloud = std::holds_alternative<PointCloud>(shape);
-    const std::string name(is_cloud ? "cloud" : shape_name(shape));
-    return fail(ErrorCode::invalid,
-                "obstacle '" + obstacle.name + "': its " + name + " " + std::string(flaw));
+    const std::string_view far = find_far(shape);
+    if (far.empty()) continue;
+    return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "': " + said_of(shape, far));
   }
   return {};
 }

@@ -85,6 +85,10 @@ Octree cube_at(const Vec3& p) {
           0};
 }
 
+Octree octree_of(std::vector<Cube> cubes) {
+  return {{}, std::make_shared<Parts<Cube>>(std::move(cubes)), 0};
+}
+
 PointCloud point_at(float x) {
   return {{Eigen::Matrix3d::Identity(), Vec3(1 - x, 1, 0)},
           std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{x, 0, 0}}),
@@ -112,6 +116,13 @@ TEST_SUITE("unit") {
         named("mug", Box{here, {1, kNaN, 1}}),
         named("mug", Box{here, {1, 1, kInfinity}}),
         {"mug", {Sphere{{3, 0, 0}, 0.1}, Sphere{{kNaN, 0, 0}, 0.1}}},
+        named("mug", PointCloud{here, nullptr, 0.1}),
+        named("mug", Mesh{}),
+        named("mug", Octree{}),
+        named("mug", octree_of({})),
+        named("mug", octree_of({{{0, 0, 0}, -0.1}})),
+        named("mug", octree_of({{{0, 0, 0}, 0.5}, {{0, 0, 0}, -0.1}, {{1, 0, 0}, 0.5}})),
+        named("mug", octree_of({{{0, 0, 0}, 0.5}, {{0, kNaN, 0}, 0.1}, {{1, 0, 0}, 0.5}})),
     };
     for (std::size_t i = 0; i < wrong.size(); ++i) {
       const Scene scene{"kitchen", {named("plate", Sphere{{5, 0, 0}, 0.1}), wrong[i]}};

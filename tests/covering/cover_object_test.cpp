@@ -131,12 +131,31 @@ TEST_SUITE("unit") {
       REQUIRE(!made.has_value());
       return made.error().message;
     };
-    CHECK(refusal({"cup", "hand", {}}) == "attached object 'cup' has no shapes");
+    CHECK(refusal({"cup", "hand", {}}) == "attached object 'cup': it has no shapes");
+    const std::string no_size = " has a size that is not positive";
     CHECK(refusal({"cup", "hand", {Sphere{Vec3::Zero(), 0}}}) ==
-          "attached object 'cup' has a sphere that is not finite or without size");
+          "attached object 'cup': its sphere" + no_size);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     CHECK(refusal({"cup", "hand", {Box{{}, {nan, 1, 1}}}}) ==
-          "attached object 'cup' has a box that is not finite or without size");
+          "attached object 'cup': its box" + no_size);
+    CHECK(refusal({"cup", "hand", {Box{{}, {-0.1, 0.1, 0.1}}}}) ==
+          "attached object 'cup': its box" + no_size);
+    CHECK(refusal({"cup", "hand", {Capsule{Vec3::Zero(), Vec3::UnitX(), -0.1}}}) ==
+          "attached object 'cup': its capsule" + no_size);
+    CHECK(refusal({"cup", "hand", {Sphere{{0, nan, 0}, 0.1}}}) ==
+          "attached object 'cup': its sphere is not finite");
+    const Transform stretched{2 * Eigen::Matrix3d::Identity(), Vec3::Zero()};
+    CHECK(refusal({"cup", "hand", {Cylinder{stretched, 0.1, 0.1}}}) ==
+          "attached object 'cup': its cylinder is posed by a matrix that is no rotation");
+  }
+
+  TEST_CASE("settings that no cover can obey are refused") {
+    for (const CoverSettings& settings :
+         {CoverSettings{0, 64}, CoverSettings{0.02, 0}, CoverSettings{0.02, 64, 0}}) {
+      const auto made = cover_object({"box", "hand", {Box{{}, {0.1, 0.1, 0.1}}}}, settings);
+      REQUIRE(!made.has_value());
+      CHECK(made.error().code == ErrorCode::invalid);
+    }
   }
 
   TEST_CASE("attach covers and attaches") {
@@ -150,7 +169,7 @@ TEST_SUITE("unit") {
         attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
         std::string::npos);
     CHECK(attach(bare, {{"cup", "tool", {}}}).error().message ==
-          "attached object 'cup' has no shapes");
+          "attached object 'cup': it has no shapes");
   }
 }
 

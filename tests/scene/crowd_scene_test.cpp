@@ -180,6 +180,18 @@ TEST_SUITE("unit") {
           "obstacle 'm': expected at most 4000000 points, got 4000001");
   }
 
+  TEST_CASE("shapes that are none are not added") {
+    Scene scene;
+    CHECK(edit_message(scene.add({"c", {PointCloud{}}})) == "obstacle 'c': its cloud has no parts");
+    CHECK(edit_message(scene.add({"m", {Mesh{}}})) == "obstacle 'm': its mesh has no parts");
+    CHECK(edit_message(scene.add({"b", {Box{{}, {0.1, -0.1, 0.1}}}})) ==
+          "obstacle 'b': its box has a size that is not positive");
+    const auto inverted = std::make_shared<Parts<Cube>>(std::vector<Cube>{{{0, 0, 0}, -0.1}});
+    CHECK(edit_message(scene.add({"o", {Octree{{}, inverted, 0}}})) ==
+          "obstacle 'o': its octree has a part that is not finite or has a negative size");
+    CHECK(scene.obstacles.empty());
+  }
+
   TEST_CASE("points are replaced in this scene, not in a copy of it") {
     Scene scene = with_cloud();
     const Scene before = scene;
