@@ -50,9 +50,9 @@ struct Scene {
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
   [[nodiscard]] Obstacle* find(std::string_view obstacle);
 
-  // Edits cost what they change: what is kept with points, meshes and octrees stays. Each either
-  // succeeds or leaves the scene as it was. Errors name the obstacle that is not there, or is there
-  // already.
+  // Edits cost what they change: what is kept with points, meshes and octrees stays, but for one
+  // wider than the robot's reach that is moved. Each succeeds or leaves the scene as it was. Errors
+  // name an obstacle that is not there, is there already, or has a shape without size or parts.
 
   [[nodiscard]] Result<void> add(Obstacle obstacle);
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
