@@ -61,7 +61,7 @@ inline constexpr double kTiltMargin = 1e-5;  ///< radians
 /// constraint passes describe_fault().
 [[nodiscard]] double tilt(const Robot& robot, const OrientationConstraint& constraint,
                           std::span<const double> q);
-/// The largest tilt at states of `path` that are `resolution` radians or less apart.
+/// Largest tilt at states of `path` `resolution` radians or less apart; infinite for 0 or less.
 [[nodiscard]] double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
                                   const std::vector<Configuration>& path, double resolution);
 /// Why the robot cannot keep the constraint, or nothing: an unknown link, one that no joint of the

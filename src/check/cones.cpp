@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 
 namespace mneme::internal {
@@ -213,14 +215,16 @@ double tilt(const Robot& robot, const OrientationConstraint& constraint,
 
 double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
                     const std::vector<Configuration>& path, double resolution) {
+  if (!(resolution > 0)) return std::numeric_limits<double>::infinity();
   double largest = path.empty() ? 0 : tilt(robot, constraint, path.front());
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Configuration delta = robot.difference(path[i - 1], path[i]);
-    const auto parts = static_cast<int>(
+    const auto parts = static_cast<std::int64_t>(
         std::max(1.0, std::ceil(robot.distance(path[i - 1], path[i]) / resolution)));
-    for (int part = 1; part <= parts; ++part) {
+    for (std::int64_t part = 1; part <= parts; ++part) {
+      const double share = static_cast<double>(part) / static_cast<double>(parts);
       Configuration q = path[i - 1];
-      for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * part / parts;
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * delta[j];
       largest = std::max(largest, tilt(robot, constraint, q));
     }
   }
