@@ -110,11 +110,13 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
       }
       return links;
     };
-    const ObstacleShape any{static_cast<int>(i),
-                            nullptr,
-                            {},
-                            find_known(obstacle.may_touch),
-                            find_known(obstacle.by_solid)};
+    ObstacleShape any{static_cast<int>(i),
+                      nullptr,
+                      {},
+                      find_known(obstacle.may_touch),
+                      find_known(obstacle.by_solid)};
+    std::erase_if(any.by_solid,
+                  [&](int link) { return !robot.links()[as_index(link)].cover.has_value(); });
     for (const Shape& shape : obstacle.shapes) {
       ObstacleShape& added = shapes.emplace_back(any);
       added.shape = &shape;
@@ -135,7 +137,7 @@ void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);
   for (std::size_t i = links_.size(); i < robot.links().size(); ++i) {
     const Link& link = robot.links()[i];
-    Body body{shapes_of(link), {}, {}, is_moving[i], LinkSolid(link), link.cover.has_value()};
+    Body body{shapes_of(link), {}, {}, is_moving[i], LinkSolid(link)};
     body.bound = bound_of(body.shapes);
     for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
     links_.push_back(std::move(body));
@@ -155,7 +157,7 @@ double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleS
                               double enough) const {
   if (contains(other.may_touch, link)) return kInfinity;
   const double gap = between_covers(posed, link, other, enough);
-  if (gap > enough || !at(link).is_covered || !contains(other.by_solid, link)) return gap;
+  if (gap > enough || !contains(other.by_solid, link)) return gap;
   const Transform X_LW = posed.poses[as_index(link)].inverse();
   return unless_touching(at(link).solid.distance_to(transformed(X_LW, *other.shape)), gap);
 }

@@ -24,7 +24,7 @@ struct ObstacleShape {
   const Shape* shape = nullptr;
   Sphere bound;
   std::vector<int> may_touch = {};  ///< links that nothing checks against it
-  std::vector<int> by_solid = {};   ///< links that are checked by what they cover
+  std::vector<int> by_solid = {};   ///< covered links that are checked by what they cover
 };
 /// All shapes of the scene, which must outlive them, in its order. Names of links that the robot
 /// lacks are left aside.
@@ -98,7 +98,6 @@ class LinkDistances {
     Sphere bound;
     bool is_moving = false;
     LinkSolid solid;
-    bool is_covered = false;
   };
   /// In the robot's frame, with the sphere around it.
   struct PosedShape {

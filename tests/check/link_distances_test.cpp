@@ -3,6 +3,7 @@
 #include "mneme/collision.h"
 
 #include "check/link_distances.h"
+#include "check/solid_pairs.h"
 #include "collision/random_worlds.h"
 #include "covering/small_parts.h"
 #include "report/report_support.h"
@@ -129,6 +130,16 @@ TEST_SUITE("unit") {
     scene = ball_scene({0.2, 0, -1}, 0.15);
     scene.obstacles[1].may_touch = {"post"};
     CHECK(fixed_contacts_of(arm, scene).empty());
+  }
+
+  TEST_CASE("links without a cover are not checked by solid") {
+    const Robot arm = require_parsed(kArm);
+    Scene scene = ball_scene({1.5, 0.3, 0}, 0.27);
+    scene.obstacles[1].by_solid = {"far"};
+    CHECK(internal::obstacle_shapes(arm, scene)[1].by_solid.empty());
+    const internal::LinkDistances links(arm);
+    CHECK(internal::SolidPairs(arm, links, scene, 0).empty());
+    CHECK(contacts_of(arm, scene, Configuration{0, 0, 0}, 0).size() == 1);
   }
 
   TEST_CASE("a link that is welded to a moving one does not stand still") {
