@@ -3,6 +3,7 @@
 #include "check/cones.h"
 
 #include "base/as_index.h"
+#include "robot/drives.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <ranges>
 
 namespace mneme::internal {
 namespace {
@@ -29,38 +31,8 @@ Vec3 turned(const Vec3& axis, double angle, const Vec3& v) {
   return c * v + s * axis.cross(v) + (1 - c) * axis.dot(v) * axis;
 }
 
-/// Where the values of a joint come from.
-struct Drive {
-  int joint = -1;  ///< of the group; -1: it stays where it is
-  double rate = 1, offset = 0;
-};
-
-Drive drive_of(const Robot& robot, const Joint& joint) {
-  const int followed =
-      joint.mimic ? joint.mimic->joint : robot.links()[as_index(joint.child_link)].parent_joint;
-  const auto found = std::ranges::find(robot.group(), followed);
-  const double rate = joint.mimic ? joint.mimic->multiplier : 1;
-  const double offset = joint.mimic ? joint.mimic->offset : 0;
-  if (found != robot.group().end()) {
-    return {static_cast<int>(found - robot.group().begin()), rate, offset};
-  }
-  return {-1, 0, rate * robot.joints()[as_index(followed)].fixed_value + offset};
-}
-
 bool turns(const Joint& joint) {
   return joint.type == JointType::revolute || joint.type == JointType::continuous;
-}
-
-/// Joints from the root to a link.
-std::vector<const Joint*> chain_to(const Robot& robot, int link) {
-  std::vector<const Joint*> chain;
-  for (int i = robot.links()[as_index(link)].parent_joint; i >= 0;) {
-    const Joint& joint = robot.joints()[as_index(i)];
-    chain.push_back(&joint);
-    i = robot.links()[as_index(joint.parent_link)].parent_joint;
-  }
-  std::ranges::reverse(chain);
-  return chain;
 }
 
 }  // namespace
@@ -68,15 +40,17 @@ std::vector<const Joint*> chain_to(const Robot& robot, int link) {
 Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
     : up_(constraint.up), angle_(constraint.angle) {
   Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
-  for (const Joint* joint : chain_to(robot, *robot.find_link(constraint.link))) {
-    before = before * joint->origin.rotation;
-    if (!turns(*joint)) continue;
-    const Drive drive = drive_of(robot, *joint);
-    if (drive.joint < 0) {
-      before = before * Eigen::AngleAxisd(drive.offset, joint->axis).toRotationMatrix();
+  const std::vector<int> joints = joints_to(robot, *robot.find_link(constraint.link));
+  for (const int i : std::views::reverse(joints)) {
+    const Joint& joint = robot.joints()[as_index(i)];
+    before = before * joint.origin.rotation;
+    if (!turns(joint)) continue;
+    const auto drive = find_drive(robot, i);
+    if (!drive) {
+      before = before * rotation_about(joint.axis, joint.fixed_value);
       continue;
     }
-    turns_.push_back({before, joint->axis, drive.joint, drive.rate, drive.offset});
+    turns_.push_back({before, joint.axis, drive->joint, drive->rate, drive->offset});
     before = Eigen::Matrix3d::Identity();
   }
   axis_ = before * constraint.axis;
@@ -238,10 +212,10 @@ std::optional<std::string> describe_fault(const Robot& robot,
   if (!link) {
     return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), constraint.link);
   }
-  const auto is_driven = [&](const Joint* joint) {
-    return internal::turns(*joint) && internal::drive_of(robot, *joint).joint >= 0;
+  const auto is_turned = [&](int joint) {
+    return internal::turns(robot.joints()[as_index(joint)]) && internal::find_drive(robot, joint);
   };
-  if (std::ranges::none_of(internal::chain_to(robot, *link), is_driven)) {
+  if (std::ranges::none_of(internal::joints_to(robot, *link), is_turned)) {
     return fmt::format("no joint that is planned for turns link \"{}\"", constraint.link);
   }
   for (const Vec3& direction : {constraint.axis, constraint.up}) {

@@ -3,6 +3,7 @@
 #include "check/solid_pairs.h"
 
 #include "base/as_index.h"
+#include "robot/drives.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>
@@ -101,10 +102,10 @@ double SolidPairs::longest_way(const Pair& pair, const Configuration& from,
                                const Configuration& to) const {
   const std::vector<double> first = joint_values(robot_.joints(), robot_.group(), from);
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
-  std::vector<int> own = joints_to(pair.link);
+  std::vector<int> own = joints_to(robot_, pair.link);
   if (pair.shape) return longest_way(pair.link, own, first, last);
   // What carries both does not matter.
-  std::vector<int> others = joints_to(pair.links.second);
+  std::vector<int> others = joints_to(robot_, pair.links.second);
   while (!own.empty() && !others.empty() && own.back() == others.back()) {
     own.pop_back();
     others.pop_back();
@@ -129,16 +130,6 @@ double SolidPairs::longest_way(int link, std::span<const int> joints,
     reach += joint.origin.translation.norm();
   }
   return way;
-}
-
-/// Those that carry the link, from it to the root.
-std::vector<int> SolidPairs::joints_to(int link) const {
-  std::vector<int> joints;
-  for (int i = robot_.links()[as_index(link)].parent_joint; i >= 0;) {
-    joints.push_back(i);
-    i = robot_.links()[as_index(robot_.joints()[as_index(i)].parent_link)].parent_joint;
-  }
-  return joints;
 }
 
 }  // namespace mneme::internal

@@ -51,7 +51,6 @@ class SolidPairs {
   [[nodiscard]] double longest_way(int link, std::span<const int> joints,
                                    const std::vector<double>& from,
                                    const std::vector<double>& to) const;
-  [[nodiscard]] std::vector<int> joints_to(int link) const;
 
   Robot robot_;
   const LinkDistances& links_;

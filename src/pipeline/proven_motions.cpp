@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/proven_motions.h"
 
+#include "geometry/solids.h"
+
 #include <algorithm>
 #include <list>
 #include <variant>
@@ -42,10 +44,7 @@ struct Cell {
 
 bool has_few_parts(const Scene& scene) {
   return std::ranges::all_of(scene.obstacles, [](const Obstacle& obstacle) {
-    return std::ranges::all_of(obstacle.shapes, [](const Shape& shape) {
-      return !std::holds_alternative<PointCloud>(shape) && !std::holds_alternative<Mesh>(shape) &&
-             !std::holds_alternative<Octree>(shape);
-    });
+    return std::ranges::none_of(obstacle.shapes, is_crowd);
   });
 }
 

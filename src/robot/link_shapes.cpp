@@ -3,6 +3,7 @@
 #include "robot/link_shapes.h"
 
 #include "base/as_index.h"
+#include "robot/drives.h"
 #include "robot/robot_tree.h"
 
 #include <algorithm>
@@ -59,15 +60,15 @@ Sphere bound_of(std::span<const Capsule> shapes) {
 
 double farthest_reach(const Robot& robot) {
   double most = 0;
-  for (const Link& link : robot.links()) {
+  for (int index = 0; index < std::ssize(robot.links()); ++index) {
+    const Link& link = robot.links()[as_index(index)];
     if (!has_shapes(link)) continue;
     const Sphere bound = bound_of(shapes_of(link));
     double reach = bound.center.norm() + bound.radius;
-    for (int i = link.parent_joint; i >= 0;) {
+    for (const int i : joints_to(robot, index)) {
       const Joint& joint = robot.joints()[as_index(i)];
       reach += joint.origin.translation.norm();
       if (joint.type == JointType::prismatic) reach += farthest_slide(robot, joint);
-      i = robot.links()[as_index(joint.parent_link)].parent_joint;
     }
     most = std::max(most, reach);
   }

@@ -6,6 +6,8 @@
 #include "tables/make_tables.h"
 #include "geometry/axis_box.h"
 #include "geometry/shape_groups.h"
+#include "robot/drives.h"
+#include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 
 #include <Eigen/Geometry>
@@ -13,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -72,18 +73,11 @@ void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
   }
 }
 
-/// How a joint moves with a configuration: by one joint of the group, or not at all.
-struct Drive {
-  int joint = 0;
-  double multiplier = 1, offset = 0;
-};
-
 class RobotTablesBuilder {
  public:
   explicit RobotTablesBuilder(const Robot& robot)
       : robot_(robot), placements_(robot.links().size()), groups_of_link_(robot.links().size()) {
     tables_.joint_count = robot.joint_count();
-    for (int i = 0; i < robot.joint_count(); ++i) group_index_[robot.group()[as_index(i)]] = i;
   }
 
   Result<RobotTables> build() {
@@ -169,25 +163,15 @@ class RobotTablesBuilder {
     }
   }
 
-  [[nodiscard]] std::optional<Drive> drive_of(int joint_index) const {
-    const Joint& joint = robot_.joints()[as_index(joint_index)];
-    const auto own = group_index_.find(joint_index);
-    if (own != group_index_.end()) return Drive{own->second};
-    if (!joint.mimic || joint.mimic->multiplier == 0) return std::nullopt;
-    const auto followed = group_index_.find(joint.mimic->joint);
-    if (followed == group_index_.end()) return std::nullopt;
-    return Drive{followed->second, joint.mimic->multiplier, joint.mimic->offset};
-  }
-
   void place(int link_index) {
     const int joint_index = robot_.links()[as_index(link_index)].parent_joint;
     const Joint& joint = robot_.joints()[as_index(joint_index)];
     const Placement& parent = placements_[as_index(joint.parent_link)];
     const Transform X_frame_joint = parent.X_frame_link * joint.origin;
     Placement& placement = placements_[as_index(link_index)];
-    const auto drive = drive_of(joint_index);
+    const auto drive = find_drive(robot_, joint_index);
     if (!drive) {
-      placement = {parent.frame, X_frame_joint * fixed_motion(joint)};
+      placement = {parent.frame, X_frame_joint * joint_motion(joint, joint.fixed_value)};
       return;
     }
     bool is_reversed = false;
@@ -196,7 +180,7 @@ class RobotTablesBuilder {
     FrameRow row;
     row.parent = parent.frame;
     row.joint = drive->joint;
-    row.multiplier = static_cast<float>(sign * drive->multiplier);
+    row.multiplier = static_cast<float>(sign * drive->rate);
     row.offset = static_cast<float>(sign * drive->offset);
     row.is_prismatic = joint.type == JointType::prismatic;
     store_turn(X_frame_joint.rotation * to_axis, row);
@@ -204,14 +188,6 @@ class RobotTablesBuilder {
     tables_.frames.push_back(row);
     placement.frame = static_cast<int>(tables_.frames.size());
     placement.X_frame_link = Transform{to_axis, Vec3::Zero()}.inverse();
-  }
-
-  static Transform fixed_motion(const Joint& joint) {
-    if (joint.type == JointType::fixed) return {};
-    if (joint.type == JointType::prismatic) {
-      return {Eigen::Matrix3d::Identity(), joint.axis * joint.fixed_value};
-    }
-    return {rotation_about(joint.axis, joint.fixed_value), Vec3::Zero()};
   }
 
   void add_links() {
@@ -450,7 +426,6 @@ class RobotTablesBuilder {
   }
 
   const Robot& robot_;
-  std::map<int, int> group_index_;
   std::vector<Placement> placements_;
   std::vector<Range> groups_of_link_;
   std::map<int, int> body_of_link_;

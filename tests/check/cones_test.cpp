@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
 #include "check/cones.h"
+#include "covering/small_parts.h"
 #include "goal/posed_robots.h"
 
 #include <cmath>
@@ -115,6 +116,27 @@ TEST_SUITE("unit") {
     CHECK_FALSE(cones.contain_motion(from, to, bow));
     to[as_index(j)] = 0.501f;
     CHECK_FALSE(cones.contain_motion(from, to, {}));
+  }
+
+  TEST_CASE("steps of a path are counted at any resolution, and there is none of no length") {
+    const Robot robot = odd_arm();
+    const OrientationConstraint constraint{"link_9", Vec3::UnitZ(), Vec3::UnitZ(), 0.5};
+    const Configuration q(as_index(robot.joint_count()));
+    for (const double resolution : {0.0, -1.0, std::nan("")}) {
+      CHECK(std::isinf(largest_tilt(robot, constraint, {q, q}, resolution)));
+    }
+  }
+
+  TEST_CASE("a joint that follows another at rate 0 is not driven") {
+    Robot::Parts parts = make_bare_chain(2);
+    parts.joints[0].type = JointType::prismatic;
+    parts.joints[1].mimic = Mimic{0, 0, 0.5};
+    const Robot robot = make_robot(parts).value();
+    const OrientationConstraint upright{"l2", Vec3::UnitX(), Vec3::UnitX(), 0.1};
+    CHECK(describe_fault(robot, upright) == "no joint that is planned for turns link \"l2\"");
+    const float q = 0.3f;
+    CHECK(Cone(robot, upright).cosine(&q) ==
+          doctest::Approx(std::cos(tilt(robot, upright, Configuration{q}))));
   }
 
   TEST_CASE("constraints that no robot can keep are described") {
