@@ -3,10 +3,10 @@
 
 // What a robot touches, one configuration per lane.
 //
-// What is far apart costs little: bodies are held against obstacles 16 at a time by the box that a
-// body sweeps in all lanes, then by their bounding balls lane by lane, then group by group; only a
-// group whose ball hits has its shapes posed. Bodies are held against each other by their balls
-// first (PairChecker does the rest).
+// What is far apart costs little: bodies are held against kLanes obstacles at a time by the box
+// that a body sweeps in all lanes, then by their bounding balls lane by lane, then group by group;
+// only a group whose ball hits has its shapes posed. Bodies are held against each other by their
+// balls first (PairChecker does the rest).
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_

@@ -45,11 +45,12 @@ void store(const Matrix& m, float* out) {
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
 /// Which groups may touch which obstacles (see SceneTables::may_touch), those that are checked by
-/// solid among them if `with_solids` says so. Error: an obstacle names a link that the robot lacks.
+/// solid among them if `allows_by_solid` says so. Error: an obstacle names a link that the robot
+/// lacks.
 [[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                                        const RobotTables& tables,
                                                                        const Scene& scene,
-                                                                       bool with_solids);
+                                                                       bool allows_by_solid);
 
 struct CheckedRobot {
   RobotTables tables;
@@ -58,8 +59,8 @@ struct CheckedRobot {
 };
 
 /// Made at the first call for a robot or any copy of it, which takes milliseconds, for one that
-/// carries objects microseconds, and kept while one of these lives. Thread-safe. Error: as
-/// make_robot_tables.
+/// carries objects microseconds. When one is made, those are let go whose robots are gone with all
+/// copies. Thread-safe. Error: as make_robot_tables.
 [[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
 
 }  // namespace mneme::internal

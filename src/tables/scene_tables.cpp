@@ -197,7 +197,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
 
 Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                          const RobotTables& tables,
-                                                         const Scene& scene, bool with_solids) {
+                                                         const Scene& scene, bool allows_by_solid) {
   std::vector<std::uint16_t> bits;
   std::size_t shape_count = 0;
   for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
@@ -207,7 +207,7 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
     auto named = find_named_links(robot, obstacle);
     if (!named) return tl::unexpected(named.error());
     std::vector<int>& links = named->may_touch;
-    if (with_solids) links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
+    if (allows_by_solid) links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;
