@@ -3,8 +3,7 @@
 #include "covering/triangle_tree.h"
 
 #include "base/as_index.h"
-
-#include <Eigen/Geometry>
+#include "geometry/part_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,27 +12,6 @@ namespace mneme::internal {
 namespace {
 
 constexpr int kLeafSize = 4;
-
-double distance2_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).squaredNorm();
-}
-
-double distance2_to_triangle(const Vec3& p, const Triangle& t) {
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
-  const double area2 = normal.squaredNorm();
-  const auto is_left = [&](const Vec3& a, const Vec3& b) {
-    return normal.dot((b - a).cross(p - a)) >= 0;
-  };
-  if (area2 > 0 && is_left(t.a, t.b) && is_left(t.b, t.c) && is_left(t.c, t.a)) {
-    const double height = normal.dot(p - t.a);
-    return height * height / area2;
-  }
-  return std::min({distance2_to_segment(p, t.a, t.b), distance2_to_segment(p, t.b, t.c),
-                   distance2_to_segment(p, t.c, t.a)});
-}
 
 double distance2_to_box(const Vec3& p, const Vec3& low, const Vec3& high) {
   return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
@@ -77,7 +55,7 @@ void TriangleTree::nearest(int index, const Vec3& point, double& least2) const {
   const Node& node = nodes_[as_index(index)];
   for (int i = 0; i < node.count; ++i) {
     const Triangle& triangle = mesh_[as_index(node.first + i)];
-    least2 = std::min(least2, distance2_to_triangle(point, triangle));
+    least2 = std::min(least2, (point - nearest_on(point, triangle)).squaredNorm());
   }
   if (node.count > 0) return;
   const auto reach = [&](int child) {

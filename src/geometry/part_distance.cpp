@@ -15,27 +15,31 @@ namespace {
 
 Vec3 to_vec3(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
 
-/// True if the segment ab goes through the triangle. By Moller and Trumbore, DOI
-/// 10.1080/10867651.1997.10487468. In its plane it meets an edge.
-bool crosses(const Vec3& a, const Vec3& b, const Triangle& t) {
-  const Vec3 direction = b - a, u_edge = t.b - t.a, v_edge = t.c - t.a;
-  const Vec3 p = direction.cross(v_edge);
-  const double determinant = u_edge.dot(p);
+/// True if the segment ab goes through the triangle with this normal_of(). By Moller and Trumbore,
+/// DOI 10.1080/10867651.1997.10487468. In its plane it meets an edge.
+bool crosses(const Vec3& a, const Vec3& b, const Triangle& t, const Vec3& normal) {
+  const Vec3 direction = b - a, offset = a - t.a;
+  const double determinant = -normal.dot(direction);
   if (determinant == 0) return false;
-  const Vec3 offset = a - t.a;
-  const double u = offset.dot(p) / determinant;
-  const Vec3 q = offset.cross(u_edge);
-  const double v = direction.dot(q) / determinant;
-  const double along = v_edge.dot(q) / determinant;
+  const Vec3 moment = offset.cross(direction);
+  const double u = moment.dot(t.c - t.a) / determinant;
+  const double v = moment.dot(t.a - t.b) / determinant;
+  const double along = normal.dot(offset) / determinant;
   return u >= 0 && v >= 0 && u + v <= 1 && along >= 0 && along <= 1;
 }
 
 }  // namespace
 
+Vec3 normal_of(const Triangle& t, double least_sine2) {
+  const Vec3 u = t.b - t.a, v = t.c - t.a, normal = u.cross(v);
+  const bool is_certain = normal.squaredNorm() > least_sine2 * u.squaredNorm() * v.squaredNorm();
+  return is_certain ? normal : Vec3::Zero();
+}
+
 Vec3 nearest_on(const Vec3& /*p*/, const CloudPoint& point) { return to_vec3(point); }
 
 Vec3 nearest_on(const Vec3& p, const Triangle& t) {
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+  const Vec3 normal = normal_of(t);
   const auto is_left = [&](const Vec3& a, const Vec3& b) {
     return normal.dot((b - a).cross(p - a)) >= 0;
   };
@@ -61,7 +65,7 @@ double distance_between(const Vec3& a, const Vec3& b, const CloudPoint& point) {
 double distance_between(const Vec3& a, const Vec3& b, const Triangle& t) {
   const double from_a = (a - nearest_on(a, t)).norm();
   if (a == b) return from_a;
-  if (crosses(a, b, t)) return 0;
+  if (crosses(a, b, t, normal_of(t))) return 0;
   return std::min({from_a, (b - nearest_on(b, t)).norm(), segment_distance(a, b, t.a, t.b),
                    segment_distance(a, b, t.b, t.c), segment_distance(a, b, t.c, t.a)});
 }
@@ -97,7 +101,7 @@ struct Facet {
   explicit Facet(const Triangle& t)
       : corners{t.a, t.b, t.c},
         edges{t.b - t.a, t.c - t.b, t.a - t.c},
-        normal(edges[0].cross(edges[1])),
+        normal(normal_of(t)),
         normal2(normal.squaredNorm()) {}
 
   [[nodiscard]] bool is_above_or_below(const Vec3& p) const {
@@ -108,7 +112,7 @@ struct Facet {
   }
 
   std::array<Vec3, 3> corners, edges;
-  Vec3 normal;
+  Vec3 normal;  ///< zero of a sliver: nothing is above, below or beyond its plane
   double normal2;
 };
 
@@ -144,9 +148,10 @@ bool are_apart(const Facet& s, const Facet& t, double limit2) {
   return gap > 0 && gap * gap >= limit2 * axis.squaredNorm();
 }
 
-bool cross(const Facet& s, const Triangle& t) {
-  return crosses(s.corners[0], s.corners[1], t) || crosses(s.corners[1], s.corners[2], t) ||
-         crosses(s.corners[2], s.corners[0], t);
+bool cross(const Facet& s, const Triangle& t, const Vec3& normal) {
+  return crosses(s.corners[0], s.corners[1], t, normal) ||
+         crosses(s.corners[1], s.corners[2], t, normal) ||
+         crosses(s.corners[2], s.corners[0], t, normal);
 }
 
 }  // namespace
@@ -161,7 +166,7 @@ double distance_between(const Triangle& s, const Triangle& t, double limit) {
   };
   if (is_far(over_other, other.normal2) || is_far(over_own, own.normal2)) return limit;
   const bool may_cross = over_other.least <= 0 && over_own.least <= 0;
-  if (may_cross && (cross(own, t) || cross(other, s))) return 0;
+  if (may_cross && (cross(own, t, other.normal) || cross(other, s, own.normal))) return 0;
   const double before = least2;
   compare_corners(own, other, over_other, least2);
   compare_corners(other, own, over_own, least2);

@@ -10,6 +10,14 @@
 
 namespace mneme::internal {
 
+/// Squared sine of a triangle's corner up to which double precision does not tell its plane well:
+/// its edges, which stand for it, miss it by no more than 5e-8 of their length.
+inline constexpr double kLeastSine2 = 1e-14;
+
+/// Across the triangle, (b - a) x (c - a); zero of a sliver, if the squared sine of the corner at a
+/// is not above `least_sine2`, since rounding turns it anywhere.
+[[nodiscard]] Vec3 normal_of(const Triangle& t, double least_sine2 = kLeastSine2);
+
 /// The point of a part that is nearest to `p`: `p` itself inside a cube.
 [[nodiscard]] Vec3 nearest_on(const Vec3& p, const CloudPoint& point);
 [[nodiscard]] Vec3 nearest_on(const Vec3& p, const Triangle& triangle);

@@ -23,6 +23,7 @@ struct PartNode {
 struct TriangleBlock {
   float a[3][kPartsPerLeaf];
   float to_b[3][kPartsPerLeaf], to_c[3][kPartsPerLeaf];
+  float normal[3][kPartsPerLeaf];  ///< normal_of(), which single precision would turn of thin ones
 };
 
 struct CubeBlock {
