@@ -235,53 +235,60 @@ static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
 
 // Triangles and cubes: one per lane.
 
+/// Triangles of a block.
+struct Facets {
+  V3 a, to_b, to_c;
+  V3 normal;  ///< to_b x to_c; zero of slivers, for which their edges stand
+};
+
 /// Squared distance; in the triangle's plane, inside of it, that from the plane.
-HWY_INLINE V point_triangle(const V3& p, const V3& a, const V3& to_b, const V3& to_c) {
-  const V3 from_a = p - a, to_c_from_b = to_c - to_b, normal = cross(to_b, to_c);
-  const V area2 = squared_norm(normal);
+HWY_INLINE V point_triangle(const V3& p, const Facets& t) {
+  const V3 from_a = p - t.a, to_c_from_b = t.to_c - t.to_b;
+  const V area2 = squared_norm(t.normal);
   const V zero = hn::Zero(Tag());
   const auto is_left = [&](const V3& edge, const V3& from) {
-    return hn::Ge(dot(normal, cross(edge, from)), zero);
+    return hn::Ge(dot(t.normal, cross(edge, from)), zero);
   };
   const M is_inside =
-      hn::And(hn::And(is_left(to_b, from_a), is_left(to_c_from_b, from_a - to_b)),
-              hn::And(is_left(negated(to_c), from_a - to_c), hn::Gt(area2, splat(1e-24f))));
-  const V height = dot(normal, from_a);
+      hn::And(hn::And(is_left(t.to_b, from_a), is_left(to_c_from_b, from_a - t.to_b)),
+              hn::And(is_left(negated(t.to_c), from_a - t.to_c), hn::Gt(area2, splat(1e-24f))));
+  const V height = dot(t.normal, from_a);
   const V from_plane = hn::Div(hn::Mul(height, height), hn::Max(area2, splat(1e-24f)));
   const auto from_edge = [&](const V3& from, const V3& edge) {
-    const V t = clamp01(hn::Mul(dot(from, edge), safe_inverse(squared_norm(edge))));
-    return squared_norm(mul_add(hn::Neg(t), edge, from));
+    const V along = clamp01(hn::Mul(dot(from, edge), safe_inverse(squared_norm(edge))));
+    return squared_norm(mul_add(hn::Neg(along), edge, from));
   };
   const V from_edges =
-      hn::Min(from_edge(from_a, to_b),
-              hn::Min(from_edge(from_a, to_c), from_edge(from_a - to_b, to_c_from_b)));
+      hn::Min(from_edge(from_a, t.to_b),
+              hn::Min(from_edge(from_a, t.to_c), from_edge(from_a - t.to_b, to_c_from_b)));
   return hn::IfThenElse(is_inside, from_plane, from_edges);
 }
 
 /// Where a segment goes through a triangle, not in its plane.
-HWY_INLINE M crosses_triangle(const Segment& s, const V3& a, const V3& to_b, const V3& to_c) {
+HWY_INLINE M crosses_triangle(const Segment& s, const Facets& t) {
   const V zero = hn::Zero(Tag()), one = splat(1.0f);
-  const V3 p = cross(s.u, to_c), offset = s.a - a, q = cross(offset, to_b);
-  const V inverse = safe_inverse(hn::Abs(dot(to_b, p)));
-  const V sign = hn::CopySign(one, dot(to_b, p));
+  const V3 from = t.a - s.a, moment = cross(from, s.u);
+  const V rise = dot(t.normal, s.u);
+  const V inverse = safe_inverse(hn::Abs(rise));
+  const V sign = hn::CopySign(one, rise);
   const auto ratio = [&](V value) { return hn::Mul(hn::Mul(value, sign), inverse); };
-  const V u = ratio(dot(offset, p)), v = ratio(dot(s.u, q)), t = ratio(dot(to_c, q));
+  const V u = ratio(dot(moment, t.to_c)), v = ratio(hn::Neg(dot(moment, t.to_b)));
+  const V along = ratio(dot(t.normal, from));
   const M is_in_triangle =
       hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::Le(hn::Add(u, v), one));
   return hn::And(hn::And(is_in_triangle, hn::Gt(inverse, zero)),
-                 hn::And(hn::Ge(t, zero), hn::Le(t, one)));
+                 hn::And(hn::Ge(along, zero), hn::Le(along, one)));
 }
 
-HWY_INLINE V segment_triangle(const Segment& s, const V3& a, const V3& to_b, const V3& to_c) {
+HWY_INLINE V segment_triangle(const Segment& s, const Facets& t) {
   const auto edge = [](const V3& from, const V3& along) {
     return Segment{from, along, safe_inverse(squared_norm(along))};
   };
-  const V from_ends =
-      hn::Min(point_triangle(s.a, a, to_b, to_c), point_triangle(s.a + s.u, a, to_b, to_c));
-  const V from_edges = hn::Min(
-      segment_segment(s, edge(a, to_b)),
-      hn::Min(segment_segment(s, edge(a, to_c)), segment_segment(s, edge(a + to_b, to_c - to_b))));
-  return hn::IfThenZeroElse(crosses_triangle(s, a, to_b, to_c), hn::Min(from_ends, from_edges));
+  const V from_ends = hn::Min(point_triangle(s.a, t), point_triangle(s.a + s.u, t));
+  const V from_edges = hn::Min(segment_segment(s, edge(t.a, t.to_b)),
+                               hn::Min(segment_segment(s, edge(t.a, t.to_c)),
+                                       segment_segment(s, edge(t.a + t.to_b, t.to_c - t.to_b))));
+  return hn::IfThenZeroElse(crosses_triangle(s, t), hn::Min(from_ends, from_edges));
 }
 
 HWY_INLINE Segment axis_of(const Probe& probe) {
@@ -294,9 +301,10 @@ HWY_INLINE V3 load(const float (*rows)[kPartsPerLeaf], int i) {
 }
 
 HWY_INLINE V distance2(const Probe& probe, const TriangleBlock& block, int i) {
-  const V3 a = load(block.a, i), to_b = load(block.to_b, i), to_c = load(block.to_c, i);
-  return probe.inverse_length2 > 0 ? segment_triangle(axis_of(probe), a, to_b, to_c)
-                                   : point_triangle(splat(probe.a), a, to_b, to_c);
+  const Facets triangles = {load(block.a, i), load(block.to_b, i), load(block.to_c, i),
+                            load(block.normal, i)};
+  return probe.inverse_length2 > 0 ? segment_triangle(axis_of(probe), triangles)
+                                   : point_triangle(splat(probe.a), triangles);
 }
 
 HWY_INLINE V distance2(const Probe& probe, const CubeBlock& block, int i) {
