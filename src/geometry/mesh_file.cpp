@@ -84,7 +84,11 @@ class Collector {
   Collector(const aiScene& scene, const MeshPlace& file) : scene_(scene), file_(file) {}
 
   void add(const aiNode& node, const aiMatrix4x4& parent, int level = 0) {
-    if (level > kDeepestNode || is_too_many_) return;
+    if (is_too_many_) return;
+    if (level > kDeepestNode) {
+      wrong_ = fmt::format("nests its nodes too deep, expected at most {} levels", kDeepestNode);
+      return;
+    }
     const aiMatrix4x4 pose = parent * node.mTransformation;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) add(*scene_.mMeshes[node.mMeshes[i]], pose);
     for (unsigned i = 0; i < node.mNumChildren; ++i) add(*node.mChildren[i], pose, level + 1);

@@ -82,6 +82,16 @@ std::string make_dae(const std::string& unit, const std::string& up, const std::
          "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>\n";
 }
 
+/// The same in as many nodes more.
+std::string make_deep_dae(int nodes) {
+  std::string dae = make_dae("1", "Z_UP", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1");
+  for (int i = 0; i < nodes; ++i) {
+    dae.insert(dae.find("<node"), "<node>");
+    dae.insert(dae.find("</visual_scene>"), "</node>");
+  }
+  return dae;
+}
+
 const TriangleMesh& box_mesh() {
   static const TriangleMesh kMesh = internal::triangulate(make_box({0.2, 0.4, 0.6}));
   return kMesh;
@@ -166,6 +176,7 @@ TEST_SUITE("unit") {
          "no triangle with an area"},
         {"points.obj", "v 0 0 0\nv 1 0 0\n", ErrorCode::parse, ""},
         {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ErrorCode::parse, ""},
+        {"deep.dae", make_deep_dae(300), ErrorCode::parse, "nests its nodes too deep"},
         {"broken.dae", "<COLLADA><library_geometries>", ErrorCode::parse, ""},
         {"other.off", "off", ErrorCode::unsupported,
          "expected a file named .stl, .obj, .dae or .ply"},
