@@ -87,7 +87,7 @@ class OctreeReader {
     std::memcpy(&log_odds, take_bytes(sizeof log_odds).data(), sizeof log_odds);
     if (format_.is_colored) static_cast<void>(take_bytes(3));
     const unsigned children = static_cast<unsigned char>(take_bytes(1)[0]);
-    if (children == 0) return add_leaf(cube, log_odds >= 0);
+    if (children == 0) return add_leaf(cube, !(log_odds < 0));
     expect_depth(depth);
     for (int i = 0; i < 8; ++i) {
       if ((children >> i & 1) != 0) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <limits>
 
 namespace mneme::test {
 namespace {
@@ -68,6 +69,8 @@ TEST_SUITE("unit") {
   TEST_CASE("leaves with log odds are occupied from one half on, with colours or without") {
     const std::string plain = full_node(1, 0b10000001) + full_node(0, 0) + full_node(-0.1f, 0);
     CHECK(cubes_of(octree_header(false) + plain).size() == 1);
+    const float unreadable = std::numeric_limits<float>::quiet_NaN();
+    CHECK(cubes_of(octree_header(false) + full_node(unreadable, 0)).size() == 1);
     const std::string colored =
         full_node(1, 0b11, "rgb") + full_node(2, 0, "rgb") + full_node(3, 0, "rgb");
     CHECK(cubes_of(octree_header(false, "ColorOcTree") + colored).size() == 2);
