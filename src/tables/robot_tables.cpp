@@ -46,9 +46,11 @@ std::vector<Sphere> to_spheres(std::span<const Ball> balls) {
 /// A rotation that takes the z axis to the unit vector `axis`, or to its opposite if `is_reversed`
 /// says so. For the axes of coordinates it permutes them without any change of sign.
 Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
+  constexpr double kLeastLean = 1e-9;
   is_reversed = false;
   for (int i = 0; i < 3; ++i) {
-    if (std::abs(std::abs(axis[i]) - 1) > 1e-12) continue;
+    const Vec3 lean = axis - axis[i] * Vec3::Unit(i);
+    if (!(lean.cwiseAbs().maxCoeff() < kLeastLean)) continue;
     is_reversed = axis[i] < 0;
     Eigen::Matrix3d cyclic = Eigen::Matrix3d::Zero();
     for (int k = 0; k < 3; ++k) cyclic((i + 1 + k) % 3, k) = 1;

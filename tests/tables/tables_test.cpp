@@ -41,6 +41,25 @@ Result<Robot> long_chain(int count, int fixed) {
   return make_robot(parts);
 }
 
+/// Of a tip that turns about `axis`.
+internal::FrameRow frame_about(const Vec3& axis) {
+  Robot::Parts parts;
+  parts.name = "pointer";
+  parts.links = {{"base", -1, {}, {}, {}}, {"tip", -1, {{{1, 0, 0}, 0.1}}, {}, {}}};
+  Joint joint;
+  joint.name = "turn";
+  joint.type = JointType::continuous;
+  joint.parent_link = 0;
+  joint.child_link = 1;
+  joint.axis = axis;
+  parts.joints.push_back(joint);
+  const auto robot = make_robot(parts);
+  REQUIRE(robot.has_value());
+  const RobotTables tables = require_tables(*robot);
+  REQUIRE(tables.frames.size() == 1);
+  return tables.frames[0];
+}
+
 /// `count` teeth on a bar along x, a metre from each other, that turns about z.
 Robot comb(int count) {
   Robot::Parts parts;
@@ -179,23 +198,20 @@ TEST_SUITE("unit") {
   TEST_CASE("an axis of the coordinates needs no more than a permutation, whatever its sign") {
     for (int i = 0; i < 3; ++i) {
       for (const double sign : {-1.0, 1.0}) {
-        Robot::Parts parts;
-        parts.name = "pointer";
-        parts.links = {{"base", -1, {}, {}, {}}, {"tip", -1, {{{1, 0, 0}, 0.1}}, {}, {}}};
-        Joint joint;
-        joint.name = "turn";
-        joint.type = JointType::continuous;
-        joint.parent_link = 0;
-        joint.child_link = 1;
-        joint.axis = sign * Vec3::Unit(i);
-        parts.joints.push_back(joint);
-        const auto robot = make_robot(parts);
-        REQUIRE(robot.has_value());
-        const RobotTables tables = require_tables(*robot);
-        REQUIRE(tables.frames.size() == 1);
-        CHECK(tables.frames[0].turn ==
-              (i == 2 ? internal::Turn::none : internal::Turn::permutation));
-        CHECK(tables.frames[0].multiplier == static_cast<float>(sign));
+        const internal::FrameRow frame = frame_about(sign * Vec3::Unit(i));
+        CHECK(frame.turn == (i == 2 ? internal::Turn::none : internal::Turn::permutation));
+        CHECK(frame.multiplier == static_cast<float>(sign));
+      }
+    }
+  }
+
+  TEST_CASE("an axis that leans by a millionth is not one of the coordinates") {
+    for (int i = 0; i < 3; ++i) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3 leaning = (sign * Vec3::Unit(i) + 1e-6 * Vec3::Unit((i + 1) % 3)).normalized();
+        CHECK(frame_about(leaning).turn == internal::Turn::general);
+        const Vec3 rounded = sign * Vec3::Unit(i) + 1e-12 * Vec3::Unit((i + 1) % 3);
+        CHECK(frame_about(rounded).turn != internal::Turn::general);
       }
     }
   }
