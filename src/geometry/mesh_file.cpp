@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -40,7 +39,8 @@ std::string suffix_of(const std::string& path) {
   return suffix;
 }
 
-Result<std::string> read_bytes(const MeshPlace& file) {
+/// In bytes, of a file that is neither empty nor too large.
+Result<std::size_t> find_size(const MeshPlace& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file.path, error);
   if (!std::filesystem::exists(status)) return refuse(ErrorCode::io, file, "there is no such file");
@@ -48,14 +48,20 @@ Result<std::string> read_bytes(const MeshPlace& file) {
     return refuse(ErrorCode::io, file, "is not a file");
   }
   const auto size = std::filesystem::file_size(file.path, error);
-  if (!error && size > kMaxMeshBytes) {
+  if (error) return refuse(ErrorCode::io, file, "cannot be read");
+  if (size > kMaxMeshBytes) {
     return refuse(ErrorCode::unsupported, file,
                   fmt::format("has {} bytes, expected at most {}", size, kMaxMeshBytes));
   }
-  std::string bytes(error ? 0 : size, '\0');
+  if (size == 0) return refuse(ErrorCode::parse, file, "is empty");
+  return size;
+}
+
+Result<std::string> read_bytes(const MeshPlace& file, std::size_t size) {
+  std::string bytes(size, '\0');
   std::ifstream stream(file.path, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (error || !stream) return refuse(ErrorCode::io, file, "cannot be read");
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!stream) return refuse(ErrorCode::io, file, "cannot be read");
   return bytes;
 }
 
@@ -164,11 +170,14 @@ Result<std::vector<Triangle>> read_triangles(const std::string& path, const Vec3
   if (suffix != ".stl" && suffix != ".obj" && suffix != ".dae" && suffix != ".ply") {
     return refuse(ErrorCode::unsupported, file, "expected a file named .stl, .obj, .dae or .ply");
   }
-  const auto bytes = read_bytes(file);
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->empty()) return refuse(ErrorCode::parse, file, "is empty");
-  const std::string fault = suffix == ".stl" ? find_stl_fault(*bytes) : "";
-  if (!fault.empty()) return refuse(ErrorCode::parse, file, fault);
+  const auto size = find_size(file);
+  if (!size) return tl::unexpected(size.error());
+  if (suffix == ".stl") {
+    const auto bytes = read_bytes(file, *size);
+    if (!bytes) return tl::unexpected(bytes.error());
+    const std::string fault = find_stl_fault(*bytes);
+    if (!fault.empty()) return refuse(ErrorCode::parse, file, fault);
+  }
   try {
     return import(file);
   } catch (const std::exception& error) {
