@@ -8,9 +8,6 @@
 // be, and balls of the robot that are too close to an obstacle, along its normal.
 #include "collision/walk_kernel.h"
 
-#include <algorithm>
-#include <cmath>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/walk_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"

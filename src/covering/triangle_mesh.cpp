@@ -9,11 +9,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <cmath>
-#include <exception>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <numeric>

@@ -6,7 +6,6 @@
 
 #include "mneme/robot.h"
 
-#include <array>
 #include <vector>
 
 namespace mneme::internal {

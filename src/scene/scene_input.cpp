@@ -6,9 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace mneme::internal {
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
   for (Shape& shape : obstacle.shapes) shape = transformed(X_AB, shape);
