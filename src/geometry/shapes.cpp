@@ -145,6 +145,7 @@ struct IsCrowd {
 
 struct MomentsOf {
   using Moments = internal::Moments;
+  static constexpr double kThinnest = 1e-9;  ///< metres, half of it
   static Moments posed(double volume, const Transform& pose, const Vec3& variances) {
     return {volume, pose.translation,
             pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
@@ -155,7 +156,9 @@ struct MomentsOf {
                  Vec3::Constant(r * r / 5));
   }
   Moments operator()(const Box& s) const {
-    return posed(8 * s.half_extents.prod(), s.pose, s.half_extents.cwiseAbs2() / 3);
+    // What is flat counts by its area: it has a place and two directions.
+    const Vec3 half = s.half_extents.cwiseMax(kThinnest);
+    return posed(8 * half.prod(), s.pose, half.cwiseAbs2() / 3);
   }
   Moments operator()(const Cylinder& s) const {
     const double across = s.radius * s.radius / 4;

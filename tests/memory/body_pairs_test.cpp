@@ -108,6 +108,27 @@ TEST_SUITE("unit") {
                              BodyKey{0, 1, 0, 0.5 * r5, 0.5 * r5, 0.5 * r5, 0, 0, 0}) < 1e-12);
   }
 
+  TEST_CASE("meshes without thickness have places and sizes, and count by their areas") {
+    const auto sheet = [](const Vec3& corner, double width, double height) {
+      const Vec3 across(0, width, 0), up(0, 0, height);
+      return Shape(
+          crowd_of(std::vector<Triangle>{{corner, corner + across, corner + up},
+                                         {corner + across + up, corner + up, corner + across}}));
+    };
+    const Obstacle one{"", {sheet({1, 2, 3}, 0.2, 0.4)}};
+    CHECK(largest_difference(body_key(one), BodyKey{1, 2.1, 3.2, 0, 0.1, 0.2, 0, 0, 0}) < 1e-6);
+    const Obstacle two{"", {sheet({1, 2, 3}, 0.2, 0.1), sheet({1, 2, 3.1}, 0.2, 0.3)}};
+    CHECK(largest_difference(body_key(one), body_key(two)) < 1e-6);
+    const Robot robot = lifting_arm();
+    const auto keys_at = [&](double x) {
+      return body_pairs(
+          robot,
+          {"", {{"a", {sheet({x, 0, 0}, 0.2, 0.4)}}, {"b", {sheet({x, 0.3, 0}, 0.2, 0.4)}}}});
+    };
+    CHECK(largest_difference(keys_at(0.5).at(0).key, keys_at(0.9).at(0).key) ==
+          doctest::Approx(0.4).epsilon(0.1));
+  }
+
   TEST_CASE("a box that stands askew has numbers off the diagonal") {
     Box box = box_at(Vec3::Zero(), {0.3, 0.1, 0.2});
     box.pose.rotation = rotation_about(Vec3::UnitZ(), std::numbers::pi / 4);
