@@ -4,13 +4,14 @@
 #include "mneme/benchmark.h"
 #include "mneme/rivals.h"
 
+#include "base/start_threads.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <deque>
 #include <mutex>
 #include <set>
-#include <thread>
 #include <tuple>
 
 namespace mneme {
@@ -95,8 +96,8 @@ class RunQueue {
 
   Result<bool> run() {
     {
-      std::vector<std::jthread> threads;
-      for (int i = 1; i < plan_.jobs; ++i) threads.emplace_back([this] { work(); });
+      const auto others = internal::start_threads(
+          static_cast<std::size_t>(std::max(plan_.jobs, 1) - 1), [this] { work(); });
       work();
     }
     if (error_) return tl::unexpected(*error_);

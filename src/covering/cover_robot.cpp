@@ -7,6 +7,7 @@
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/installation.h"
+#include "base/start_threads.h"
 #include "covering/allowed_pairs.h"
 #include "covering/cover_solid.h"
 #include "covering/triangle_mesh.h"
@@ -148,17 +149,16 @@ void replace_solids(Link& link, Attempt made) {
                 made.cover->max_excess};
 }
 
-/// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has.
+/// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has,
+/// or gives.
 template <class Work>
 void run_parallel(std::size_t count, const Work& work) {
   std::atomic<std::size_t> next = 0;
   const auto run = [&] {
     for (std::size_t i = next++; i < count; i = next++) work(i);
   };
-  const std::size_t thread_count =
-      std::min<std::size_t>(std::max(1U, std::thread::hardware_concurrency()), count);
-  std::vector<std::jthread> threads;
-  for (std::size_t i = 1; i < thread_count; ++i) threads.emplace_back(run);
+  const std::size_t most = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
+  const auto others = start_threads(std::max<std::size_t>(most, 1) - 1, run);
   run();
 }
 

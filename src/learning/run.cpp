@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
 
+#include "base/start_threads.h"
+
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 namespace mneme::internal {
@@ -30,11 +31,7 @@ class Run {
         open_count_(tasks.asked) {}
 
   Result<LearnSummary> run() {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < thread_count_; ++i) threads.emplace_back([this] { work(); });
-    const Result<void> served = serve();
-    stop();
-    threads.clear();
+    const Result<void> served = serve_threads();
     if (!served || is_cancelled(run_)) leave();
     if (!served) return tl::unexpected(served.error());
     summary_.is_cancelled = is_cancelled(run_);
@@ -45,6 +42,30 @@ class Run {
   }
 
  private:
+  /// Ends the threads, whatever ends what they are served by.
+  class Stop {
+   public:
+    explicit Stop(Run& run) : run_(run) {}
+    ~Stop() {
+      const std::lock_guard lock(run_.mutex_);
+      run_.is_over_ = true;
+      run_.has_tasks_.notify_all();
+    }
+    Stop(const Stop&) = delete;
+    Stop& operator=(const Stop&) = delete;
+
+   private:
+    Run& run_;
+  };
+
+  Result<void> serve_threads() {
+    const auto threads = start_threads(thread_count_, [this] { work(); });
+    if (threads.empty()) return fail(ErrorCode::io, "cannot learn: no thread to be had");
+    thread_count_ = threads.size();
+    const Stop stop(*this);  // before the threads are joined
+    return serve();
+  }
+
   /// A thread that learns what was taken.
   void work() {
     std::unique_lock lock(mutex_);
@@ -61,12 +82,6 @@ class Run {
       finished_.emplace_back(task, std::move(learned));
       has_news_.notify_one();
     }
-  }
-
-  void stop() {
-    const std::lock_guard lock(mutex_);
-    is_over_ = true;
-    has_tasks_.notify_all();
   }
 
   /// Speaks with the source until all is done.
@@ -178,9 +193,9 @@ class Run {
   TaskSource& source_;
   const Tasks& tasks_;
   const LearnRun& run_;
-  std::size_t thread_count_;
 
   // Of the thread that serves.
+  std::size_t thread_count_;
   LearnSummary summary_;
   std::size_t in_work_ = 0;  ///< taken, and no result yet
   Results unsaved_;

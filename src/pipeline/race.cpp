@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/race.h"
 
+#include "base/start_threads.h"
+
 #include <algorithm>
 #include <atomic>
 #include <deque>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -143,13 +144,7 @@ class Race {
   /// Called by the first search's thread alone.
   void start_others() {
     if (std::exchange(has_started_, true)) return;
-    try {
-      for (std::size_t i = 1; i < entrants_.size(); ++i) {
-        threads_.emplace_back([this] { run_those_left(); });
-      }
-    } catch (const std::system_error&) {
-      return;
-    }
+    threads_ = start_threads(entrants_.size() - 1, [this] { run_those_left(); });
   }
 
   [[nodiscard]] Entrant& winner() {

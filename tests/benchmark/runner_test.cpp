@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "benchmark/bench_support.h"
+#include "support/no_threads.h"
 
 namespace mneme {
 namespace {
@@ -86,6 +87,14 @@ TEST_SUITE("unit") {
       return fail(ErrorCode::io, "full");
     };
     CHECK(run_bench(bench.plan, {}, refuse).error().message == "full");
+  }
+
+  TEST_CASE("One thread does all runs where others are refused") {
+    PretendedBench bench(solve_all);
+    bench.plan.jobs = 3;
+    const test::NoThreads none;
+    CHECK(bench.run().value());
+    CHECK(bench.rows.size() == 4);
   }
 
   TEST_CASE("Serial planners take their turns beside others, each run once") {

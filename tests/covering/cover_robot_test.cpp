@@ -6,6 +6,7 @@
 #include "covering/small_parts.h"
 #include "covering/solids.h"
 #include "support/environment.h"
+#include "support/no_threads.h"
 
 #include <filesystem>
 #include <set>
@@ -134,6 +135,13 @@ TEST_SUITE("unit") {
       CHECK(cover.excess == covering->links[i].max_excess);
     }
     CHECK(links[0].cover->surface.parts->list().size() == 12);
+  }
+
+  TEST_CASE("links are covered by one thread where others are refused") {
+    const NoThreads none;
+    const auto covering = cover_robot(make_parts());
+    REQUIRE_MESSAGE(covering.has_value(), (covering ? "" : covering.error().message));
+    CHECK(covering->links.size() == 2);
   }
 
   TEST_CASE("covers are made once for each settings, and made again if they were damaged") {

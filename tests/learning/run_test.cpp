@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
+#include "support/no_threads.h"
 #include "support/support.h"
 
 #include <atomic>
 #include <numeric>
+#include <stdexcept>
 
 namespace mneme::test {
 namespace {
@@ -123,6 +125,23 @@ TEST_SUITE("unit") {
     CHECK(summary->skipped == 0);
     CHECK(summary->unsolved.size() == source.saved.size());
     CHECK(source.saved.size() >= 490);
+  }
+
+  TEST_CASE("what whoever watches throws ends the run") {
+    ScriptedSource source(10);
+    LearnRun run = run_with(2);
+    run.on_progress = [](const LearnProgress&) { throw std::runtime_error("enough"); };
+    CHECK_THROWS_WITH((void)internal::run_tasks(source, easy_tasks(10), run), "enough");
+  }
+
+  TEST_CASE("a run for which there is no thread is an error") {
+    const NoThreads none;
+    ScriptedSource source(10);
+    const auto refused = internal::run_tasks(source, easy_tasks(10), run_with(2));
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::io);
+    CHECK(refused.error().message == "cannot learn: no thread to be had");
+    CHECK(source.is_released);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/lifting_arm.h"
+#include "support/no_threads.h"
 #include "support/planar_circles.h"
 #include "support/planar_memory.h"
 
@@ -103,6 +104,15 @@ TEST_SUITE("law") {
       }
     }
     CHECK(others > 4);  // that it was not always the first
+  }
+
+  TEST_CASE("the same search wins where threads are refused") {
+    const Problem problem = planar_problem("threaded_b4");
+    SolveSettings settings = racing_settings(3);
+    settings.sampler = "uniform";
+    const PlanResult expected = expected_winner(problem, nullptr, settings);
+    const NoThreads none;
+    check_same(require_solved(problem, nullptr, settings).plan, expected);
   }
 
   TEST_CASE("searches share a memory, and what it gave is told as of the one that won") {
