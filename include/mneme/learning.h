@@ -129,9 +129,9 @@ struct RepeatedPlan {
 
 /// Solves each problem several times and inserts what its paths teach, as learn_from_paths() says,
 /// in the order of the problems and the rows of each in one transaction, so that a lesson that was
-/// ended goes on where it was. A problem that taught something with the same name, number of paths
-/// and seed is skipped. All problems are of the database's robot. Errors: those of
-/// solve_repeatedly(), learn_from_paths() and Database::insert().
+/// ended goes on where it was. A problem is skipped if the very same, by the same name, has taught
+/// this kind of memory something with the same `max_gap`, number of paths and seed. All are of the
+/// database's robot. Errors: those of solve_repeatedly(), learn_from_paths(), Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                                        const MemorySettings& memory,
                                                        Database& database,

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
+#include "store/row_codec.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +12,13 @@
 namespace mneme {
 namespace {
 
-/// Says in the provenance what a row was learned from.
-std::string provenance_text(const Problem& problem, const ProblemLesson& lesson) {
-  return fmt::format("{} paths of problem {}", lesson.paths, problem.name);
+/// Says in the provenance what a row was learned from. The hash tells problems of one name apart.
+std::string provenance_text(const Problem& problem, const MemorySettings& memory,
+                            const ProblemLesson& lesson) {
+  std::string all = to_compact_json(problem, problem.robot.hash());
+  if (memory.max_gap) all += fmt::format("max-gap={}", *memory.max_gap);
+  const auto hash = static_cast<std::uint64_t>(internal::hash_bytes(std::as_bytes(std::span(all))));
+  return fmt::format("{} paths of problem {} ({:016x})", lesson.paths, problem.name, hash);
 }
 
 /// What several paths teach alike, such as those that go straight, once: the database would keep
@@ -32,18 +37,22 @@ void drop_repetitions(std::vector<Experience>& rows) {
   rows = std::move(kept);
 }
 
-/// The problems that have taught the database nothing yet.
+/// The problems that have taught the database nothing of this kind yet.
 Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems,
+                                               const MemorySettings& memory,
                                                const ProblemLesson& lesson,
                                                const Database& database) {
-  std::set<std::string> known;
+  std::set<std::pair<std::string, std::string>> known;  // kinds and texts
   const auto read = database.for_each([&](const auto& row) {
-    if (row->provenance.seed == lesson.seed) known.insert(row->provenance.settings);
+    if (row->provenance.seed == lesson.seed) known.emplace(row->kind, row->provenance.settings);
   });
   if (!read) return tl::unexpected(read.error());
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < problems.size(); ++i) {
-    if (!known.contains(provenance_text(problems[i], lesson))) open.push_back(i);
+    const auto kind = choose_kind(problems[i].robot, memory);
+    if (!kind) return tl::unexpected(kind.error());
+    const std::string text = provenance_text(problems[i], memory, lesson);
+    if (!known.contains({std::string((*kind)->version), text})) open.push_back(i);
   }
   return open;
 }
@@ -60,9 +69,9 @@ Result<internal::Learned> learn_from_problem(const Problem& problem, const Memor
                                plan->paths, memory);
   if (!rows) return tl::unexpected(rows.error());
   drop_repetitions(*rows);
+  const std::string text = provenance_text(problem, memory, lesson);
   for (Experience& row : *rows) {
-    row.provenance = {
-        fmt::format("mneme {}", version()), provenance_text(problem, lesson), lesson.seed, {}};
+    row.provenance = {fmt::format("mneme {}", version()), text, lesson.seed, {}};
   }
   return internal::Learned{std::move(*rows), {}};
 }
@@ -97,7 +106,7 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
 Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                          const MemorySettings& memory, Database& database,
                                          const ProblemLesson& lesson) {
-  auto open = open_problems(problems, lesson, database);
+  auto open = open_problems(problems, memory, lesson, database);
   if (!open) return tl::unexpected(open.error());
   const internal::Tasks tasks = {
       std::move(*open), static_cast<std::int64_t>(problems.size()),

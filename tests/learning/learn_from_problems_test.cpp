@@ -112,7 +112,8 @@ TEST_SUITE("flow") {
     const LearnSummary summary = learn_well(std::span(problems).first(2), database, two_paths());
     CHECK(summary.learned == 2);
     CHECK(summary.rows == 4);
-    CHECK(database.get(0)->provenance.settings == "2 paths of problem " + problems[0].name);
+    CHECK(database.get(0)->provenance.settings.starts_with("2 paths of problem " +
+                                                           problems[0].name + " ("));
     SolveSettings settings;
     settings.retrieve_after = 0;
     for (const Problem& problem : std::span(problems).last(2)) {
@@ -136,6 +137,36 @@ TEST_SUITE("unit") {
     CHECK(database.size() == 8);
     CHECK(learn_well(problems, database, two_paths(2)).learned == 4);
     CHECK(database.size() == 16);
+  }
+
+  TEST_CASE(
+      "what was learned of another kind, with another gap or of another problem is no reason to "
+      "skip") {
+    const Posts posts;
+    std::vector<Problem> problems = post_problems(posts);
+    problems.resize(1, problems[0]);
+    Database database = open_paths(posts.directory / "a.db", problems[0].robot);
+    const auto learned_of = [&](const MemorySettings& memory) {
+      const auto summary = learn_from_problems(problems, memory, database, two_paths());
+      REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+      return summary->learned;
+    };
+    for (const MemorySettings& memory :
+         {of_kind("paths"), of_kind("gaps"), MemorySettings{"gaps", 1.0}}) {
+      CHECK(learned_of(memory) == 1);
+      CHECK(learned_of(memory) == 0);
+    }
+    const Problem first = problems[0];
+    problems[0].start[0] += 0.01;
+    CHECK(learned_of(of_kind("paths")) == 1);
+    problems[0] = first;
+    problems[0].goals[0][0] += 0.01;
+    CHECK(learned_of(of_kind("paths")) == 1);
+    problems[0] = first;
+    problems[0].scene.obstacles.pop_back();
+    CHECK(learned_of(of_kind("paths")) == 1);
+    problems[0] = first;
+    CHECK(learned_of(of_kind("paths")) == 0);
   }
 
   TEST_CASE("problems without a path are named, and tried again the next time") {
