@@ -12,6 +12,7 @@
 
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 namespace mneme::internal {
 
@@ -38,29 +39,23 @@ class SettingsReader {
     if (!input) return;
     if constexpr (std::is_same_v<Value, bool>) {
       value = input->boolean();
+    } else if constexpr (std::is_integral_v<Value>) {
+      const auto number = input->whole_number();
+      if (!number || std::cmp_less(*number, least) || std::cmp_greater(*number, most)) {
+        input->fail_expecting(fmt::format("a whole number from {} to {}", least, most));
+      }
+      value = static_cast<Value>(*number);
     } else {
       const double number = input->number();
       // Written so that a NaN is out of range.
-      const bool is_inside =
-          number >= static_cast<double>(least) && number <= static_cast<double>(most);
-      constexpr bool kIsWhole = std::is_integral_v<Value>;
-      const bool is_whole = !kIsWhole || number == static_cast<double>(to<Value>(number));
-      if (!is_inside || !is_whole) {
-        input->fail_expecting(
-            fmt::format("{} from {} to {}", kIsWhole ? "a whole number" : "a number", least, most));
+      if (!(number >= least && number <= most)) {
+        input->fail_expecting(fmt::format("a number from {} to {}", least, most));
       }
-      value = to<Value>(number);
+      value = number;
     }
   }
 
  private:
-  /// A cast of a number that T cannot hold would be undefined.
-  template <class T>
-  static T to(double number) {
-    if (!(number > -1e18 && number < 1e18)) return T{};
-    return static_cast<T>(number);
-  }
-
   const Input& map_;
 };
 

@@ -57,7 +57,7 @@ class JsonListener : public nlohmann::json_sax<nlohmann::json> {
   bool null() override { return add({}); }
   bool boolean(bool value) override { return add(value); }
   bool number_integer(number_integer_t value) override { return add(static_cast<double>(value)); }
-  bool number_unsigned(number_unsigned_t value) override { return add(static_cast<double>(value)); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
   bool number_float(number_float_t value, const string_t&) override { return add(value); }
   bool string(string_t& text) override { return add(InputValue::Text{text, true}); }
   bool binary(binary_t&) override { return false; }

@@ -33,6 +33,14 @@ std::optional<double> parse_number(std::string_view text) {
   return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
 }
 
+std::optional<std::uint64_t> parse_whole(std::string_view text) {
+  text.remove_prefix(text.starts_with('+') ? 1 : 0);
+  std::uint64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end ? std::optional(value) : std::nullopt;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kShown = 40;
   return text.size() <= kShown ? fmt::format("\"{}\"", text)
@@ -42,6 +50,7 @@ std::string in_quotes(std::string_view text) {
 struct Describe {
   std::string operator()(std::monostate) const { return "nothing"; }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(std::uint64_t value) const { return fmt::format("{}", value); }
   std::string operator()(double value) const { return fmt::format("{}", value); }
   std::string operator()(const InputValue::Text& text) const {
     const auto value = text.is_quoted ? std::nullopt : parse_number(text.text);
@@ -122,6 +131,9 @@ std::vector<Input> Input::items() const {
 
 std::optional<double> Input::as_number() const {
   if (const auto* number = std::get_if<double>(&value_->content)) return *number;
+  if (const auto* whole = std::get_if<std::uint64_t>(&value_->content)) {
+    return static_cast<double>(*whole);
+  }
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
   return text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
 }
@@ -138,6 +150,16 @@ double Input::finite_number() const {
   const double value = number();
   if (!std::isfinite(value)) fail_expecting("a finite number");
   return value;
+}
+
+std::optional<std::uint64_t> Input::whole_number() const {
+  const double value = number();
+  if (const auto* whole = std::get_if<std::uint64_t>(&value_->content)) return *whole;
+  const auto* text = std::get_if<InputValue::Text>(&value_->content);
+  if (const auto whole = text == nullptr ? std::nullopt : parse_whole(text->text)) return whole;
+  // As 1e3 is, and 5.0.
+  const bool is_whole = value >= 0 && value < 0x1p64 && value == std::floor(value);
+  return is_whole ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
 }
 
 double Input::positive_number() const {

@@ -7,6 +7,7 @@
 #include "mneme/base.h"
 
 #include <array>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -28,7 +29,8 @@ struct InputValue {
     std::string text;
     bool is_quoted = false;
   };
-  std::variant<std::monostate, bool, double, Text, List, Map> content;
+  /// Whole numbers are apart because a double holds those up to 2^53 only.
+  std::variant<std::monostate, bool, std::uint64_t, double, Text, List, Map> content;
   int line = 0;  ///< from 1; 0 if unknown
 };
 
@@ -105,6 +107,8 @@ class Input {
   /// Also infinite or not a number, as YAML can say.
   [[nodiscard]] double number() const;
   [[nodiscard]] double finite_number() const;
+  /// Exactly; nothing if it is a number, but no whole one from 0 to 2^64 - 1.
+  [[nodiscard]] std::optional<std::uint64_t> whole_number() const;
   /// Finite and above zero.
   [[nodiscard]] double positive_number() const;
   [[nodiscard]] bool boolean() const;

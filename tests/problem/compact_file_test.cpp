@@ -39,6 +39,22 @@ TEST_SUITE("unit") {
     CHECK(number.error().message == "f:1: key b: expected a number, got \"1\"");
   }
 
+  TEST_CASE("whole numbers are exact up to 2^64 - 1") {
+    const InputValue value = internal::parse_json(
+        R"([9007199254740993, 18446744073709551615, 1e3, -1, 0.5, 18446744073709551616])", "f");
+    std::vector<std::optional<std::uint64_t>> numbers;
+    for (const Input& item : Input(value, kSource).items()) {
+      numbers.push_back(item.whole_number());
+    }
+    CHECK(numbers == std::vector<std::optional<std::uint64_t>>{
+                         9007199254740993U, ~std::uint64_t{0}, 1000U, {}, {}, {}});
+    CHECK(Input(value, kSource).items()[1].number() == 0x1p64);
+    const auto text =
+        internal::without_throwing([&] { return Input(value, kSource).items()[0].text(); });
+    REQUIRE_FALSE(text.has_value());
+    CHECK(text.error().message == "f:1: key [0]: expected a text, got 9007199254740993");
+  }
+
   TEST_CASE("every kind of value carries its line") {
     const InputValue value =
         internal::parse_json("{\n\"a\":\n1\n,\n\"b\":\n\"x\",\"c\":[\n2\n,3\n]\n}", "f");

@@ -52,6 +52,25 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("whole numbers are exact up to 2^64 - 1") {
+    const auto whole = [](const std::string& yaml) {
+      const auto value = internal::parse_yaml(yaml, "f");
+      return Input(value, kSource).whole_number();
+    };
+    CHECK(whole("0") == 0U);
+    CHECK(whole("9007199254740993") == 9007199254740993U);
+    CHECK(whole("+9007199254740993") == 9007199254740993U);
+    CHECK(whole("18446744073709551615") == ~std::uint64_t{0});
+    CHECK(whole("1e3") == 1000U);
+    CHECK(whole("5.0") == 5U);
+    for (const char* text : {"-1", "0.5", "18446744073709551616", "1e30", ".inf", ".nan"}) {
+      CAPTURE(text);
+      CHECK_FALSE(whole(text).has_value());
+    }
+    CHECK(failure("'1'", [](const Input& i) { static_cast<void>(i.whole_number()); }) ==
+          "f:1: expected a number, got \"1\"");
+  }
+
   TEST_CASE("a failure names the way to the value, and the value") {
     const std::string yaml = "x:\n  - {y: [1,\n   abc]}\n";
     CHECK(failure(yaml, [](const Input& i) {
