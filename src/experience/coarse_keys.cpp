@@ -14,6 +14,22 @@ constexpr double kMostCells = 8191;
 constexpr double kLeastWidth = 1e-100;
 constexpr std::int32_t kMostSquared = std::numeric_limits<std::int32_t>::max();
 
+/// One number may spread so wide (that of whole paths which keeps constraints apart does) that its
+/// cells would tell nothing of the others; unless these hardly spread at all.
+constexpr double kMostWiderThanOthers = 4, kLeastShareOfWidest = 1e-6;
+
+/// What the cells of each number cover, from the least on; all beyond is in the last cell.
+double covered_width(const std::vector<double>& lower, const std::vector<double>& upper) {
+  double widest = 0, second = 0;
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    const double width = upper[i] - lower[i];
+    second = std::max(second, std::min(width, widest));
+    widest = std::max(widest, width);
+  }
+  const bool others_spread = second > kLeastShareOfWidest * widest;
+  return others_spread ? std::min(widest, kMostWiderThanOthers * second) : widest;
+}
+
 std::size_t blocks_of(std::size_t count) { return (count + kCoarseBlock - 1) / kCoarseBlock; }
 
 /// Where the cell of a key stands among blocks that have `arrays` arrays per pair.
@@ -45,9 +61,8 @@ CoarseKeys::CoarseKeys(std::size_t key_size, std::span<const double> keys,
       upper[i / count] = std::max(upper[i / count], x);
     }
   }
-  double widest = 0;
-  for (std::size_t i = 0; i < key_size; ++i) widest = std::max(widest, upper[i] - lower_[i]);
-  if (widest > kLeastWidth) per_cell_ = last_cell_ / widest;
+  const double width = covered_width(lower_, upper);
+  if (width > kLeastWidth) per_cell_ = last_cell_ / width;
   keys_.resize(2 * first_blocks_.back() * pair_count_ * kCoarseBlock);
   boxes_.resize(4 * blocks_of(leaves) * pair_count_ * kCoarseBlock);
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {

@@ -219,6 +219,24 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("one number that spreads far leaves the others telling") {
+    Rng rng(49);
+    ExperienceIndex index(6);
+    const PrimitiveKey known = random_key(rng);
+    for (int i = 0; i < 5000; ++i) add(index, i, random_key(rng));
+    add(index, 5000, known);
+    PrimitiveKey apart = known;
+    apart[0] += 9e5;
+    add(index, 5001, apart);
+    for (const auto& [key, id] : {std::pair{known, 5000}, {apart, 5001}}) {
+      std::int64_t left = 1000;
+      const auto found = index.find(keys_of(key), 0.25, 1, &left);
+      REQUIRE(found.size() == 1);
+      CHECK(found[0].id == id);
+      CHECK(left > 0);
+    }
+  }
+
   TEST_CASE("a query that is not a number finds nothing") {
     ExperienceIndex index(6);
     for (int i = 0; i < 600; ++i) add(index, i, {3, 1, 1, 3, -1, 1});
