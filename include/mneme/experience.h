@@ -45,7 +45,7 @@ enum class RobotDifference {
 /// A stored experience whose key is near one that was asked for.
 struct KeyMatch {
   std::shared_ptr<const Experience> experience;  ///< never null
-  double similarity_error = 0;                   ///< squared distance of the keys
+  double similarity_error = 0;                   ///< squared distance of the keys, in their unit
   std::size_t image = 0;  ///< which of the keys that were asked for is nearest
 };
 
@@ -116,10 +116,11 @@ class Database {
   /// The experiences of `kind` whose key's squared distance to the nearest of `images` is less than
   /// `threshold`, nearest first, at most `max_matches` (0: all). Ties are broken by id; each row
   /// comes once. `images` are the ways to write down one key; of another length than the kind's
-  /// keys they match nothing. O(log size) for few matches, and never more than `keys_left` allows,
-  /// if it is not null: the keys that were looked at are taken from it, by up to 64, and without
-  /// any left those that were found count. Errors, of rows that are not in memory: corrupt, naming
-  /// a damaged one; io.
+  /// keys they match nothing. Looks at the boxes around some 64 keys each, and at the keys in those
+  /// that are near enough. Never at more keys than `keys_left` allows, if it is not null: those
+  /// that were looked at, for all images, are taken from it, by up to 64, and without any left
+  /// those that were found count. Errors, of rows that are not in memory: corrupt, naming a damaged
+  /// one; io.
   [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
                                                    std::span<const std::vector<double>> images,
                                                    double threshold, int max_matches,

@@ -57,10 +57,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
 [[nodiscard]] std::string describe(const LearnSettings& settings);
 
 struct LearnResult {
-  LocalSampler sampler;  ///< canonical frame; no components if no query was solved
-  int queries = 0;
-  int solved = 0;
-  std::uint64_t iterations = 0;
+  LocalSampler sampler;          ///< canonical frame; no components if no query was solved
+  int queries = 0;               ///< local ones that were planned for
+  int solved = 0;                ///< of these
+  std::uint64_t iterations = 0;  ///< of all
   double time_s = 0;
 };
 
@@ -86,8 +86,8 @@ struct MemoryQuery {
 /// A stored experience that is similar to a primitive.
 struct Match {
   std::shared_ptr<const Experience> experience;  ///< never null
-  double similarity_error = 0;                   ///< squared distance of the keys
-  Symmetry to_scene;                             ///< takes the stored means to the query's scene
+  double similarity_error = 0;  ///< squared distance of the keys: m^2, for whole paths rad^2
+  Symmetry to_scene;            ///< takes the stored means to the query's scene
 };
 
 /// A primitive of the query and what the memory knew of it.
@@ -229,8 +229,6 @@ void visit_settings(Settings& s, Visitor&& visit) {
 [[nodiscard]] LocalPrimitive make_primitive(const PrimitiveKey& circles);
 /// The two circles of a key as a scene of their own.
 [[nodiscard]] Scene make_scene(const PrimitiveKey& key);
-/// similarity_error() of the kind "pairs", without writing down an image.
-[[nodiscard]] double circle_pair_error(const PrimitiveKey& a, const PrimitiveKey& b);
 
 /// Section IV-A of the paper: solves queries that start with the arm threaded through the gap,
 /// stratified by the first link that crosses it, and end with the arm wholly out; shortcuts the
@@ -258,17 +256,6 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// mean is in contact stay apart; members of a group count for the same origin.
 [[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
                                          const LocalSampler& sampler);
-
-/// Random configurations of a planar arm that is threaded through the gap of a pair of circles,
-/// free of contact. `first_link` (0-based) is the first link that crosses the segment between the
-/// circles. Returns nothing if none was found in `attempts` tries.
-[[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
-                                                           const PrimitiveKey& key, int first_link,
-                                                           int attempts, Rng& rng);
-/// The first link of a planar arm that crosses the segment between the two circles, or -1: then the
-/// arm is out.
-[[nodiscard]] int first_crossing_link(const Robot& robot, const PrimitiveKey& key,
-                                      std::span<const double> q);
 
 // The kind "body_pairs": two obstacles of any shapes, touching ones too.
 

@@ -128,18 +128,6 @@ double gap_distance(const Circle& a, const Circle& b) {
 
 constexpr std::size_t kPairKeySize = 6;
 
-double squared(double value) { return value * value; }
-
-/// Squared distance between the circles (p, q) and the key `b`, or the mirror image of it if that
-/// is nearer. Neither image is ever written down: the mirror only turns differences of y into sums.
-double nearer_image(const double* p, const double* q, const double* b) {
-  const double common =
-      (squared(p[0] - b[0]) + squared(p[2] - b[2])) + (squared(q[0] - b[3]) + squared(q[2] - b[5]));
-  const double plain = squared(p[1] - b[1]) + squared(q[1] - b[4]);
-  const double mirrored = squared(p[1] + b[1]) + squared(q[1] + b[4]);
-  return common + std::min(plain, mirrored);
-}
-
 std::vector<KeyImage> images_of_circles(const PrimitiveKey& k) {
   assert(k.size() == kPairKeySize);
   return {{k, false},
@@ -229,14 +217,6 @@ Scene make_scene(const PrimitiveKey& key) {
   const Sphere a{Vec3(key[0], key[1], 0), key[2]};
   const Sphere b{Vec3(key[3], key[4], 0), key[5]};
   return Scene{"primitive", {Obstacle{"circle_a", {a}}, Obstacle{"circle_b", {b}}}};
-}
-
-double circle_pair_error(const PrimitiveKey& a, const PrimitiveKey& b) {
-  assert(a.size() == internal::kPairKeySize && b.size() == internal::kPairKeySize);
-  const double* first = a.data();
-  const double* second = first + 3;
-  return std::min(internal::nearer_image(first, second, b.data()),
-                  internal::nearer_image(second, first, b.data()));
 }
 
 }  // namespace mneme

@@ -165,18 +165,4 @@ std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
 }
 
 }  // namespace internal
-
-int first_crossing_link(const Robot& robot, const PrimitiveKey& key, std::span<const double> q) {
-  const auto chain = internal::PlanarChain::make(robot);
-  return chain ? internal::first_crossing_link(*chain, key, q) : -1;
-}
-
-std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
-                                             const PrimitiveKey& key, int first_link, int attempts,
-                                             Rng& rng) {
-  const auto chain = internal::PlanarChain::make(checker.robot());
-  if (!chain) return std::nullopt;
-  return internal::sample_threaded(checker, *chain, key, first_link, attempts, rng);
-}
-
 }  // namespace mneme

@@ -270,7 +270,7 @@ extern constinit const MemoryKind kWholePaths = {
     .summary = "whole solved paths, found by their ends and bent to those of the query",
     .defaults = {.share = {.lambda = 0.7, .retrieve_after = 2500},
                  .sigma = 0.4,
-                 .similarity = 1e9,
+                 .similarity = 0.25 * kApart * kApart,
                  .max_matches = 50,
                  .drop_invalid_means = false,
                  .first_components = 20},

@@ -3,6 +3,7 @@
 #include "mneme/upkeep.h"
 
 #include "store/fixtures.h"
+#include "support/kinds.h"
 
 #include <limits>
 
@@ -407,7 +408,7 @@ TEST_SUITE("oracle") {
       const double threshold = rng.uniform(0, 3);
       std::vector<std::pair<double, std::int64_t>> expected;
       for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double error = circle_pair_error(primitive.key, rows[k].key);
+        const double error = pair_error(primitive.key, rows[k].key);
         if (error < threshold) expected.emplace_back(error, static_cast<std::int64_t>(k) + 1);
       }
       std::sort(expected.begin(), expected.end());

@@ -5,6 +5,7 @@
 #include "mneme/upkeep.h"
 
 #include "store/fixtures.h"
+#include "support/kinds.h"
 #include "experience/index_file.h"
 
 #include <thread>
@@ -283,7 +284,7 @@ TEST_SUITE("flow") {
             const auto matches = find_like(database, primitive, 3, 8);
             if (!matches) is_sound = false;
             for (const KeyMatch& match : matches.value_or(std::vector<KeyMatch>())) {
-              const double error = circle_pair_error(primitive.key, match.experience->key);
+              const double error = pair_error(primitive.key, match.experience->key);
               if (std::abs(error - match.similarity_error) > 1e-12) is_sound = false;
             }
             if (i % 10 == 0 && !database.refresh()) is_sound = false;

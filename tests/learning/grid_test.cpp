@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "support/planar_memory.h"
 
 #include <atomic>
@@ -36,7 +37,7 @@ void check_in_range(const PrimitiveGrid& grid, const PrimitiveKey& key) {
 
 double nearest_error(const std::vector<PrimitiveKey>& keys, const PrimitiveKey& probe) {
   double least = std::numeric_limits<double>::infinity();
-  for (const PrimitiveKey& key : keys) least = std::min(least, circle_pair_error(key, probe));
+  for (const PrimitiveKey& key : keys) least = std::min(least, pair_error(key, probe));
   return least;
 }
 

@@ -154,7 +154,7 @@ TEST_SUITE("law") {
       REQUIRE(before.size() == after.size());
       for (std::size_t k = 0; k < before.size(); ++k) {
         REQUIRE(before[k].obstacles == after[k].obstacles);
-        REQUIRE(circle_pair_error(before[k].key, after[k].key) < 1e-20);
+        REQUIRE(pair_error(before[k].key, after[k].key) < 1e-20);
       }
       found += static_cast<int>(before.size());
     }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
+#include "support/threaded.h"
 #include "memory/gap_fit.h"
 
 #include <numbers>

@@ -3,6 +3,7 @@
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
+#include "support/threaded.h"
 
 #include <atomic>
 #include <limits>

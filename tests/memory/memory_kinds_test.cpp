@@ -42,8 +42,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the similarity error is a squared distance") {
-    CHECK(circle_pair_error({5, 1, 1, 5, -1, 1}, {5, 1, 1, 5, -1, 3}) == doctest::Approx(4));
-    CHECK(circle_pair_error({5, 1, 1, 5, -1, 1}, {8, 1, 1, 8, -1, 1}) == doctest::Approx(18));
+    CHECK(pair_error({5, 1, 1, 5, -1, 1}, {5, 1, 1, 5, -1, 3}) == doctest::Approx(4));
+    CHECK(pair_error({5, 1, 1, 5, -1, 1}, {8, 1, 1, 8, -1, 1}) == doctest::Approx(18));
   }
 }
 
@@ -75,11 +75,11 @@ TEST_SUITE("law") {
     for (int i = 0; i < 1000; ++i) {
       const PrimitiveKey a = random_pair(rng);
       const PrimitiveKey b = random_pair(rng);
-      const double error = circle_pair_error(make_primitive(a).key, make_primitive(b).key);
+      const double error = pair_error(make_primitive(a).key, make_primitive(b).key);
       const PrimitiveKey other_a = make_primitive(moved_key(random_symmetry(rng), swapped(a))).key;
       const PrimitiveKey other_b = make_primitive(moved_key(random_symmetry(rng), b)).key;
-      REQUIRE(circle_pair_error(other_a, other_b) == doctest::Approx(error).epsilon(1e-10));
-      REQUIRE(circle_pair_error(other_b, other_a) == doctest::Approx(error).epsilon(1e-10));
+      REQUIRE(pair_error(other_a, other_b) == doctest::Approx(error).epsilon(1e-10));
+      REQUIRE(pair_error(other_b, other_a) == doctest::Approx(error).epsilon(1e-10));
     }
   }
 
@@ -89,13 +89,13 @@ TEST_SUITE("law") {
       const PrimitiveKey key = make_primitive(random_pair(rng)).key;
       for (const KeyImage& first : kind_named("pairs").images(key)) {
         for (const KeyImage& second : kind_named("pairs").images(key)) {
-          REQUIRE(circle_pair_error(first.key, second.key) == 0);
+          REQUIRE(pair_error(first.key, second.key) == 0);
         }
       }
       PrimitiveKey changed = key;
       changed[rng.index(6)] += 1e-3;
-      REQUIRE(circle_pair_error(key, changed) > 1e-9);
-      REQUIRE(circle_pair_error(key, changed) <= 1.0001e-6);
+      REQUIRE(pair_error(key, changed) > 1e-9);
+      REQUIRE(pair_error(key, changed) <= 1.0001e-6);
     }
   }
 }
@@ -114,7 +114,7 @@ TEST_SUITE("oracle") {
         least = std::min(least, sum);
       }
       INFO("seed " << seed << ", pair " << i);
-      REQUIRE(circle_pair_error(a, b) == doctest::Approx(least).epsilon(1e-12));
+      REQUIRE(pair_error(a, b) == doctest::Approx(least).epsilon(1e-12));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include "memory/moved_means.h"
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
+#include "support/threaded.h"
 
 namespace mneme::test {
 namespace {

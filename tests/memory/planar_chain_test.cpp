@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
+#include "support/threaded.h"
 #include "memory/planar_chain.h"
 
 namespace mneme::test {
@@ -8,12 +9,6 @@ namespace {
 
 using internal::PlanarChain;
 using internal::Vec2;
-
-PlanarChain require_chain(const Robot& robot) {
-  auto chain = PlanarChain::make(robot);
-  REQUIRE_MESSAGE(chain.has_value(), (chain ? "" : chain.error().message));
-  return *chain;
-}
 
 void check_refused(const std::string& urdf, const std::string& word) {
   const auto chain = PlanarChain::make(require_arm(urdf));

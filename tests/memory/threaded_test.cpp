@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/threaded.h"
 #include "support/planar_memory.h"
+#include "support/threaded.h"
 
 namespace mneme::test {
 
@@ -32,15 +33,6 @@ TEST_SUITE("unit") {
     const PrimitiveKey key = {0, 1.5, 1, 0, -1.5, 1};
     CHECK(first_crossing_link(arm, key, Configuration{0.1, 0.2}) == 0);
     CHECK(first_crossing_link(arm, key, Configuration{kPi, 0.2}) == 0);
-  }
-
-  TEST_CASE("a robot that is no planar arm crosses nothing and is threaded through nothing") {
-    const Robot robot = upright_arm();
-    const PrimitiveKey key = {3, 1.5, 1, 3, -1.5, 1};
-    CHECK(first_crossing_link(robot, key, Configuration{0}) == -1);
-    Rng rng(1);
-    const CollisionChecker checker = make_checker(robot, make_scene(key));
-    CHECK(!sample_threaded(checker, key, 0, 10, rng).has_value());
   }
 
   TEST_CASE("a gap out of reach of a link gives nothing, and so do no attempts") {
@@ -108,19 +100,6 @@ TEST_SUITE("law") {
     REQUIRE(q.has_value());
     CHECK(q == sample_threaded(checker, key, 6, 1000, second));
     CHECK(q != sample_threaded(checker, key, 6, 1000, second));
-  }
-
-  TEST_CASE("a chain that was made once gives the same answers") {
-    const Robot robot = planar8();
-    const auto chain = internal::PlanarChain::make(robot);
-    REQUIRE(chain.has_value());
-    for (const PrimitiveKey& key : random_keys(20, 8)) {
-      const CollisionChecker checker = make_checker(robot, make_scene(key));
-      Rng first(6), second(6);
-      const auto q = internal::sample_threaded(checker, *chain, key, 5, 100, first);
-      CHECK(q == sample_threaded(checker, key, 5, 100, second));
-      if (q) CHECK(internal::first_crossing_link(*chain, key, *q) == 5);
-    }
   }
 }
 

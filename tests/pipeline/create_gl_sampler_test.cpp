@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/kinds.h"
 #include "support/lifting_arm.h"
 #include "support/planar_memory.h"
 
@@ -262,14 +263,13 @@ TEST_SUITE("unit") {
       settings.similarity = threshold;
       const GlSampler gl = create(robot, make_scene(near_pair()), database, settings);
       std::size_t expected = 0;
-      for (const PrimitiveKey& key : keys)
-        expected += circle_pair_error(key, near_pair()) < threshold;
+      for (const PrimitiveKey& key : keys) expected += pair_error(key, near_pair()) < threshold;
       const auto& matches = gl.primitives.at(0).matches;
       CHECK(matches.size() == expected);
       for (const Match& match : matches) {
         CHECK(match.similarity_error < threshold);
         CHECK(match.similarity_error ==
-              doctest::Approx(circle_pair_error(match.experience->key, near_pair())));
+              doctest::Approx(pair_error(match.experience->key, near_pair())));
       }
       CHECK(matches.size() >= previous);
       previous = matches.size();

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// How planar arms stand in gaps, by their robots.
+#pragma once
+
+#include "memory/threaded.h"
+#include "support/support.h"
+
+namespace mneme::test {
+
+inline internal::PlanarChain require_chain(const Robot& robot) {
+  auto chain = internal::PlanarChain::make(robot);
+  REQUIRE(chain.has_value());
+  return *std::move(chain);
+}
+
+inline int first_crossing_link(const Robot& robot, const PrimitiveKey& key,
+                               std::span<const double> q) {
+  return internal::first_crossing_link(require_chain(robot), key, q);
+}
+
+inline std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                                    const PrimitiveKey& key, int first_link,
+                                                    int attempts, Rng& rng) {
+  return internal::sample_threaded(checker, require_chain(checker.robot()), key, first_link,
+                                   attempts, rng);
+}
+
+}  // namespace mneme::test
