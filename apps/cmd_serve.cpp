@@ -136,10 +136,10 @@ void add_serve(CLI::App& program, Action& action) {
   const auto options = std::make_shared<ServeOptions>();
   command->add_option("--robot", options->robot, "a URDF file or a name")->required();
   add_robot_flags(*command, options->robot_options);
-  command->add_option("--db", options->db, "memory: an SQLite file or postgresql://...");
-  add_database_memory(*command, options->kept);
+  add_database(*command, options->db, options->kept, "memory: an SQLite file or postgresql://...");
   add_number(*command, "--remember-after", options->service.remember_after, 0, 1000000000,
-             "insert what solved problems teach that took at least this many iterations")
+             "insert what a solved problem teaches, once this many iterations came together since "
+             "the last")
       ->needs("--db");
   const auto listen = [&where = options->service.listen](const std::string& text) {
     const auto checked = check_listen(text);
@@ -150,8 +150,9 @@ void add_serve(CLI::App& program, Action& action) {
            "HOST:PORT, where port 0 is any that is free, or unix:PATH (default 127.0.0.1:7890); "
            "addresses that other machines reach need --token-file");
   command->add_option("--problem", options->problem,
-                      "what the page at / begins with, whose group and fixed joints the robot then "
-                      "has: YAML file, or FILE.json#NAME");
+                      "whose scene requests are in that say nothing of obstacles, whose group and "
+                      "fixed joints the robot has, and what the page at / begins with: YAML file, "
+                      "or FILE.json#NAME");
   command->add_option("--token-file", options->token_file,
                       "file whose first line clients must send as Authorization: Bearer TOKEN");
   add_number(*command, "--threads", options->service.threads, 0, 4096,

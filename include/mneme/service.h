@@ -39,7 +39,8 @@ struct ServiceSettings {
   std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory
   /// SolveSettings::remember_after of all plans; needs a database that may be written.
   std::optional<int> remember_after;
-  /// What the page at `/` begins with, a problem of the service's robot; null: the robot at rest.
+  /// A problem of the service's robot: requests that say nothing of obstacles are in its scene, and
+  /// the page at `/` begins with it. Null: no obstacles, and the robot at rest.
   std::shared_ptr<const Problem> shown;
   std::string robot_path;  ///< the robot's URDF, for what it looks like on that page; may be empty
   std::vector<std::string> package_paths;  ///< where meshes of its looks are searched

@@ -121,18 +121,21 @@ double read_margin(const Input& input) {
 
 /// Of a request that may name a scene, hold obstacles, or both: those that it holds come first, in
 /// the place of the scene's of the same names. Without a scene they stay in the frame that the
-/// request names.
+/// request names. One that says nothing of either is in the scene of the service's problem.
 Scene read_scene_of_request(const Input& input, const std::string& name,
                             const RequestContext& context) {
   Scene scene = read_framed_scene(input, name, context);
   const auto id = input.find("scene");
-  if (!id) return scene;
+  const std::shared_ptr<const Problem>& shown = context.limits.shown;
+  const bool is_of_its_own = input.find("obstacles") || input.find("circles");
+  if (!id && (is_of_its_own || shown == nullptr)) return scene;
   if (const auto frame = input.find("frame")) {
     frame->fail(ErrorCode::invalid,
                 "expected no frame beside scene: its obstacles, and those beside it, are in the "
                 "frame of the root link");
   }
-  for (Obstacle& obstacle : find_scene(*id, context).obstacles) {
+  Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
+  for (Obstacle& obstacle : kept.obstacles) {
     const bool is_replaced =
         std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name) != scene.obstacles.end();
     if (!is_replaced) scene.obstacles.push_back(std::move(obstacle));

@@ -172,6 +172,27 @@ TEST_SUITE("flow") {
     CHECK_FALSE(Service::start(problem.robot, nullptr, settings).has_value());
   }
 
+  TEST_CASE("a request that says nothing of obstacles is in the scene of the service's problem") {
+    ServiceSettings settings;
+    settings.shown = std::make_shared<const Problem>(
+        *load_problem(test::source_file("scenes/planar/scenario1.yaml")));
+    const RunningService running(settings);
+    const auto client = running.client();
+    const Json body = question();
+    const Json ends = {{"start", body.at("start")}, {"goals", body.at("goals")}};
+    const Json path = post(*client, "/v1/plan", ends).body["path"];
+    CHECK(path == post(*client, "/v1/plan", body).body["path"]);
+    Json nowhere = ends;
+    nowhere["obstacles"] = Json::array();
+    CHECK(post(*client, "/v1/plan", nowhere).body["path"].size() == 2);
+    CHECK(path.size() > 2);
+    const Json check = {{"configurations", body.at("goals")}};
+    CHECK(post(*client, "/v1/check", check).status == 200);
+    Json framed = ends;
+    framed["frame"] = {{"position", {1, 0, 0}}};
+    CHECK(post(*client, "/v1/plan", framed).status == 400);
+  }
+
   TEST_CASE("obstacles beside a scene are added to it, in the place of those of the same names") {
     const RunningService running;
     const auto client = running.client();
