@@ -104,6 +104,8 @@ class PoseGoalSource final : public GoalSource {
   /// only in contact, and with what; no solution from so many seeds. Looks at some more seeds for
   /// that, unless the search is over.
   [[nodiscard]] std::string describe_failure() const;
+  /// A sentence about each region without a configuration in the first call.
+  [[nodiscard]] std::vector<std::string> describe_unreached() const;
 
  private:
   struct Region {
@@ -117,6 +119,7 @@ class PoseGoalSource final : public GoalSource {
   [[nodiscard]] std::vector<Configuration> search(const Region& region);
   void keep_new(std::vector<Configuration>& found);
   [[nodiscard]] std::string describe_failure(const Region& region) const;
+  [[nodiscard]] std::string describe_blocked(const Region& region) const;
 
   const CollisionChecker* checker_;
   Configuration near_;

@@ -110,10 +110,7 @@ std::string describe_length(double metres) {
 std::string PoseGoalSource::describe_failure(const Region& region) const {
   const PoseGoal& goal = region.goal;
   const IkResult& first = region.first;
-  if (!first.blocked.empty()) {
-    return fmt::format("link '{}' reaches it only in contact with {} ({} seeds tried)", goal.link,
-                       describe_commonest(*checker_, first.blocked), first.seeds);
-  }
+  if (!first.blocked.empty()) return describe_blocked(region);
   PoseGoal any_way = goal;
   any_way.cone = any_way.turn = std::numbers::pi;
   IkSettings settings = settings_;
@@ -135,6 +132,12 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
       kDegrees * first.closest.rotation);
 }
 
+std::string PoseGoalSource::describe_blocked(const Region& region) const {
+  return fmt::format("link '{}' reaches it only in contact with {} ({} seeds tried)",
+                     region.goal.link, describe_commonest(*checker_, region.first.blocked),
+                     region.first.seeds);
+}
+
 std::string PoseGoalSource::describe_failure() const {
   std::string text;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
@@ -143,6 +146,23 @@ std::string PoseGoalSource::describe_failure() const {
     text += describe_failure(regions_[i]);
   }
   return text;
+}
+
+std::vector<std::string> PoseGoalSource::describe_unreached() const {
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    const Region& region = regions_[i];
+    if (!region.first.solutions.empty()) continue;
+    const std::string why =
+        region.first.blocked.empty()
+            ? fmt::format(
+                  "no configuration from {} seeds, the closest is {} and {:.1f} degrees off",
+                  region.first.seeds, describe_length(region.first.closest.position),
+                  kDegrees * region.first.closest.rotation)
+            : describe_blocked(region);
+    sentences.push_back(fmt::format("goal pose {}: {}", i, why));
+  }
+  return sentences;
 }
 
 std::vector<std::string> find_tips(const Robot& robot) {

@@ -58,6 +58,22 @@ Configuration positions_of_group(const Robot& robot, const std::map<std::string,
   return q;
 }
 
+/// The middles of what is allowed, within limits where these allow some of it.
+std::map<std::string, double> middles_of(const std::map<std::string, JointRange>& ranges,
+                                         const Robot& robot) {
+  std::map<std::string, double> middles;
+  for (const auto& [name, range] : ranges) middles[name] = 0.5 * (range.least + range.most);
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.group_joint(i);
+    const auto given = ranges.find(joint.name);
+    if (given == ranges.end() || joint.type == JointType::continuous) continue;
+    const double least = std::max(given->second.least, joint.lower);
+    const double most = std::min(given->second.most, joint.upper);
+    if (least <= most) middles[joint.name] = 0.5 * (least + most);
+  }
+  return middles;
+}
+
 class MoveitReader {
  public:
   MoveitReader(const Input& scene, const Input& request, const MoveitAddress& address,
@@ -222,6 +238,18 @@ class MoveitReader {
     robot.warnings.insert(robot.warnings.end(), scene_.warnings.begin(), scene_.warnings.end());
     std::ranges::move(describe_fixed_contacts(robot.robot, scene),
                       std::back_inserter(robot.warnings));
+    for (const char* key : {"max_velocity_scaling_factor", "max_acceleration_scaling_factor"}) {
+      const auto factor = request_input_.find(key);
+      if (!factor || factor->is_nothing()) continue;
+      const double share = factor->finite_number();
+      // MoveIt takes 0 for what nobody has set.
+      if (share == 0 || share == 1) continue;
+      robot.warnings.push_back(
+          factor->place(fmt::format("{} is not taken from a request: --velocity-scale and "
+                                    "--acceleration-scale say how fast a "
+                                    "trajectory is",
+                                    key)));
+    }
   }
 
   Configuration read_start(const Robot& robot) const {
@@ -237,10 +265,11 @@ class MoveitReader {
                       problem);
         continue;
       }
-      for (const auto& [joint, position] : request_.goals[i]) {
+      const auto positions = middles_of(request_.goals[i], problem.robot);
+      for (const auto& [joint, position] : positions) {
         check_other_joint(problem.robot, joint, position, place);
       }
-      problem.goals.push_back(positions_of_group(problem.robot, request_.goals[i], place, "goal"));
+      problem.goals.push_back(positions_of_group(problem.robot, positions, place, "goal"));
     }
   }
 

@@ -35,30 +35,30 @@ double read_tolerance(const Input& constraint, std::string_view key) {
   return value;
 }
 
-std::map<std::string, double> read_goal(const Input& goal) {
+std::map<std::string, JointRange> read_goal(const Input& goal) {
   goal.allow_keys({"name", "joint_constraints", "position_constraints", "orientation_constraints",
                    "visibility_constraints"});
   refuse_constraints(goal, {"visibility_constraints"}, "a goal without them");
-  std::map<std::string, double> positions;
+  std::map<std::string, JointRange> ranges;
   if (is_moveit_pose_goal(goal)) {
     refuse_constraints(goal, {"joint_constraints"},
                        "joint_constraints alone, or constraints of position and orientation");
-    return positions;
+    return ranges;
   }
   for (const Input& constraint : items_if_any(goal, "joint_constraints")) {
     constraint.allow_keys(
         {"joint_name", "position", "tolerance_above", "tolerance_below", "weight"});
-    const double centre = constraint.at("position").finite_number() +
-                          0.5 * (read_tolerance(constraint, "tolerance_above") -
-                                 read_tolerance(constraint, "tolerance_below"));
+    const double position = constraint.at("position").finite_number();
+    const JointRange range{position - read_tolerance(constraint, "tolerance_below"),
+                           position + read_tolerance(constraint, "tolerance_above")};
     const Input joint = constraint.at("joint_name");
-    if (!positions.emplace(joint.text(), centre).second) {
+    if (!ranges.emplace(joint.text(), range).second) {
       joint.fail(ErrorCode::parse,
                  fmt::format("expected each joint once, got {} again", joint.text()));
     }
   }
-  if (positions.empty()) goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
-  return positions;
+  if (ranges.empty()) goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
+  return ranges;
 }
 
 /// Those of orientation.

@@ -17,10 +17,15 @@ namespace mneme::internal {
 /// True if the keys are those of a motion plan request.
 [[nodiscard]] bool is_moveit_request(const Input& input);
 
+/// What a joint constraint allows.
+struct JointRange {
+  double least = 0, most = 0;
+};
+
 struct MoveitRequest {
   std::string group;
-  MoveitState start;                                 ///< what it says other than the scene
-  std::vector<std::map<std::string, double>> goals;  ///< positions by joint; none of a pose
+  MoveitState start;                                     ///< what it says other than the scene
+  std::vector<std::map<std::string, JointRange>> goals;  ///< by joint; none of a pose
   std::vector<Input> goal_places;
   std::vector<Input> path_constraints;  ///< of orientation
 };

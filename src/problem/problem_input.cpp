@@ -126,9 +126,11 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   }
   if (const auto joints = input.find("joints"); joints && options.joints.empty()) {
     options.joints = joint_names(*joints);
-    if (!options.group.empty()) {
-      warnings.push_back(joints->place(
-          fmt::format("these joints are planned for, not those of group {}", options.group)));
+    const auto beside = input.find("group");
+    const std::string group = beside && options.group.empty() ? beside->text() : options.group;
+    if (!group.empty()) {
+      warnings.push_back(
+          joints->place(fmt::format("these joints are planned for, not those of group {}", group)));
     }
   } else if (const auto group = input.find("group"); group && options.group.empty()) {
     options.group = group->text();
@@ -278,24 +280,38 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
 
 namespace {
 
+/// Metres from the root's origin, at least; exactly where that tells more than a ball around it.
+double distance_from_root(const Obstacle& obstacle, double far) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Shape& shape : obstacle.shapes) {
+    const Sphere bound = bounding_sphere(shape);
+    double away = bound.center.norm() - bound.radius;
+    if (away <= far && bound.center.norm() > far) away = mneme::distance(shape, Sphere{});
+    nearest = std::min(nearest, away);
+  }
+  return nearest;
+}
+
 /// Obstacles that no motion of the robot comes near: mostly a mistake of units.
 std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene& scene) {
-  const double reach = farthest_reach(robot);
-  std::vector<std::string> notes;
+  const double reach = farthest_reach(robot), far = kFarAway * reach;
+  std::size_t count = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  std::string first;
   for (const Obstacle& obstacle : scene.obstacles) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Shape& shape : obstacle.shapes) {
-      const Sphere bound = bounding_sphere(shape);
-      nearest = std::min(nearest, bound.center.norm() - bound.radius);
-    }
-    const bool is_near = obstacle.shapes.empty() || nearest <= kFarAway * reach;
-    if (is_near || reach == 0) continue;
-    notes.push_back(
-        fmt::format("obstacle {} is {:.3g} m away, and robot {} reaches {:.2g} m: numbers in a "
-                    "scene are metres",
-                    obstacle.name, nearest, robot.name(), reach));
+    if (obstacle.shapes.empty() || reach == 0) continue;
+    const double away = distance_from_root(obstacle, far);
+    if (away <= far) continue;
+    if (count++ == 0) first = obstacle.name;
+    nearest = std::min(nearest, away);
   }
-  return notes;
+  if (count == 0) return {};
+  const std::string others =
+      count == 1 ? " is" : fmt::format(" and {} more are at least", count - 1);
+  return {
+      fmt::format("obstacle {}{} {:.3g} m away, and robot {} reaches {:.2g} m: numbers in a "
+                  "scene are metres",
+                  first, others, nearest, robot.name(), reach)};
 }
 
 /// `allow(pairs)` gives the robot anew, with pairs of links that may touch.

@@ -277,6 +277,28 @@ void warn_of_wide_limits(std::span<const Joint> joints, std::vector<std::string>
   }
 }
 
+/// Values of followers are not limited: a plan may lead them beyond what their own limits say.
+void warn_of_followers(std::span<const Joint> joints, std::span<const int> group,
+                       std::vector<std::string>& warnings) {
+  constexpr double kTolerance = 1e-6;
+  for (const Joint& joint : joints) {
+    const bool is_limited = joint.type != JointType::continuous && joint.lower < joint.upper;
+    if (!joint.mimic || !is_limited) continue;
+    if (std::ranges::find(group, joint.mimic->joint) == group.end()) continue;
+    const Joint& leader = joints[static_cast<std::size_t>(joint.mimic->joint)];
+    if (leader.type == JointType::continuous) continue;
+    const auto value_at = [&](double q) {
+      return joint.mimic->multiplier * q + joint.mimic->offset;
+    };
+    const auto [least, most] = std::minmax({value_at(leader.lower), value_at(leader.upper)});
+    if (least >= joint.lower - kTolerance && most <= joint.upper + kTolerance) continue;
+    warnings.push_back(fmt::format(
+        "joint '{}' follows '{}' from {:.4g} to {:.4g}, beyond its own limits [{:.4g}, {:.4g}]: "
+        "expected limits of '{}' that keep it within them",
+        joint.name, leader.name, least, most, joint.lower, joint.upper, leader.name));
+  }
+}
+
 Error named(const std::string& robot, const Error& error) {
   return {error.code, fmt::format("robot '{}': {}", robot, error.message)};
 }
@@ -295,6 +317,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     return tl::unexpected(named(name, *error));
   }
   warn_of_wide_limits(sorted->joints, sorted->warnings);
+  warn_of_followers(sorted->joints, *group, sorted->warnings);
   const auto allowed = find_allowed(*sorted, *group, options);
   if (!allowed) return tl::unexpected(named(name, allowed.error()));
   Robot::Model model;

@@ -91,6 +91,21 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("of several goals those that nothing reaches are told") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    const PoseGoal near = pose_at(robot, kHand, kReady);
+    PoseGoal far = near;
+    far.pose.translation = Vec3(11.5, 0, 0.3);
+    PoseGoalSource source = require_source(checker, {near, far}, {});
+    CHECK_FALSE(source.more().empty());
+    const std::vector<std::string> unreached = source.describe_unreached();
+    REQUIRE(unreached.size() == 1);
+    CHECK_MESSAGE(unreached[0].starts_with("goal pose 1: no configuration from 2048 seeds, the "
+                                           "closest is 10."),
+                  unreached[0]);
+  }
+
   TEST_CASE("a search that is over looks no further, and says so") {
     const Robot robot = shipped_robot("panda");
     const CollisionChecker checker = checker_among(robot, {});

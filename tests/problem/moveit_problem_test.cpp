@@ -23,7 +23,7 @@ const std::string kGoal =
     "goal_constraints: [{joint_constraints: [{joint_name: a, position: 1}]}]\n";
 
 TEST_SUITE("unit") {
-  TEST_CASE("a goal is the centre of what its tolerances allow") {
+  TEST_CASE("a goal is what its tolerances allow") {
     const auto request = read_yaml(
         "group_name: arm\nplanner_id: RRT\nworkspace_parameters: {min_corner: [0, 0, 0]}\n"
         "goal_constraints:\n"
@@ -40,8 +40,10 @@ TEST_SUITE("unit") {
     REQUIRE_MESSAGE(request.has_value(), (request ? "" : request.error().message));
     CHECK(request->group == "arm");
     REQUIRE(request->goals.size() == 2);
-    CHECK(request->goals[0].at("a") == doctest::Approx(1.1));
-    CHECK(request->goals[1].at("a") == 2);
+    CHECK(request->goals[0].at("a").least == doctest::Approx(0.8));
+    CHECK(request->goals[0].at("a").most == doctest::Approx(1.4));
+    CHECK(request->goals[1].at("a").least == 2);
+    CHECK(request->goals[1].at("a").most == 2);
   }
 
   TEST_CASE("goals and paths that are constrained otherwise are refused by name") {
@@ -220,6 +222,28 @@ TEST_SUITE("unit") {
         load_problem(files / "scene0001.yaml" + "," + files / "request0001.yaml", files.options);
     REQUIRE(same.has_value());
     CHECK(same->start == problem->start);
+  }
+
+  TEST_CASE("a goal is the middle of what tolerances and limits allow") {
+    const MoveitFiles files;
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const double upper = problem->robot.group_joint(1).upper;
+    const MoveitFiles wide(kMoveitScene,
+                           replaced(kMoveitRequest, "tolerance_above: 0.2", "tolerance_above: 90"));
+    REQUIRE_MESSAGE(wide.load().has_value(), wide.load().error().message);
+    CHECK(wide.load()->goals[0][1] == doctest::Approx(0.5 * (0.9 + upper)));
+  }
+
+  TEST_CASE("how fast a request wants to be is left aside with a warning") {
+    const MoveitFiles files(kMoveitScene, kMoveitRequest +
+                                              "max_velocity_scaling_factor: 0.1\n"
+                                              "max_acceleration_scaling_factor: 1\n");
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    REQUIRE(problem->warnings.size() == 1);
+    CHECK(problem->warnings[0].find("max_velocity_scaling_factor is not taken from a request") !=
+          std::string::npos);
   }
 
   TEST_CASE("start and goal of the caller stand for those of the request") {

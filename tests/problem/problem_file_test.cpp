@@ -158,6 +158,9 @@ TEST_SUITE("unit") {
     REQUIRE(read->warnings.size() == 1);
     CHECK(read->warnings[0] ==
           "f:2: key joints: these joints are planned for, not those of group arm");
+    const auto both = lifter.read("robot: lifter.urdf\njoints: [turn, lift]\ngroup: arm");
+    REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
+    CHECK(both->warnings == read->warnings);
   }
 
   TEST_CASE("joints that are no texts and values that are no numbers are refused") {
@@ -331,6 +334,21 @@ TEST_SUITE("unit") {
     CHECK(problem->warnings[0] ==
           "obstacle far is 799 m away, and robot planar8 reaches 12 m: numbers in a scene are "
           "metres");
+  }
+
+  TEST_CASE("many obstacles far out of reach are one warning, long ones by where they are") {
+    const TemporaryDirectory directory;
+    write_file(directory / "p.yaml",
+               "robot: planar8\nstart: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: [1, 0, 0, 0, 0, 0, 0, 0]\n"
+               "scene: {obstacles: [{name: floor, type: box, position: [0, 0, -100], size: [900, "
+               "900, 199]}, {name: table, type: box, position: [600, 0, 100], size: [600, 1200, "
+               "200]}, {name: far, type: sphere, position: [800, 0, 0], radius: 1}]}\n");
+    const auto problem = load_problem(directory / "p.yaml");
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    REQUIRE(problem->warnings.size() == 1);
+    CHECK(problem->warnings[0] ==
+          "obstacle table and 1 more are at least 300 m away, and robot planar8 reaches 12 m: "
+          "numbers in a scene are metres");
   }
 
   TEST_CASE("a robot that nothing can touch is a warning") {

@@ -377,6 +377,21 @@ TEST_SUITE("law") {
     CHECK(test::require_robot(parts).warnings().empty());
   }
 
+  TEST_CASE("a follower that is led beyond its own limits is a warning") {
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[1].mimic = test::follow(0);
+    CHECK(test::require_robot(parts).warnings().empty());
+    parts.joints[1].mimic = test::follow(0, -1.5);
+    const Robot robot = test::require_robot(parts);
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(robot.warnings()[0] ==
+          "joint 'j2' follows 'j1' from -3 to 3, beyond its own limits [-2, 2]: expected limits of "
+          "'j1' that keep it within them");
+    parts.joints[0].lower = -1;
+    parts.joints[0].upper = 4.0 / 3;
+    CHECK(test::require_robot(parts).warnings().empty());
+  }
+
   TEST_CASE("the pairs that are checked count") {
     const Robot robot = test::require_robot(test::make_chain(3));
     const std::vector<std::pair<int, int>> none;
