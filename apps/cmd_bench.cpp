@@ -162,8 +162,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
                 "sources of configurations (default uniform, with --db gl,uniform)");
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
              "runs of each, with seeds from --seed on");
-  command.add_option("--db", options.db, "memory of the sampler gl: an SQLite file");
-  add_database_memory(command, options.kept);
+  add_database(command, options.db, options.kept, "memory of the sampler gl: an SQLite file");
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
   command.add_option("--sqlite", options.sqlite,

@@ -276,10 +276,9 @@ void add_flags(CLI::App& command, LearnOptions& options) {
              "with --problems: paths per problem");
   add_number(command, "--path-timeout", options.lesson.timeout_s, 0.0, 1e6,
              "with --problems: seconds per path");
-  command
-      .add_option("--db", options.db, "SQLite file to add to, made if missing, or postgresql://...")
+  add_database(command, options.db, options.kept,
+               "SQLite file to add to, made if missing, or postgresql://...")
       ->required();
-  add_database_memory(command, options.kept);
   add_jobs(command, options.job.jobs);
   add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
              "seed; another one adds other primitives to the same database");
@@ -310,7 +309,10 @@ void add_learn(CLI::App& program, Action& action) {
   add_json(*command, options->is_json);
   command->callback([options, command, &action] {
     const bool has_primitives = !options->grid.empty() || !options->source.scenes.empty();
-    if (has_primitives == !options->problems.empty()) {
+    if (has_primitives && !options->problems.empty()) {
+      throw CLI::ValidationError("--problems", "goes neither with --primitives nor with --scenes");
+    }
+    if (!has_primitives && options->problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
     check_sharing(*command, options->sharing, options->db, !has_primitives);

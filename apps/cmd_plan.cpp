@@ -81,6 +81,7 @@ Result<std::string> trace_beside(const ShownPlan& shown, SolveSettings settings,
   settings.sampler = sampler;
   settings.plan.observer = &recorder;
   settings.remember_after.reset();
+  settings.replay = 0;
   settings.learn_budget_s = 0;
   const Result<SolveResult> result = solve(shown.problem, database, settings);
   if (!result) return tl::unexpected(result.error());
@@ -341,9 +342,8 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
                   "metres: points of clouds that are nearer to the robot at its start are its own "
                   "and left out; 0: only those in contact (default: none)")
       ->type_name("X");
-  command.add_option("--db", options.db,
-                     "memory: an SQLite file; made if missing when there is a --learn-budget");
-  add_database_memory(command, options.kept);
+  add_database(command, options.db, options.kept,
+               "memory: an SQLite file; made if missing when there is a --learn-budget");
 }
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {

@@ -288,7 +288,16 @@ void add_robot_flags(CLI::App& app, RobotOptions& options) {
       ->type_name("DIR");
 }
 
-void add_database_memory(CLI::App& app, DatabaseSettings& settings) {
+CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,
+                          const std::string& help) {
+  const auto take = [&url](const std::string& text) {
+    // What a variable of a shell that is not set leaves is no wish for a plan without memory.
+    if (text.empty()) {
+      throw CLI::ValidationError("--db", "expected a file or postgresql://..., got an empty text");
+    }
+    url = text;
+  };
+  CLI::Option* const database = add_text(app, "--db", take, help);
   constexpr int kMebibyte = 20;  // as a power of two
   const auto read = [&settings](const std::string& text) {
     settings.memory_bytes = parse_in_range<std::int64_t>("--db-memory", text, 0, 1'000'000)
@@ -299,7 +308,8 @@ void add_database_memory(CLI::App& app, DatabaseSettings& settings) {
                        "they match (default {}; 0 to 1000000)",
                        settings.memory_bytes >> kMebibyte))
       ->type_name("N")
-      ->needs("--db");
+      ->needs(database);
+  return database;
 }
 
 void add_json(CLI::App& app, bool& is_json) {

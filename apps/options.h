@@ -142,8 +142,9 @@ void add_memory_settings(CLI::App& app, MemorySettings& settings);
 void add_isa(CLI::App& app);
 /// The flags --srdf, --group and --package-path.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
-/// The flag --db-memory, which needs the flag --db.
-void add_database_memory(CLI::App& app, DatabaseSettings& settings);
+/// The flags --db, whose help is `help`, and --db-memory.
+CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,
+                          const std::string& help);
 /// The flag --json.
 void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.

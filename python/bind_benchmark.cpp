@@ -44,9 +44,7 @@ BenchPlan make_bench_plan(const std::vector<SharedProblem>& problems, const Memo
 /// Only solving lets other threads run, so that `on_row` is called by the caller's.
 void bench(const std::vector<SharedProblem>& problems, const Memory* memory, const Runs& runs,
            const SolveSettings& settings, const py::function& on_row) {
-  if (settings.learn_budget_s > 0 && memory == nullptr) {
-    raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
-  }
+  if (memory == nullptr) check_without_memory(settings);
   BenchPlan plan = make_bench_plan(problems, memory, runs, settings);
   std::atomic<bool> cancel = false;
   plan.cancel = &cancel;

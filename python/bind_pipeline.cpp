@@ -42,9 +42,7 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
             read_solve_settings(planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
-  if (made.settings.learn_budget_s > 0 && made.database == nullptr) {
-    raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
-  }
+  if (made.database == nullptr) check_without_memory(made.settings);
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mneme/memory.h"
+#include "mneme/pipeline.h"
 
 #include "errors.h"
 
@@ -35,5 +36,16 @@ class Memory {
  private:
   std::shared_ptr<Database> database_;
 };
+
+/// What is asked of a memory is asked in vain without one.
+inline void check_without_memory(const SolveSettings& settings) {
+  if (settings.learn_budget_s > 0) {
+    raise_invalid("plan: learn_budget needs a database, where it puts what is learned");
+  }
+  if (settings.remember_after) {
+    raise_invalid("plan: remember_after needs a database, where it puts what is remembered");
+  }
+  if (settings.replay > 0) raise_invalid("plan: replay needs a database, whose paths it replays");
+}
 
 }  // namespace mneme::python

@@ -130,6 +130,8 @@ def test_settings_are_those_that_are_declared(problem):
     ({"sampler": "best"}, "best"),
     ({"isa": "mmx"}, "mmx"),
     ({"learn_budget": 1}, "learn_budget needs a database"),
+    ({"remember_after": 0}, "remember_after needs a database"),
+    ({"replay": 0.5}, "replay needs a database"),
 ])
 def test_a_setting_out_of_range_is_an_error_that_names_it(problem, settings, words):
     code, message = raised(mneme.plan, problem, **settings)
