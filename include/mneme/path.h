@@ -19,7 +19,8 @@ namespace mneme {
 /// take the shorter way round between neighbours.
 using Path = std::vector<Configuration>;
 
-/// Length of a path: the sum of L2 joint distances, radians.
+/// Length of a path: the sum of L2 joint distances, radians (metres of prismatic joints count as
+/// such).
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);
 
 /// What the motions of a path must pass before it is returned.

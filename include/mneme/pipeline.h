@@ -71,7 +71,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("similarity", s.similarity, 0.0, 1e9,
         "retrieve samplers whose squared key distance is less than this (m^2, for whole paths "
         "rad^2), and those of the same key whatever it is; left out, 2 for pairs, 0.05 for "
-        "body_pairs, 0.03 for gaps, any for paths; the paper used 3");
+        "body_pairs, 0.03 for gaps, 250000 (any like it) for paths; the paper used 3");
   visit("max-matches", s.max_matches, 1, 1000000,
         "nearest samplers retrieved per primitive; left out, 50 for whole paths, 8 otherwise; the "
         "paper takes all under the threshold: give the most");
@@ -126,7 +126,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// The result of Algorithm 2.
 struct GlSampler {
   std::shared_ptr<const GaussianMixture>
-      mixture;  ///< all retrieved components, in the scene's frame; may be empty
+      mixture;  ///< all retrieved components, in the scene's frame; null if there are none
   std::vector<PrimitiveRetrieval> primitives;
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;

@@ -20,7 +20,11 @@ using Origin = int;
 inline constexpr Origin kUniformOrigin = -1;
 
 /// What a planner did with a configuration.
-enum class SampleOutcome { rejected, extended, connected };
+enum class SampleOutcome {
+  rejected,   ///< nothing: in contact, or no motion to it was free
+  extended,   ///< a tree or roadmap has grown by it
+  connected,  ///< it has grown, and met the other tree, a goal, or several parts of the roadmap
+};
 
 /// One query's stream of configurations. Refers to its sampler, which must outlive it. Not
 /// thread-safe.

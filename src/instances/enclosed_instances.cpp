@@ -5,6 +5,8 @@
 #include "mneme/instances.h"
 #include "mneme/planning.h"
 
+#include "base/is_set.h"
+
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
@@ -60,8 +62,7 @@ class Enclosure {
 
  private:
   [[nodiscard]] bool is_wanted(const Scene& scene) const {
-    return std::ssize(scene.obstacles) < settings_.boxes &&
-           (settings_.cancel == nullptr || !settings_.cancel->load());
+    return std::ssize(scene.obstacles) < settings_.boxes && !internal::is_set(settings_.cancel);
   }
 
   /// Through free configurations at random; empty if there are none, or none with a way to them.
@@ -174,7 +175,7 @@ Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
   for (std::uint64_t i = 0; std::ssize(made.instances) < count; ++i) {
     auto instance = Enclosure(*empty, *sampler, settings, derive_seed(seed, i)).draw();
     if (!instance) return tl::unexpected(instance.error());
-    if (settings.cancel != nullptr && settings.cancel->load()) break;
+    if (internal::is_set(settings.cancel)) break;
     if (!*instance) {
       if (++made.dropped < count + 10) continue;
       return fail(ErrorCode::invalid, "robot '" + robot.name() +

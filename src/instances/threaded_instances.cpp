@@ -5,6 +5,7 @@
 #include "mneme/instances.h"
 #include "mneme/learning.h"
 
+#include "base/is_set.h"
 #include "memory/planar_chain.h"
 #include "memory/threaded.h"
 
@@ -38,7 +39,7 @@ class InstanceMaker {
   Result<ThreadedInstances> make(int count) {
     ThreadedInstances made;
     for (int barren = 0; static_cast<int>(made.instances.size()) < count;) {
-      if (settings_.cancel != nullptr && settings_.cancel->load()) break;
+      if (internal::is_set(settings_.cancel)) break;
       auto candidate = draw();
       if (!candidate) return tl::unexpected(candidate.error());
       if (!*candidate) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/path.h"
 
+#include "base/is_set.h"
 #include "path/path_conversion.h"
 #include "robot/joint_space.h"
 
@@ -185,8 +186,7 @@ int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
 }
 
 bool PathFinisher::is_over(double end_s) const {
-  return (settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed)) ||
-         stopwatch_.elapsed_s() >= end_s;
+  return internal::is_set(settings_.cancel) || stopwatch_.elapsed_s() >= end_s;
 }
 
 }  // namespace mneme

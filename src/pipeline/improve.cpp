@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/improve.h"
 
+#include "base/is_set.h"
+
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace mneme::internal {
@@ -25,10 +26,13 @@ class Improvement {
         curve_(result.improvements),
         length_(path_length(query.problem.robot, result.plan.path)) {
     curve_.push_back({0, length_});
-    shortest_length_ = std::numeric_limits<double>::infinity();
+    const auto straight_to = [&](const Configuration& goal) {
+      return query.problem.robot.distance(query.ends.start, goal) * (1 + kLengthRounding);
+    };
+    // It may be a goal that came while planning.
+    shortest_length_ = straight_to(result.plan.path.back());
     for (const Configuration& goal : query.ends.goals) {
-      const double straight = query.problem.robot.distance(query.ends.start, goal);
-      shortest_length_ = std::min(shortest_length_, straight * (1 + kLengthRounding));
+      shortest_length_ = std::min(shortest_length_, straight_to(goal));
     }
   }
 
@@ -46,9 +50,8 @@ class Improvement {
   }
   /// Also if there is no shorter path.
   [[nodiscard]] bool is_over() const {
-    const std::atomic<bool>* cancel = query_.settings.plan.cancel;
     return remaining_s() <= verification_time_s_ || length_ <= shortest_length_ ||
-           (cancel != nullptr && cancel->load(std::memory_order_relaxed));
+           is_set(query_.settings.plan.cancel);
   }
   [[nodiscard]] PlanSettings settings_of(std::uint64_t task) const {
     PlanSettings settings = query_.settings.plan;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory_steps.h"
 
+#include "base/is_set.h"
 #include "pipeline/drawn_components.h"
 #include "pipeline/push_off.h"
 
@@ -27,10 +28,6 @@ constexpr std::string_view kCutShort = " cut short";
 
 bool is_cut_short(const Match& match) {
   return match.experience->provenance.settings.ends_with(kCutShort);
-}
-
-bool is_cancelled(const SolveSettings& settings) {
-  return settings.plan.cancel != nullptr && settings.plan.cancel->load();
 }
 
 /// A primitive is known by a match that nothing cut short, or by as many as are drawn from.
@@ -98,7 +95,7 @@ Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
   Result<void> done;
   if (learned->sampler.component_count() > 0) {
     primitive.is_learned = true;
-    const bool is_whole = learned->time_s < budget_s && !is_cancelled(settings);
+    const bool is_whole = learned->time_s < budget_s && !is_set(settings.plan.cancel);
     done = insert_lesson(request, primitive.primitive, std::move(learned->sampler), learning, seed,
                          is_whole)
                .and_then([&] { return retrieve(request, kind, primitive); });
@@ -175,7 +172,7 @@ constexpr std::string_view kPlannedIn = ", planned in ", kStates = " states";
 Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind,
                           std::uint64_t planning_states) {
   const std::vector<Path> paths = {
-      kind.replay > 0 ? widen(query.checker, path, query.settings.plan.seed) : path};
+      kind.replay > 0 ? widen(query.checker, path, query.settings.plan.finish()) : path};
   auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
   if (!rows) return tl::unexpected(rows.error());
   for (Experience& row : *rows) {

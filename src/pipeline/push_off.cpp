@@ -3,6 +3,7 @@
 #include "pipeline/push_off.h"
 
 #include "base/as_index.h"
+#include "base/is_set.h"
 #include "path/path_conversion.h"
 #include "path/waypoints.h"
 
@@ -226,20 +227,21 @@ Path push_off(const CollisionChecker& checker, const Path& path, CheckCounters& 
   return {};
 }
 
-Path widen(const CollisionChecker& checker, const Path& path, std::uint64_t seed) {
+Path widen(const CollisionChecker& checker, const Path& path, const FinishSettings& settings) {
   if (path.size() < 2 || checker.limbs().empty()) return path;
   CheckCounters counters;
   Band band(checker, path, kWideClearance, counters);
   const float most = kMostLengthening * band.length();
   for (int round = 0; round < kWideRounds && band.push_freely(round > 0, most); ++round) {
+    if (is_set(settings.cancel)) return path;
   }
   Path widened = band.thinned();
   widened.front() = path.front();
   widened.back() = path.back();
-  FinishSettings settings;
-  settings.simplify = false;
-  settings.seed = seed;
-  PathFinisher verify(checker, settings);
+  FinishSettings verification = settings;
+  verification.simplify = false;
+  verification.verification = Verification::motions;
+  PathFinisher verify(checker, verification);
   return verify(widened, counters) < 0 ? widened : path;
 }
 

@@ -6,8 +6,6 @@
 
 #include "mneme/path.h"
 
-#include <cstdint>
-
 namespace mneme::internal {
 
 /// `path` off what it touches, where a few rounds of pushing lead it there, as few waypoints as
@@ -18,7 +16,8 @@ namespace mneme::internal {
 
 /// A path like `path`, which is free, that stays free while obstacles are moved a little: 2 to 3 cm
 /// away from them where there is room, and at most 15 % longer. `path` itself if that one does not
-/// pass verification.
-[[nodiscard]] Path widen(const CollisionChecker& checker, const Path& path, std::uint64_t seed);
+/// pass verification, or once `settings` cancel it.
+[[nodiscard]] Path widen(const CollisionChecker& checker, const Path& path,
+                         const FinishSettings& settings);
 
 }  // namespace mneme::internal

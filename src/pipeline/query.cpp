@@ -3,6 +3,7 @@
 #include "pipeline/query.h"
 
 #include "base/check_ranges.h"
+#include "base/is_set.h"
 #include "store/row_check.h"
 
 #include <fmt/format.h>
@@ -37,14 +38,23 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
   return refuse_space(database.info().url, database.space(), wanted);
 }
 
+bool replays(const MemoryKind* kind) { return kind->bend != nullptr; }
+
 /// Those that the settings name; or those that the database holds and this mneme knows; or, of an
-/// empty one, the one that is about to be filled.
+/// empty one, the one that is about to be filled. What is to be replayed or remembered as a task
+/// needs a kind that replays beside them.
 Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Database& database,
                                                     const SolveSettings& settings) {
   std::vector<const MemoryKind*> kinds;
   if (settings.memory.kind) {
     const auto kind = find_memory_kind(*settings.memory.kind);
     if (!kind) return tl::unexpected(kind.error());
+    if (settings.replay > 0 && !replays(*kind)) {
+      return fail(ErrorCode::invalid,
+                  fmt::format("setting 'replay': memory of the kind '{}' holds no whole paths, "
+                              "expected the kind paths",
+                              (*kind)->name));
+    }
     kinds.push_back(*kind);
     return kinds;
   }
@@ -60,6 +70,9 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
   const bool only_remembers = settings.remember_after && settings.learn_budget_s == 0;
   if (kinds.empty()) {
     kinds.push_back(only_remembers ? &default_kind_of_paths(robot) : &default_memory_kind(robot));
+  }
+  if (settings.replay > 0 && std::ranges::none_of(kinds, replays)) {
+    kinds.push_back(*std::ranges::find_if(memory_kinds(), replays));
   }
   return kinds;
 }
@@ -91,7 +104,7 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.widening = {settings.first_components.value_or(defaults.first_components),
                        settings.component_growth / std::max(complete.lambda, 1e-3)};
   complete.max_gap = settings.memory.max_gap.value_or(defaults.max_gap);
-  complete.replay = kind.bend == nullptr ? 0 : settings.replay;
+  complete.replay = replays(&kind) ? settings.replay : 0;
   return complete;
 }
 
@@ -105,6 +118,15 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
               fmt::format("setting 'learn-budget': memory of the kind '{}' does not learn on a "
                           "miss: {}",
                           kind.name, kind.no_learning_on_a_miss));
+}
+
+/// Only a sampler that asks memory finds out what is missing there.
+Result<void> check_learning(const SamplerEntry& sampler, const SolveSettings& settings) {
+  if (settings.learn_budget_s == 0 || sampler.draws_from_memory) return {};
+  return fail(ErrorCode::invalid,
+              fmt::format("setting 'learn-budget': sampler '{}' does not ask memory, expected one "
+                          "that does, such as gl",
+                          sampler.name));
 }
 
 Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler,
@@ -134,8 +156,7 @@ Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sam
 }  // namespace
 
 bool MemoryRequest::is_over() const {
-  return (settings.plan.cancel != nullptr && settings.plan.cancel->load()) ||
-         stopwatch.elapsed_s() >= settings.plan.timeout_s;
+  return is_set(settings.plan.cancel) || stopwatch.elapsed_s() >= settings.plan.timeout_s;
 }
 
 Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* database,
@@ -173,8 +194,13 @@ Result<Query> make_query(const Problem& problem, Database* database,
       !checked) {
     return tl::unexpected(checked.error());
   }
-  auto request = make_memory_request(memory_query(problem),
-                                     (*sampler)->draws_from_memory ? database : nullptr, settings);
+  if (auto checked = check_learning(**sampler, settings); database != nullptr && !checked) {
+    return tl::unexpected(checked.error());
+  }
+  const bool is_asked =
+      (*sampler)->draws_from_memory || settings.replay > 0 || settings.remember_after;
+  auto request =
+      make_memory_request(memory_query(problem), is_asked ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
   auto made = make_query_checker(problem, settings, problem.goals);
   if (!made) return tl::unexpected(made.error());

@@ -56,8 +56,8 @@ struct Query : MemoryRequest {
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,
                                                       const SolveSettings& settings,
                                                       const std::vector<Configuration>& goals);
-/// Errors besides: an unknown planner or sampler, or two that do not go together; a scene that
-/// cannot be checked.
+/// Errors besides: an unknown planner or sampler, or two that do not go together; a budget for
+/// learning with a sampler that does not ask memory; a scene that cannot be checked.
 [[nodiscard]] Result<Query> make_query(const Problem& problem, Database* database,
                                        const SolveSettings& settings);
 

@@ -77,16 +77,21 @@ void Recollection::ask(const Source& source) {
   marks_.push_back({source.after, gl_.primitives.size(), drawn_.size(), gl_.mixture});
   auto sampler = source.ask();
   if (!sampler) {
-    failure_ = sampler.error();
+    marks_.back().failure = sampler.error();
   } else if (*sampler != nullptr) {
     samplers_.push_back({*std::move(sampler), source.lambda, source.least_lambda});
   }
 }
 
+std::optional<Error> Recollection::failure(std::uint64_t draws) const {
+  const auto failed = std::ranges::find_if(
+      marks_, [&](const Mark& mark) { return mark.failure && mark.is_within(draws); });
+  return failed == marks_.end() ? std::nullopt : failed->failure;
+}
+
 GlSampler Recollection::take(std::uint64_t draws) {
-  const auto too_late = std::ranges::find_if(marks_, [&](const Mark& mark) {
-    return mark.after > 0 && static_cast<std::uint64_t>(mark.after) >= draws;
-  });
+  const auto too_late =
+      std::ranges::find_if(marks_, [&](const Mark& mark) { return !mark.is_within(draws); });
   if (too_late != marks_.end()) {
     gl_.primitives.erase(gl_.primitives.begin() + static_cast<std::ptrdiff_t>(too_late->primitives),
                          gl_.primitives.end());

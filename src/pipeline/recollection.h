@@ -47,23 +47,31 @@ class Recollection {
   [[nodiscard]] std::shared_ptr<const Sampler> draw_from(
       std::function<Result<std::shared_ptr<const Sampler>>()> make);
 
-  /// Why memory could not be asked, until now.
-  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
-  /// What was found for a stream that has drawn so often, others may have asked for more; with the
-  /// components that any stream has drawn from until now where they are made then.
-  [[nodiscard]] GlSampler take(std::uint64_t draws = std::numeric_limits<std::uint64_t>::max());
+  /// Why memory could not be asked for a stream that has drawn so often; others may have asked for
+  /// more.
+  [[nodiscard]] std::optional<Error> failure(std::uint64_t draws = kAny) const;
+  /// What was found for such a stream; with the components that any stream has drawn from until now
+  /// where they are made then.
+  [[nodiscard]] GlSampler take(std::uint64_t draws = kAny);
 
  private:
+  static constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+
   [[nodiscard]] std::shared_ptr<const Sampler> draw(std::vector<Source> sources);
   /// What a planner draws from after so many samples.
   [[nodiscard]] std::shared_ptr<const Sampler> drawn_after(int samples);
   [[nodiscard]] std::shared_ptr<const Sampler> mixed() const;
-  /// How much was known before a source was asked.
+  /// How much was known before a source was asked, and why that failed.
   struct Mark {
     int after = 0;
     std::size_t primitives = 0;
     std::size_t drawn = 0;
     std::shared_ptr<const GaussianMixture> mixture;
+    std::optional<Error> failure = {};
+
+    [[nodiscard]] bool is_within(std::uint64_t draws) const {
+      return after == 0 || static_cast<std::uint64_t>(after) < draws;
+    }
   };
   void ask(const Source& source);
   /// Adds the components to what was found, and samples them as the kind says; null if there are
@@ -83,7 +91,6 @@ class Recollection {
   std::vector<std::shared_ptr<const DrawnComponents>> drawn_;
   GlSampler gl_;
   std::vector<Mark> marks_;  ///< of the sources that were asked
-  std::optional<Error> failure_;
 };
 
 }  // namespace mneme::internal

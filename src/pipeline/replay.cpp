@@ -182,8 +182,8 @@ void Replayer::replay(const std::vector<Known>& known) {
     if (verify(draft, {true, true})) return take(std::move(draft.path), task);
     std::vector<Block> blocks = find_blocks(draft);
     const float first = blocks.front().first;
-    told_.blocked.push_back(
-        {task.match.experience->id, task.distance(), first / way_.length(), at(first)});
+    const float share = way_.length() > 0 ? first / way_.length() : 0;
+    told_.blocked.push_back({task.match.experience->id, task.distance(), share, at(first)});
     float length = 0;
     for (const Block& block : blocks) length += block.last - block.first;
     if (least && least->length <= length) continue;

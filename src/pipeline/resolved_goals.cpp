@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/resolved_goals.h"
 
+#include "base/is_set.h"
+
 #include <algorithm>
-#include <atomic>
 #include <iterator>
 #include <utility>
 
@@ -13,10 +14,8 @@ namespace {
 
 /// The poses were not looked at for long enough: nothing is known of them.
 PlanResult refuse_unresolved(const Query& query) {
-  const std::atomic<bool>* cancel = query.settings.plan.cancel;
   PlanResult refused;
-  refused.status =
-      cancel != nullptr && cancel->load() ? PlanStatus::cancelled : PlanStatus::timeout;
+  refused.status = is_set(query.settings.plan.cancel) ? PlanStatus::cancelled : PlanStatus::timeout;
   refused.message = refused.status == PlanStatus::cancelled
                         ? "cancelled"
                         : "no configuration for the poses of the goal within the time limit";
@@ -43,10 +42,12 @@ Result<bool> judge_poses_by_solid(Query& query) {
   IkSettings settings = ik_settings(query);
   settings.solutions = std::max(settings.solutions, kMostSolutions);
   for (const PoseGoal& goal : problem.pose_goals) {
+    if (query.is_over()) return false;
     const auto kinematics = InverseKinematics::make(problem.robot, goal.link, query.checker.isa());
     if (!kinematics) return tl::unexpected(kinematics.error());
     const IkResult reached = kinematics->solve(goal, problem.start, settings);
     for (const Configuration& q : reached.solutions) {
+      if (query.is_over()) return false;
       auto made = make_query_checker(problem, query.settings, {q});
       if (!made) return tl::unexpected(made.error());
       if (made->notes.size() <= query.notes.size()) continue;
@@ -85,8 +86,11 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
     auto source = resolve_poses(query, query.ends.goals);
     if (!source) return tl::unexpected(source.error());
     resolved.further = std::make_unique<PoseGoalSource>(*std::move(source));
+    // Without any goal the refusal says it.
+    if (!query.ends.goals.empty()) resolved.notes = resolved.further->describe_unreached();
   }
-  resolved.notes = drop_goals_in_contact(query.checker, query.ends.goals);
+  std::ranges::move(drop_goals_in_contact(query.checker, query.ends.goals),
+                    std::back_inserter(resolved.notes));
   query.query.goals = query.ends.goals;
   resolved.refused = refuse_query(query.checker, query.ends);
   const bool is_for_want_of_goals = resolved.refused && query.ends.goals.empty() &&

@@ -65,14 +65,14 @@ Result<std::uint64_t> search(const Query& query, const PoseGoalSource* further_g
   const Stopwatch stopwatch;
   internal::Recollection recollection(query, recall);
   const std::shared_ptr<const Sampler> sampler = query.sampler.make(recollection);
-  if (recollection.failure()) return tl::unexpected(*recollection.failure());
+  if (auto failure = recollection.failure()) return tl::unexpected(*std::move(failure));
   const double recall_time_s = stopwatch.elapsed_s();
 
   PlanSettings settings = query.settings.plan;
   settings.timeout_s = std::max(0.0, settings.timeout_s - query.stopwatch.elapsed_s());
   auto raced = internal::race({query, *sampler, settings, further_goals});
   if (!raced) return tl::unexpected(raced.error());
-  if (recollection.failure()) return tl::unexpected(*recollection.failure());
+  if (auto failure = recollection.failure(raced->draws)) return tl::unexpected(*std::move(failure));
   const std::uint64_t states = raced->plan.states_checked;
   result.plan = std::move(raced->plan);
   result.plan.planning_time_s += recall_time_s;
@@ -82,8 +82,8 @@ Result<std::uint64_t> search(const Query& query, const PoseGoalSource* further_g
   return states;
 }
 
-/// A known task is replayed; otherwise, or if that fails, what it took is added to the search's,
-/// whose states it returns.
+/// A known task is replayed; otherwise, or if that fails, what it took is added to the search's
+/// (but for its iterations, which Replay has), whose states it returns.
 Result<std::uint64_t> plan(const Query& query, const PoseGoalSource* further_goals,
                            SolveResult& result) {
   PlanResult replayed = internal::replay(query, result.replay);
@@ -161,8 +161,9 @@ Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem, Data
   }
   internal::Recollection recollection(*query, recall);
   std::shared_ptr<const Sampler> sampler = query->sampler.make(recollection);
-  if (recollection.failure()) return tl::unexpected(*recollection.failure());
-  if (query->kinds.empty() || after == 0) return sampler;
+  if (auto failure = recollection.failure()) return tl::unexpected(*std::move(failure));
+  const bool is_asked = query->sampler.draws_from_memory && !query->kinds.empty();
+  if (!is_asked || after == 0) return sampler;
   return make_lazy_sampler(make_uniform_sampler(problem.robot), after,
                            [rest = std::move(sampler)] { return rest; });
 }

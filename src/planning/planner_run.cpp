@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/planner_run.h"
 
+#include "base/is_set.h"
 #include "path/path_conversion.h"
 
 #include <algorithm>
@@ -117,9 +118,7 @@ bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> 
   return shorten_and_verify_.verifier().is_free(from, to, {is_end(from), is_end(to)}, counters_);
 }
 
-bool PlannerRun::is_cancelled() const {
-  return settings_.cancel != nullptr && settings_.cancel->load(std::memory_order_relaxed);
-}
+bool PlannerRun::is_cancelled() const { return is_set(settings_.cancel); }
 
 bool PlannerRun::is_time_up() const { return stopwatch_.elapsed_s() >= settings_.timeout_s; }
 
@@ -128,9 +127,8 @@ bool PlannerRun::is_full() const {
 }
 
 bool PlannerRun::find_direct_path() {
-  if (settings_.timeout_s <= 0) return false;
   return std::ranges::any_of(goals_, [&](const std::vector<float>& goal) {
-    return is_motion_valid(start_, goal) && find_invalid_motion({start_, goal}) < 0;
+    return !must_stop() && is_motion_valid(start_, goal) && find_invalid_motion({start_, goal}) < 0;
   });
 }
 

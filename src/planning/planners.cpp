@@ -11,16 +11,18 @@ namespace {
 // To add a planner: its file, its declaration in mneme/planning.h, a row here.
 std::vector<PlannerEntry>& table() {
   static std::vector<PlannerEntry> entries = {
-      {"rrt_connect",
-       "trees from start and goal, each reaching for the other's newest node",
-       &rrt_connect,
-       false,
-       false,
-       {},
-       true,
-       true},
-      {"rrt", "a single tree from the start with goal bias", &rrt, false, false, {}, false, true},
-      {"prm", "a roadmap grown until start and goal are connected", &prm},
+      {.name = "rrt_connect",
+       .summary = "trees from start and goal, each reaching for the other's newest node",
+       .plan = &rrt_connect,
+       .walks = true,
+       .projects = true},
+      {.name = "rrt",
+       .summary = "a single tree from the start with goal bias",
+       .plan = &rrt,
+       .projects = true},
+      {.name = "prm",
+       .summary = "a roadmap grown until start and goal are connected",
+       .plan = &prm},
   };
   return entries;
 }

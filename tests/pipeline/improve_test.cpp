@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/improve.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -74,6 +75,21 @@ TEST_SUITE("unit") {
     CHECK(result.plan.path.size() == 2);
     CHECK(result.improvements.size() == 1);
     CHECK(result.plan.states_checked == improved(problem, 0).plan.states_checked);
+  }
+
+  TEST_CASE("a path to a goal that came while planning is improved, too") {
+    const Robot arm = limited_arm({1, 1}, -0.5, 2.5);
+    const Problem problem{"far", arm, "", {}, {0, 0}, {{2.4, 2.4}}, {}};
+    SolveSettings settings;
+    settings.plan.improve = 1000;
+    settings.plan.improve_rounds = 1;
+    const auto query = internal::make_query(problem, nullptr, settings);
+    REQUIRE(query.has_value());
+    SolveResult result;
+    result.plan.status = PlanStatus::solved;
+    result.plan.path = {{0, 0}, {0.5, 0}, {0.5, 0.5}};
+    internal::improve(*query, *make_uniform_sampler(arm), result);
+    CHECK(path_length(arm, result.plan.path) < 0.71);
   }
 
   TEST_CASE("improving ends when its time is up") {

@@ -183,14 +183,14 @@ TEST_SUITE("unit") {
           if (name == "retrieve-after") check(share.retrieve_after);
         }
         if (name == "sigma") check(defaults.sigma);
-        if (name == "similarity" && defaults.similarity < 1e9) check(defaults.similarity);
+        if (name == "similarity") check(defaults.similarity);
         if (name == "max-matches") check(defaults.max_matches);
         if (name == "first-components" && defaults.first_components < 1e9) {
           check(defaults.first_components);
         }
       });
     }
-    CHECK(checked == 4 * 7 + 2 - 1 + 2);
+    CHECK(checked == 4 * 7 + 2 + 2);
   }
 
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {
@@ -228,6 +228,23 @@ TEST_SUITE("unit") {
       CHECK(refused.error().message.find("'learn-budget'") != std::string::npos);
       CHECK(refused.error().message.find(name) != std::string::npos);
     }
+  }
+
+  TEST_CASE("a budget for learning needs a sampler that asks memory") {
+    const TemporaryDirectory directory;
+    const Problem problem = one_post();
+    Database database = open_of(directory / "m.db", problem.robot);
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    CHECK(internal::make_query(problem, &database, settings).has_value());
+    settings.sampler = "uniform";
+    const auto refused = internal::make_query(problem, &database, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().code == ErrorCode::invalid);
+    CHECK(refused.error().message ==
+          "setting 'learn-budget': sampler 'uniform' does not ask memory, expected one that does, "
+          "such as gl");
+    CHECK(internal::make_query(problem, nullptr, settings).has_value());
   }
 
   TEST_CASE("unknown planners, samplers and kinds are errors that list the known ones") {

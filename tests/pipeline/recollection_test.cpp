@@ -96,6 +96,21 @@ TEST_SUITE("unit") {
     CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
   }
 
+  TEST_CASE("a failure is none for a stream that has not drawn so far") {
+    MemoryFixture fixture;
+    fixture.settings.retrieve_after = 20;
+    const internal::Query query = fixture.query();
+    internal::Recollection recollection(
+        query, [](const auto&, const auto&, auto&) -> Result<GaussianMixture> {
+          return fail(ErrorCode::io, "the disk is gone");
+        });
+    const auto sampler = recollection.draw_by_kind();
+    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(recollection.failure().has_value());
+    CHECK(recollection.failure(21).has_value());
+    CHECK(!recollection.failure(20).has_value());
+  }
+
   TEST_CASE("memory with nothing to say leaves uniform samples") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();

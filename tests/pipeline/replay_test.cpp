@@ -5,6 +5,8 @@
 #include "support/deformation.h"
 #include "support/planar_memory.h"
 
+#include <atomic>
+
 namespace mneme::test {
 namespace {
 
@@ -87,6 +89,16 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("tasks are remembered and replayed whatever the planner draws from") {
+    Cell cell;
+    cell.put({{0.5, 0.9, 0.3}});
+    cell.settings.sampler = "uniform";
+    cell.settings.remember_after = 0;
+    CHECK(cell.solve().remembered.rows == 1);
+    CHECK(cell.solve().replay.is_hit());
+    CHECK(cell.database.size() == 1);
+  }
+
   TEST_CASE("a known path is bent to the ends of the query, which it keeps exactly") {
     Cell cell;
     cell.remember({{0, 0.5}, {1, 1.5}, {2, 0.5}});
@@ -197,16 +209,28 @@ TEST_SUITE("unit") {
     CHECK(cell.solve().replay.is_hit());
   }
 
-  TEST_CASE("replaying can be turned off, and is never without a memory of whole paths") {
+  TEST_CASE("replaying can be turned off, and is refused of a kind that has no whole paths") {
     Cell cell;
     cell.remember();
     cell.settings.replay = 0;
     CHECK(cell.solve().replay.time_s == 0);
     cell.settings.replay = 0.5;
     cell.settings.memory.kind = "pairs";
-    CHECK(cell.solve().replay.time_s == 0);
-    cell.settings.sampler = "uniform";
-    CHECK(cell.solve().replay.time_s == 0);
+    const auto refused = solve(cell.problem, &cell.database, cell.settings);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message ==
+          "setting 'replay': memory of the kind 'pairs' holds no whole paths, expected the kind "
+          "paths");
+  }
+
+  TEST_CASE("tasks are remembered and replayed beside rows of other kinds") {
+    Cell cell;
+    learn_into(cell.database, cell.problem.robot, {{1, 0.6, 0.3, 1, -0.6, 0.3}});
+    cell.settings.memory.kind.reset();
+    cell.settings.remember_after = 0;
+    cell.put({{0.5, 0.9, 0.3}});
+    CHECK_FALSE(cell.solve().replay.is_hit());
+    CHECK(cell.solve().replay.is_hit());
   }
 
   TEST_CASE("a distance below 0 is refused by name") {
@@ -322,7 +346,7 @@ TEST_SUITE("law") {
     cell.put({{2.043 * std::cos(1.25), 2.043 * std::sin(1.25), 0.1}});
     const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
     REQUIRE(cell.is_verified(path));
-    const Path widened = internal::widen(checker, path, 1);
+    const Path widened = internal::widen(checker, path, {});
     CHECK(widened.front() == path.front());
     CHECK(widened.back() == path.back());
     CHECK(cell.is_verified(widened));
@@ -330,6 +354,10 @@ TEST_SUITE("law") {
     CheckCounters counters;
     CHECK(find_invalid_motion(wide, path, counters) >= 0);
     CHECK(find_invalid_motion(wide, widened, counters) < 0);
+    const std::atomic<bool> is_cancelled = true;
+    FinishSettings cancelled;
+    cancelled.cancel = &is_cancelled;
+    CHECK(internal::widen(checker, path, cancelled) == path);
   }
 }
 

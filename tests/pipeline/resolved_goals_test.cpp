@@ -86,6 +86,12 @@ TEST_SUITE("flow") {
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
     CHECK(result.goals.size() > 1);
     CHECK(result.plan.path.back() == near);
+    CHECK(result.notes.empty());
+    problem.pose_goals.push_back(problem.pose_goals[0]);
+    problem.pose_goals[1].pose.translation.x() += 20;
+    const SolveResult noted = solve_soundly(problem, {});
+    REQUIRE(noted.notes.size() == 1);
+    CHECK(noted.notes[0].starts_with("goal pose 1: no configuration from "));
   }
 }
 

@@ -83,6 +83,7 @@ TEST_SUITE("unit") {
     PlanSettings settings;
     settings.cancel = &is_cancelled;
     Fixture f(open_world(), settings);
+    CHECK(!f.run.find_direct_path());
     CHECK(!f.run.begin_iterations());
     CHECK(f.run.give_up(0).status == PlanStatus::cancelled);
   }

@@ -48,7 +48,9 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   settings.retrieve_after = 0;
   const bool has_paths = plan % 2 == 1;  // as Memory::database()
   if (has_paths) settings.memory = test::of_kind("paths");
-  settings.learn_budget_s = robot.is_planar() && !has_paths ? 0.01 : 0;
+  const bool may_learn =
+      robot.is_planar() && !has_paths && find_sampler(settings.sampler).value()->draws_from_memory;
+  settings.learn_budget_s = may_learn ? 0.01 : 0;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
   settings.plan.seed = derive_seed(campaign.seed, number);
