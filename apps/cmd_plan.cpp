@@ -191,7 +191,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
 void print_memory(const Problem& problem, const SolveResult& result) {
   const std::string replay = describe_replay(problem, result.replay);
   if (!replay.empty()) fmt::print("known task  {}\n", printable(replay));
-  if (result.replay.is_hit()) return;
+  if (result.replay.is_hit() || !needs_memory(result.sampler)) return;
   const GlSampler& gl = result.gl;
   if (gl.retrieval_time_s == 0) {
     fmt::print("memory      not asked: it was over before (--retrieve-after 0 asks at once)\n");
@@ -254,7 +254,7 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
              1e3 * loaded.load_time_s);
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
-  if (loaded.database && needs_memory(result.sampler)) print_memory(loaded.problem, result);
+  if (loaded.database) print_memory(loaded.problem, result);
   if (result.remembered.rows > 0) {
     fmt::print("remembered  {} in {:.3f} ms\n",
                counted(static_cast<std::size_t>(result.remembered.rows), "sampler", "samplers"),

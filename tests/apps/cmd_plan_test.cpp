@@ -282,6 +282,7 @@ TEST_SUITE("unit") {
          2,
          {"--db-memory", "'-1'", "0 to 1000000"}},
         {{"plan", problem, "--db-memory", "1"}, 2, {"--db-memory", "requires --db"}},
+        {{"plan", problem, "--db", ""}, 2, {"--db", "got an empty text"}},
         {{"plan", problem, "--sampler", "cvae"}, 2, {"--sampler", "cvae needs --db"}},
         {{"plan", problem, "--sampler", "pooled"}, 2, {"--sampler", "pooled needs --db"}},
         {{"plan", problem, "--sampler", "nearest_scenes"}, 2, {"nearest_scenes needs --db"}},
@@ -425,6 +426,9 @@ TEST_SUITE("unit") {
     CHECK(
         has_text(words.out, "\n  query to goal 1: 1 match, similarity error 0.000 to 0.000 rad^2"));
     CHECK(Json::parse(again.out)["retrieved"] > 0);
+    const ProgramRun uniform = run_program(
+        {"plan", problem, "--db", files / "own.db", "--sampler", "uniform", "--replay", "0.5"});
+    CHECK(has_text(uniform.out, "\nknown task  replayed row 1, 0.000 rad away\n"));
     CHECK_FALSE(std::filesystem::exists(files / "own.db.index"));
     const ProgramRun small = run_program({"plan", problem, "--db", files / "own.db", "--json",
                                           "--retrieve-after", "0", "--db-memory", "0"});
