@@ -44,9 +44,19 @@ py::array_t<double> point_array(const Vec3& v) {
   return to_array(std::vector<double>{v.x(), v.y(), v.z()});
 }
 
+/// Radians, or "free".
+using Angle = std::variant<double, std::string>;
+
+double to_radians(const Angle& given, const char* name) {
+  if (const auto* radians = std::get_if<double>(&given)) return *radians;
+  if (std::get<std::string>(given) == "free") return std::numbers::pi;
+  raise_invalid(
+      fmt::format("{}: expected radians or 'free', got '{}'", name, std::get<std::string>(given)));
+}
+
 PoseGoal make_pose_goal(std::string link, const py::object& position, const py::object& quaternion,
-                        const py::object& position_tolerance, const std::string& axis, double cone,
-                        double turn) {
+                        const py::object& position_tolerance, const std::string& axis,
+                        const Angle& cone, const Angle& turn) {
   PoseGoal goal;
   goal.link = std::move(link);
   goal.pose.translation = to_point(position, "position");
@@ -54,9 +64,9 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
   goal.cone = goal.turn = std::numbers::pi;
   if (!quaternion.is_none()) {
     goal.pose.rotation = to_rotation(quaternion);
-    goal.cone = cone;
-    goal.turn = turn;
-  } else if (cone != 0 || turn != 0) {
+    goal.cone = to_radians(cone, "cone");
+    goal.turn = to_radians(turn, "turn");
+  } else if (cone != Angle(0.0) || turn != Angle(0.0)) {
     raise_invalid("cone, turn: expected quat_xyzw beside them, got none");
   }
   const bool is_number = py::isinstance<py::float_>(position_tolerance) ||
@@ -185,7 +195,7 @@ void bind_goal(py::module_& module) {
           "In the frame of the robot's root link, or, for Problem.load(), of the problem's scene.\n"
           "Without quat_xyzw any rotation. position_tolerance: metres along the axes of the pose,\n"
           "or one number for all. The link's axis may lean by cone and the link be turned about\n"
-          "it by turn, radians; pi is any way.")
+          "it by turn, radians; pi, or \"free\", is any way.")
       .def_readonly("link", &PoseGoal::link)
       .def_property_readonly(
           "position", [](const PoseGoal& self) { return point_array(self.pose.translation); },

@@ -139,8 +139,8 @@ class PoseGoal:
         *,
         position_tolerance: Union[float, npt.ArrayLike] = 0.0,
         axis: str = "z",
-        cone: float = 0.0,
-        turn: float = 0.0,
+        cone: Union[float, str] = 0.0,
+        turn: Union[float, str] = 0.0,
     ) -> None: ...
     @property
     def link(self) -> str: ...

@@ -87,6 +87,7 @@ def test_poses_replace_the_goals_of_a_file(tmp_path):
     (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, axis="w"), "expected x, y or z"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, cone=0.1), "expected quat_xyzw beside"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, turn=0.1), "expected quat_xyzw beside"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, turn="any"), "turn: expected radians or 'free', got 'any'"),
 ])
 def test_poses_that_are_none_are_errors(make, message):
     with pytest.raises(mneme.Error, match=message):
@@ -110,6 +111,8 @@ def test_a_goal_tells_what_it_is():
     goal = mneme.PoseGoal("panda_hand", POSITION, TURN, position_tolerance=[0.1, 0, 0.2], axis="x", cone=0.3, turn=0.4)
     assert (goal.axis, goal.cone, goal.turn) == ("x", 0.3, 0.4)
     np.testing.assert_array_equal(goal.position_tolerance, [0.1, 0, 0.2])
+    free = mneme.PoseGoal("panda_hand", POSITION, TURN, cone=1, turn="free")
+    assert (free.cone, free.turn) == (1, np.pi)
 
 
 def test_control_c_ends_a_search(panda):

@@ -43,7 +43,9 @@ struct AxisBox {
   return {point, point};
 }
 
+/// Empty if a corner is not finite.
 [[nodiscard]] inline AxisBox box_of(const Triangle& t) {
+  if (!Vec3(t.a + t.b + t.c).allFinite()) return {};
   return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)};
 }
 [[nodiscard]] inline AxisBox box_of(const Cube& c) {

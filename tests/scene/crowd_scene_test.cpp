@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <string>
 
 namespace mneme::test {
@@ -189,6 +190,14 @@ TEST_SUITE("unit") {
     const auto inverted = std::make_shared<Parts<Cube>>(std::vector<Cube>{{{0, 0, 0}, -0.1}});
     CHECK(edit_message(scene.add({"o", {Octree{{}, inverted, 0}}})) ==
           "obstacle 'o': its octree has a part that is not finite or has a negative size");
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Triangle& t :
+         {Triangle{{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}}, Triangle{{0, 0, 0}, {1, nan, 0}, {0, 1, 0}},
+          Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, nan}}}) {
+      const auto torn = std::make_shared<Parts<Triangle>>(std::vector<Triangle>{t});
+      CHECK(edit_message(scene.add({"t", {Mesh{{}, torn, 0}}})) ==
+            "obstacle 't': its mesh has a part that is not finite or has a negative size");
+    }
     CHECK(scene.obstacles.empty());
   }
 
