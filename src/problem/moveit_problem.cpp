@@ -209,6 +209,12 @@ class MoveitReader {
     });
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const MoveitObject& object = shaped(state_.attached[i].object);
+      if (object.plane_count > 0) {
+        state_.attached[i].object.place.fail(
+            ErrorCode::unsupported,
+            fmt::format("object \"{}\": expected primitives to be carried, got a plane",
+                        object.obstacle.name));
+      }
       objects[i].shapes = object.obstacle.shapes;
       if (object.frame == objects[i].link) continue;
       const Transform X_RL = *find_pose(objects[i].link, object.place);

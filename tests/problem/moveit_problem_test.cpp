@@ -341,6 +341,11 @@ TEST_SUITE("unit") {
         failure("{link_name: arm, object: {id: cup}}") ==
         "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object \"cup\": "
         "expected primitives, or an object of this name in the world");
+    CHECK(
+        failure("{link_name: arm, object: {id: sheet, planes: [{coef: [0, 0, 1, 0]}], plane_poses: "
+                "[{position: [0, 0, 0]}]}}") ==
+        "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object "
+        "\"sheet\": expected primitives to be carried, got a plane");
   }
 
   TEST_CASE("problems that cannot be read exactly are refused by name") {
