@@ -12,7 +12,7 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
 
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
   <!-- ratios NAME [NAME ..] show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
-  <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [where=COLUMN:VALUE ..] -->
+  <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [time=total] [where=COLUMN:VALUE ..] -->
   <!-- growth NAME show=QUERIES baseline=SETTING -->
   <!-- cost NAME baseline=SETTING -->
   <!-- beside NAME:OTHER [NAME:OTHER ..] show=COLUMNS [time=total] -->
@@ -209,15 +209,15 @@ def ratio_lines(results, names, options, where):
     return [""] * (len(names) > 1) + [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
 
 
-def times_of(rows):
-    """Planning times in ms by setting and task, of pairs of a file's name and a row; those of runs without a path are the limit."""
+def times_of(rows, time):
+    """Planning or total times in ms by setting and task, of pairs of a file's name and a row; those of runs without a path are the limit."""
     times = {}
     for name, row in rows:
         if row.get("status", "").startswith("invalid"):
             continue
         task = (name, row["set"], re.sub("_[^_#]*$", "", row["problem"]))
         setting = row["setting"].partition(",")[0]
-        run = (1e3 * float(row["planning_time_s"]), row["is_valid"] == "1")
+        run = (1e3 * float(row[f"{time}_time_s"]), row["is_valid"] == "1")
         times.setdefault(setting, {}).setdefault(task, []).append(run)
     return times
 
@@ -235,15 +235,16 @@ def summary_cells(runs, columns):
 
 
 def difficulty_lines(results, names, options, where):
-    times = times_of((name, row) for name in names for row in results.rows(name) if is_meant(row, where))
+    meant = ((name, row) for name in names for row in results.rows(name) if is_meant(row, where))
+    times = times_of(meant, options.get("time", "planning"))
     if options.get("baseline") not in times:
         raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
     needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[options["baseline"]].items()}
     lines = []
     for low, high in zip(BINS_MS, BINS_MS[1:]):
-        meant = [task for task, time in needed.items() if low <= time < high]
-        for setting in times if meant else ():
-            runs = [run for task in meant for run in times[setting].get(task, ())]
+        tasks = [task for task, time in needed.items() if low <= time < high]
+        for setting in times if tasks else ():
+            runs = [run for task in tasks for run in times[setting].get(task, ())]
             title = f"{low:g} to {high:g} ms" if high < math.inf else f"{low:g} ms and more"
             lines.append([title, setting, *summary_cells(runs, options["show"])])
     unit = {column: f"{column} ms" for column in ("p50", "mean", "p95")}

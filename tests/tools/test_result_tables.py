@@ -103,6 +103,14 @@ def test_problems_are_binned_by_what_the_baseline_needs(source):
                            "| 1000 ms and more | asked | 1 of 1 | 20 | 20 | 20 |"]
 
 
+def test_problems_are_binned_by_total_times(source):
+    rows = ["set,problem,setting,planning_time_s,total_time_s,is_valid", "a,1,planned,0.002,0.03,1", "a,1,asked,0.001,0.04,1"]
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "difficulty mbm show=p50 baseline=planned time=total")
+    assert lines[2:-2] == ["| 10 to 100 ms | planned | 30 |", "| 10 to 100 ms | asked | 40 |"]
+
+
 def test_a_baseline_that_there_is_not_is_a_mistake(source):
     page = source / "docs" / "a.md"
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
