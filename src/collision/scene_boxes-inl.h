@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "geometry/solids-inl.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
@@ -53,7 +54,7 @@ HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent
   return bits_of(overlap);
 }
 
-/// Squared distance from the box around an obstacle.
+/// Squared distance from the box around an obstacle; of a segment, from the box around it.
 HWY_INLINE V distance2_to_bounds(const SceneTables& scene, const V3& p, size_t obstacle) {
   const auto beyond = [&](V x, int axis) {
     const V below = hn::Sub(splat(scene.lower[axis][obstacle]), x);
@@ -61,6 +62,16 @@ HWY_INLINE V distance2_to_bounds(const SceneTables& scene, const V3& p, size_t o
     return hn::Max(hn::Max(below, above), hn::Zero(Tag()));
   };
   return squared_norm(V3{beyond(p.x, 0), beyond(p.y, 1), beyond(p.z, 2)});
+}
+HWY_INLINE V distance2_to_bounds(const SceneTables& scene, const Segment& s, size_t obstacle) {
+  const auto beyond = [&](V from, V along, int axis) {
+    const V to = hn::Add(from, along);
+    const V below = hn::Sub(splat(scene.lower[axis][obstacle]), hn::Max(from, to));
+    const V above = hn::Sub(hn::Min(from, to), splat(scene.upper[axis][obstacle]));
+    return hn::Max(hn::Max(below, above), hn::Zero(Tag()));
+  };
+  return squared_norm(
+      V3{beyond(s.a.x, s.u.x, 0), beyond(s.a.y, s.u.y, 1), beyond(s.a.z, s.u.z, 2)});
 }
 
 }  // namespace HWY_NAMESPACE

@@ -186,6 +186,9 @@ class StateChecker {
                                    const ObstacleRow* const* near, int count,
                                    Verdict<kIsMotion>& verdict) const {
     for (int i = 0; i < count; ++i) {
+      const auto index = static_cast<size_t>(near[i] - scene_.obstacles.data());
+      const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
+      if (!is_any_below(from_bounds2, squared(sum(capsule.radius, margin)))) continue;
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
       if (near[i]->kind == ObstacleKind::crowd) {
         if (verdict.add(find_crowd_hits(*near[i], capsule, axis, reach, verdict.hit))) return true;
