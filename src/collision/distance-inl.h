@@ -101,8 +101,8 @@ HWY_INLINE auto with_distance(const ObstacleRow& row, const Visit& visit) {
   return visit(ToSphere{row});
 }
 
-/// Distance of `p` from the obstacle's surface, negative inside; `normal` leads away from it: a unit
-/// vector, but 0 at the centre of a sphere and on the axis of a capsule or cylinder.
+/// Distance of `p` from the obstacle's surface, negative inside; `normal` leads away from it: a
+/// unit vector, but 0 at the centre of a sphere and on the axis of a capsule or cylinder.
 HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
   const V3 half_extents = splat(row.half_extents);
   switch (row.kind) {

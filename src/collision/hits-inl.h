@@ -29,6 +29,11 @@ struct Verdict {
 
   M hit;
 
+  /// 1 if `mask` holds in a lane that is not hit yet, otherwise 0: to be counted, because a branch
+  /// would not be predicted. Whatever is near lanes that are hit alone need not be looked at.
+  [[nodiscard]] HWY_INLINE int is_any_open(M mask) const {
+    return !hn::AllFalse(Tag(), kIsMotion ? mask : hn::AndNot(hit, mask));
+  }
   HWY_INLINE bool add(M mask) {
     hit = hn::Or(hit, mask);
     return kIsMotion ? !hn::AllFalse(Tag(), hit) : hn::AllTrue(Tag(), hit);

@@ -31,15 +31,16 @@ template <bool kIsMotion, class Margin>
 class PairChecker {
  public:
   HWY_INLINE PairChecker(const RobotTables& robot, const BodyPairRow& pair, const Pose& first,
-                         const Pose& second, Margin margin)
+                         const Pose& second, Margin margin, Verdict<kIsMotion>& verdict)
       : robot_(robot),
         pair_(pair),
         second_(robot.bodies[pair.second]),
         pose_(seen_from(second, first)),
-        margin_(margin) {}
+        margin_(margin),
+        verdict_(verdict) {}
 
   /// True as soon as the verdict is settled.
-  HWY_INLINE bool check(Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE bool check() const {
     const BodyRow& first = robot_.bodies[pair_.first];
     if (!reaches_box(second_, first.ball.radius, transform_point(pose_, first.ball.center)) ||
         !reaches_box(first, second_.ball.radius,
@@ -57,7 +58,7 @@ class PairChecker {
       if (count > 0) find_near_clusters(runs, count);
       for (int i = 0; i < count; ++i) {
         for (int k = runs[i].begin; k < runs[i].end && runs[i].near != 0; ++k) {
-          if (hits_groups(robot_.group_pairs[k], runs[i].near, verdict)) return true;
+          if (hits_groups(robot_.group_pairs[k], runs[i].near)) return true;
         }
       }
     }
@@ -86,6 +87,10 @@ class PairChecker {
   static HWY_INLINE Segment axis_of(const CapsuleRow& capsule) {
     return {splat(capsule.a), splat(capsule.along), splat(capsule.inverse_length2)};
   }
+  /// Whether something is near, squared distances being these, to what has this radius.
+  [[nodiscard]] HWY_INLINE bool is_any_open(V distance2, float radius) const {
+    return verdict_.is_any_open(is_below(distance2, squared(sum(radius, margin_))));
+  }
   /// The last of many clusters share a bit.
   [[nodiscard]] HWY_INLINE std::uint64_t bit_of(int cluster) const {
     return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, 63);
@@ -94,8 +99,8 @@ class PairChecker {
   /// Whether a ball comes near a body's box in any lane; its centre is in the body's frame.
   [[nodiscard]] HWY_INLINE bool reaches_box(const BodyRow& body, float radius,
                                             const V3& center) const {
-    return is_any_below(point_box(center - splat(body.box_center), splat(body.box_half_extents)),
-                        squared(sum(radius, margin_)));
+    const V distance2 = point_box(center - splat(body.box_center), splat(body.box_half_extents));
+    return is_any_open(distance2, radius);
   }
 
   /// False if it is far from the second body.
@@ -121,8 +126,8 @@ class PairChecker {
       const ClusterRow& cluster = robot_.clusters[c];
       const auto mark = [&](float radius, const auto& distance2) {
         for (int i = 0; i < count; ++i) {
-          const auto reach2 = squared(sum(radius + runs[i].radius, margin_));
-          runs[i].near |= is_any_below(distance2(runs[i].center), reach2) ? bit : 0;
+          const V from_run2 = distance2(runs[i].center);
+          runs[i].near |= is_any_open(from_run2, radius + runs[i].radius) ? bit : 0;
         }
       };
       const GroupRow& group = robot_.groups[cluster.begin];
@@ -138,13 +143,12 @@ class PairChecker {
   }
 
   /// A group of the first body against those clusters of the second that are near.
-  HWY_INLINE bool hits_groups(const GroupPairRow& row, std::uint64_t near,
-                              Verdict<kIsMotion>& verdict) const {
+  HWY_INLINE bool hits_groups(const GroupPairRow& row, std::uint64_t near) const {
     const GroupRow& first = robot_.groups[row.first];
     const V3 center = transform_point(pose_, first.ball.center);
     const auto is_near = [&](const Ball& ball) {
-      return is_any_below(squared_norm(center - splat(ball.center)),
-                          squared(sum(ball.radius + first.ball.radius, margin_)));
+      return is_any_open(squared_norm(center - splat(ball.center)),
+                         ball.radius + first.ball.radius);
     };
     if (!reaches_box(second_, first.ball.radius, center)) return false;
     PosedSpheres spheres;
@@ -160,7 +164,7 @@ class PairChecker {
         if (!second.is_capsule && !is_near(second.ball)) continue;
         const M hit = first.is_capsule ? find_capsule_hits(first, second)
                                        : find_sphere_hits(first, spheres, second);
-        if (verdict.add(hit)) return true;
+        if (verdict_.add(hit)) return true;
       }
     }
     return false;
@@ -173,8 +177,8 @@ class PairChecker {
       const Segment axis = axis_of(capsule);
       const auto reach = sum(capsule.radius, margin_);
       const V3 center = transform_point(pose_, first.ball.center);
-      const auto around2 = squared(sum(first.ball.radius, reach));
-      if (!is_any_below(point_segment(center, axis), around2)) return no_hit();
+      const V from_axis2 = point_segment(center, axis);
+      if (!is_any_open(from_axis2, first.ball.radius + capsule.radius)) return no_hit();
       return find_hits(robot_, first, spheres, reach,
                        [&](const V3& p) { return point_segment(p, axis); });
     }
@@ -199,8 +203,8 @@ class PairChecker {
       const V distance2 = segment_segment(axis, axis_of(other));
       return hn::Lt(distance2, lanes_of(squared(sum(other.radius, reach))));
     }
-    const V from_ball = point_segment(splat(second.ball.center), axis);
-    if (!is_any_below(from_ball, squared(sum(second.ball.radius, reach)))) return no_hit();
+    const V from_ball2 = point_segment(splat(second.ball.center), axis);
+    if (!is_any_open(from_ball2, second.ball.radius + capsule.radius)) return no_hit();
     M hit = no_hit();
     for (int i = 0; i < kGroupSize; ++i) {
       const Ball& ball = robot_.spheres[second.begin + i];
@@ -215,6 +219,7 @@ class PairChecker {
   const BodyRow& second_;
   Pose pose_;  ///< of the first body in the frame of the second
   Margin margin_;
+  Verdict<kIsMotion>& verdict_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -29,12 +29,10 @@ struct Extent {
   HWY_INLINE void set(const V3& p) { store_extent(p, lower, upper); }
 };
 
-/// 1 if it holds in any lane, otherwise 0: to be counted, because a branch would not be predicted.
-HWY_INLINE int is_any_below(V distance2, V reach2) {
-  return !hn::AllFalse(Tag(), hn::Lt(distance2, reach2));
-}
-HWY_INLINE int is_any_below(V distance2, float reach2) {
-  return is_any_below(distance2, splat(reach2));
+HWY_INLINE M is_below(V distance2, V reach2) { return hn::Lt(distance2, reach2); }
+HWY_INLINE M is_below(V distance2, float reach2) { return is_below(distance2, splat(reach2)); }
+HWY_INLINE bool is_any_below(V distance2, float reach2) {
+  return !hn::AllFalse(Tag(), is_below(distance2, reach2));
 }
 
 /// One bit for each of the kLanes obstacles from `begin` whose box comes within `reach` of

@@ -6,7 +6,8 @@
 // What is far apart costs little: bodies are held against kLanes obstacles at a time by the box
 // that a body sweeps in all lanes, then by their bounding balls lane by lane, then group by group;
 // only a group whose ball hits has its shapes posed. Bodies are held against each other by their
-// balls first (PairChecker does the rest).
+// balls first (PairChecker does the rest). What is near in lanes alone that are hit already is not
+// looked at: random configurations are mostly hit, each by something else.
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_
@@ -95,14 +96,14 @@ class StateChecker {
     for (; bits != 0; bits &= bits - 1) {
       const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
       near[count] = &scene_.obstacles[i];
-      count += is_near(i, centers_[index], reach);
+      count += is_near(i, centers_[index], reach, verdict);
     }
     const Pose& pose = poses_[body.frame];
     const bool is_one = body.cluster_end - body.cluster_begin == 1;
     for (int c = body.cluster_begin; count > 0 && c < body.cluster_end; ++c) {
       const ObstacleRow* listed[kLanes];
       const ObstacleRow* const* closer = is_one ? near : listed;
-      const int kept = is_one ? count : list_near(c, pose, margin, near, count, listed);
+      const int kept = is_one ? count : list_near(c, pose, margin, near, count, listed, verdict);
       for (int g = robot_.clusters[c].begin; kept > 0 && g < robot_.clusters[c].end; ++g) {
         const ObstacleRow* checked[kLanes];
         const bool may_touch = !scene_.may_touch.empty();
@@ -117,26 +118,30 @@ class StateChecker {
   /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
   /// crowd.
   template <class Reach>
-  HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach) const {
-    if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), squared(reach))) return false;
+  HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach,
+                          const Verdict<kIsMotion>& verdict) const {
+    const V distance2 = distance2_to_bounds(scene_, center, obstacle);
+    if (!verdict.is_any_open(is_below(distance2, squared(reach)))) return false;
     const ObstacleRow& row = scene_.obstacles[obstacle];
     if (row.kind != ObstacleKind::crowd) return true;
     const CrowdRow& crowd = scene_.crowds[row.crowd];
-    return find_near(*crowd.cells, into_crowd(crowd, center), lanes_of(sum(row.rounding, reach))) !=
-           0;
+    const V3 p = into_crowd(crowd, center);
+    return (find_near(*crowd.cells, p, lanes_of(sum(row.rounding, reach))) &
+            ~bits_of(verdict.hit)) != 0;
   }
 
   /// The obstacles of `count` that are near a cluster.
   template <class Margin>
   HWY_INLINE int list_near(int cluster, const Pose& pose, Margin margin,
-                           const ObstacleRow* const* from, int count,
-                           const ObstacleRow** near) const {
+                           const ObstacleRow* const* from, int count, const ObstacleRow** near,
+                           const Verdict<kIsMotion>& verdict) const {
     const V3 center = transform_point(pose, robot_.clusters[cluster].ball.center);
     const auto reach = sum(robot_.clusters[cluster].ball.radius, margin);
     int kept = 0;
     for (int i = 0; i < count; ++i) {
       near[kept] = from[i];
-      kept += is_near(static_cast<size_t>(from[i] - scene_.obstacles.data()), center, reach);
+      const auto obstacle = static_cast<size_t>(from[i] - scene_.obstacles.data());
+      kept += is_near(obstacle, center, reach, verdict);
     }
     return kept;
   }
@@ -171,7 +176,7 @@ class StateChecker {
       }
       const auto reach2 = squared(sum(group.ball.radius, extra));
       const M hit = with_distance(*near[i], [&](const auto& distance2) {
-        if (!is_any_below(distance2(center), reach2)) return no_hit();
+        if (!verdict.is_any_open(is_below(distance2(center), reach2))) return no_hit();
         if (!is_posed) spheres = posed(robot_, group, pose);
         is_posed = true;
         return find_hits(robot_, group, spheres, extra, distance2);
@@ -188,7 +193,8 @@ class StateChecker {
     for (int i = 0; i < count; ++i) {
       const auto index = static_cast<size_t>(near[i] - scene_.obstacles.data());
       const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
-      if (!is_any_below(from_bounds2, squared(sum(capsule.radius, margin)))) continue;
+      const auto from_axis2 = squared(sum(capsule.radius, margin));
+      if (!verdict.is_any_open(is_below(from_bounds2, from_axis2))) continue;
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
       if (near[i]->kind == ObstacleKind::crowd) {
         if (verdict.add(find_crowd_hits(*near[i], capsule, axis, reach, verdict.hit))) return true;
@@ -243,8 +249,8 @@ class StateChecker {
         const BodyPairRow& pair = robot_.body_pairs[i];
         if (!margins_.moves_pair(i)) continue;
         near[count] = i;
-        count += is_any_below(squared_norm(centers_[pair.first] - centers_[pair.second]),
-                              margins_.reach2(pair, i));
+        const V apart2 = squared_norm(centers_[pair.first] - centers_[pair.second]);
+        count += verdict.is_any_open(is_below(apart2, margins_.reach2(pair, i)));
       }
       for (int i = 0; i < count; ++i) {
         if (hits_body(near[i], verdict)) return true;
@@ -258,9 +264,8 @@ class StateChecker {
     const auto margin = margins_.of_pair(index, centers_);
     const Pose& first = poses_[robot_.bodies[pair.first].frame];
     const Pose& second = poses_[robot_.bodies[pair.second].frame];
-    return PairChecker<kIsMotion, std::remove_const_t<decltype(margin)>>(robot_, pair, first,
-                                                                         second, margin)
-        .check(verdict);
+    using Margin = std::remove_const_t<decltype(margin)>;
+    return PairChecker<kIsMotion, Margin>(robot_, pair, first, second, margin, verdict).check();
   }
 
   const RobotTables& robot_;
