@@ -116,11 +116,11 @@ class Database {
   /// The experiences of `kind` whose key's squared distance to the nearest of `images` is less than
   /// `threshold`, nearest first, at most `max_matches` (0: all). Ties are broken by id; each row
   /// comes once. `images` are the ways to write down one key; of another length than the kind's
-  /// keys they match nothing. Looks at the boxes around some 64 keys each, and at the keys in those
-  /// that are near enough. Never at more keys than `keys_left` allows, if it is not null: those
-  /// that were looked at, for all images, are taken from it, by up to 64, and without any left
-  /// those that were found count. Errors, of rows that are not in memory: corrupt, naming a damaged
-  /// one; io.
+  /// keys they match nothing. Looks at the boxes around some 1000 keys each, in those near enough
+  /// at the boxes around some 64, and at the keys in those that are. Never at more keys than
+  /// `keys_left` allows, if it is not null: those that were looked at, for all images, are taken
+  /// from it, by up to 64, and without any left those that were found count. Errors, of rows that
+  /// are not in memory: corrupt, naming a damaged one; io.
   [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
                                                    std::span<const std::vector<double>> images,
                                                    double threshold, int max_matches,

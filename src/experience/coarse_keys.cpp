@@ -3,6 +3,7 @@
 #include "experience/coarse_keys.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -65,6 +66,7 @@ CoarseKeys::CoarseKeys(std::size_t key_size, std::span<const double> keys,
   if (width > kLeastWidth) per_cell_ = last_cell_ / width;
   keys_.resize(2 * first_blocks_.back() * pair_count_ * kCoarseBlock);
   boxes_.resize(4 * blocks_of(leaves) * pair_count_ * kCoarseBlock);
+  outer_boxes_.resize(4 * blocks_of(blocks_of(leaves)) * pair_count_ * kCoarseBlock);
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
     add_leaf(leaf, keys.data() + begins[leaf] * key_size, begins[leaf + 1] - begins[leaf]);
   }
@@ -77,10 +79,20 @@ void CoarseKeys::add_leaf(std::size_t leaf, const double* columns, std::size_t c
       keys_[place_of(first_key + i, number, pair_count_, 1)] = cell(columns[i], number);
     }
     const auto [least, most] = std::minmax_element(columns, columns + count);
-    const std::size_t box = place_of(leaf, number, pair_count_, 2);
-    boxes_[box] = cell(*least, number);
-    boxes_[box + 2 * kCoarseBlock] = cell(*most, number);
+    add_box(leaf, number, cell(*least, number), cell(*most, number));
   }
+}
+
+void CoarseKeys::add_box(std::size_t leaf, std::size_t number, std::int16_t least,
+                         std::int16_t most) {
+  constexpr std::size_t kUpper = 2 * kCoarseBlock;
+  const std::size_t box = place_of(leaf, number, pair_count_, 2);
+  boxes_[box] = least;
+  boxes_[box + kUpper] = most;
+  const std::size_t outer = place_of(leaf / kCoarseBlock, number, pair_count_, 2);
+  const bool is_first = leaf % kCoarseBlock == 0;
+  outer_boxes_[outer] = is_first ? least : std::min(outer_boxes_[outer], least);
+  outer_boxes_[outer + kUpper] = is_first ? most : std::max(outer_boxes_[outer + kUpper], most);
 }
 
 std::int16_t CoarseKeys::cell(double x, std::size_t number) const {
@@ -103,12 +115,25 @@ std::int32_t CoarseKeys::most_cells(double squared_distance) const {
   return most < kMostSquared ? static_cast<std::int32_t>(most) : kMostSquared;
 }
 
-void CoarseKeys::box_distances(const std::vector<std::int16_t>& query,
-                               std::vector<std::int32_t>& squared) const {
-  const std::size_t blocks = blocks_of(first_blocks_.size() - 1);
-  squared.resize(blocks * kCoarseBlock);
-  kernels_->box_distances(boxes_.data(), blocks, pair_count_, query.data(), squared.data());
-  squared.resize(first_blocks_.size() - 1);
+std::vector<CoarseKeys::NearLeaf> CoarseKeys::near_leaves(const std::vector<std::int16_t>& query,
+                                                          std::int32_t most) const {
+  const std::size_t leaves = first_blocks_.size() - 1;
+  const std::size_t blocks = blocks_of(leaves);
+  std::vector<std::int32_t> outer(blocks_of(blocks) * kCoarseBlock);
+  kernels_->box_distances(outer_boxes_.data(), blocks_of(blocks), pair_count_, query.data(),
+                          outer.data());
+  std::vector<NearLeaf> near;
+  std::array<std::int32_t, kCoarseBlock> squared;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    if (outer[block] > most) continue;
+    const std::size_t first = block * kCoarseBlock;
+    kernels_->box_distances(boxes_.data() + 4 * first * pair_count_, 1, pair_count_, query.data(),
+                            squared.data());
+    for (std::size_t i = 0; i < std::min(kCoarseBlock, leaves - first); ++i) {
+      if (squared[i] <= most) near.emplace_back(squared[i], first + i);
+    }
+  }
+  return near;
 }
 
 void CoarseKeys::key_distances(std::size_t leaf, const std::vector<std::int16_t>& query,

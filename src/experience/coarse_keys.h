@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -17,19 +18,23 @@ namespace mneme::internal {
 /// parallel-safe.
 class CoarseKeys {
  public:
+  /// Least squared distance of a leaf's box, in cells, and which leaf it is.
+  using NearLeaf = std::pair<std::int32_t, std::size_t>;
+
   /// Leaf i has the keys from `begins[i]` to `begins[i + 1]`, and all of the first numbers of its
   /// keys, then all of the second ones, and so on, are in `keys`.
   CoarseKeys(std::size_t key_size, std::span<const double> keys,
              std::span<const std::size_t> begins);
 
-  /// What key_distances() and box_distances() take.
+  /// What key_distances() and near_leaves() take.
   [[nodiscard]] std::vector<std::int16_t> query(const double* key) const;
   /// What is nearer than a squared distance has at most as many squared cells; -1 if nothing is.
   [[nodiscard]] std::int32_t most_cells(double squared_distance) const;
 
-  /// Of each leaf's box; room for kCoarseBlock - 1 more is there.
-  void box_distances(const std::vector<std::int16_t>& query,
-                     std::vector<std::int32_t>& squared) const;
+  /// Those that are not farther than `most`, in order of leaves. Looks at one box per kCoarseBlock
+  /// leaves, and into those that are near enough: neighbours in the tree are neighbours in space.
+  [[nodiscard]] std::vector<NearLeaf> near_leaves(const std::vector<std::int16_t>& query,
+                                                  std::int32_t most) const;
   /// Of the keys of a leaf, whose number is rounded up to a multiple of kCoarseBlock.
   void key_distances(std::size_t leaf, const std::vector<std::int16_t>& query,
                      std::int32_t* squared) const;
@@ -37,6 +42,7 @@ class CoarseKeys {
  private:
   [[nodiscard]] std::int16_t cell(double x, std::size_t number) const;
   void add_leaf(std::size_t leaf, const double* columns, std::size_t count);
+  void add_box(std::size_t leaf, std::size_t number, std::int16_t least, std::int16_t most);
 
   const CoarseKernels* kernels_;
   std::size_t key_size_;
@@ -46,7 +52,8 @@ class CoarseKeys {
   std::vector<double> lower_;
   std::vector<std::size_t> first_blocks_;  ///< per leaf, and one behind the last
   std::vector<std::int16_t> keys_;
-  std::vector<std::int16_t> boxes_;
+  std::vector<std::int16_t> boxes_;        ///< of leaves
+  std::vector<std::int16_t> outer_boxes_;  ///< around the blocks of boxes_
 };
 
 }  // namespace mneme::internal

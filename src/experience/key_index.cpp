@@ -135,13 +135,7 @@ IndexRows KeyTree::rows() const {
 void KeyTree::search(const double* query, NearestMatches& nearest) const {
   if (size() == 0) return;
   const std::vector<std::int16_t> cells = coarse_.query(query);
-  std::vector<std::int32_t> squared;
-  coarse_.box_distances(cells, squared);
-  std::vector<std::pair<std::int32_t, std::size_t>> leaves;
-  const std::int32_t most = coarse_.most_cells(nearest.bound());
-  for (std::size_t leaf = 0; leaf < squared.size(); ++leaf) {
-    if (squared[leaf] <= most) leaves.emplace_back(squared[leaf], leaf);
-  }
+  auto leaves = coarse_.near_leaves(cells, coarse_.most_cells(nearest.bound()));
   // What the nearest leaves have leaves others out; to sort all would take longer than to look.
   const std::size_t sorted = std::min(leaves.size(), kSortedLeaves);
   std::partial_sort(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(sorted),

@@ -178,13 +178,23 @@ Result<Statement> Connection::prepare(std::string_view sql) {
   return Statement(path_.get(), statement);
 }
 
+Result<KeptStatement> Connection::kept(std::string_view sql) {
+  auto place = kept_.find(sql);
+  if (place == kept_.end()) {
+    auto statement = prepare(sql);
+    if (!statement) return tl::unexpected(statement.error());
+    place = kept_.emplace(sql, std::move(*statement)).first;
+  }
+  return KeptStatement(&place->second);
+}
+
 Result<std::int64_t> Connection::integer(std::string_view sql) {
-  auto statement = prepare(sql);
+  const auto statement = kept(sql);
   if (!statement) return tl::unexpected(statement.error());
-  const auto has_row = statement->step();
+  const auto has_row = (*statement)->step();
   if (!has_row) return tl::unexpected(has_row.error());
   if (!*has_row) return fail(ErrorCode::corrupt, fmt::format("{}: no answer to {}", *path_, sql));
-  return statement->integer(0);
+  return (*statement)->integer(0);
 }
 
 Result<void> Connection::enter_wal_mode() {
@@ -249,8 +259,20 @@ Result<bool> Connection::replace_by(Connection& source, const std::function<bool
   return replaced;
 }
 
+namespace {
+
+/// What has no answers.
+Result<void> run_kept(Connection& connection, std::string_view sql) {
+  return connection.kept(sql).and_then(
+      [](const KeptStatement& statement) { return statement->step().map([](bool) {}); });
+}
+
+}  // namespace
+
 Result<Transaction> Transaction::begin(Connection& connection, Kind kind) {
-  const auto begun = connection.execute(kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");
+  // Who writes waits for the disk: there a kept statement gains nothing.
+  const auto begun =
+      kind == Kind::write ? connection.execute("BEGIN IMMEDIATE") : run_kept(connection, "BEGIN");
   if (!begun) return tl::unexpected(begun.error());
   return Transaction(connection);
 }
@@ -259,7 +281,7 @@ Transaction::Transaction(Transaction&& other) noexcept
     : connection_(std::exchange(other.connection_, nullptr)) {}
 
 Transaction::~Transaction() {
-  if (connection_ != nullptr) (void)connection_->execute("ROLLBACK");
+  if (connection_ != nullptr) (void)run_kept(*connection_, "ROLLBACK");
 }
 
 Result<void> Transaction::commit() {

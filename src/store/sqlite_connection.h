@@ -11,6 +11,7 @@ struct sqlite3_stmt;
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -49,6 +50,12 @@ class Statement {
   int bind_status_ = 0;
 };
 
+/// Ends as a statement that is ready for other parameters.
+struct ResetStatement {
+  void operator()(Statement* statement) const { statement->reset(); }
+};
+using KeptStatement = std::unique_ptr<Statement, ResetStatement>;
+
 /// One open file. Not thread-safe. Errors name the file; `corrupt` stands for whatever a sound
 /// database of ours cannot answer, `io` for what the machine refuses.
 class Connection {
@@ -68,6 +75,9 @@ class Connection {
   [[nodiscard]] std::string lasting_path() const;
   [[nodiscard]] Result<void> execute(const char* sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
+  /// Prepares it once: to compile a statement takes as long as to read some rows. One at a time of
+  /// each `sql`, and none that outlives the connection.
+  [[nodiscard]] Result<KeptStatement> kept(std::string_view sql);
   /// The first column of the first row.
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);
   /// Switches the file to a write-ahead log, where its file system has the means for one.
@@ -90,6 +100,7 @@ class Connection {
   // On the heap because statements keep pointing to it when the connection moves.
   std::unique_ptr<const std::string> path_;
   std::unique_ptr<sqlite3, Close> handle_;
+  std::map<std::string, Statement, std::less<>> kept_;
   bool is_immutable_ = false;
 };
 

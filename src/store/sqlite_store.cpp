@@ -134,15 +134,16 @@ Result<void> read_rows(Connection& connection, std::int64_t after, RowParts part
 
 Result<void> read_rows_by_id(Connection& connection, std::span<const std::int64_t> ids,
                              const RowVisitor& visit) {
-  auto statement = connection.prepare(
+  const auto kept = connection.kept(
       fmt::format("SELECT {}, {} {} WHERE e.id = ?", kKeyColumns, kMixtureColumns, kJoin));
-  if (!statement) return tl::unexpected(statement.error());
+  if (!kept) return tl::unexpected(kept.error());
+  Statement& statement = **kept;
   for (const std::int64_t id : ids) {
-    statement->bind(1, id);
+    statement.bind(1, id);
     const auto visited =
-        for_each(*statement, [&] { return visit(stored_row(*statement, RowParts::all)); });
+        for_each(statement, [&] { return visit(stored_row(statement, RowParts::all)); });
     if (!visited) return visited;
-    statement->reset();
+    statement.reset();
   }
   return {};
 }

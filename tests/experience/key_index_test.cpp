@@ -4,6 +4,7 @@
 #include "store/fixtures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -306,6 +307,40 @@ TEST_SUITE("oracle") {
                        << max_matches);
           REQUIRE(is_same(index.find(keys_of(query), threshold, max_matches),
                           brute_force(keys, gone, query, threshold, max_matches)));
+        }
+      }
+    }
+  }
+
+  TEST_CASE("the index finds what looking at every key finds among boxes in boxes, ties included") {
+    const std::uint64_t seed = 50;
+    Rng rng(seed);
+    std::vector<PrimitiveKey> keys;
+    internal::IndexRows rows;
+    for (int i = 0; i < 20000; ++i) {
+      // Few different keys: many are as far from a query as others.
+      PrimitiveKey key = random_key(rng);
+      for (double& number : key) number = std::round(4 * number) / 4;
+      rows.ids.push_back(i);
+      rows.components.push_back(1);
+      rows.keys.insert(rows.keys.end(), key.begin(), key.end());
+      keys.push_back(std::move(key));
+    }
+    ExperienceIndex index(6);
+    index.append(std::move(rows));
+    for (int i = 0; i < 12; ++i) {
+      const PrimitiveKey query = i % 2 == 0 ? keys[rng.index(keys.size())] : random_key(rng);
+      for (const double threshold : {1e-9, 0.125, 1.0, 1e9}) {
+        for (const int max_matches : {0, 1, 50}) {
+          INFO("seed " << seed << ", query " << i << ", threshold " << threshold << ", at most "
+                       << max_matches);
+          const auto expected = brute_force(keys, {}, query, threshold, max_matches);
+          REQUIRE(is_same(index.find(keys_of(query), threshold, max_matches), expected));
+          const std::int64_t enough = 8 * index.size();
+          std::int64_t left = enough;
+          REQUIRE(is_same(index.find(keys_of(query), threshold, max_matches, &left), expected));
+          REQUIRE(enough - left >= static_cast<std::int64_t>(expected.size()));
+          REQUIRE((threshold > 1 || enough - left < index.size()));
         }
       }
     }

@@ -79,6 +79,47 @@ TEST_SUITE("unit") {
     CHECK(result.error().message.find("no such table: t") != std::string::npos);
   }
 
+  TEST_CASE("a kept statement begins anew each time, whatever became of the last time") {
+    const TemporaryDirectory directory;
+    Connection connection = create_connection(directory / "a.db");
+    REQUIRE(connection.execute("CREATE TABLE t (a); INSERT INTO t VALUES (1), (2), (3)"));
+    constexpr const char* kRows = "SELECT a FROM t WHERE a >= ? ORDER BY a";
+    for (const std::int64_t first : {2, 1, 3}) {
+      const auto select = connection.kept(kRows);
+      REQUIRE(select.has_value());
+      (*select)->bind(1, first);
+      REQUIRE((*select)->step() == true);
+      CHECK((*select)->integer(0) == first);
+    }
+    // Nothing of it holds a lock, and it sees what others did to the table.
+    run_sql(directory / "a.db", "ALTER TABLE t ADD COLUMN b; UPDATE t SET a = a + 10");
+    {
+      const auto select = connection.kept(kRows);
+      (*select)->bind(1, std::int64_t{3});
+      REQUIRE((*select)->step() == true);
+      CHECK((*select)->integer(0) == 11);
+    }
+    run_sql(directory / "a.db", "DROP TABLE t");
+    const auto select = connection.kept(kRows);
+    const auto gone = (*select)->step();
+    REQUIRE(!gone.has_value());
+    CHECK(gone.error().code == ErrorCode::corrupt);
+    CHECK(gone.error().message.find("no such table: t") != std::string::npos);
+  }
+
+  TEST_CASE("a connection that takes the place of another has its own kept statements") {
+    const TemporaryDirectory directory;
+    Connection connection = create_connection(directory / "a.db");
+    REQUIRE(connection.execute("CREATE TABLE t (a)"));
+    CHECK(count(connection) == 0);
+    Connection other = create_connection(directory / "b.db");
+    REQUIRE(other.execute("CREATE TABLE t (a); INSERT INTO t VALUES (1)"));
+    CHECK(count(other) == 1);
+    connection = std::move(other);
+    CHECK(count(connection) == 1);
+    CHECK(connection.integer("SELECT b FROM t").error().message.find(directory / "b.db") == 0);
+  }
+
   TEST_CASE("a file that is not there is only made on request") {
     const TemporaryDirectory directory;
     auto connection = Connection::open(directory / "a.db", Connection::Access::read_write);

@@ -225,6 +225,24 @@ TEST_SUITE("unit") {
     CHECK(visited == 1);
   }
 
+  TEST_CASE("rows can be asked for again after a visitor ended the reading") {
+    const TemporaryDirectory directory;
+    Connection connection = connect(directory / "a.db");
+    Rng rng(44);
+    add(connection, random_rows(rng, 3), 1);
+    const std::vector<std::int64_t> wanted = {3, 1};
+    const auto ended = internal::read_rows_by_id(
+        connection, wanted,
+        [](const StoredRow&) -> Result<void> { return fail(ErrorCode::invalid, "enough"); });
+    REQUIRE(!ended.has_value());
+    std::vector<std::int64_t> ids;
+    REQUIRE(internal::read_rows_by_id(connection, wanted, [&](const StoredRow& row) {
+      ids.push_back(row.id);
+      return Result<void>();
+    }));
+    CHECK(ids == wanted);
+  }
+
   TEST_CASE("live rows are found by their content, dead ones are not") {
     const TemporaryDirectory directory;
     Connection connection = connect(directory / "a.db");
