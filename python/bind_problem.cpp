@@ -46,15 +46,13 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   if (goals.is_none() && pose_goals.empty()) {
     raise_invalid("goals: expected at least one configuration, or pose_goals");
   }
-  for (const PoseGoal& goal : pose_goals) {
-    if (const auto fault = describe_fault(robot, goal)) raise_invalid("pose_goals: " + *fault);
-  }
   const int joints = robot.joint_count();
+  Configuration from = to_vector(start, joints, "start");
+  place_goals(pose_goals, robot, from, "pose_goals");
   std::vector<Configuration> rows;
   if (!goals.is_none()) rows = to_goals(goals, joints);
-  Problem problem{
-      std::move(name),      robot, "", {}, to_vector(start, joints, "start"), std::move(rows), {},
-      std::move(pose_goals)};
+  Problem problem{std::move(name), robot,           "", {},
+                  std::move(from), std::move(rows), {}, std::move(pose_goals)};
   problem.constraints = checked(robot, std::move(constraints));
   return {std::move(problem), scene};
 }
