@@ -83,6 +83,29 @@ py::array_t<double> to_quaternion(const PoseGoal& goal) {
   return to_array(std::vector<double>{q.x(), q.y(), q.z(), q.w()});
 }
 
+/// What pickles hold.
+py::tuple state_of(const PoseGoal& goal) {
+  const Eigen::Matrix3d& rotation = goal.pose.rotation;
+  return py::make_tuple(goal.link, point_array(goal.pose.translation),
+                        to_array(std::vector<double>(rotation.data(), rotation.data() + 9)),
+                        point_array(goal.position_tolerance), std::string(to_string(goal.axis)),
+                        goal.cone, goal.turn, goal.frame);
+}
+
+PoseGoal goal_of(const py::tuple& state) {
+  PoseGoal goal;
+  goal.link = state[0].cast<std::string>();
+  goal.pose.translation = to_point(state[1], "position");
+  const std::vector<double> rotation = to_vector(state[2], 9, "rotation");
+  goal.pose.rotation = Eigen::Map<const Eigen::Matrix3d>(rotation.data());
+  goal.position_tolerance = to_point(state[3], "position_tolerance");
+  goal.axis = to_axis(state[4].cast<std::string>());
+  goal.cone = state[5].cast<double>();
+  goal.turn = state[6].cast<double>();
+  goal.frame = state[7].cast<std::string>();
+  return goal;
+}
+
 std::string describe(const PoseGoal& goal) {
   const Vec3& at = goal.pose.translation;
   return fmt::format("<mneme.PoseGoal of '{}' at [{:.4g}, {:.4g}, {:.4g}]>", goal.link, at.x(),
@@ -131,6 +154,15 @@ void bind_constraint(py::module_& module) {
             return tilt_at(robot, self, q);
           },
           py::arg("robot"), py::arg("q"), "Radians that the link leans at a configuration.")
+      .def(py::pickle(
+          [](const Constraint& self) {
+            return py::make_tuple(self.link, point_array(self.axis), point_array(self.up),
+                                  self.angle);
+          },
+          [](const py::tuple& state) {
+            return Constraint{state[0].cast<std::string>(), to_point(state[1], "axis"),
+                              to_point(state[2], "up"), state[3].cast<double>()};
+          }))
       .def("__repr__", [](const Constraint& self) {
         return fmt::format("<mneme.OrientationConstraint of '{}' within {:.4g} rad>", self.link,
                            self.angle);
@@ -231,6 +263,7 @@ void bind_goal(py::module_& module) {
       .def(
           "to_json", [](const PoseGoal& self) { return to_json(self); },
           "Text of the goal as JSON files and requests spell it.")
+      .def(py::pickle(&state_of, &goal_of))
       .def("__repr__", &describe);
   module.def(
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),

@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "errors.h"
 #include "origins.h"
+#include "pickling.h"
 #include "prepare.h"
 #include "problem.h"
 
@@ -201,6 +202,9 @@ void bind_problem(py::module_& module) {
       module, "Problem", "A robot, a scene, a start and goals: the motion planning question.");
   bind_factories(problem);
   bind_variations(problem);
+  refuse_pickling(problem,
+                  "load it in each process, or make it there of a robot that was loaded there, and "
+                  "of scene, start and goals, which can be pickled");
   problem
       .def_property(
           "name", [](const SharedProblem& self) { return self.rest().name; },
