@@ -178,7 +178,6 @@ std::vector<T> take_shard(std::vector<T> all, const Part& shard) {
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
                                   const Part& shard, Database& database, const LearnJob& job) {
   if (!lesson.robot.is_planar()) {
-    if (grid) return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
     const auto mine = take_shard(std::move(lesson.primitives), shard);
     return learn_with_progress(lesson.robot, std::span(mine), database, job);
   }
@@ -199,6 +198,9 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   const Robot& robot = lesson->robot;
   std::optional<PrimitiveGrid> grid;
   if (!options.grid.empty()) {
+    if (!robot.is_planar()) {
+      return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
+    }
     const Result<PrimitiveGrid> read = read_grid(options);
     if (!read) return tl::unexpected(read.error());
     grid = *read;

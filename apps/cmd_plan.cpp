@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -133,7 +134,6 @@ struct PlanOptions {
   DatabaseSettings kept;
   PlanFiles files;
   TrajectoryOptions trajectory;
-  bool has_sampler = false;
   bool is_json = false;
   SolveSettings settings;
 };
@@ -145,11 +145,16 @@ struct LoadedPlan {
   double load_time_s = 0;
 };
 
-Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options, const Robot& robot) {
+Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options,
+                                                   const Problem& problem) {
   if (options.db.empty()) return std::nullopt;
-  return open_memory(options.db, robot, options.settings, options.kept).map([](Database database) {
-    return std::optional<Database>(std::move(database));
-  });
+  std::error_code ignored;
+  if (!std::filesystem::exists(options.db, ignored)) {
+    const auto checked = check_query(problem, options.settings);
+    if (!checked) return tl::unexpected(checked.error());
+  }
+  return open_memory(options.db, problem.robot, options.settings, options.kept)
+      .map([](Database database) { return std::optional<Database>(std::move(database)); });
 }
 
 /// Before anything is planned: a memory and a problem are worth more than a picture.
@@ -182,7 +187,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
         find_rate_limits(problem->robot, options.trajectory.settings, options.trajectory.limits);
   }
   if (!limits) return tl::unexpected(limits.error());
-  Result<std::optional<Database>> database = open_memory_if_any(options, problem->robot);
+  Result<std::optional<Database>> database = open_memory_if_any(options, *problem);
   if (!database) return tl::unexpected(database.error());
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits), elapsed.count()};
@@ -298,7 +303,6 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
-  if (!options.has_sampler) settings.sampler = loaded->database ? "gl" : "uniform";
   if (settings.sampler == "gl" && !loaded->database) {
     print_note("without --db there is no memory: the sampler 'gl' draws uniformly");
   }
@@ -434,7 +438,9 @@ void add_plan(CLI::App& program, Action& action) {
   add_json(*command, options->is_json);
   group_flags(*command, help_groups());
   command->callback([command, options, &action] {
-    options->has_sampler = command->count("--sampler") > 0;
+    if (command->count("--sampler") == 0) {
+      options->settings.sampler = options->db.empty() ? "uniform" : "gl";
+    }
     if (options->db.empty()) check_without_memory(options->settings);
     check_choices(*options);
     action = [options] { return run_plan(*options); };

@@ -90,13 +90,13 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   const Result<Robot> robot = *shown ? Result<Robot>((*shown)->robot)
                                      : load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
-  const auto database = open_database(options, *robot);
-  if (!database) return tl::unexpected(database.error());
   ServiceSettings settings = options.service;
   settings.body_bytes = static_cast<std::size_t>(options.body_mib) << kMebibyte;
   const auto token = read_token(options.token_file);
   if (!token) return tl::unexpected(token.error());
   settings.token = *token;
+  const auto database = open_database(options, *robot);
+  if (!database) return tl::unexpected(database.error());
   settings.shown = *shown;
   settings.robot_path = robot_file(options.robot).value_or("");
   settings.package_paths = options.robot_options.package_paths;

@@ -40,7 +40,7 @@ ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages
   for (const Damage& damage : damages) {
     if (!options.is_json) {
       fmt::print("{}: {}{}\n", damage.id == 0 ? "database" : fmt::format("row {}", damage.id),
-                 damage.what, damage.is_quarantined ? " (set aside)" : "");
+                 printable(damage.what), damage.is_quarantined ? " (set aside)" : "");
     }
     rows.push_back(
         {{"id", damage.id}, {"what", damage.what}, {"is_quarantined", damage.is_quarantined}});

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "pickling.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -88,10 +89,12 @@ bool path_is_free(const CollisionChecker& checker, const py::object& path,
 }  // namespace
 
 void bind_collision(py::module_& module) {
-  py::class_<CollisionChecker>(
+  py::class_<CollisionChecker> checker(
       module, "CollisionChecker",
       "Decides whether configurations and straight motions are free of contact. Joint limits are\n"
-      "not its business: see Robot.describe_violation.")
+      "not its business: see Robot.describe_violation.");
+  refuse_pickling(checker, "make it in each process, of a robot that was loaded there");
+  checker
       .def(py::init(&make), py::arg("robot"), py::arg("scene"), py::kw_only(),
            py::arg("resolution") = py::none(), py::arg("margin") = 0.0,
            py::arg("isa") = "automatic",

@@ -9,6 +9,7 @@
 #include "bindings.h"
 #include "memory.h"
 #include "origins.h"
+#include "pickling.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -129,8 +130,11 @@ py::list verify(const std::filesystem::path& path) {
 }  // namespace
 
 void bind_experience(py::module_& module) {
-  py::class_<Memory>(module, "Database",
-                     "An append-only store of local samplers. Safe to use from several threads.")
+  py::class_<Memory> memory(
+      module, "Database",
+      "An append-only store of local samplers. Safe to use from several threads.");
+  refuse_pickling(memory, "open it in each process");
+  memory
       .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
                   py::arg("mode") = "read_only",
                   py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,

@@ -10,6 +10,7 @@
 #include "errors.h"
 #include "interruptible.h"
 #include "keywords.h"
+#include "problem.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -56,9 +57,10 @@ double to_radians(const Angle& given, const char* name) {
 
 PoseGoal make_pose_goal(std::string link, const py::object& position, const py::object& quaternion,
                         const py::object& position_tolerance, const std::string& axis,
-                        const Angle& cone, const Angle& turn) {
+                        const Angle& cone, const Angle& turn, std::string frame) {
   PoseGoal goal;
   goal.link = std::move(link);
+  goal.frame = std::move(frame);
   goal.pose.translation = to_point(position, "position");
   goal.axis = to_axis(axis);
   goal.cone = goal.turn = std::numbers::pi;
@@ -79,6 +81,29 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
 py::array_t<double> to_quaternion(const PoseGoal& goal) {
   const Eigen::Quaterniond q(goal.pose.rotation);
   return to_array(std::vector<double>{q.x(), q.y(), q.z(), q.w()});
+}
+
+/// What pickles hold.
+py::tuple state_of(const PoseGoal& goal) {
+  const Eigen::Matrix3d& rotation = goal.pose.rotation;
+  return py::make_tuple(goal.link, point_array(goal.pose.translation),
+                        to_array(std::vector<double>(rotation.data(), rotation.data() + 9)),
+                        point_array(goal.position_tolerance), std::string(to_string(goal.axis)),
+                        goal.cone, goal.turn, goal.frame);
+}
+
+PoseGoal goal_of(const py::tuple& state) {
+  PoseGoal goal;
+  goal.link = state[0].cast<std::string>();
+  goal.pose.translation = to_point(state[1], "position");
+  const std::vector<double> rotation = to_vector(state[2], 9, "rotation");
+  goal.pose.rotation = Eigen::Map<const Eigen::Matrix3d>(rotation.data());
+  goal.position_tolerance = to_point(state[3], "position_tolerance");
+  goal.axis = to_axis(state[4].cast<std::string>());
+  goal.cone = state[5].cast<double>();
+  goal.turn = state[6].cast<double>();
+  goal.frame = state[7].cast<std::string>();
+  return goal;
 }
 
 std::string describe(const PoseGoal& goal) {
@@ -129,6 +154,15 @@ void bind_constraint(py::module_& module) {
             return tilt_at(robot, self, q);
           },
           py::arg("robot"), py::arg("q"), "Radians that the link leans at a configuration.")
+      .def(py::pickle(
+          [](const Constraint& self) {
+            return py::make_tuple(self.link, point_array(self.axis), point_array(self.up),
+                                  self.angle);
+          },
+          [](const py::tuple& state) {
+            return Constraint{state[0].cast<std::string>(), to_point(state[1], "axis"),
+                              to_point(state[2], "up"), state[3].cast<double>()};
+          }))
       .def("__repr__", [](const Constraint& self) {
         return fmt::format("<mneme.OrientationConstraint of '{}' within {:.4g} rad>", self.link,
                            self.angle);
@@ -139,6 +173,20 @@ struct FoundConfigurations {
   std::vector<Configuration> rows;
   std::string message;  ///< why there are none
 };
+
+}  // namespace
+
+void place_goals(std::vector<PoseGoal>& goals, const Robot& robot, const Configuration& q,
+                 const std::string& what) {
+  for (PoseGoal& goal : goals) {
+    auto placed = in_root_frame(std::move(goal), robot, q);
+    if (!placed) raise_invalid(what + ": " + placed.error().message);
+    goal = *std::move(placed);
+    if (const auto fault = describe_fault(robot, goal)) raise_invalid(what + ": " + *fault);
+  }
+}
+
+namespace {
 
 /// A mneme.Solutions.
 py::object to_solutions(const FoundConfigurations& found, int joint_count) {
@@ -154,20 +202,18 @@ py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object
                     const Scene& scene, std::uint64_t seed, const std::string& isa,
                     const py::kwargs& arguments) {
   const auto* one = std::get_if<PoseGoal>(&given);
-  const std::vector<PoseGoal> goals = one ? std::vector{*one} : std::get<1>(given);
+  std::vector<PoseGoal> goals = one ? std::vector{*one} : std::get<1>(given);
   IkSettings settings;
   Keywords keywords("inverse_kinematics", arguments);
   keywords.apply(settings);
   keywords.finish();
   settings.seed = seed;
   if (goals.empty()) raise_invalid("goals: expected at least one, got none");
-  for (const PoseGoal& goal : goals) {
-    if (const auto fault = describe_fault(robot, goal)) raise_invalid("goals: " + *fault);
-  }
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const Configuration from =
       near.is_none() ? robot.normalized(zero) : to_vector(near, robot.joint_count(), "near");
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
+  place_goals(goals, robot, from, "goals");
   const CollisionChecker checker =
       unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
   std::atomic<bool> cancel = false;
@@ -192,10 +238,12 @@ void bind_goal(py::module_& module) {
           py::init(&make_pose_goal), py::arg("link"), py::arg("position"),
           py::arg("quat_xyzw") = py::none(), py::kw_only(), py::arg("position_tolerance") = 0.0,
           py::arg("axis") = "z", py::arg("cone") = 0.0, py::arg("turn") = 0.0,
-          "In the frame of the robot's root link, or, for Problem.load(), of the problem's scene.\n"
-          "Without quat_xyzw any rotation. position_tolerance: metres along the axes of the pose,\n"
-          "or one number for all. The link's axis may lean by cone and the link be turned about\n"
-          "it by turn, radians; pi, or \"free\", is any way.")
+          py::arg("frame") = "",
+          "In the frame of the link `frame`, where that is at the start (for inverse_kinematics()\n"
+          "at near); without it in that of the robot's root link, or, for Problem.load(), of the\n"
+          "problem's scene. Without quat_xyzw any rotation. position_tolerance: metres along the\n"
+          "axes of the pose, or one number for all. The link's axis may lean by cone and the link\n"
+          "be turned about it by turn, radians; pi, or \"free\", is any way.")
       .def_readonly("link", &PoseGoal::link)
       .def_property_readonly(
           "position", [](const PoseGoal& self) { return point_array(self.pose.translation); },
@@ -209,9 +257,13 @@ void bind_goal(py::module_& module) {
                              [](const PoseGoal& self) { return std::string(to_string(self.axis)); })
       .def_readonly("cone", &PoseGoal::cone)
       .def_readonly("turn", &PoseGoal::turn)
+      .def_readonly("frame", &PoseGoal::frame,
+                    "The link in whose frame the pose is; empty for the root link: goals of a\n"
+                    "Problem have been placed.")
       .def(
           "to_json", [](const PoseGoal& self) { return to_json(self); },
           "Text of the goal as JSON files and requests spell it.")
+      .def(py::pickle(&state_of, &goal_of))
       .def("__repr__", &describe);
   module.def(
       "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),

@@ -11,6 +11,7 @@
 #include "keywords.h"
 #include "memory.h"
 #include "origins.h"
+#include "pickling.h"
 #include "problem.h"
 
 #include <fmt/format.h>
@@ -284,6 +285,7 @@ void bind_pipeline(py::module_& module) {
   py::class_<Plan> type(module, "Plan", "What came out of plan(). Times in seconds.");
   bind_answer(type);
   bind_numbers(type);
+  refuse_pickling(type, "send its path, which is an array, or its to_json()");
   type.def("trajectory", &time_plan, py::arg("dt") = py::none(), py::kw_only(),
            py::arg("limits") = py::none(), trajectory_help().c_str())
       .def(

@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "errors.h"
 #include "origins.h"
+#include "pickling.h"
 #include "prepare.h"
 #include "problem.h"
 
@@ -46,15 +47,13 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   if (goals.is_none() && pose_goals.empty()) {
     raise_invalid("goals: expected at least one configuration, or pose_goals");
   }
-  for (const PoseGoal& goal : pose_goals) {
-    if (const auto fault = describe_fault(robot, goal)) raise_invalid("pose_goals: " + *fault);
-  }
   const int joints = robot.joint_count();
+  Configuration from = to_vector(start, joints, "start");
+  place_goals(pose_goals, robot, from, "pose_goals");
   std::vector<Configuration> rows;
   if (!goals.is_none()) rows = to_goals(goals, joints);
-  Problem problem{
-      std::move(name),      robot, "", {}, to_vector(start, joints, "start"), std::move(rows), {},
-      std::move(pose_goals)};
+  Problem problem{std::move(name), robot,           "", {},
+                  std::move(from), std::move(rows), {}, std::move(pose_goals)};
   problem.constraints = checked(robot, std::move(constraints));
   return {std::move(problem), scene};
 }
@@ -203,6 +202,9 @@ void bind_problem(py::module_& module) {
       module, "Problem", "A robot, a scene, a start and goals: the motion planning question.");
   bind_factories(problem);
   bind_variations(problem);
+  refuse_pickling(problem,
+                  "load it in each process, or make it there of a robot that was loaded there, and "
+                  "of scene, start and goals, which can be pickled");
   problem
       .def_property(
           "name", [](const SharedProblem& self) { return self.rest().name; },

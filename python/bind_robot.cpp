@@ -8,6 +8,7 @@
 #include "bindings.h"
 #include "keywords.h"
 #include "origins.h"
+#include "pickling.h"
 #include "prepare.h"
 
 #include <fmt/format.h>
@@ -198,6 +199,7 @@ void bind_robot(py::module_& module) {
   bind_properties(robot);
   bind_functions(robot);
   bind_attached(robot);
+  refuse_pickling(robot, "load or make it in each process");
 }
 
 }  // namespace mneme::python

@@ -259,6 +259,10 @@ void bind_text(SceneClass& scene) {
         return to_compact_json({self, ""});
       },
       "Text of a compact file with this scene, and without start and goal.");
+  scene.def(py::pickle([](const Scene& self) { return py::make_tuple(to_yaml(self)); },
+                       [](const py::tuple& state) {
+                         return unwrap(parse_scene(state[0].cast<std::string>(), "pickled scene"));
+                       }));
 }
 
 }  // namespace

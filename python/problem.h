@@ -7,9 +7,16 @@
 #include "mneme/problem.h"
 
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mneme::python {
+
+/// Brings the poses into the frame of the robot's root link, by where their frames are at `q`.
+/// Raises a mneme.Error that begins with `what` for what the robot cannot be asked for.
+void place_goals(std::vector<PoseGoal>& goals, const Robot& robot, const Configuration& q,
+                 const std::string& what);
 
 class SharedProblem {
  public:

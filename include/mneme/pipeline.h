@@ -231,6 +231,11 @@ struct SolveResult {
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 
+/// Refuses what solve() would of a problem and settings with a memory that holds nothing yet, so
+/// that none is made in vain. Errors: those of solve() that are known before the goals are
+/// resolved. Costs a checker of the scene.
+[[nodiscard]] Result<void> check_query(const Problem& problem, const SolveSettings& settings);
+
 /// The time-optimal motion along a path that solve() found for that problem with those settings:
 /// corners are rounded where that passes the verification of paths. Errors: those of
 /// parameterize().

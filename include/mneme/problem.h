@@ -39,6 +39,9 @@ struct PoseGoal {
   Axis axis = Axis::z;
   double cone = 0;  ///< radians that the axis may lean from that of `pose`; pi: any way
   double turn = 0;  ///< radians that the link may be turned about its axis, to either side; pi: any
+  /// A link in whose frame `pose` is instead, where that link is at the start: until
+  /// in_root_frame() has placed it.
+  std::string frame = {};
 };
 
 /// Metres and radians from a link to a region; 0 within.
@@ -50,8 +53,13 @@ struct PoseError {
 [[nodiscard]] PoseError pose_error(const Robot& robot, const PoseGoal& goal,
                                    std::span<const double> q);
 /// Why no link of the robot can be asked to reach `goal`, or nothing: an unknown link, one that no
-/// joint of the group moves, numbers that are not finite, tolerances below 0.
+/// joint of the group moves, a pose in another frame than the root link's, numbers that are not
+/// finite, tolerances below 0.
 [[nodiscard]] std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal);
+/// The goal with its pose in the root link's frame, by where its `frame` is at `q`; as it is if it
+/// names none. Errors: invalid if that is no link of the robot, or `q` no configuration.
+[[nodiscard]] Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot,
+                                             std::span<const double> q);
 
 struct Problem {
   std::string name;
@@ -87,7 +95,8 @@ struct ProblemOptions {
   RobotOptions robot;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
-  /// Instead of the problem's goals, or besides `goal`: in the frame of the problem's scene.
+  /// Instead of the problem's goals, or besides `goal`: in the frame of the problem's scene unless
+  /// they name one.
   std::vector<PoseGoal> pose_goals = {};
   /// Besides those of the problem: `up` is in the frame of the problem's scene.
   std::vector<OrientationConstraint> constraints = {};

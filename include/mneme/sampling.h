@@ -7,6 +7,7 @@
 #include "mneme/base.h"
 #include "mneme/robot.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -63,6 +64,12 @@ class GoalSource {
 /// DOI 10.1137/0713071.
 [[nodiscard]] std::unique_ptr<Sampler> make_halton_sampler(const Robot& robot);
 
+/// Numbers of a lower triangle with `rows` rows that is packed row by row: so many come before row
+/// `rows` of a larger one.
+[[nodiscard]] constexpr std::size_t triangle_size(std::size_t rows) {
+  return rows * (rows + 1) / 2;
+}
+
 /// A Gaussian mixture with equiprobable components, eq. (1) of the paper. Means are float32,
 /// row-major.
 struct GaussianMixture {
@@ -71,13 +78,32 @@ struct GaussianMixture {
   /// Per component the row of `factors` that shapes it, or -1 for the sampler's sigma; empty: all
   /// -1.
   std::vector<int> factor_rows;
-  /// Rows of joint_count * (joint_count + 1) / 2 values: lower triangles, row by row, of Cholesky
-  /// factors L of covariances L L^T.
+  /// factor_count() rows of triangle_size(joint_count) values: lower triangles, row by row, of
+  /// Cholesky factors L of covariances L L^T.
   std::vector<float> factors;
   std::vector<Origin> origins;  ///< per component the source it counts for; empty: all 0
 
   [[nodiscard]] int component_count() const {
     return joint_count == 0 ? 0 : static_cast<int>(means.size()) / joint_count;
+  }
+  [[nodiscard]] int factor_count() const {
+    return joint_count == 0 ? 0 : static_cast<int>(factors.size() / factor_size());
+  }
+  /// Values of a row of `factors`.
+  [[nodiscard]] std::size_t factor_size() const {
+    return triangle_size(static_cast<std::size_t>(joint_count));
+  }
+  /// The row of `factors` that shapes a component; empty for the sampler's sigma.
+  [[nodiscard]] std::span<const float> factor(int component) const {
+    const int row = factor_rows.empty() ? -1 : factor_rows[static_cast<std::size_t>(component)];
+    if (row < 0) return {};
+    return {factors.data() + static_cast<std::size_t>(row) * factor_size(), factor_size()};
+  }
+  /// Shapes the next component without an entry in `factor_rows` by a row of its own, of another
+  /// mixture; by the sampler's sigma if `factor` is empty.
+  void add_factor(std::span<const float> factor) {
+    factor_rows.push_back(factor.empty() ? -1 : factor_count());
+    factors.insert(factors.end(), factor.begin(), factor.end());
   }
 };
 

@@ -71,6 +71,28 @@ def test_a_plan_goes_to_a_pose_or_a_region(panda):
         assert plan.is_solved, plan.message
 
 
+def test_a_pose_may_be_in_the_frame_of_a_link_at_the_start(panda, tmp_path):
+    hand = panda.link_poses(READY)[panda.link_names.index("panda_hand")]
+    expected = hand[:3, 3] + hand[:3, :3] @ [0.01, 0.02, 0.05]
+    goal = mneme.PoseGoal("panda_hand", [0.01, 0.02, 0.05], [0, 0, 0, 1], frame="panda_hand")
+    assert goal.frame == "panda_hand" and '"frame":"panda_hand"' in goal.to_json()
+    problem = mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[goal])
+    (placed,) = problem.pose_goals
+    assert placed.frame == ""
+    np.testing.assert_allclose(placed.position, expected, atol=1e-12)
+    (tmp_path / "problem.yaml").write_text(mneme.Problem(panda, mneme.Scene(), READY, READY).to_yaml("panda"))
+    loaded = mneme.Problem.load(tmp_path / "problem.yaml", pose_goals=[goal])
+    np.testing.assert_allclose(loaded.pose_goals[0].position, expected, atol=1e-12)
+    found = mneme.inverse_kinematics(panda, goal, near=READY)
+    reached = panda.link_poses(found[0])[panda.link_names.index("panda_hand")]
+    np.testing.assert_allclose(reached[:3, 3], expected, atol=1e-3)
+    nowhere = mneme.PoseGoal("panda_hand", [0, 0, 0], frame="nose")
+    for ask in (lambda: mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[nowhere]),
+                lambda: mneme.inverse_kinematics(panda, nowhere, near=READY)):
+        with pytest.raises(mneme.Error, match='expected a link of robot panda, got "nose"'):
+            ask()
+
+
 def test_poses_replace_the_goals_of_a_file(tmp_path):
     path = tmp_path / "p.yaml"
     path.write_text("robot: panda\nscene: {obstacles: []}\nstart: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]\n"

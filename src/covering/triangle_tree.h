@@ -5,16 +5,13 @@
 #pragma once
 
 #include "covering/triangle_mesh.h"
-#include "geometry/enclosure.h"
+#include "geometry/box_tree.h"
 
 #include <limits>
-#include <vector>
 
 namespace mneme::internal {
 
-/// A tree of boxes over triangles. Const and parallel-safe. Of the libraries in Debian nanoflann
-/// knows points only, FCL (which the tests use) neither limits nor counts of crossings, and CGAL is
-/// under the GPL.
+/// A surface with the tree of boxes that finds its triangles. Const and parallel-safe.
 class TriangleTree {
  public:
   explicit TriangleTree(TriangleMesh mesh);
@@ -26,19 +23,8 @@ class TriangleTree {
   [[nodiscard]] bool is_enclosed(const Vec3& point) const;
 
  private:
-  struct Node {
-    Vec3 low;
-    Vec3 high;
-    int first = 0;   ///< of its triangles
-    int count = 0;   ///< 0 if it has children
-    int right = -1;  ///< the left child follows its parent
-  };
-  int build(int first, int count);
-  void nearest(int node, const Vec3& point, double& least2) const;
-  [[nodiscard]] Crossings crossings_of(const Line& line) const;
-
   TriangleMesh mesh_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
 };
 
 }  // namespace mneme::internal

@@ -161,7 +161,7 @@ std::string json_of(const Experience& row) {
       R"({{"content":"{}","kind":{},"key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
       to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key),
       table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
-      table_of(sampler.factors, joints * (joints + 1) / 2), list_of<int>(sampler.origins),
+      table_of(sampler.factors, sampler.factor_size()), list_of<int>(sampler.origins),
       quoted(provenance.settings), provenance.seed, quoted(provenance.tool),
       quoted(provenance.time));
 }
@@ -193,7 +193,7 @@ Result<Experience> parse_row(std::string_view line) {
   row.sampler.factors = fields.table("factors", triangle);
   row.sampler.origins = fields.list<int>("origins");
   // Without means the factors tell.
-  while (joints * (joints + 1) / 2 < triangle && row.sampler.means.empty()) ++joints;
+  while (triangle_size(joints) < triangle && row.sampler.means.empty()) ++joints;
   row.sampler.joint_count = static_cast<int>(joints);
   row.provenance.settings = fields.text("settings");
   row.provenance.seed = fields.whole_number("seed");
@@ -203,9 +203,9 @@ Result<Experience> parse_row(std::string_view line) {
   if (const auto flaw = describe_key_flaw(row.kind, row.key)) {
     return fail(ErrorCode::parse, *flaw);
   }
-  if (triangle != 0 && triangle != joints * (joints + 1) / 2) {
+  if (triangle != 0 && triangle != triangle_size(joints)) {
     return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
-                                              triangle, joints * (joints + 1) / 2));
+                                              triangle, triangle_size(joints)));
   }
   if (fields.has("content") && fields.text("content") != to_hex(EncodedRow(row).content())) {
     return fail(ErrorCode::parse,

@@ -12,8 +12,6 @@ namespace {
 
 constexpr std::int64_t kNpzFormat = 2;
 
-std::size_t triangle_of(std::size_t joints) { return joints * (joints + 1) / 2; }
-
 template <class Number>
 NpyArray list_of(const std::vector<Number>& numbers) {
   return to_npy(std::span<const Number>(numbers), {numbers.size()});
@@ -178,7 +176,7 @@ void NpzColumns::add(const Experience& row) {
   key_ends_.push_back(static_cast<std::int64_t>(append(keys_, row.key)));
   mean_ends_.push_back(static_cast<std::int64_t>(append(means_, sampler.means) / joints));
   factor_ends_.push_back(
-      static_cast<std::int64_t>(append(factors_, sampler.factors) / triangle_of(joints)));
+      static_cast<std::int64_t>(append(factors_, sampler.factors) / triangle_size(joints)));
   factor_row_ends_.push_back(static_cast<std::int64_t>(append(factor_rows_, sampler.factor_rows)));
   origin_ends_.push_back(static_cast<std::int64_t>(append(origins_, sampler.origins)));
   seeds_.push_back(row.provenance.seed);
@@ -199,7 +197,7 @@ std::vector<std::pair<std::string, NpyArray>> NpzColumns::arrays() const {
           {"key_ends", list_of(key_ends_)},
           {"means", table_of(means_, joints)},
           {"mean_ends", list_of(mean_ends_)},
-          {"factors", table_of(factors_, triangle_of(joints))},
+          {"factors", table_of(factors_, triangle_size(joints))},
           {"factor_ends", list_of(factor_ends_)},
           {"factor_rows", list_of(factor_rows_)},
           {"factor_row_ends", list_of(factor_row_ends_)},
@@ -226,15 +224,16 @@ Result<NpzRows> rows_of(const std::map<std::string, NpyArray>& files) {
   std::size_t width = joints;
   const auto means = arrays.numbers<float>("means", 2, kAny, &width);
   if (width != joints) arrays.fail_with<int>("means", "has rows of another size than joint_count");
-  width = triangle_of(joints);
+  width = triangle_size(joints);
   const auto factors = arrays.numbers<float>("factors", 2, kAny, &width);
-  if (width != triangle_of(joints)) arrays.fail_with<int>("factors", "has rows of a wrong size");
+  if (width != triangle_size(joints)) arrays.fail_with<int>("factors", "has rows of a wrong size");
   const auto factor_rows = arrays.numbers<std::int32_t>("factor_rows", 1, kAny);
   const auto origins = arrays.numbers<std::int32_t>("origins", 1, kAny);
   if (arrays.error()) return fail(ErrorCode::parse, *arrays.error());
   const auto key_ends = arrays.ends("key_ends", count, keys.size());
   const auto mean_ends = arrays.ends("mean_ends", count, means.size() / joints);
-  const auto factor_ends = arrays.ends("factor_ends", count, factors.size() / triangle_of(joints));
+  const auto factor_ends =
+      arrays.ends("factor_ends", count, factors.size() / triangle_size(joints));
   const auto factor_row_ends = arrays.ends("factor_row_ends", count, factor_rows.size());
   const auto origin_ends = arrays.ends("origin_ends", count, origins.size());
   const auto kinds = arrays.shared_texts("kinds", "kind_rows", count);
@@ -248,7 +247,7 @@ Result<NpzRows> rows_of(const std::map<std::string, NpyArray>& files) {
     row.key = part<double>(keys, key_ends, i, 1);
     row.sampler = {result.space.joint_count, part<float>(means, mean_ends, i, joints),
                    part<int>(factor_rows, factor_row_ends, i, 1),
-                   part<float>(factors, factor_ends, i, triangle_of(joints)),
+                   part<float>(factors, factor_ends, i, triangle_size(joints)),
                    part<int>(origins, origin_ends, i, 1)};
     row.provenance = {tools[i], settings[i], seeds[i], times[i]};
   }

@@ -7,6 +7,7 @@
 #include "mneme/geometry.h"
 
 #include <limits>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -51,6 +52,14 @@ struct AxisBox {
 [[nodiscard]] inline AxisBox box_of(const Cube& c) {
   const Vec3 half = Vec3::Constant(c.half_extent);
   return {c.center - half, c.center + half};
+}
+
+template <class Part>
+[[nodiscard]] std::vector<AxisBox> boxes_of(const std::vector<Part>& parts) {
+  std::vector<AxisBox> boxes;
+  boxes.reserve(parts.size());
+  for (const Part& part : parts) boxes.push_back(box_of(part));
+  return boxes;
 }
 
 /// Empty if the box of a part is, as that of a cube of negative size.

@@ -19,8 +19,14 @@ struct NearestPart {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// Parts are sorted along a curve through space (Morton's) and halved again and again, so that a
-/// million of them are ready within tens of milliseconds. Const and parallel-safe.
+/// How parts are halved, again and again.
+enum class Halving {
+  curve,   ///< along a curve through space (Morton's): a million are ready within tens of ms
+  median,  ///< across the longest edge of their box: slower, for 10^5 questions and more
+};
+
+/// Const and parallel-safe. Of the libraries in Debian nanoflann knows points only, FCL (which the
+/// tests use) neither limits nor counts of crossings, and CGAL is under the GPL.
 class BoxTree {
  public:
   struct Node {
@@ -30,7 +36,8 @@ class BoxTree {
   };
 
   /// `boxes` are those of the parts.
-  explicit BoxTree(const std::vector<AxisBox>& boxes, int leaf_size = 8);
+  explicit BoxTree(const std::vector<AxisBox>& boxes, int leaf_size = 8,
+                   Halving halving = Halving::curve);
 
   /// The root first.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
@@ -49,6 +56,7 @@ class BoxTree {
 
  private:
   int build(const std::vector<AxisBox>& boxes, int first, int count);
+  void halve(const std::vector<AxisBox>& boxes, int first, int count);
 
   template <class DistanceTo>
   void search(int index, const AxisBox& around, const DistanceTo& distance_to,
@@ -77,6 +85,7 @@ class BoxTree {
   }
 
   int leaf_size_ = 1;
+  Halving halving_ = Halving::curve;
   std::vector<int> order_;
   std::vector<Node> nodes_;
 };

@@ -87,10 +87,7 @@ void add_block(const std::vector<Cube>& parts, PartTree& tree) {
 
 template <class Part>
 void add_nodes(const std::vector<Part>& list, PartTree& result) {
-  std::vector<AxisBox> boxes;
-  boxes.reserve(list.size());
-  for (const Part& part : list) boxes.push_back(box_of(part));
-  const BoxTree tree(boxes, kPartsPerLeaf);
+  const BoxTree tree(boxes_of(list), kPartsPerLeaf);
   for (const BoxTree::Node& node : tree.nodes()) {
     const Region box = region_of(node.box, middle_of(result.cells));
     PartNode& row = result.nodes.emplace_back();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/enclosure.h"
 
+#include "base/as_index.h"
+
 #include <Eigen/Geometry>
 
 namespace mneme::internal {
@@ -26,6 +28,24 @@ void Line::cross(const Triangle& t, Crossings& crossings) const {
   const double v = direction_.dot(q) / determinant;
   if (v < 0 || u + v > 1) return;
   ++(ac.dot(q) / determinant > 0 ? crossings.ahead : crossings.behind);
+}
+
+Crossings crossings_of(const Line& line, const std::vector<Triangle>& triangles,
+                       const BoxTree& tree) {
+  Crossings crossings;
+  std::vector<int> open;
+  if (!tree.nodes().empty()) open.push_back(0);
+  while (!open.empty()) {
+    const int index = open.back();
+    open.pop_back();
+    const BoxTree::Node& node = tree.nodes()[as_index(index)];
+    if (!line.meets(node.box)) continue;
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      line.cross(triangles[as_index(tree.order()[as_index(i)])], crossings);
+    }
+    if (node.right >= 0) open.insert(open.end(), {index + 1, node.right});
+  }
+  return crossings;
 }
 
 const std::array<Vec3, 5>& line_directions() {

@@ -4,10 +4,11 @@
 /// Which side of a surface a point is on, by lines through it.
 #pragma once
 
-#include "geometry/axis_box.h"
+#include "geometry/box_tree.h"
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -30,6 +31,10 @@ class Line {
  private:
   Vec3 origin_, direction_, inverse_;
 };
+
+/// How often `line` crosses the triangles that `tree` is of.
+[[nodiscard]] Crossings crossings_of(const Line& line, const std::vector<Triangle>& triangles,
+                                     const BoxTree& tree);
 
 /// In no plane that models tend to have faces in, so that a line rarely runs along an edge.
 [[nodiscard]] const std::array<Vec3, 5>& line_directions();

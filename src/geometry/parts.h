@@ -26,12 +26,7 @@ struct PartsAccess {
   template <class Part>
   static std::shared_ptr<const BoxTree> tree(const Parts<Part>& parts) {
     const std::lock_guard lock(parts.mutex_);
-    if (!parts.tree_) {
-      std::vector<AxisBox> boxes;
-      boxes.reserve(parts.list_.size());
-      for (const Part& part : parts.list_) boxes.push_back(box_of(part));
-      parts.tree_ = std::make_shared<BoxTree>(boxes);
-    }
+    if (!parts.tree_) parts.tree_ = std::make_shared<BoxTree>(boxes_of(parts.list_));
     return std::static_pointer_cast<const BoxTree>(parts.tree_);
   }
 

@@ -228,27 +228,11 @@ class FromSurface {
     if (distance2(tree_->nodes().front().box, {point, point}) > 0) return true;
     bool leaves = false;
     const bool is_in = is_enclosed(point, [&](const Line& line) {
-      const Crossings crossings = crossings_of(line);
+      const Crossings crossings = crossings_of(line, surface_.parts->list(), *tree_);
       leaves |= crossings.ahead == 0 || crossings.behind == 0;
       return crossings;
     });
     return leaves && !is_in;
-  }
-
-  Crossings crossings_of(const Line& line) const {
-    Crossings crossings;
-    std::vector<int> open = {0};
-    while (!open.empty()) {
-      const int index = open.back();
-      open.pop_back();
-      const BoxTree::Node& node = tree_->nodes()[as_index(index)];
-      if (!line.meets(node.box)) continue;
-      for (int i = node.first; i < node.first + node.count; ++i) {
-        line.cross(surface_.parts->list()[as_index(tree_->order()[as_index(i)])], crossings);
-      }
-      if (node.right >= 0) open.insert(open.end(), {index + 1, node.right});
-    }
-    return crossings;
   }
 
   Mesh surface_;

@@ -98,13 +98,7 @@ class FittedMeans final : public ComponentSource {
   }
 
   [[nodiscard]] std::span<const float> factor(int group, int component) const override {
-    const LocalSampler& sampler = match(group).experience->sampler;
-    if (sampler.factor_rows.empty()) return {};
-    const int row = sampler.factor_rows[static_cast<std::size_t>(component)];
-    if (row < 0) return {};
-    const auto joints = static_cast<std::size_t>(sampler.joint_count);
-    const std::size_t size = joints * (joints + 1) / 2;
-    return {sampler.factors.data() + static_cast<std::size_t>(row) * size, size};
+    return match(group).experience->sampler.factor(component);
   }
 
  private:

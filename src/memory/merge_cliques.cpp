@@ -40,9 +40,10 @@ class CliqueMerger {
   }
 
  private:
-  [[nodiscard]] bool has_factor(std::size_t component) const {
-    return !sampler_.factor_rows.empty() && sampler_.factor_rows[component] >= 0;
+  [[nodiscard]] std::span<const float> factor(std::size_t component) const {
+    return sampler_.factor(static_cast<int>(component));
   }
+  [[nodiscard]] bool has_factor(std::size_t component) const { return !factor(component).empty(); }
   [[nodiscard]] Origin origin(std::size_t component) const {
     return sampler_.origins.empty() ? 0 : sampler_.origins[component];
   }
@@ -79,8 +80,8 @@ class CliqueMerger {
     }
     add_mean(middle, origin(clique.front()));
     const bool has_covariance = clique.size() > middle.size();
-    merged_.factor_rows.push_back(has_covariance ? factor_count_++ : -1);
-    if (has_covariance) add_factor(offsets.colwise() - center);
+    merged_.add_factor(has_covariance ? factor_of(offsets.colwise() - center)
+                                      : std::vector<float>());
   }
 
   /// Displacements of the members from the first one: free of the jump where continuous joints
@@ -102,24 +103,20 @@ class CliqueMerger {
 
   void add_as_it_is(std::size_t component) {
     add_mean(mean(component), origin(component));
-    merged_.factor_rows.push_back(has_factor(component) ? factor_count_++ : -1);
-    if (!has_factor(component)) return;
-    const std::size_t joints = mean(component).size(), size = joints * (joints + 1) / 2;
-    const float* row =
-        sampler_.factors.data() + size * static_cast<std::size_t>(sampler_.factor_rows[component]);
-    merged_.factors.insert(merged_.factors.end(), row, row + size);
+    merged_.add_factor(factor(component));
   }
 
-  void add_factor(const Eigen::MatrixXd& centered) {
+  static std::vector<float> factor_of(const Eigen::MatrixXd& centered) {
     const Eigen::Index joints = centered.rows();
     Eigen::MatrixXd covariance =
         centered * centered.transpose() / static_cast<double>(centered.cols() - 1);
     covariance.diagonal().array() += kLeastDeviation * kLeastDeviation;
     const Eigen::MatrixXd factor = covariance.llt().matrixL();
+    std::vector<float> packed;
     for (Eigen::Index i = 0; i < joints; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j)
-        merged_.factors.push_back(static_cast<float>(factor(i, j)));
+      for (Eigen::Index j = 0; j <= i; ++j) packed.push_back(static_cast<float>(factor(i, j)));
     }
+    return packed;
   }
 
   const CollisionChecker& checker_;
@@ -128,7 +125,6 @@ class CliqueMerger {
   const std::function<bool()>& is_late_;
   CheckCounters counters_;
   LocalSampler merged_;
-  int factor_count_ = 0;
 };
 
 }  // namespace

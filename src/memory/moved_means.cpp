@@ -24,21 +24,12 @@ class Synthesizer {
   void add(const Match& match, Origin origin) {
     const GaussianMixture& local = match.experience->sampler;
     const auto joints = static_cast<std::size_t>(local.joint_count);
-    const std::size_t row_size = joints * (joints + 1) / 2;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(local.component_count()); ++i) {
-      if (!add_moved_mean(match.to_scene, {local.means.data() + i * joints, joints})) continue;
+    for (int i = 0; i < local.component_count(); ++i) {
+      const float* mean = local.means.data() + static_cast<std::size_t>(i) * joints;
+      if (!add_moved_mean(match.to_scene, {mean, joints})) continue;
       pooled_.origins.push_back(origin);
-      const int row = local.factor_rows.empty() ? -1 : local.factor_rows[i];
-      if (row < 0) {
-        pooled_.factor_rows.push_back(-1);
-        continue;
-      }
       // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
-      pooled_.factor_rows.push_back(static_cast<int>(pooled_.factors.size() / row_size));
-      const auto begin = local.factors.begin() +
-                         static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * row_size);
-      pooled_.factors.insert(pooled_.factors.end(), begin,
-                             begin + static_cast<std::ptrdiff_t>(row_size));
+      pooled_.add_factor(local.factor(i));
     }
   }
 

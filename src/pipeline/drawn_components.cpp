@@ -31,10 +31,7 @@ void DrawnComponents::note(int group, int component, std::span<const float> mean
   is_noted_[number] = 1;
   made_.means.insert(made_.means.end(), mean.begin(), mean.end());
   made_.origins.push_back(source_->origin(group));
-  const std::span<const float> factor = source_->factor(group, component);
-  const auto row = factor.empty() ? -1 : static_cast<int>(made_.factors.size() / factor.size());
-  made_.factor_rows.push_back(row);
-  made_.factors.insert(made_.factors.end(), factor.begin(), factor.end());
+  made_.add_factor(source_->factor(group, component));
 }
 
 GaussianMixture DrawnComponents::made() const {

@@ -129,8 +129,7 @@ GaussianMixture make_all(Recalled recalled, int joint_count) {
 
 void append(GaussianMixture& all, const GaussianMixture& more) {
   const int joints = more.joint_count;
-  const int factors =
-      joints == 0 ? 0 : static_cast<int>(all.factors.size()) / (joints * (joints + 1) / 2);
+  const int factors = all.factor_count();
   const auto before = static_cast<std::size_t>(all.component_count());
   const auto count = static_cast<std::size_t>(more.component_count());
   all.joint_count = joints;

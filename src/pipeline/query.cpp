@@ -4,6 +4,7 @@
 
 #include "base/check_ranges.h"
 #include "base/is_set.h"
+#include "pipeline/memory_steps.h"
 #include "store/row_check.h"
 
 #include <fmt/format.h>
@@ -41,9 +42,9 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
 bool replays(const MemoryKind* kind) { return kind->bend != nullptr; }
 
 /// Those that the settings name; or those that the database holds and this mneme knows; or, of an
-/// empty one, the one that is about to be filled. What is to be replayed or remembered as a task
-/// needs a kind that replays beside them.
-Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Database& database,
+/// empty one, which may be yet to come (null), the one that is about to be filled. What is to be
+/// replayed or remembered as a task needs a kind that replays beside them.
+Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Database* database,
                                                     const SolveSettings& settings) {
   std::vector<const MemoryKind*> kinds;
   if (settings.memory.kind) {
@@ -58,14 +59,15 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
     kinds.push_back(*kind);
     return kinds;
   }
-  const std::vector<KindInfo> held = database.kinds();
+  const std::vector<KindInfo> held =
+      database == nullptr ? std::vector<KindInfo>() : database->kinds();
   for (const KindInfo& info : held) {
     if (const MemoryKind* kind = memory_kind_of(info.kind)) kinds.push_back(kind);
   }
   if (kinds.empty() && !held.empty()) {
     return fail(ErrorCode::unsupported,
                 fmt::format("{}: holds experience of the kind {}, which this mneme does not know",
-                            database.info().url, held.front().kind));
+                            database->info().url, held.front().kind));
   }
   const bool only_remembers = settings.remember_after && settings.learn_budget_s == 0;
   if (kinds.empty()) {
@@ -120,6 +122,37 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
                           kind.name, kind.no_learning_on_a_miss));
 }
 
+Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Database* database,
+                                                 const SolveSettings& settings) {
+  const auto kinds = choose_kinds(robot, database, settings);
+  if (!kinds) return tl::unexpected(kinds.error());
+  std::vector<KindSettings> completed;
+  for (const MemoryKind* kind : *kinds) completed.push_back(complete(*kind, settings));
+  return check_budget(settings, completed).map([&] { return std::move(completed); });
+}
+
+/// Whether the kinds handle the problem. Ends that are no configurations are refused later.
+Result<void> check_primitives(const Query& query, const std::vector<KindSettings>& kinds) {
+  const Problem& problem = query.problem;
+  const auto is_wrong = [&](const Configuration& q) {
+    return problem.robot.describe_violation(q, "q").has_value();
+  };
+  if (problem.goals.empty() || is_wrong(problem.start) ||
+      std::ranges::any_of(problem.goals, is_wrong)) {
+    return {};
+  }
+  for (const KindSettings& kind : kinds) {
+    if (auto primitives = decompose(query, kind); !primitives) {
+      return tl::unexpected(primitives.error());
+    }
+  }
+  return {};
+}
+
+bool is_memory_asked(const SamplerEntry& sampler, const SolveSettings& settings) {
+  return sampler.draws_from_memory || settings.replay > 0 || settings.remember_after;
+}
+
 /// Only a sampler that asks memory finds out what is missing there.
 Result<void> check_learning(const SamplerEntry& sampler, const SolveSettings& settings) {
   if (settings.learn_budget_s == 0 || sampler.draws_from_memory) return {};
@@ -167,13 +200,10 @@ Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* da
   if (auto checked = check_robot(query.robot, *database); !checked) {
     return tl::unexpected(checked.error());
   }
-  const auto kinds = choose_kinds(query.robot, *database, settings);
-  if (!kinds) return tl::unexpected(kinds.error());
-  for (const MemoryKind* kind : *kinds) request.kinds.push_back(complete(*kind, settings));
-  if (auto checked = check_budget(settings, request.kinds); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  return request;
+  return complete_kinds(query.robot, database, settings).map([&](auto kinds) {
+    request.kinds = std::move(kinds);
+    return std::move(request);
+  });
 }
 
 Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings,
@@ -197,8 +227,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   if (auto checked = check_learning(**sampler, settings); database != nullptr && !checked) {
     return tl::unexpected(checked.error());
   }
-  const bool is_asked =
-      (*sampler)->draws_from_memory || settings.replay > 0 || settings.remember_after;
+  const bool is_asked = is_memory_asked(**sampler, settings);
   auto request =
       make_memory_request(memory_query(problem), is_asked ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
@@ -214,3 +243,17 @@ Result<Query> make_query(const Problem& problem, Database* database,
 }
 
 }  // namespace mneme::internal
+
+namespace mneme {
+
+Result<void> check_query(const Problem& problem, const SolveSettings& settings) {
+  const auto query = internal::make_query(problem, nullptr, settings);
+  if (!query) return tl::unexpected(query.error());
+  const SamplerEntry& sampler = query->sampler;
+  if (auto checked = internal::check_learning(sampler, settings); !checked) return checked;
+  if (!internal::is_memory_asked(sampler, settings)) return {};
+  return internal::complete_kinds(problem.robot, nullptr, settings)
+      .and_then([&](const auto& kinds) { return internal::check_primitives(*query, kinds); });
+}
+
+}  // namespace mneme

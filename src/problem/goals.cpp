@@ -70,19 +70,15 @@ Axis read_axis(const Input& input) {
   return *axis;
 }
 
-/// Pose in the root link's frame of any link, where it is at the start.
-Transform find_frame(const Input& input, const Problem& problem) {
-  const std::string name = input.text();
-  const Robot& robot = problem.robot;
-  const auto link = robot.find_link(name);
-  if (!link) {
-    input.fail(ErrorCode::invalid,
-               fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), name));
+/// `goal`, whose pose is in a frame whose pose is `X_RF` unless it names another.
+PoseGoal placed(const Input& place, PoseGoal goal, const Transform& X_RF, const Problem& problem) {
+  if (goal.frame.empty()) {
+    goal.pose = X_RF * goal.pose;
+    return goal;
   }
-  if (const auto violation = robot.describe_violation(problem.start, "start")) {
-    input.fail(ErrorCode::invalid, fmt::format("link \"{}\" is nowhere: {}", name, *violation));
-  }
-  return robot.link_poses(problem.start)[as_index(*link)];
+  auto in_root = in_root_frame(std::move(goal), problem.robot, problem.start);
+  if (!in_root) place.fail(in_root.error().code, in_root.error().message);
+  return *std::move(in_root);
 }
 
 PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem& problem) {
@@ -90,16 +86,17 @@ PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem
       {"link", "frame", "position", "quat_xyzw", "position_tolerance", "axis", "cone", "turn"});
   PoseGoal goal;
   goal.link = input.at("link").text();
-  Transform pose;
-  pose.translation = read_point(input.at("position"));
+  goal.pose.translation = read_point(input.at("position"));
   const auto quaternion = input.find("quat_xyzw");
   if (quaternion) {
-    pose.rotation = read_unit_quaternion(*quaternion);
+    goal.pose.rotation = read_unit_quaternion(*quaternion);
   } else {
     goal.cone = goal.turn = std::numbers::pi;
   }
   const auto frame = input.find("frame");
-  goal.pose = (frame ? find_frame(*frame, problem) : X_RF) * pose;
+  if (frame) goal.frame = frame->text();
+  if (frame && goal.frame.empty()) frame->fail_expecting("the name of a link");
+  goal = placed(frame.value_or(input), std::move(goal), X_RF, problem);
   if (const auto tolerance = input.find("position_tolerance")) {
     goal.position_tolerance = read_position_tolerance(*tolerance);
   }
@@ -156,9 +153,9 @@ bool take_goals(const ProblemOptions& options, const Transform& X_RF, Problem& p
   }
   const InputValue nothing;
   const std::string source = "goal pose";
-  for (PoseGoal goal : options.pose_goals) {
-    goal.pose = X_RF * goal.pose;
-    add_pose_goal(Input(nothing, source), std::move(goal), problem);
+  const Input place(nothing, source);
+  for (const PoseGoal& goal : options.pose_goals) {
+    add_pose_goal(place, placed(place, goal, X_RF, problem), problem);
   }
   return options.goal || !options.pose_goals.empty();
 }
@@ -212,6 +209,22 @@ PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const d
   return {beyond.norm(), std::max({0.0, lean - goal.cone, turn - goal.turn})};
 }
 
+Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot, std::span<const double> q) {
+  if (goal.frame.empty()) return goal;
+  const auto link = robot.find_link(goal.frame);
+  if (!link) {
+    return fail(ErrorCode::invalid,
+                fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), goal.frame));
+  }
+  if (const auto violation = robot.describe_violation(q, "start")) {
+    return fail(ErrorCode::invalid,
+                fmt::format("link \"{}\" is nowhere: {}", goal.frame, *violation));
+  }
+  goal.pose = robot.link_poses(q)[as_index(*link)] * goal.pose;
+  goal.frame.clear();
+  return goal;
+}
+
 std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal) {
   const auto link = robot.find_link(goal.link);
   if (!link) {
@@ -219,6 +232,10 @@ std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& go
   }
   if (!internal::find_moving_links(robot)[as_index(*link)]) {
     return fmt::format("no joint that is planned for moves link \"{}\"", goal.link);
+  }
+  if (!goal.frame.empty()) {
+    return fmt::format("expected a pose in the root link's frame, got one in that of link \"{}\"",
+                       goal.frame);
   }
   const Eigen::Matrix3d& rotation = goal.pose.rotation;
   if (!goal.pose.translation.allFinite() || !rotation.allFinite()) {

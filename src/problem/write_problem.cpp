@@ -186,13 +186,15 @@ Json angle_json(double angle) { return angle >= std::numbers::pi ? Json("free") 
 
 Json json_of(const PoseGoal& goal) {
   const Eigen::Quaterniond q(goal.pose.rotation);
-  return {{"link", goal.link},
-          {"position", json_of(goal.pose.translation)},
-          {"quat_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-          {"position_tolerance", json_of(goal.position_tolerance)},
-          {"axis", std::string(1, "xyz"[static_cast<int>(goal.axis)])},
-          {"cone", angle_json(goal.cone)},
-          {"turn", angle_json(goal.turn)}};
+  Json json = {{"link", goal.link},
+               {"position", json_of(goal.pose.translation)},
+               {"quat_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+               {"position_tolerance", json_of(goal.position_tolerance)},
+               {"axis", std::string(1, "xyz"[static_cast<int>(goal.axis)])},
+               {"cone", angle_json(goal.cone)},
+               {"turn", angle_json(goal.turn)}};
+  if (!goal.frame.empty()) json["frame"] = goal.frame;
+  return json;
 }
 
 Json json_of(const OrientationConstraint& constraint) {

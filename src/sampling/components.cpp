@@ -71,7 +71,7 @@ class ComponentStream final : public SampleStream {
       if (factor.empty()) {
         sum = sigmas_[j] * q[j];
       } else {
-        const float* row = factor.data() + j * (j + 1) / 2;
+        const float* row = factor.data() + triangle_size(j);
         for (std::size_t k = 0; k <= j; ++k) sum += row[k] * q[k];
       }
       q[j] = space_.into_limits(static_cast<int>(j), mean[j] + sum);

@@ -26,11 +26,11 @@ class MixtureStream final : public SampleStream {
     const std::size_t component = rng_.index(open_component_count());
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
     const float* mean = mixture_.means.data() + component * joints;
-    const int factor_row = mixture_.factor_rows.empty() ? -1 : mixture_.factor_rows[component];
-    if (factor_row < 0) {
+    const std::span<const float> factor = mixture_.factor(static_cast<int>(component));
+    if (factor.empty()) {
       for (std::size_t i = 0; i < joints; ++i) q[i] = mean[i] + sigmas_[i] * normal();
     } else {
-      add_correlated(factor_row, mean, q);
+      add_correlated(factor, mean, q);
     }
     for (std::size_t i = 0; i < joints; ++i) q[i] = space_.into_limits(static_cast<int>(i), q[i]);
     return mixture_.origins.empty() ? 0 : mixture_.origins[component];
@@ -47,13 +47,11 @@ class MixtureStream final : public SampleStream {
   float normal() { return static_cast<float>(rng_.normal()); }
 
   /// q = mean + L z for standard normal z. Rows from the last, so that q can hold z meanwhile.
-  void add_correlated(int factor_row, const float* mean, std::span<float> q) {
+  void add_correlated(std::span<const float> factor, const float* mean, std::span<float> q) {
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
-    const float* factor = mixture_.factors.data() +
-                          static_cast<std::size_t>(factor_row) * (joints * (joints + 1) / 2);
     for (std::size_t i = 0; i < joints; ++i) q[i] = normal();
     for (std::size_t i = joints; i-- > 0;) {
-      const float* row = factor + i * (i + 1) / 2;
+      const float* row = factor.data() + triangle_size(i);
       float sum = mean[i];
       for (std::size_t j = 0; j <= i; ++j) sum += row[j] * q[j];
       q[i] = sum;

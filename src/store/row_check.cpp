@@ -23,7 +23,7 @@ std::optional<std::string> describe_not_finite(const std::vector<float>& values,
 }
 
 std::optional<std::string> describe_factor_flaw(const LocalSampler& sampler, std::size_t joints) {
-  const std::size_t triangle = joints * (joints + 1) / 2;
+  const std::size_t triangle = triangle_size(joints);
   if (sampler.factors.size() % triangle != 0) {
     return fmt::format("its {} factor values are no multiple of {}", sampler.factors.size(),
                        triangle);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
@@ -338,7 +339,9 @@ class SqliteStore final : public Store {
       const auto has_row = statement->step();
       if (!has_row) return tl::unexpected(has_row.error());
       if (!*has_row) return {};
-      if (statement->text(0) != "ok") damages.push_back({0, std::string(statement->text(0))});
+      std::string what(statement->text(0));
+      std::ranges::replace(what, '\n', ' ');
+      if (what != "ok") damages.push_back({0, std::move(what)});
     }
   }
 

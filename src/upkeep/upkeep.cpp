@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
+#include "store/new_file.h"
 #include "store/open_store.h"
 #include "store/row_check.h"
 #include "store/store_reads.h"
@@ -95,11 +96,20 @@ Result<Findings> verify(const std::string& url) {
 Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages) {
   const auto engine = internal::engine_of(url);
   if (!engine) return tl::unexpected(engine.error());
-  if (*engine == internal::Engine::sqlite)
-    return internal::salvage_file(url, damages).map([](const std::string&) {});
-  return fail(ErrorCode::unsupported,
-              fmt::format("{}: what stands beneath the rows can only be repaired on the server",
-                          internal::without_password(url)));
+  if (*engine != internal::Engine::sqlite) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: what stands beneath the rows can only be repaired on the server",
+                            internal::without_password(url)));
+  }
+  // Two at a time would take each other's unfinished copies away.
+  const auto alone = internal::NewFile::create(url + ".salvage");
+  if (!alone) {
+    return fail(alone.error().code,
+                fmt::format("{}: cannot be built anew: {}", url, alone.error().message));
+  }
+  // Whoever was here before may have cured it.
+  if (const auto again = verify(url); again && again->damages.empty()) return {};
+  return internal::salvage_file(url, damages).map([](const std::string&) {});
 }
 
 /// Leaves a store that can be used. Names in `findings` also what was found only by then.

@@ -365,6 +365,28 @@ TEST_SUITE("unit") {
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
   }
 
+  TEST_CASE("what is refused makes no memory") {
+    const PlanarFiles files;
+    const std::string database = files / "new.db";
+    const auto plan = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> words = {"plan", files.problem(), "--db", database};
+      words.insert(words.end(), more.begin(), more.end());
+      return words;
+    };
+    check_bad_inputs({
+        {plan({"--learn-budget", "1", "--kind", "paths"}), 1, {"does not learn on a miss"}},
+        {plan({"--learn-budget", "1", "--sampler", "halton"}), 1, {"'halton' does not ask memory"}},
+        {plan({"--learn-budget", "1", "--improve-rounds", "3"}), 1, {"improve-rounds"}},
+        {plan({"--learn-budget", "1", "--planner", "prm", "--upright", "link_8:0.1"}),
+         1,
+         {"'prm' cannot keep constraints"}},
+        {plan({"--remember-after", "1", "--replay", "1", "--kind", "pairs"}),
+         1,
+         {"'replay'", "'pairs'"}},
+    });
+    CHECK_FALSE(std::filesystem::exists(database));
+  }
+
   TEST_CASE("a picture that cannot be written is a failure that names the file") {
     const PlanarFiles files;
     const std::string unwritable = files / "no/such/directory/p.svg";

@@ -56,6 +56,19 @@ TEST_SUITE("flow") {
     CHECK(run_upkeep({"db", "info", damaged})["samplers"] == 1);
   }
 
+  TEST_CASE("what verify quotes from a damaged file is printed, not obeyed") {
+    const PlanarFiles files;
+    std::string bytes = read_file(files.database());
+    const std::size_t at = bytes.find("epoch INTEGER");
+    REQUIRE(at != std::string::npos);
+    bytes.replace(at, 13, "epoch INT\x1bGER");
+    write_file(files / "damaged.db", bytes);
+    const ProgramRun run = run_program({"db", "verify", files / "damaged.db", "--report"});
+    CHECK(run.exit_code == 5);
+    CHECK_MESSAGE(has_text(run.out, "\\x1b"), run.out);
+    CHECK_FALSE(has_text(run.out, "\x1b"));
+  }
+
   TEST_CASE("merging, exporting and importing give the same set") {
     const PlanarFiles files;
     const Json merged =

@@ -19,15 +19,13 @@ LocalSampler make_sampler(const std::vector<Configuration>& means) {
 
 /// The covariance of a component, or nothing if it has none of its own.
 std::optional<Eigen::MatrixXd> covariance_of(const LocalSampler& sampler, int component) {
-  const int row = sampler.factor_rows.empty()
-                      ? -1
-                      : sampler.factor_rows.at(static_cast<std::size_t>(component));
-  if (row < 0) return std::nullopt;
+  const std::span<const float> packed = sampler.factor(component);
+  if (packed.empty()) return std::nullopt;
   const int joints = sampler.joint_count;
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(joints, joints);
-  auto at = static_cast<std::size_t>(row * joints * (joints + 1) / 2);
+  auto at = packed.begin();
   for (int i = 0; i < joints; ++i) {
-    for (int j = 0; j <= i; ++j) factor(i, j) = sampler.factors.at(at++);
+    for (int j = 0; j <= i; ++j) factor(i, j) = *at++;
   }
   return factor * factor.transpose();
 }

@@ -25,22 +25,14 @@ Experience random_experience(const Robot& robot, int components, Rng& rng) {
     }
     sampler.factor_rows.push_back(i % 2 == 0 ? -1 : i / 2);
   }
-  const int row_size = robot.joint_count() * (robot.joint_count() + 1) / 2;
-  for (int i = 0; i < row_size * (components / 2); ++i) {
-    sampler.factors.push_back(static_cast<float>(rng.uniform(0.1, 1)));
-  }
+  sampler.factors.resize(sampler.factor_size() * static_cast<std::size_t>(components / 2));
+  for (float& value : sampler.factors) value = static_cast<float>(rng.uniform(0.1, 1));
   return experience;
 }
 
 std::vector<float> factor_of(const GaussianMixture& mixture, int component) {
-  const int row = mixture.factor_rows.empty()
-                      ? -1
-                      : mixture.factor_rows.at(static_cast<std::size_t>(component));
-  if (row < 0) return {};
-  const int size = mixture.joint_count * (mixture.joint_count + 1) / 2;
-  const auto begin = mixture.factors.begin() + row * size;
-  REQUIRE((row + 1) * size <= static_cast<int>(mixture.factors.size()));
-  return {begin, begin + size};
+  const std::span<const float> factor = mixture.factor(component);
+  return {factor.begin(), factor.end()};
 }
 
 std::shared_ptr<const Experience> shared(const Experience& row) {

@@ -247,6 +247,51 @@ TEST_SUITE("unit") {
     CHECK(internal::make_query(problem, nullptr, settings).has_value());
   }
 
+  TEST_CASE("a query is refused before a memory is made for it as with one that is empty") {
+    const Problem problem = one_post();
+    SolveSettings settings;
+    settings.learn_budget_s = 1;
+    CHECK(check_query(problem, settings).has_value());
+    const auto refuses = [&](const std::string& words) {
+      const TemporaryDirectory directory;
+      Database database = open_of(directory / "m.db", problem.robot);
+      const auto early = check_query(problem, settings);
+      const auto late = internal::make_query(problem, &database, settings);
+      REQUIRE((!early.has_value() && !late.has_value()));
+      CHECK(early.error().message == late.error().message);
+      CHECK_MESSAGE(early.error().message.find(words) != std::string::npos, early.error().message);
+    };
+    settings.memory.kind = "paths";
+    refuses("does not learn on a miss");
+    settings.sampler = "uniform";
+    refuses("does not ask memory");
+    settings.sampler = "nobody";
+    refuses("unknown sampler");
+    settings = {};
+    settings.sampler = "uniform";
+    settings.memory.kind = "pairs";
+    settings.replay = 1;
+    refuses("holds no whole paths");
+    settings.replay = 0;
+    CHECK(check_query(problem, settings).has_value());
+  }
+
+  TEST_CASE("a kind of memory that does not handle the robot is refused before a memory is made") {
+    const Robot robot = lifting_arm();
+    const Configuration start = robot.normalized(Configuration(4, 0));
+    Problem problem{"lift", robot, {}, {}, start, {start}, {}};
+    SolveSettings settings;
+    settings.sampler = "gl";
+    CHECK(check_query(problem, settings).has_value());
+    settings.memory.kind = "pairs";
+    const auto refused = check_query(problem, settings);
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().message.find("does not handle robot") != std::string::npos);
+    // That start is the planner's to refuse.
+    problem.start = {0};
+    CHECK(check_query(problem, settings).has_value());
+  }
+
   TEST_CASE("unknown planners, samplers and kinds are errors that list the known ones") {
     SolveSettings settings;
     settings.sampler = "halto";

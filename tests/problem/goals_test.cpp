@@ -196,11 +196,38 @@ TEST_SUITE("unit") {
                                  "values or the name of a state, got"));
     CHECK(failure("{link: nose, position: [0, 0, 1]}") ==
           ":6: key goal: expected a link of robot lifter, got \"nose\"");
+    CHECK(failure("{link: arm, frame: '', position: [0, 0, 1]}")
+              .starts_with(":6: key goal.frame: expected the name of a link"));
     CHECK(failure("{link: base, position: [0, 0, 1]}") ==
           ":6: key goal: no joint that is planned for moves link \"base\"");
     CHECK(failure("{link: arm, position: [0, 0, .nan]}").starts_with(":6: key goal.position"));
     CHECK(lifter.failure("start: [0, 0]\ngoal: {link: arm, frame: arm, position: [0, 0, 1]}\n")
               .find("there are 2 values") != std::string::npos);
+  }
+
+  TEST_CASE("a pose in the frame of a link is where that link is") {
+    const StatedLifter lifter;
+    const Robot robot = lifter.problem(kStart + "goal: up\n").robot;
+    const Configuration q = {0.2, 0.5, 0};
+    PoseGoal goal;
+    goal.link = "arm";
+    goal.pose.translation = Vec3(0.1, 0.2, 0.3);
+    CHECK(in_root_frame(goal, robot, q)->pose.translation == goal.pose.translation);
+    goal.frame = "arm";
+    CHECK(describe_fault(robot, goal) ==
+          "expected a pose in the root link's frame, got one in that of link \"arm\"");
+    CHECK(to_json(goal).find(R"("frame":"arm")") != std::string::npos);
+    const auto placed = in_root_frame(goal, robot, q);
+    REQUIRE(placed.has_value());
+    CHECK(placed->frame.empty());
+    const Transform X_RF = robot.link_poses(q)[static_cast<std::size_t>(*robot.find_link("arm"))];
+    CHECK(placed->pose.translation.isApprox(X_RF * goal.pose.translation));
+    CHECK(placed->pose.rotation.isApprox(X_RF.rotation));
+    CHECK(in_root_frame(goal, robot, Configuration{0}).error().message.find("is nowhere") !=
+          std::string::npos);
+    goal.frame = "nose";
+    CHECK(in_root_frame(goal, robot, q).error().message ==
+          "expected a link of robot lifter, got \"nose\"");
   }
 
   TEST_CASE("the error of a pose is what is beyond its region") {

@@ -75,6 +75,30 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a component has the factor that its row says, or none") {
+    GaussianMixture mixture;
+    CHECK(mixture.factor_count() == 0);
+    mixture.joint_count = 2;
+    mixture.means = {0, 0, 1, 1, 2, 2};
+    CHECK(mixture.factor(2).empty());
+    mixture.factor_rows = {1, -1, 0};
+    mixture.factors = {1, 2, 3, 4, 5, 6};
+    CHECK(mixture.factor_size() == 3);
+    CHECK(mixture.factor_count() == 2);
+    const auto values = [&](int component) {
+      const std::span<const float> factor = mixture.factor(component);
+      return std::vector<float>(factor.begin(), factor.end());
+    };
+    CHECK(values(0) == std::vector<float>{4, 5, 6});
+    CHECK(values(1).empty());
+    CHECK(values(2) == std::vector<float>{1, 2, 3});
+    mixture.add_factor({});
+    mixture.add_factor(std::vector<float>{7, 8, 9});
+    CHECK(mixture.factor_rows == std::vector<int>{1, -1, 0, -1, 2});
+    CHECK(values(3).empty());
+    CHECK(values(4) == std::vector<float>{7, 8, 9});
+  }
+
   TEST_CASE("a factor is as wide for a prismatic joint as it says") {
     GaussianMixture mixture;
     mixture.joint_count = 3;

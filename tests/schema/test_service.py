@@ -238,3 +238,10 @@ def test_a_wrong_command_line_is_refused(flags, code, words):
     robot = () if "--robot" in flags else ("--robot", "planar8")
     done = subprocess.run([PROGRAM, "serve", *robot, *flags], capture_output=True, text=True, timeout=60)
     assert done.returncode == code and words in done.stderr
+
+
+def test_a_token_that_is_not_there_is_refused_before_a_memory_is_made(tmp_path):
+    done = subprocess.run([PROGRAM, "serve", "--robot", "planar8", "--db", tmp_path / "new.db", "--remember-after", "1",
+                           "--token-file", tmp_path / "none"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and "none: cannot be read" in done.stderr
+    assert not (tmp_path / "new.db").exists()

@@ -3,6 +3,7 @@
 #include "mneme/upkeep.h"
 
 #include "store/fixtures.h"
+#include "store/new_file.h"
 #include "upkeep/salvage.h"
 
 #include <atomic>
@@ -282,6 +283,52 @@ TEST_SUITE("unit") {
     }
     CHECK(open_database(path, OpenMode::read_only).size() == kMany + acknowledged);
     CHECK(verify_database(path)->empty());
+  }
+
+  TEST_CASE("one at a time builds a file anew, and the others say who does") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    create_filled(path);
+    std::string bytes = read_file(path);
+    bytes[0] ^= 1;
+    write_file(path, bytes);
+    {
+      const auto other = internal::NewFile::create(path + ".salvage");
+      REQUIRE(other.has_value());
+      const auto found = verify_database(path, VerifyMode::quarantine);
+      REQUIRE((found.has_value() && !found->empty()));
+      CHECK(found->back().what == "nothing was set aside: " + path + ": cannot be built anew: " +
+                                      path + ".salvage: is being written by another process");
+      CHECK(read_file(path) == bytes);
+    }
+    CHECK_FALSE(verify_database(path, VerifyMode::quarantine)->empty());
+    CHECK(verify_database(path)->empty());
+    CHECK(open_database(path, OpenMode::read_only).size() == 6);
+  }
+
+  TEST_CASE("of several who verify a damaged file at the same time one cures it") {
+    const TemporaryDirectory directory;
+    create_filled(directory / "sound.db");
+    std::string bytes = read_file(directory / "sound.db");
+    bytes[0] ^= 1;
+    for (int round = 0; round < rounds(8); ++round) {
+      const std::string path = directory / ("a" + std::to_string(round) + ".db");
+      write_file(path, bytes);
+      std::vector<pid_t> children;
+      for (int i = 0; i < 3; ++i) {
+        children.push_back(start_child([&] {
+          const auto found = verify_database(path, VerifyMode::quarantine);
+          return found && !found->empty() && found->front().is_quarantined ? 0 : 1;
+        }));
+      }
+      int cures = 0;
+      for (const pid_t child : children) cures += wait_for(child) == 0 ? 1 : 0;
+      INFO("round " << round);
+      CHECK(cures >= 1);
+      CHECK(verify_database(path)->empty());
+      CHECK(open_database(path, OpenMode::read_only).size() == 6);
+      CHECK_FALSE(std::filesystem::exists(path + ".damaged.2"));
+    }
   }
 
   TEST_CASE("whoever is killed while they build a file anew loses nothing") {
