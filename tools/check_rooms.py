@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks that includes respect src/rooms.txt, which headers are public, and the order of includes.
+"""Checks that includes respect src/rooms.txt, which headers are public, the order of includes, and names of types.
 
 usage: check_rooms.py SOURCE_DIRECTORY [--fix]
 
@@ -12,6 +12,9 @@ has a test program.
 Order: own header; "mneme/..."; other "..."; third party <...>; standard library and system <...>; a blank line
 between two such blocks and none within one. --fix brings them into this order. Kernels, which are compiled once
 per instruction set, and what stands between #if and #endif keep theirs.
+
+Names: two headers define no type of the same name in the same namespace. No compiler sees both, and the linker takes
+either one's functions for the other's.
 """
 import argparse
 import pathlib
@@ -24,6 +27,8 @@ WITHOUT_TESTS = {"simd"}  # lanes are tested through the kernels of collision an
 PUBLIC_ONLY = ("include", "apps", "python", "examples", "src/ompl")
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
+NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
+TYPE = re.compile(r"^(?:class|struct|enum class) (\w+)(?: final)?(?:\s*:[^;{]*)?\s*\{", re.MULTILINE)
 KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")
 SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits)/|"
                     r"(assert|dlfcn|errno|fcntl|glob|limits|malloc|math|netdb|poll|pthread|pwd|sched|signal|stddef|stdint|"
@@ -101,6 +106,17 @@ def check_tests(root, rooms):
     """Rooms without a test program."""
     return [f"tests/{room}: room {room} has no test program (tests/{room}/*_test.cpp)"
             for room in rooms if room not in WITHOUT_TESTS and not any((root / "tests" / room).glob("*_test.cpp"))]
+
+
+def check_types(headers):
+    """Types that two of the {name: text} define in one namespace."""
+    places = {}
+    for name, text in headers.items():
+        opened = [(match.start(), match[1]) for match in NAMESPACE.finditer(text)]
+        for match in TYPE.finditer(text):
+            around = [space for start, space in opened if start < match.start()]
+            places.setdefault((around[-1] if around else "", match[1]), []).append(name)
+    return [f"{names[1]}: type {kind} is defined in {names[0]}, too" for (_, kind), names in places.items() if len(names) > 1]
 
 
 def block_of(name, kind, include):
@@ -190,12 +206,17 @@ def main():
     rooms = read_rooms(root / "src/rooms.txt")
     paths = [path for folder in FOLDERS for suffix in ("*.h", "*.cpp") for path in sorted((root / folder).rglob(suffix))]
     findings = check_tests(root, rooms)
+    headers = {}
     for path in paths:
         name = path.relative_to(root).as_posix()
-        lines = path.read_text().splitlines()
+        text = path.read_text()
+        lines = text.splitlines()
+        if path.suffix == ".h" and name.startswith(("src/", "include/")):
+            headers[name] = text
         findings += check_rooms(name, lines, rooms)
         findings += check_public(root, name, lines)
         findings += check_order(path, name, lines, arguments.fix)
+    findings += check_types(headers)
     print("\n".join(findings) if findings else f"{len(paths)} files respect {len(rooms)} rooms")
     return 1 if findings else 0
 

@@ -111,7 +111,7 @@ constexpr int kSurfaceSamples = 20000;
 constexpr double kStepsPerMetre = 1e5;
 
 double excess_for(const TriangleMesh& mesh, double excess) {
-  const Bounds bounds = bounds_of(mesh);
+  const AxisBox bounds = bounds_of(mesh);
   Vec3 extents = bounds.high - bounds.low;
   std::ranges::sort(extents.reshaped());
   return std::min(excess, std::max(kRelativeExcess * extents[1], kLeastExcess));
@@ -119,7 +119,7 @@ double excess_for(const TriangleMesh& mesh, double excess) {
 
 double piece_size(const TriangleMesh& mesh, double excess) {
   const double area = surface_area(mesh);
-  const Bounds bounds = bounds_of(mesh);
+  const AxisBox bounds = bounds_of(mesh);
   const double longest = (bounds.high - bounds.low).maxCoeff();
   const double most = std::max(std::sqrt(area / kFewestPieces), longest / kFewestAlong);
   return std::clamp(0.5 * excess, std::sqrt(area / kMostPieces), most);

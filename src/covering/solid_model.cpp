@@ -30,7 +30,7 @@ std::vector<std::array<int, 3>> all_neighbours() {
   return steps;
 }
 
-double choose_cell_size(const Bounds& bounds) {
+double choose_cell_size(const AxisBox& bounds) {
   const Vec3 extents = bounds.high - bounds.low;
   const double longest = extents.maxCoeff();
   const Vec3 stout = extents.cwiseMax(0.02 * longest);
@@ -40,7 +40,7 @@ double choose_cell_size(const Bounds& bounds) {
 }  // namespace
 
 SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
-  const Bounds bounds = bounds_of(mesh);
+  const AxisBox bounds = bounds_of(mesh);
   cell_size_ = choose_cell_size(bounds);
   origin_ = bounds.low - Vec3::Constant(kPadding * cell_size_);
   for (std::size_t i = 0; i < 3; ++i) {

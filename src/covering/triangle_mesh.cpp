@@ -119,8 +119,8 @@ double surface_area(const TriangleMesh& mesh) {
   return area;
 }
 
-Bounds bounds_of(const TriangleMesh& mesh) {
-  Bounds bounds{mesh.front().a, mesh.front().a};
+AxisBox bounds_of(const TriangleMesh& mesh) {
+  AxisBox bounds{mesh.front().a, mesh.front().a};
   for (const Triangle& t : mesh) {
     bounds.low = bounds.low.cwiseMin(t.a).cwiseMin(t.b).cwiseMin(t.c);
     bounds.high = bounds.high.cwiseMax(t.a).cwiseMax(t.b).cwiseMax(t.c);
@@ -144,7 +144,7 @@ struct Triangulate {
 };
 
 Result<TriangleMesh> refuse_huge(const Link& link, TriangleMesh surface) {
-  const Bounds bounds = bounds_of(surface);
+  const AxisBox bounds = bounds_of(surface);
   const double longest = (bounds.high - bounds.low).maxCoeff();
   if (longest <= kLongest) return surface;
   return fail(ErrorCode::invalid,

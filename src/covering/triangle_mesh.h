@@ -6,6 +6,8 @@
 
 #include "mneme/robot.h"
 
+#include "geometry/axis_box.h"
+
 #include <vector>
 
 namespace mneme::internal {
@@ -26,12 +28,7 @@ using TriangleMesh = std::vector<Triangle>;
 
 [[nodiscard]] double surface_area(const TriangleMesh& mesh);
 
-/// Least and greatest coordinates; `mesh` has a triangle.
-struct Bounds {
-  Vec3 low;
-  Vec3 high;
-};
-[[nodiscard]] Bounds bounds_of(const TriangleMesh& mesh);
+[[nodiscard]] AxisBox bounds_of(const TriangleMesh& mesh);
 
 /// As read_triangles().
 [[nodiscard]] Result<TriangleMesh> read_mesh(const MeshFile& file);

@@ -45,7 +45,7 @@ struct TipError {
 
 class IkSolver {
  public:
-  HWY_INLINE IkSolver(const RobotTables& chain, const IkRequest& request)
+  HWY_INLINE IkSolver(const RobotTables& chain, const IkTask& request)
       : chain_(chain), request_(request), target_(*request.target) {
     poses_[0] = splat_rotation(target_.rotation.data());
     poses_[0].origin = splat(target_.translation.data());
@@ -213,14 +213,14 @@ class IkSolver {
   }
 
   const RobotTables& chain_;
-  const IkRequest& request_;
+  const IkTask& request_;
   const IkTarget& target_;
   Pose poses_[kMaxFrames + 1];
   V3 tip_;
   NormalEquations equations_;
 };
 
-void solve_ik(const RobotTables& chain, const IkRequest& request, float* rows, IkError* errors) {
+void solve_ik(const RobotTables& chain, const IkTask& request, float* rows, IkError* errors) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   IkSolver solver(chain, request);

@@ -28,7 +28,7 @@ struct IkTarget {
 };
 
 /// Arrays per joint, or rows of joint_count values.
-struct IkRequest {
+struct IkTask {
   const IkTarget* target = nullptr;
   const float* lower = nullptr;  ///< infinite for joints that wrap
   const float* upper = nullptr;
@@ -44,7 +44,7 @@ struct IkError {
 };
 
 /// Writes a row and an error per seed that was tried.
-using IkKernel = void (*)(const RobotTables& chain, const IkRequest& request, float* rows,
+using IkKernel = void (*)(const RobotTables& chain, const IkTask& request, float* rows,
                           IkError* errors);
 
 /// That of an instruction set that this machine has. The chain's tables need their frames only, and

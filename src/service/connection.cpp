@@ -37,13 +37,13 @@ bool wait_for_event(std::span<pollfd> sockets, Clock::time_point deadline) {
 
 }  // namespace
 
-Connection::Connection(int socket, int stop_event, const ConnectionLimits& limits)
+HttpConnection::HttpConnection(int socket, int stop_event, const ConnectionLimits& limits)
     : socket_(socket),
       stop_event_(stop_event),
       limits_(limits),
       deadline_(after(limits.request_timeout_s)) {}
 
-bool Connection::wait_for_request() {
+bool HttpConnection::wait_for_request() {
   request_bytes_ = in_.size() - taken_;
   most_bytes_ = limits_.head_bytes;
   if (request_bytes_ == 0) {
@@ -55,7 +55,7 @@ bool Connection::wait_for_request() {
   return true;
 }
 
-bool Connection::flush() {
+bool HttpConnection::flush() {
   const auto deadline = after(limits_.request_timeout_s);
   std::size_t sent = 0;
   while (sent < out_.size()) {
@@ -73,7 +73,7 @@ bool Connection::flush() {
   return true;
 }
 
-void Connection::drain() {
+void HttpConnection::drain() {
   shutdown(socket_, SHUT_WR);
   in_.resize(kBufferBytes);
   const auto deadline = after(std::min(kMostDrainS, limits_.request_timeout_s));
@@ -83,7 +83,7 @@ void Connection::drain() {
   }
 }
 
-bool Connection::receive() {
+bool HttpConnection::receive() {
   // An interim answer, such as 100 Continue, is what the client waits for.
   if (!flush() || request_bytes_ >= most_bytes_) return false;
   in_.resize(kBufferBytes);
@@ -99,15 +99,15 @@ bool Connection::receive() {
   return !in_.empty();
 }
 
-bool Connection::is_readable() const {
+bool HttpConnection::is_readable() const {
   if (taken_ < in_.size()) return true;
   std::array<pollfd, 1> socket = {{{socket_, POLLIN, 0}}};
   return wait_for_event(socket, deadline_);
 }
 
-bool Connection::is_writable() const { return true; }
+bool HttpConnection::is_writable() const { return true; }
 
-ssize_t Connection::read(char* data, size_t size) {
+ssize_t HttpConnection::read(char* data, size_t size) {
   if (taken_ == in_.size() && !receive()) return -1;
   const std::size_t count = std::min(size, in_.size() - taken_);
   std::copy_n(in_.data() + taken_, count, data);
@@ -115,19 +115,19 @@ ssize_t Connection::read(char* data, size_t size) {
   return static_cast<ssize_t>(count);
 }
 
-ssize_t Connection::write(const char* data, size_t size) {
+ssize_t HttpConnection::write(const char* data, size_t size) {
   out_.append(data, size);
   if (out_.size() > kMostUnsentBytes && !flush()) return -1;
   return static_cast<ssize_t>(size);
 }
 
 // Nobody asks who it is: the token says what may be done.
-void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
+void HttpConnection::get_remote_ip_and_port(std::string& ip, int& port) const {
   ip.clear();
   port = 0;
 }
 
-void Connection::get_local_ip_and_port(std::string& ip, int& port) const {
+void HttpConnection::get_local_ip_and_port(std::string& ip, int& port) const {
   ip.clear();
   port = 0;
 }

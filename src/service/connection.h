@@ -21,9 +21,9 @@ struct ConnectionLimits {
 
 /// A socket as httplib reads and writes it. What it does not own: the socket. Belongs to the thread
 /// of its connection.
-class Connection final : public httplib::Stream {
+class HttpConnection final : public httplib::Stream {
  public:
-  Connection(int socket, int stop_event, const ConnectionLimits& limits);
+  HttpConnection(int socket, int stop_event, const ConnectionLimits& limits);
 
   /// Waits for the first byte of the next request. False if none comes in time, if the client is
   /// gone, or once `stop_event` can be read.

@@ -20,7 +20,7 @@
 namespace mneme::internal {
 namespace {
 
-thread_local Connection* current_connection = nullptr;
+thread_local HttpConnection* current_connection = nullptr;
 
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
@@ -47,7 +47,7 @@ HttpServer::~HttpServer() {
   join();
 }
 
-Connection& HttpServer::connection() { return *current_connection; }
+HttpConnection& HttpServer::connection() { return *current_connection; }
 
 Result<void> HttpServer::start() {
   if (stop_event_.number() < 0) return fail(ErrorCode::io, "cannot listen: too many open files");
@@ -100,7 +100,7 @@ bool HttpServer::start_thread(Descriptor& socket) {
 }
 
 void HttpServer::serve(Thread& thread) {
-  Connection connection(thread.socket.number(), stop_event_.number(), limits_);
+  HttpConnection connection(thread.socket.number(), stop_event_.number(), limits_);
   current_connection = &connection;
   while (!connection.must_close() && connection.wait_for_request()) {
     bool is_closed_by_client = false;

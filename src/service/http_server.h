@@ -36,7 +36,7 @@ class HttpServer : public httplib::Server {
   [[nodiscard]] const std::string& address() const { return listener_.address; }
   [[nodiscard]] int connection_count() const { return connection_count_; }
   /// Of the request that this thread answers.
-  [[nodiscard]] static Connection& connection();
+  [[nodiscard]] static HttpConnection& connection();
 
  private:
   struct Thread {

@@ -67,7 +67,7 @@ TEST_SUITE("law") {
       CHECK(cover.max_excess <= 0.03 + 1e-4);
       CHECK(cover.mean_excess < 0.7 * cover.max_excess);
       const internal::SolidModel solid(mesh);
-      const internal::Bounds bounds = internal::bounds_of(mesh);
+      const internal::AxisBox bounds = internal::bounds_of(mesh);
       Rng rng(23);
       int inside = 0;
       for (int i = 0; i < 5000; ++i) {

@@ -71,6 +71,16 @@ def test_each_mistake_is_named(tree, name, text, message):
     assert message in output
 
 
+def test_a_namespace_has_one_type_of_a_name(tree):
+    def header(space, kind):
+        return f"namespace mneme::{space} {{\n\n{kind}\n\n}}  // namespace mneme::{space}\n"
+    one = header("internal", "struct Ball {\n  int a;\n};")
+    same = {"src/robot/a.h": one, "src/scene/b.h": header("internal", "class Ball final\n    : public Round {\n};")}
+    assert check(tree(same)) == (1, "src/scene/b.h: type Ball is defined in src/robot/a.h, too\n")
+    assert check(tree({"src/robot/a.h": one, "src/scene/b.h": header("ompl", "struct Ball {\n};")}))[0] == 0
+    assert check(tree({"src/robot/a.h": one, "src/scene/b.h": header("internal", "struct Ball;")}))[0] == 0
+
+
 def test_apps_include_their_own_headers_and_public_ones(tree):
     assert check(tree({"apps/a.cpp": '#include "mneme/robot.h"\n\n#include "console.h"\n'}))[0] == 0
 
