@@ -192,9 +192,10 @@ class StateChecker {
                                    Verdict<kIsMotion>& verdict) const {
     for (int i = 0; i < count; ++i) {
       const auto index = static_cast<size_t>(near[i] - scene_.obstacles.data());
+      // Bounds hold the rounding, too.
+      const auto thickness2 = squared(sum(capsule.radius, margin));
       const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
-      const auto from_axis2 = squared(sum(capsule.radius, margin));
-      if (!verdict.is_any_open(is_below(from_bounds2, from_axis2))) continue;
+      if (!verdict.is_any_open(is_below(from_bounds2, thickness2))) continue;
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
       if (near[i]->kind == ObstacleKind::crowd) {
         if (verdict.add(find_crowd_hits(*near[i], capsule, axis, reach, verdict.hit))) return true;
