@@ -48,6 +48,29 @@ void narrow(const std::uint8_t* others, std::uint8_t add, std::uint8_t* gaps) {
   }
 }
 
+bool is_occupied(const CellGrid& grid, const CellGrid::Index& octant) {
+  return grid.contains(octant) &&
+         (grid.octants[grid.slot_of(octant)] & CellGrid::bit_of(octant)) != 0;
+}
+
+/// Cells along one axis.
+struct Range {
+  int low, high;  ///< low > high where there are none
+};
+
+/// The cells that know of an octant: where its neighbours are no farther, they know of those.
+Range find_narrowed(const CellGrid& grid, const CellGrid::Index& octant, std::size_t axis) {
+  constexpr int kCells = kGapReach / 2;
+  const int cell = octant[axis] / 2, is_upper = octant[axis] % 2;
+  Range range = {std::max(cell - kCells, 0), std::min(cell + kCells, grid.count[axis] - 1)};
+  CellGrid::Index neighbour = octant;
+  ++neighbour[axis];
+  if (is_occupied(grid, neighbour)) range.high = cell - 1 + is_upper;
+  neighbour[axis] -= 2;
+  if (is_occupied(grid, neighbour)) range.low = cell + is_upper;
+  return range;
+}
+
 }  // namespace
 
 CellGrid::Index CellGrid::octant_of(const std::array<float, 3>& p) const {
@@ -107,25 +130,22 @@ void occupy(const CellGrid::Index& octant, CellGrid& grid) {
   const std::uint8_t bit = CellGrid::bit_of(octant);
   if ((octants & bit) != 0) return;
   octants |= bit;
-  constexpr int kCells = kGapReach / 2;
-  CellGrid::Index low, high;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(octant[axis] / 2 - kCells, 0);
-    high[axis] = std::min(octant[axis] / 2 + kCells, grid.count[axis] - 1);
-  }
+  const Range xs = find_narrowed(grid, octant, 0), ys = find_narrowed(grid, octant, 1),
+              zs = find_narrowed(grid, octant, 2);
+  if (xs.low > xs.high) return;
   std::array<std::uint8_t, kSpareCells> along_x;
-  static_assert(along_x.size() > 2 * kCells);
+  static_assert(along_x.size() >= kGapReach);
   for (int i = 0; i < kSpareCells; ++i) {
-    const int x = low[0] + i;
-    along_x[as_index(i)] = x <= high[0] ? squared(distance_along(x, octant[0])) : kWideGap;
+    const int x = xs.low + i;
+    along_x[as_index(i)] = x <= xs.high ? squared(distance_along(x, octant[0])) : kWideGap;
   }
-  for (int z = low[2]; z <= high[2]; ++z) {
+  for (int z = zs.low; z <= zs.high; ++z) {
     const int along_z = distance_along(z, octant[2]);
-    for (int y = low[1]; y <= high[1]; ++y) {
+    for (int y = ys.low; y <= ys.high; ++y) {
       const int along_y = distance_along(y, octant[1]);
       const int across = along_z * along_z + along_y * along_y;
       if (across >= kWideGap) continue;
-      std::uint8_t* const row = grid.gaps.data() + grid.slot({low[0], y, z});
+      std::uint8_t* const row = grid.gaps.data() + grid.slot({xs.low, y, z});
       narrow(along_x.data(), static_cast<std::uint8_t>(across), row);
     }
   }
