@@ -292,8 +292,8 @@ std::vector<Contact> find_fixed_contacts(const Robot& robot, const LinkDistances
 }
 
 Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
-                         std::span<const ObstacleShape> obstacles) {
-  Clearance nearest{kInfinity, -1, -1};
+                         std::span<const ObstacleShape> obstacles, double within) {
+  Clearance nearest{within, -1, -1};
   for (int link = 0; link < links.link_count(); ++link) {
     if (!links.is_moving(link)) continue;
     for (const ObstacleShape& obstacle : obstacles) {

@@ -12,6 +12,7 @@
 #include "base/as_index.h"
 #include "check/link_solid.h"
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -129,12 +130,14 @@ class LinkDistances {
                                                        const Scene& scene);
 
 struct Clearance {
-  double distance = 0;  ///< metres, as LinkDistances::between; infinite without obstacles
+  double distance = 0;  ///< metres, as LinkDistances::between
   int link = -1;        ///< index into the robot's links
   int obstacle = -1;    ///< index into the scene
 };
-/// Of the nearest pair of an obstacle and a link that the group moves.
+/// Of the nearest pair of an obstacle and a link that the group moves, if it is closer than
+/// `within` metres: otherwise that distance and no pair.
 [[nodiscard]] Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
-                                       std::span<const ObstacleShape> obstacles);
+                                       std::span<const ObstacleShape> obstacles,
+                                       double within = std::numeric_limits<double>::infinity());
 
 }  // namespace mneme::internal

@@ -47,9 +47,9 @@ class ClearanceSearch {
     Configuration q = from;
     const Configuration delta = robot_.difference(from, to);
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
-    const auto found =
-        internal::find_clearance(links_, links_.posed(robot_.link_poses(q)), obstacles_);
-    if (!(found.distance < nearest_.distance)) return false;
+    const auto found = internal::find_clearance(links_, links_.posed(robot_.link_poses(q)),
+                                                obstacles_, nearest_.distance);
+    if (found.link < 0) return false;
     nearest_ = found;
     from_ = from, to_ = to, fraction_ = fraction;
     return true;

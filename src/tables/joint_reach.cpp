@@ -18,30 +18,36 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostJoints = 2;
-constexpr int kMostBoxes = 1000;
+constexpr int kMostBoxes = 256;
 /// Metres; covers what the kernels' single precision loses.
 constexpr double kSafety = 1e-3;
+
+using Crossing = Linkage::Crossing;
+using MovingJoint = Linkage::MovingJoint;
 
 /// Values of the joints between the spheres: a box in their space.
 struct JointBox {
   std::array<double, kMostJoints> middle = {}, half = {};
 };
 
-/// A frame row that lies between the spheres.
-struct Crossing {
-  Transform mount;  ///< of the joint in the parent's frame
-  bool is_prismatic = false;
-  double multiplier = 1, offset = 0;
-  std::size_t joint = 0;   ///< of those between the spheres
-  double slide = 0;        ///< metres that a prismatic joint moves at most
-  bool is_upward = false;  ///< from child to parent on the way from one set to the other
+/// Of the child's frame in the parent's, with the joints at the middle of the box.
+Transform pose_of(const Crossing& crossing, const JointBox& box) {
+  const double value = crossing.multiplier * box.middle[crossing.joint] + crossing.offset;
+  if (crossing.is_prismatic)
+    return crossing.mount * Transform{Eigen::Matrix3d::Identity(), value * Vec3::UnitZ()};
+  return crossing.mount * Transform{rotation_about(Vec3::UnitZ(), value), Vec3::Zero()};
+}
 
-  [[nodiscard]] Transform pose(const JointBox& box) const {
-    const double value = multiplier * box.middle[joint] + offset;
-    if (is_prismatic) return mount * Transform{Eigen::Matrix3d::Identity(), value * Vec3::UnitZ()};
-    return mount * Transform{rotation_about(Vec3::UnitZ(), value), Vec3::Zero()};
+/// All values that the joints may have.
+JointBox box_of(std::span<const MovingJoint> joints) {
+  JointBox box;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto [lower, upper] = joints[i].limits;
+    box.middle[i] = 0.5 * (lower + upper);
+    box.half[i] = 0.5 * (upper - lower);
   }
-};
+  return box;
+}
 
 /// Metres per unit of each crossing's joint that spheres move at most against what lies beyond it:
 /// by their distance from its axis, which is exact for the first and bounded for the others.
@@ -68,44 +74,24 @@ std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const 
   return speeds;
 }
 
-/// Moves two sets of spheres by the joints between them.
-class Linkage {
+/// Two sets of spheres that joints move against each other.
+class MovingSpheres {
  public:
-  Linkage(const Robot& robot, const RobotTables& tables, const CarriedSpheres& a,
-          const CarriedSpheres& b)
-      : a_(a.spheres), b_(b.spheres) {
-    std::vector<Crossing> down;
-    int from_a = a.frame, from_b = b.frame;
-    while (from_a != from_b) {
-      const bool is_upward = from_a > from_b;
-      int& lower = is_upward ? from_a : from_b;
-      const FrameRow& row = tables.frames[as_index(lower - 1)];
-      (is_upward ? path_ : down).push_back(crossing(robot, row, is_upward));
-      lower = row.parent;
+  MovingSpheres(std::span<const Sphere> a, std::span<const Sphere> b,
+                std::span<const Crossing> there, std::span<const Crossing> back)
+      : a_(a), b_(b), there_(there) {
+    // Either set may be thought at rest, so that the slower motion bounds both.
+    const std::vector<double> of_a = find_speeds(there, a), of_b = find_speeds(back, b);
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      speeds_[there[i].joint] += std::min(of_a[i], of_b[there.size() - 1 - i]);
     }
-    path_.insert(path_.end(), down.rbegin(), down.rend());
-    add_speeds();
-  }
-
-  /// Group joints that move one set against the other.
-  [[nodiscard]] std::size_t joint_count() const { return joints_.size(); }
-
-  /// All values that the joints may have.
-  [[nodiscard]] JointBox limits() const {
-    JointBox box;
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const auto [lower, upper] = joints_[i].limits;
-      box.middle[i] = 0.5 * (lower + upper);
-      box.half[i] = 0.5 * (upper - lower);
-    }
-    return box;
   }
 
   /// Between the surfaces of the nearest two, with the joints at the middle of the box.
   [[nodiscard]] double gap(const JointBox& box) const {
     Transform X_AB;
-    for (const Crossing& crossing : path_) {
-      const Transform pose = crossing.pose(box);
+    for (const Crossing& crossing : there_) {
+      const Transform pose = pose_of(crossing, box);
       X_AB = X_AB * (crossing.is_upward ? pose.inverse() : pose);
     }
     double least = std::numeric_limits<double>::infinity();
@@ -120,77 +106,73 @@ class Linkage {
 
   /// How much the gap can change within the box by joint `i`.
   [[nodiscard]] double change(const JointBox& box, std::size_t i) const {
-    return box.half[i] * joints_[i].speed;
+    return box.half[i] * speeds_[i];
   }
 
  private:
-  struct MovingJoint {
-    int index = 0;  ///< in the group
-    std::pair<double, double> limits;
-    double speed = 0;  ///< metres per unit, at most
-  };
-
-  static std::pair<double, double> limits_of(const Joint& joint) {
-    if (joint.type == JointType::continuous) return {-std::numbers::pi, std::numbers::pi};
-    return {joint.lower, joint.upper};
-  }
-
-  Crossing crossing(const Robot& robot, const FrameRow& row, bool is_upward) {
-    using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-    auto joint = std::ranges::find(joints_, row.joint, &MovingJoint::index);
-    if (joint == joints_.end()) {
-      joints_.push_back({row.joint, limits_of(robot.group_joint(row.joint))});
-      joint = std::prev(joints_.end());
-    }
-    Crossing result{{Eigen::Map<const RowMajor>(row.rotation).cast<double>(),
-                     Eigen::Map<const Eigen::Vector3f>(row.translation).cast<double>()},
-                    row.is_prismatic,
-                    row.multiplier,
-                    row.offset,
-                    static_cast<std::size_t>(joint - joints_.begin()),
-                    0,
-                    is_upward};
-    if (!row.is_prismatic) return result;
-    for (const double value : {joint->limits.first, joint->limits.second}) {
-      result.slide = std::max(result.slide, std::abs(result.multiplier * value + result.offset));
-    }
-    return result;
-  }
-
-  /// Either set may be thought at rest, so that the slower motion bounds both.
-  void add_speeds() {
-    const std::vector<double> of_a = find_speeds(path_, a_);
-    std::vector<Crossing> back(path_.rbegin(), path_.rend());
-    for (Crossing& crossing : back) crossing.is_upward = !crossing.is_upward;
-    const std::vector<double> of_b = find_speeds(back, b_);
-    for (std::size_t i = 0; i < path_.size(); ++i) {
-      joints_[path_[i].joint].speed += std::min(of_a[i], of_b[path_.size() - 1 - i]);
-    }
-  }
-
   std::span<const Sphere> a_, b_;
-  std::vector<Crossing> path_;  ///< from the first set to the second
-  std::vector<MovingJoint> joints_;
+  std::span<const Crossing> there_;
+  std::array<double, kMostJoints> speeds_ = {};  ///< metres per unit of each joint, at most
 };
+
+std::pair<double, double> limits_of(const Joint& joint) {
+  if (joint.type == JointType::continuous) return {-std::numbers::pi, std::numbers::pi};
+  return {joint.lower, joint.upper};
+}
 
 }  // namespace
 
-bool can_meet(const Robot& robot, const RobotTables& tables, const CarriedSpheres& a,
-              const CarriedSpheres& b) {
-  const Linkage linkage(robot, tables, a, b);
-  if (linkage.joint_count() > kMostJoints) return true;
-  std::vector<JointBox> boxes = {linkage.limits()};
+Linkage::Linkage(const Robot& robot, const RobotTables& tables, int frame_a, int frame_b) {
+  std::vector<Crossing> down;
+  while (frame_a != frame_b) {
+    const bool is_upward = frame_a > frame_b;
+    int& lower = is_upward ? frame_a : frame_b;
+    const FrameRow& row = tables.frames[as_index(lower - 1)];
+    (is_upward ? there_ : down).push_back(crossing(robot, row, is_upward));
+    lower = row.parent;
+  }
+  there_.insert(there_.end(), down.rbegin(), down.rend());
+  back_.assign(there_.rbegin(), there_.rend());
+  for (Crossing& crossing : back_) crossing.is_upward = !crossing.is_upward;
+}
+
+Linkage::Crossing Linkage::crossing(const Robot& robot, const FrameRow& row, bool is_upward) {
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  auto joint = std::ranges::find(joints_, row.joint, &MovingJoint::index);
+  if (joint == joints_.end()) {
+    joints_.push_back({row.joint, limits_of(robot.group_joint(row.joint))});
+    joint = std::prev(joints_.end());
+  }
+  Crossing result{{Eigen::Map<const RowMajor>(row.rotation).cast<double>(),
+                   Eigen::Map<const Eigen::Vector3f>(row.translation).cast<double>()},
+                  row.is_prismatic,
+                  row.multiplier,
+                  row.offset,
+                  static_cast<std::size_t>(joint - joints_.begin()),
+                  0,
+                  is_upward};
+  if (!row.is_prismatic) return result;
+  for (const double value : {joint->limits.first, joint->limits.second}) {
+    result.slide = std::max(result.slide, std::abs(result.multiplier * value + result.offset));
+  }
+  return result;
+}
+
+bool Linkage::can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const {
+  if (joints_.size() > kMostJoints) return true;
+  const MovingSpheres spheres(a, b, there_, back_);
+  std::vector<JointBox> boxes = {box_of(joints_)};
   for (int looked_at = 0; !boxes.empty(); ++looked_at) {
     if (looked_at == kMostBoxes) return true;
     JointBox box = boxes.back();
     boxes.pop_back();
-    const double gap = linkage.gap(box) - kSafety;
+    const double gap = spheres.gap(box) - kSafety;
     if (gap < 0) return true;
     std::size_t widest = 0;
     double change = 0;
-    for (std::size_t i = 0; i < linkage.joint_count(); ++i) {
-      change += linkage.change(box, i);
-      if (linkage.change(box, i) > linkage.change(box, widest)) widest = i;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      change += spheres.change(box, i);
+      if (spheres.change(box, i) > spheres.change(box, widest)) widest = i;
     }
     if (change <= gap) continue;
     box.half[widest] /= 2;

@@ -90,8 +90,10 @@ class RobotTablesBuilder {
     }
     add_links();
     add_bodies();
-    add_pairs(robot_.self_pairs(), [this](int link_a, int a, int link_b, int b) {
-      return can_groups_meet(link_a, a, link_b, b);
+    add_pairs(robot_.self_pairs(), [this](int link_a, int link_b) {
+      const Linkage linkage(robot_, tables_, placements_[as_index(link_a)].frame,
+                            placements_[as_index(link_b)].frame);
+      return [this, linkage](int a, int b) { return can_groups_meet(linkage, a, b); };
     });
     add_limbs();
     add_reaches(tables_);
@@ -113,7 +115,8 @@ class RobotTablesBuilder {
       if (placements_[i].frame > 0) move_last_body_to_front();
     }
     // To find out which of them never meet would take longer than all else.
-    add_pairs(robot_.self_pairs().subspan(bare_pairs), [](int, int, int, int) { return true; });
+    add_pairs(robot_.self_pairs().subspan(bare_pairs),
+              [](int, int) { return [](int, int) { return true; }; });
     add_reaches(tables_);
     return std::move(tables_);
   }
@@ -329,17 +332,18 @@ class RobotTablesBuilder {
     row.radius = static_cast<float>(capsule.radius);
   }
 
-  /// `may_meet` tells of two links, each followed by one of its groups.
-  template <class CanMeet>
-  void add_pairs(std::span<const std::pair<int, int>> self_pairs, const CanMeet& may_meet) {
+  /// Between two links, `between` says which groups may meet.
+  template <class Between>
+  void add_pairs(std::span<const std::pair<int, int>> self_pairs, const Between& between) {
     std::map<std::pair<int, int>, std::vector<GroupPairRow>> pairs;
     for (auto [a, b] : self_pairs) {
       if (body_of_link_.at(a) > body_of_link_.at(b)) std::swap(a, b);
       const Range& first = groups_of_link_[as_index(a)];
       const Range& second = groups_of_link_[as_index(b)];
+      const auto may_meet = between(a, b);
       for (int i = first.begin; i < first.end; ++i) {
         for (int k = second.begin; k < second.end; ++k) {
-          if (!may_meet(a, i, b, k)) continue;
+          if (!may_meet(i, k)) continue;
           auto& rows = pairs[{body_of_link_.at(a), body_of_link_.at(b)}];
           if (rows.empty() || rows.back().first != i || rows.back().second_end != k) {
             rows.push_back({i, k, k});
@@ -410,11 +414,9 @@ class RobotTablesBuilder {
     return tip;
   }
 
-  [[nodiscard]] bool can_groups_meet(int link_a, int a, int link_b, int b) const {
+  [[nodiscard]] bool can_groups_meet(const Linkage& linkage, int a, int b) const {
     const auto meet = [&](std::span<const Ball> first, std::span<const Ball> second) {
-      const std::vector<Sphere> p = to_spheres(first), q = to_spheres(second);
-      return can_meet(robot_, tables_, {placements_[as_index(link_a)].frame, p},
-                      {placements_[as_index(link_b)].frame, q});
+      return linkage.can_meet(to_spheres(first), to_spheres(second));
     };
     const GroupRow& first = tables_.groups[as_index(a)];
     const GroupRow& second = tables_.groups[as_index(b)];

@@ -45,9 +45,10 @@ struct Carried {
 bool meet(const Robot& robot, const Carried& a, const Carried& b) {
   const auto tables = internal::make_robot_tables(robot);
   REQUIRE(tables.has_value());
-  const internal::CarriedSpheres p{a.frame, a.spheres}, q{b.frame, b.spheres};
-  const bool result = internal::can_meet(robot, *tables, p, q);
-  CHECK(result == internal::can_meet(robot, *tables, q, p));
+  const internal::Linkage there(robot, *tables, a.frame, b.frame);
+  const internal::Linkage back(robot, *tables, b.frame, a.frame);
+  const bool result = there.can_meet(a.spheres, b.spheres);
+  CHECK(result == back.can_meet(b.spheres, a.spheres));
   return result;
 }
 
