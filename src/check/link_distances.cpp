@@ -198,17 +198,17 @@ double LinkDistances::between_covers(const PosedLinks& posed, int link, const Ob
 }
 
 std::vector<LinkDistances::PosedShape> LinkDistances::near_shapes(const PosedLinks& posed, int link,
-                                                                  int other, double enough) const {
+                                                                  const Sphere& ball,
+                                                                  double enough) const {
   const Body& body = at(link);
-  const double reach = at(other).bound.radius;
+  const Transform& pose = posed.poses[as_index(link)];
+  const Vec3 there = pose.inverse() * ball.center;
   std::vector<PosedShape> near;
   for (std::size_t s = 0; s < body.shapes.size(); ++s) {
-    const Capsule capsule = moved(body.shapes[s], posed.poses[as_index(link)]);
-    const PosedShape shape{capsule, center_of(capsule), body.bounds[s].radius};
-    if (are_apart(shape.middle, posed.centers[as_index(other)], shape.reach + reach, enough)) {
-      continue;
-    }
-    near.push_back(shape);
+    const Sphere& bound = body.bounds[s];
+    if (are_apart(bound.center, there, bound.radius + ball.radius, enough)) continue;
+    const Capsule capsule = moved(body.shapes[s], pose);
+    near.push_back({capsule, center_of(capsule), bound.radius});
   }
   return near;
 }
@@ -220,9 +220,12 @@ double LinkDistances::between_covers(const PosedLinks& posed, int first, int sec
   if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {
     return kInfinity;
   }
-  const std::vector<PosedShape> others = near_shapes(posed, second, first, enough);
+  const std::vector<PosedShape> others =
+      near_shapes(posed, second, {posed.centers[i], one.bound.radius}, enough);
+  if (others.empty()) return kInfinity;
   double least = kInfinity;
-  for (const PosedShape& p : near_shapes(posed, first, second, enough)) {
+  for (const PosedShape& p :
+       near_shapes(posed, first, {posed.centers[j], two.bound.radius}, enough)) {
     for (const PosedShape& q : others) {
       if (are_apart(p.middle, q.middle, p.reach + q.reach, std::min(enough, least))) continue;
       least = std::min(least, segment_distance(p.capsule.a, p.capsule.b, q.capsule.a, q.capsule.b) -

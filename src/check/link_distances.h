@@ -108,9 +108,9 @@ class LinkDistances {
   };
   [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
   void add_links(const Robot& robot);
-  /// Shapes of the link that may be within `enough` of the other link.
-  [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link, int other,
-                                                    double enough) const;
+  /// Shapes of the link that may be within `enough` of the ball.
+  [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link,
+                                                    const Sphere& ball, double enough) const;
   std::vector<Body> links_;
 };
 

@@ -136,6 +136,8 @@ double distance(const Vec3& point, const Shape& shape) {
 }
 
 double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  if (a == b) return internal::excess_of_segment(a, c, d).norm();
+  if (c == d) return internal::excess_of_segment(c, a, b).norm();
   const Vec3 u = b - a;
   const Vec3 v = d - c;
   // Wherever rounding puts them, candidates are distances between points of the segments, so that
