@@ -317,6 +317,10 @@ void add_learn(CLI::App& program, Action& action) {
     if (!has_primitives && options->problems.empty()) {
       throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
     }
+    const std::string kind(memory_kinds().front()->name);
+    if (!options->grid.empty() && options->source.memory.kind.value_or(kind) != kind) {
+      throw CLI::ValidationError("--kind", fmt::format("--primitives is a range of '{}'", kind));
+    }
     check_sharing(*command, options->sharing, options->db, !has_primitives);
     if (has_primitives && options->source.robot.empty()) throw CLI::RequiredError("--robot");
     action = [options] { return run_learn(*options); };
