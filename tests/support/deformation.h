@@ -49,17 +49,33 @@ class Deformation {
         joints_(static_cast<std::size_t>(robot.joint_count())) {}
 
   bool find(const Path& from, const Path& to) {
-    return find(from, to, kFewestRows) || find(from, to, 4 * kFewestRows);
+    for (const int rows : {kFewestRows, 4 * kFewestRows}) {
+      for (const Pace& pace : kPaces) {
+        if (find({from_, from}, {to_, to}, rows, pace)) return true;
+        if (find({to_, to}, {from_, from}, rows, pace)) return true;
+      }
+    }
+    return false;
   }
 
  private:
   using Rows = std::vector<float>;
+  /// A path and the scene that it is free in.
+  struct Side {
+    const Scene& scene;
+    const Path& path;
+  };
+  /// When obstacles go and when the path does: shares of the rows.
+  struct Pace {
+    float scene_begin, scene_end, path_begin, path_end;
+  };
+  static constexpr Pace kPaces[] = {{0, 1, 0, 1}, {0, 0.5f, 0.5f, 1}, {0.5f, 1, 0, 0.5f}};
   static constexpr float kColumn = 0.02f, kRow = 0.05f, kLongestEdge = 0.2f;  ///< radians
   static constexpr int kFewestRows = 16, kPushes = 4;
   static constexpr float kClearance = 0.003f;  ///< metres
 
-  bool find(const Path& from, const Path& to, int fewest_rows) {
-    const internal::Waypoints first = unwrapped(from), last = unwrapped(to);
+  bool find(const Side& from, const Side& to, int fewest_rows, const Pace& pace) {
+    const internal::Waypoints first = unwrapped(from.path), last = unwrapped(to.path);
     const float length = std::max(first.length(), last.length());
     const int columns = static_cast<int>(length / kColumn) + 1;
     Rows row = spread(first, columns);
@@ -67,13 +83,18 @@ class Deformation {
     const float farthest = align(row, goal);
     const int rows = std::max(fewest_rows, static_cast<int>(farthest / kRow) + 1);
     for (int left = rows; left > 0; --left) {
-      const double share = static_cast<double>(rows - left + 1) / rows;
-      const auto checker = CollisionChecker::make(robot_, scene_between(from_, to_, share));
+      const float done = static_cast<float>(rows - left + 1) / static_cast<float>(rows);
+      const float share =
+          std::clamp((done - pace.scene_begin) / (pace.scene_end - pace.scene_begin), 0.0f, 1.0f);
+      const auto checker =
+          CollisionChecker::make(robot_, scene_between(from.scene, to.scene, share));
       if (!checker) return false;
+      // What was pushed off has to come back, however late.
+      const float path_left =
+          std::max(static_cast<float>(left) - (1 - pace.path_end) * static_cast<float>(rows), 1.0f);
+      const float step = done > pace.path_begin ? 1 / path_left : 0;
       Rows next = row;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        next[i] += (goal[i] - row[i]) / static_cast<float>(left);
-      }
+      for (std::size_t i = 0; i < row.size(); ++i) next[i] += step * (goal[i] - row[i]);
       if (left > 1) push(*checker, next);
       if (!is_strip_free(*checker, row, next)) return false;
       row = std::move(next);
