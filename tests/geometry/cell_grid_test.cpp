@@ -117,7 +117,7 @@ TEST_SUITE("law") {
       internal::find_gaps(grid);
       require_gaps(grid, occupied);
       // Far from the others, then beside them, as those of a surface are.
-      for (int k = 0; k < 40; ++k) {
+      for (int k = 0; k < 16; ++k) {
         CellGrid::Index octant = k < 3 ? random_octant() : occupied[rng.index(k + 6)];
         for (int& i : octant) i += k < 3 ? 0 : static_cast<int>(rng.index(3)) - 1;
         if (!grid.contains(octant)) octant = random_octant();
