@@ -134,8 +134,8 @@ std::optional<double> fill(const std::string& path, const ExperienceSpace& space
   return static_cast<double>(count) / seconds;
 }
 
-/// Times the opening of a database, and queries of one image which find rows that were not asked
-/// for before.
+/// Times the opening of a database, queries of one image which find rows that were not asked for
+/// before, and the same once more.
 bool measure_opening(const std::string& path, const ExperienceSpace& space, int size, double edge,
                      const char* what) {
   const double before = allocated_bytes();
@@ -145,21 +145,26 @@ bool measure_opening(const std::string& path, const ExperienceSpace& space, int 
   if (!opened) return false;
   const double bytes = (allocated_bytes() - before) / static_cast<double>(opened->size());
   Rng rng(2);
-  Latencies found;
+  Latencies first, again;
   for (int i = 0; i < kQueries; ++i) {
     const Key key = random_key(size, edge, rng);
-    const auto start = processor_seconds();
-    const auto matches = opened->find(kKind, {&key, 1}, kThreshold, kMatches);
-    found.seconds.push_back(processor_seconds() - start);
-    if (!matches) return false;
-    found.matches += static_cast<double>(matches->size()) / kQueries;
+    for (Latencies* found : {&first, &again}) {
+      const auto start = processor_seconds();
+      const auto matches = opened->find(kKind, {&key, 1}, kThreshold, kMatches);
+      found->seconds.push_back(processor_seconds() - start);
+      if (!matches) return false;
+      found->matches += static_cast<double>(matches->size()) / kQueries;
+    }
   }
-  std::sort(found.seconds.begin(), found.seconds.end());
+  for (Latencies* found : {&first, &again}) std::sort(found->seconds.begin(), found->seconds.end());
+  const auto ms = [](const Latencies& found, int percent) {
+    return 1e3 * found.seconds[static_cast<std::size_t>(kQueries * percent / 100)];
+  };
   std::printf(
       "database: %s: opened in %.2f s, %.0f bytes per row in memory; find(): %.1f matches, "
-      "p50 %.3f ms, p99 %.3f ms\n",
-      what, open_s, bytes, found.matches, 1e3 * found.seconds[kQueries / 2],
-      1e3 * found.seconds[kQueries * 99 / 100]);
+      "p50 %.3f ms, p99 %.3f ms, again p50 %.3f ms, p99 %.3f ms\n",
+      what, open_s, bytes, first.matches, ms(first, 50), ms(first, 99), ms(again, 50),
+      ms(again, 99));
   return true;
 }
 

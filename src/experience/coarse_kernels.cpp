@@ -5,7 +5,6 @@
 #include "experience/coarse_kernels.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -23,45 +22,48 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kBlockNumbers = 2 * kCoarseBlock;
-
 #if HWY_TARGET == HWY_SCALAR
 
-/// `apart` gives how far one number of a pair is from the query's, in cells.
-template <std::size_t kArrays, class Apart>
-void distances(const std::int16_t* blocks, std::size_t block_count, std::size_t pair_count,
-               const std::int16_t* query, std::int32_t* squared, const Apart& apart) {
+std::uint64_t near_keys(const CoarsePair* blocks, std::size_t block_count, std::size_t pair_count,
+                        const std::int16_t* query, std::int32_t most) {
+  std::uint64_t near = 0;
+  for (std::size_t key = 0; key < block_count * kCoarseBlock; ++key) {
+    const CoarsePair* block = blocks + key / kCoarseBlock * pair_count;
+    std::int32_t squared = 0;
+    for (std::size_t i = 0; i < 2 * pair_count; ++i) {
+      const int apart = block[i / 2].cells[2 * (key % kCoarseBlock) + i % 2] - query[i];
+      squared += apart * apart;
+    }
+    near |= std::uint64_t{squared <= most} << key;
+  }
+  return near;
+}
+
+void box_distances(const CoarsePair* blocks, std::size_t block_count, std::size_t pair_count,
+                   const std::int16_t* query, std::int32_t* squared) {
   for (std::size_t block = 0; block < block_count; ++block, squared += kCoarseBlock) {
     std::fill_n(squared, kCoarseBlock, 0);
-    for (std::size_t pair = 0; pair < pair_count; ++pair, blocks += kArrays * kBlockNumbers) {
-      for (std::size_t i = 0; i < kBlockNumbers; ++i) {
-        const int least = std::max(0, apart(blocks + i, query[2 * pair + i % 2]) - 1);
-        squared[i / 2] += least * least;
+    for (std::size_t pair = 0; pair < pair_count; ++pair, blocks += 2) {
+      for (std::size_t i = 0; i < 2 * kCoarseBlock; ++i) {
+        const int q = query[2 * pair + i % 2];
+        const int apart = std::max({0, blocks[0].cells[i] - q - 1, q - blocks[1].cells[i] - 1});
+        squared[i / 2] += apart * apart;
       }
     }
   }
 }
 
-void key_distances(const std::int16_t* blocks, std::size_t block_count, std::size_t pair_count,
-                   const std::int16_t* query, std::int32_t* squared) {
-  distances<1>(blocks, block_count, pair_count, query, squared,
-               [](const std::int16_t* cell, int q) { return std::abs(*cell - q); });
-}
-
-void box_distances(const std::int16_t* blocks, std::size_t block_count, std::size_t pair_count,
-                   const std::int16_t* query, std::int32_t* squared) {
-  distances<2>(blocks, block_count, pair_count, query, squared,
-               [](const std::int16_t* lower, int q) {
-                 return std::max(*lower - q, q - lower[kBlockNumbers]);
-               });
-}
-
 #else
 
 // Lanes of pairs, and of their sums.
-using Cells = hn::CappedTag<std::int16_t, kBlockNumbers>;
+using Cells = hn::CappedTag<std::int16_t, 2 * kCoarseBlock>;
 using Sums = hn::Repartition<std::int32_t, Cells>;
 using CellsV = hn::Vec<Cells>;
+using SumsV = hn::Vec<Sums>;
+constexpr std::size_t kLanes = hn::MaxLanes(Sums());
+constexpr std::size_t kParts = kCoarseBlock / kLanes;
+/// That are looked at together.
+constexpr std::size_t kMostBlocks = 4;
 
 /// Both numbers of a pair of the query in each lane of a sum.
 HWY_INLINE CellsV pair_of(const std::int16_t* query, std::size_t pair) {
@@ -71,56 +73,79 @@ HWY_INLINE CellsV pair_of(const std::int16_t* query, std::size_t pair) {
   return hn::BitCast(cells, hn::Set(Sums(), both));
 }
 
-/// `apart` gives how far the numbers at an offset of a pair's are from the query's, in cells.
-template <std::size_t kArrays, class Apart>
-HWY_INLINE void distances(const std::int16_t* blocks, std::size_t block_count,
-                          std::size_t pair_count, const std::int16_t* query, std::int32_t* squared,
-                          const Apart& apart) {
-  const Cells d;
-  const Sums sums;
-  constexpr std::size_t kLanes = hn::MaxLanes(Sums());
-  constexpr std::size_t kParts = kCoarseBlock / kLanes;
-  const CellsV one = hn::Set(d, 1);
-  for (std::size_t block = 0; block < block_count; ++block, squared += kCoarseBlock) {
-    hn::Vec<Sums> totals[kParts];
-    for (auto& total : totals) total = hn::Zero(sums);
-    for (std::size_t pair = 0; pair < pair_count; ++pair, blocks += kArrays * kBlockNumbers) {
-      const CellsV q = pair_of(query, pair);
-      for (std::size_t part = 0; part < kParts; ++part) {
-        const CellsV least =
-            hn::Max(hn::Sub(apart(blocks + 2 * kLanes * part, q), one), hn::Zero(d));
-        hn::Vec<Sums> unused = hn::Zero(sums);
-        totals[part] = hn::ReorderWidenMulAccumulate(sums, least, least, totals[part], unused);
-      }
+HWY_INLINE SumsV add_squares(CellsV cells, SumsV total) {
+  SumsV unused = hn::Zero(Sums());
+  return hn::ReorderWidenMulAccumulate(Sums(), cells, cells, total, unused);
+}
+
+HWY_INLINE std::uint64_t bits_of(hn::Mask<Sums> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(Sums(), mask, bytes);
+  return (bytes[0] | std::uint64_t{bytes[1]} << 8) & ((1U << kLanes) - 1);
+}
+
+template <std::size_t kBlocks>
+HWY_INLINE std::uint64_t near_keys_of(const CoarsePair* blocks, std::size_t pair_count,
+                                      const std::int16_t* query, std::int32_t most) {
+  SumsV totals[kBlocks * kParts];
+  for (SumsV& total : totals) total = hn::Zero(Sums());
+  for (std::size_t pair = 0; pair < pair_count; ++pair, ++blocks) {
+    const CellsV q = pair_of(query, pair);
+    for (std::size_t i = 0; i < kBlocks * kParts; ++i) {
+      const std::int16_t* cells = blocks[i / kParts * pair_count].cells + i % kParts * 2 * kLanes;
+      totals[i] = add_squares(hn::Sub(hn::Load(Cells(), cells), q), totals[i]);
     }
-    for (std::size_t part = 0; part < kParts; ++part) {
-      hn::StoreU(totals[part], sums, squared + kLanes * part);
-    }
+  }
+  std::uint64_t near = 0;
+  for (std::size_t i = 0; i < kBlocks * kParts; ++i) {
+    const auto is_far = hn::Gt(totals[i], hn::Set(Sums(), most));
+    near |= bits_of(hn::Not(is_far)) << (i * kLanes);
+  }
+  return near;
+}
+
+std::uint64_t near_keys(const CoarsePair* blocks, std::size_t block_count, std::size_t pair_count,
+                        const std::int16_t* query, std::int32_t most) {
+  switch (block_count) {
+    case 0:
+      return 0;
+    case 1:
+      return near_keys_of<1>(blocks, pair_count, query, most);
+    case 2:
+      return near_keys_of<2>(blocks, pair_count, query, most);
+    case 3:
+      return near_keys_of<3>(blocks, pair_count, query, most);
+    default:
+      return near_keys_of<kMostBlocks>(blocks, pair_count, query, most);
   }
 }
 
-void key_distances(const std::int16_t* blocks, std::size_t block_count, std::size_t pair_count,
+void box_distances(const CoarsePair* blocks, std::size_t block_count, std::size_t pair_count,
                    const std::int16_t* query, std::int32_t* squared) {
-  distances<1>(blocks, block_count, pair_count, query, squared,
-               [](const std::int16_t* cells, CellsV q) {
-                 return hn::Abs(hn::Sub(hn::LoadU(Cells(), cells), q));
-               });
-}
-
-void box_distances(const std::int16_t* blocks, std::size_t block_count, std::size_t pair_count,
-                   const std::int16_t* query, std::int32_t* squared) {
-  distances<2>(blocks, block_count, pair_count, query, squared,
-               [](const std::int16_t* lower, CellsV q) {
-                 const Cells d;
-                 return hn::Max(hn::Sub(hn::LoadU(d, lower), q),
-                                hn::Sub(q, hn::LoadU(d, lower + kBlockNumbers)));
-               });
+  const Cells d;
+  const CellsV one = hn::Set(d, 1);
+  for (std::size_t block = 0; block < block_count; ++block, squared += kCoarseBlock) {
+    SumsV totals[kParts];
+    for (SumsV& total : totals) total = hn::Zero(Sums());
+    for (std::size_t pair = 0; pair < pair_count; ++pair, blocks += 2) {
+      const CellsV q = pair_of(query, pair);
+      for (std::size_t part = 0; part < kParts; ++part) {
+        const std::size_t first = 2 * kLanes * part;
+        const CellsV apart = hn::Max(hn::Sub(hn::Load(d, blocks[0].cells + first), q),
+                                     hn::Sub(q, hn::Load(d, blocks[1].cells + first)));
+        totals[part] = add_squares(hn::Max(hn::Sub(apart, one), hn::Zero(d)), totals[part]);
+      }
+    }
+    for (std::size_t part = 0; part < kParts; ++part) {
+      hn::StoreU(totals[part], Sums(), squared + kLanes * part);
+    }
+  }
 }
 
 #endif
 
 const CoarseKernels* kernels() {
-  static const CoarseKernels table = {&key_distances, &box_distances};
+  static const CoarseKernels table = {&near_keys, &box_distances};
   return &table;
 }
 

@@ -33,11 +33,9 @@ double covered_width(const std::vector<double>& lower, const std::vector<double>
 
 std::size_t blocks_of(std::size_t count) { return (count + kCoarseBlock - 1) / kCoarseBlock; }
 
-/// Where the cell of a key stands among blocks that have `arrays` arrays per pair.
-std::size_t place_of(std::size_t key, std::size_t number, std::size_t pair_count,
-                     std::size_t arrays) {
-  const std::size_t pair = key / kCoarseBlock * pair_count + number / 2;
-  return 2 * (arrays * pair * kCoarseBlock + key % kCoarseBlock) + number % 2;
+/// Of a key, or of a box, in its block.
+std::size_t place_of(std::size_t key, std::size_t number) {
+  return 2 * (key % kCoarseBlock) + number % 2;
 }
 
 }  // namespace
@@ -64,9 +62,9 @@ CoarseKeys::CoarseKeys(std::size_t key_size, std::span<const double> keys,
   }
   const double width = covered_width(lower_, upper);
   if (width > kLeastWidth) per_cell_ = last_cell_ / width;
-  keys_.resize(2 * first_blocks_.back() * pair_count_ * kCoarseBlock);
-  boxes_.resize(4 * blocks_of(leaves) * pair_count_ * kCoarseBlock);
-  outer_boxes_.resize(4 * blocks_of(blocks_of(leaves)) * pair_count_ * kCoarseBlock);
+  keys_.resize(first_blocks_.back() * pair_count_);
+  boxes_.resize(2 * blocks_of(leaves) * pair_count_);
+  outer_boxes_.resize(2 * blocks_of(blocks_of(leaves)) * pair_count_);
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
     add_leaf(leaf, keys.data() + begins[leaf] * key_size, begins[leaf + 1] - begins[leaf]);
   }
@@ -74,9 +72,10 @@ CoarseKeys::CoarseKeys(std::size_t key_size, std::span<const double> keys,
 
 void CoarseKeys::add_leaf(std::size_t leaf, const double* columns, std::size_t count) {
   for (std::size_t number = 0; number < key_size_ && count > 0; ++number, columns += count) {
-    const std::size_t first_key = first_blocks_[leaf] * kCoarseBlock;
     for (std::size_t i = 0; i < count; ++i) {
-      keys_[place_of(first_key + i, number, pair_count_, 1)] = cell(columns[i], number);
+      const std::size_t block = first_blocks_[leaf] + i / kCoarseBlock;
+      CoarsePair& pair = keys_[block * pair_count_ + number / 2];
+      pair.cells[place_of(i, number)] = cell(columns[i], number);
     }
     const auto [least, most] = std::minmax_element(columns, columns + count);
     add_box(leaf, number, cell(*least, number), cell(*most, number));
@@ -85,14 +84,16 @@ void CoarseKeys::add_leaf(std::size_t leaf, const double* columns, std::size_t c
 
 void CoarseKeys::add_box(std::size_t leaf, std::size_t number, std::int16_t least,
                          std::int16_t most) {
-  constexpr std::size_t kUpper = 2 * kCoarseBlock;
-  const std::size_t box = place_of(leaf, number, pair_count_, 2);
-  boxes_[box] = least;
-  boxes_[box + kUpper] = most;
-  const std::size_t outer = place_of(leaf / kCoarseBlock, number, pair_count_, 2);
+  const std::size_t block = leaf / kCoarseBlock, place = place_of(leaf, number);
+  CoarsePair* box = &boxes_[2 * (block * pair_count_ + number / 2)];
+  box[0].cells[place] = least;
+  box[1].cells[place] = most;
   const bool is_first = leaf % kCoarseBlock == 0;
-  outer_boxes_[outer] = is_first ? least : std::min(outer_boxes_[outer], least);
-  outer_boxes_[outer + kUpper] = is_first ? most : std::max(outer_boxes_[outer + kUpper], most);
+  CoarsePair* outer = &outer_boxes_[2 * (block / kCoarseBlock * pair_count_ + number / 2)];
+  std::int16_t& lower = outer[0].cells[place_of(block, number)];
+  std::int16_t& upper = outer[1].cells[place_of(block, number)];
+  lower = is_first ? least : std::min(lower, least);
+  upper = is_first ? most : std::max(upper, most);
 }
 
 std::int16_t CoarseKeys::cell(double x, std::size_t number) const {
@@ -108,11 +109,17 @@ std::vector<std::int16_t> CoarseKeys::query(const double* key) const {
   return cells;
 }
 
-std::int32_t CoarseKeys::most_cells(double squared_distance) const {
-  if (!(squared_distance > 0)) return -1;
+CoarseBound CoarseKeys::bound(double squared_distance) const {
+  if (!(squared_distance > 0)) return {};
   // Cells are rounded in another order than distances are.
-  const double most = squared_distance * per_cell_ * per_cell_ * (1 + 1e-9) + 1;
-  return most < kMostSquared ? static_cast<std::int32_t>(most) : kMostSquared;
+  const auto squared_cells = [](double most) {
+    most = most * (1 + 1e-9) + 1;
+    return most < kMostSquared ? static_cast<std::int32_t>(most) : kMostSquared;
+  };
+  const double boxes = squared_distance * per_cell_ * per_cell_;
+  // A number's cells are apart by less than it is, and one.
+  const double keys = std::sqrt(boxes) + std::sqrt(static_cast<double>(key_size_));
+  return {squared_cells(boxes), squared_cells(keys * keys)};
 }
 
 std::vector<CoarseKeys::NearLeaf> CoarseKeys::near_leaves(const std::vector<std::int16_t>& query,
@@ -127,7 +134,7 @@ std::vector<CoarseKeys::NearLeaf> CoarseKeys::near_leaves(const std::vector<std:
   for (std::size_t block = 0; block < blocks; ++block) {
     if (outer[block] > most) continue;
     const std::size_t first = block * kCoarseBlock;
-    kernels_->box_distances(boxes_.data() + 4 * first * pair_count_, 1, pair_count_, query.data(),
+    kernels_->box_distances(boxes_.data() + 2 * block * pair_count_, 1, pair_count_, query.data(),
                             squared.data());
     for (std::size_t i = 0; i < std::min(kCoarseBlock, leaves - first); ++i) {
       if (squared[i] <= most) near.emplace_back(squared[i], first + i);
@@ -136,11 +143,11 @@ std::vector<CoarseKeys::NearLeaf> CoarseKeys::near_leaves(const std::vector<std:
   return near;
 }
 
-void CoarseKeys::key_distances(std::size_t leaf, const std::vector<std::int16_t>& query,
-                               std::int32_t* squared) const {
+std::uint64_t CoarseKeys::near_keys(std::size_t leaf, const std::vector<std::int16_t>& query,
+                                    std::int32_t most) const {
   const std::size_t first = first_blocks_[leaf];
-  kernels_->key_distances(keys_.data() + 2 * first * pair_count_ * kCoarseBlock,
-                          first_blocks_[leaf + 1] - first, pair_count_, query.data(), squared);
+  return kernels_->near_keys(keys_.data() + first * pair_count_, first_blocks_[leaf + 1] - first,
+                             pair_count_, query.data(), most);
 }
 
 }  // namespace mneme::internal

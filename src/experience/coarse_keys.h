@@ -14,6 +14,12 @@
 
 namespace mneme::internal {
 
+/// Squared distances in cells: no box of anything that is nearer than something is farther than the
+/// one, none of its keys than the other.
+struct CoarseBound {
+  std::int32_t boxes = -1, keys = -1;
+};
+
 /// The keys of a tree's leaves, and boxes around leaves, in cells of one width. Const is
 /// parallel-safe.
 class CoarseKeys {
@@ -26,18 +32,18 @@ class CoarseKeys {
   CoarseKeys(std::size_t key_size, std::span<const double> keys,
              std::span<const std::size_t> begins);
 
-  /// What key_distances() and near_leaves() take.
+  /// What near_keys() and near_leaves() take.
   [[nodiscard]] std::vector<std::int16_t> query(const double* key) const;
-  /// What is nearer than a squared distance has at most as many squared cells; -1 if nothing is.
-  [[nodiscard]] std::int32_t most_cells(double squared_distance) const;
+  /// Of what is nearer than a squared distance; -1 if nothing is.
+  [[nodiscard]] CoarseBound bound(double squared_distance) const;
 
   /// Those that are not farther than `most`, in order of leaves. Looks at one box per kCoarseBlock
   /// leaves, and into those that are near enough: neighbours in the tree are neighbours in space.
   [[nodiscard]] std::vector<NearLeaf> near_leaves(const std::vector<std::int16_t>& query,
                                                   std::int32_t most) const;
-  /// Of the keys of a leaf, whose number is rounded up to a multiple of kCoarseBlock.
-  void key_distances(std::size_t leaf, const std::vector<std::int16_t>& query,
-                     std::int32_t* squared) const;
+  /// A bit for each key of a leaf, of at most 64; those behind the last one mean nothing.
+  [[nodiscard]] std::uint64_t near_keys(std::size_t leaf, const std::vector<std::int16_t>& query,
+                                        std::int32_t most) const;
 
  private:
   [[nodiscard]] std::int16_t cell(double x, std::size_t number) const;
@@ -51,9 +57,9 @@ class CoarseKeys {
   double per_cell_ = 0;  ///< cells per unit; 0 if all keys are as good as the same
   std::vector<double> lower_;
   std::vector<std::size_t> first_blocks_;  ///< per leaf, and one behind the last
-  std::vector<std::int16_t> keys_;
-  std::vector<std::int16_t> boxes_;        ///< of leaves
-  std::vector<std::int16_t> outer_boxes_;  ///< around the blocks of boxes_
+  std::vector<CoarsePair> keys_;
+  std::vector<CoarsePair> boxes_;        ///< of leaves
+  std::vector<CoarsePair> outer_boxes_;  ///< around the blocks of boxes_
 };
 
 }  // namespace mneme::internal

@@ -3,7 +3,7 @@
 #include "experience/key_index.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -135,13 +135,20 @@ IndexRows KeyTree::rows() const {
 void KeyTree::search(const double* query, NearestMatches& nearest) const {
   if (size() == 0) return;
   const std::vector<std::int16_t> cells = coarse_.query(query);
-  auto leaves = coarse_.near_leaves(cells, coarse_.most_cells(nearest.bound()));
+  double wanted = nearest.bound();
+  CoarseBound bound = coarse_.bound(wanted);
+  auto leaves = coarse_.near_leaves(cells, bound.boxes);
   // What the nearest leaves have leaves others out; to sort all would take longer than to look.
-  const std::size_t sorted = std::min(leaves.size(), kSortedLeaves);
-  std::partial_sort(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(sorted),
-                    leaves.end());
+  if (leaves.size() > kSortedLeaves) {
+    std::ranges::nth_element(leaves, leaves.begin() + kSortedLeaves, {},
+                             &CoarseKeys::NearLeaf::first);
+  }
+  std::sort(leaves.begin(),
+            leaves.begin() + static_cast<std::ptrdiff_t>(std::min(leaves.size(), kSortedLeaves)));
   for (const auto& [least, leaf] : leaves) {
-    if (least <= coarse_.most_cells(nearest.bound())) scan(leaf, query, cells, nearest);
+    if (least > bound.boxes) continue;
+    offer(leaf, coarse_.near_keys(leaf, cells, bound.keys), query, nearest);
+    if (std::exchange(wanted, nearest.bound()) != wanted) bound = coarse_.bound(wanted);
   }
 }
 
@@ -155,21 +162,15 @@ double KeyTree::distance(std::size_t leaf, std::size_t i, const double* query) c
   return sum;
 }
 
-void KeyTree::scan(std::size_t leaf, const double* query, const std::vector<std::int16_t>& cells,
-                   NearestMatches& nearest) const {
-  static_assert(kLeafSize % kCoarseBlock == 0);
+void KeyTree::offer(std::size_t leaf, std::uint64_t near, const double* query,
+                    NearestMatches& nearest) const {
+  static_assert(kLeafSize == 64);
   const std::size_t count = begins_[leaf + 1] - begins_[leaf];
-  std::array<std::int32_t, kLeafSize> squared;
-  coarse_.key_distances(leaf, cells, squared.data());
-  std::int32_t most = coarse_.most_cells(nearest.bound());
   nearest.look_at(count);
-  // Of most leaves nothing is near, which takes fewer instructions to tell without branches.
-  int near_count = 0;
-  for (std::size_t i = 0; i < count; ++i) near_count += squared[i] <= most ? 1 : 0;
-  for (std::size_t i = 0; near_count > 0 && i < count; ++i) {
-    if (squared[i] > most) continue;
+  if (count < kLeafSize) near &= (std::uint64_t{1} << count) - 1;
+  for (; near != 0; near &= near - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(near));
     nearest.offer(distance(leaf, i, query), data_.ids[data_.order[begins_[leaf] + i]]);
-    most = std::min(most, coarse_.most_cells(nearest.bound()));
   }
 }
 

@@ -126,8 +126,9 @@ class KeyTree {
  private:
   /// The squared distance of a key of a leaf.
   [[nodiscard]] double distance(std::size_t leaf, std::size_t i, const double* query) const;
-  void scan(std::size_t leaf, const double* query, const std::vector<std::int16_t>& cells,
-            NearestMatches& nearest) const;
+  /// `near` has a bit per key.
+  void offer(std::size_t leaf, std::uint64_t near, const double* query,
+             NearestMatches& nearest) const;
 
   std::size_t key_size_;
   KeyTreeData data_;

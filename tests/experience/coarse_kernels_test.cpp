@@ -5,50 +5,71 @@
 #include "support/isas.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace mneme::test {
 namespace {
 
+using internal::CoarsePair;
 using internal::kCoarseBlock;
 
-std::vector<std::int16_t> random_cells(Rng& rng, std::size_t count, int most) {
-  std::vector<std::int16_t> cells(count);
-  for (auto& cell : cells)
-    cell = static_cast<std::int16_t>(rng.index(static_cast<std::size_t>(most) + 1));
-  return cells;
+constexpr int kMostCell = 8191;
+
+std::int16_t random_cell(Rng& rng) {
+  return static_cast<std::int16_t>(rng.index(static_cast<std::uint32_t>(kMostCell + 1)));
+}
+
+std::vector<CoarsePair> random_pairs(Rng& rng, std::size_t count) {
+  std::vector<CoarsePair> pairs(count);
+  for (CoarsePair& pair : pairs)
+    std::ranges::generate(pair.cells, [&] { return random_cell(rng); });
+  return pairs;
+}
+
+/// Of key or box `key`, whose block has `arrays` arrays per pair.
+int cell_of(const std::vector<CoarsePair>& blocks, std::size_t pairs, std::size_t arrays,
+            std::size_t array, std::size_t key, std::size_t number) {
+  const std::size_t pair = key / kCoarseBlock * pairs + number / 2;
+  return blocks[pair * arrays + array].cells[2 * (key % kCoarseBlock) + number % 2];
 }
 
 TEST_SUITE("oracle") {
-  TEST_CASE("bounds of keys and boxes are those of plain arithmetic with every instruction set") {
+  TEST_CASE("keys and boxes are near as plain arithmetic says with every instruction set") {
     Rng rng(5);
     for (const std::size_t pairs : {1U, 2U, 5U, 9U}) {
-      const std::size_t blocks = 3;
-      const auto keys = random_cells(rng, 2 * blocks * pairs * kCoarseBlock, 8191);
-      const auto boxes = random_cells(rng, 4 * blocks * pairs * kCoarseBlock, 8191);
-      const auto query = random_cells(rng, 2 * pairs, 8191);
-      std::vector<std::int32_t> of_keys(blocks * kCoarseBlock), of_boxes(of_keys.size());
-      for (std::size_t key = 0; key < of_keys.size(); ++key) {
-        for (std::size_t number = 0; number < 2 * pairs; ++number) {
-          const std::size_t pair = key / kCoarseBlock * pairs + number / 2;
-          const std::size_t in_pair = 2 * (key % kCoarseBlock) + number % 2;
-          const int q = query[number], cell = keys[2 * pair * kCoarseBlock + in_pair];
-          const int lower = boxes[4 * pair * kCoarseBlock + in_pair];
-          const int upper = boxes[(4 * pair + 2) * kCoarseBlock + in_pair];
-          const int apart = std::max(0, std::abs(cell - q) - 1);
-          const int outside = std::max({0, lower - q - 1, q - upper - 1});
-          of_keys[key] += apart * apart;
-          of_boxes[key] += outside * outside;
+      for (const std::size_t blocks : {0U, 1U, 2U, 3U, 4U}) {
+        const auto keys = random_pairs(rng, blocks * pairs);
+        const auto boxes = random_pairs(rng, 2 * blocks * pairs);
+        std::vector<std::int16_t> query(2 * pairs);
+        std::ranges::generate(query, [&] { return random_cell(rng); });
+        std::vector<std::int32_t> of_keys(blocks * kCoarseBlock), of_boxes(of_keys.size());
+        for (std::size_t key = 0; key < of_keys.size(); ++key) {
+          for (std::size_t number = 0; number < 2 * pairs; ++number) {
+            const int q = query[number], apart = cell_of(keys, pairs, 1, 0, key, number) - q;
+            const int lower = cell_of(boxes, pairs, 2, 0, key, number);
+            const int upper = cell_of(boxes, pairs, 2, 1, key, number);
+            const int outside = std::max({0, lower - q - 1, q - upper - 1});
+            of_keys[key] += apart * apart;
+            of_boxes[key] += outside * outside;
+          }
         }
-      }
-      for (const Isa isa : available_isas()) {
-        INFO(pairs << " pairs, " << to_string(isa));
-        const auto& kernels = internal::coarse_kernels(isa);
-        std::vector<std::int32_t> squared(of_keys.size(), -1);
-        kernels.key_distances(keys.data(), blocks, pairs, query.data(), squared.data());
-        CHECK(squared == of_keys);
-        kernels.box_distances(boxes.data(), blocks, pairs, query.data(), squared.data());
-        CHECK(squared == of_boxes);
+        std::vector<std::int32_t> bounds = of_keys;
+        bounds.insert(bounds.end(), {-1, 0, std::numeric_limits<std::int32_t>::max()});
+        for (const Isa isa : available_isas()) {
+          INFO(pairs << " pairs, " << blocks << " blocks, " << to_string(isa));
+          const auto& kernels = internal::coarse_kernels(isa);
+          for (const std::int32_t most : bounds) {
+            std::uint64_t near = 0;
+            for (std::size_t key = 0; key < of_keys.size(); ++key) {
+              near |= std::uint64_t{of_keys[key] <= most} << key;
+            }
+            CHECK(kernels.near_keys(keys.data(), blocks, pairs, query.data(), most) == near);
+          }
+          std::vector<std::int32_t> squared(of_boxes.size(), -1);
+          kernels.box_distances(boxes.data(), blocks, pairs, query.data(), squared.data());
+          CHECK(squared == of_boxes);
+        }
       }
     }
   }

@@ -4,6 +4,7 @@
 #include "store/fixtures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace mneme::test {
@@ -54,6 +55,36 @@ TEST_SUITE("oracle") {
           REQUIRE(coarse.near_leaves(query, most) == expected);
           REQUIRE(coarse.near_leaves(query, -1).empty());
         }
+      }
+    }
+  }
+
+  TEST_CASE("no bound leaves out a key that is nearer") {
+    const std::uint64_t seed = 92;
+    Rng rng(seed);
+    for (const std::size_t key_size : {1U, 2U, 6U, 18U}) {
+      // One number that spreads wide has the cells of its far end cut off.
+      std::vector<double> keys(key_size * kKeysPerLeaf);
+      for (std::size_t i = 0; i < keys.size(); ++i) {
+        keys[i] = rng.uniform(-1, 1) * (i < kKeysPerLeaf ? 1000 : 1);
+      }
+      const CoarseKeys coarse(key_size, keys, std::vector<std::size_t>{0, kKeysPerLeaf});
+      for (int i = 0; i < 300; ++i) {
+        INFO("seed " << seed << ", " << key_size << " numbers, query " << i);
+        const std::size_t wanted = rng.index(kKeysPerLeaf);
+        const double offset = std::pow(10, rng.uniform(-9, 3));
+        std::vector<double> key(key_size);
+        double squared = 0;
+        for (std::size_t k = 0; k < key_size; ++k) {
+          const double at = keys[k * kKeysPerLeaf + wanted];
+          key[k] = at + rng.uniform(-offset, offset);
+          squared += (key[k] - at) * (key[k] - at);
+        }
+        const auto query = coarse.query(key.data());
+        const auto bound = coarse.bound(squared);
+        CHECK(coarse.near_leaves(query, bound.boxes).size() == 1);
+        CHECK((coarse.near_keys(0, query, bound.keys) >> wanted & 1) == 1);
+        CHECK(coarse.near_keys(0, query, coarse.bound(0).keys) == 0);
       }
     }
   }
