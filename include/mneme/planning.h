@@ -162,9 +162,11 @@ struct PlanResult {
 };
 
 /// Status and message of a query that no planner takes: its start or a goal is no configuration of
-/// the robot, or in contact, or there is no goal. Nothing if the query is sound.
+/// the robot, or in contact, or there is no goal. Nothing if the query is sound. Contact is not
+/// looked for where the ends are known to be clear of it.
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
-                                                     const PlanQuery& query);
+                                                     const PlanQuery& query,
+                                                     bool are_ends_clear = false);
 /// Takes the goals in contact out of `goals` unless all of them are. A sentence about each.
 [[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
                                                              std::vector<Configuration>& goals);
@@ -176,6 +178,7 @@ inline constexpr double kSolidClearance = 1e-3;
 struct QueryChecker {
   CollisionChecker checker;
   std::vector<std::string> notes;  ///< pairs that are checked by solid, and why: a sentence each
+  bool are_ends_clear = false;     ///< start and goals are configurations that touch nothing
 };
 /// CollisionChecker::make. Where, at the start or at a goal, nothing but covers of links touches,
 /// and what they cover is kSolidClearance away, these links are checked against the obstacles and

@@ -239,7 +239,8 @@ Result<Query> make_query(const Problem& problem, Database* database,
                **planner,
                **sampler,
                std::move(made->checker),
-               std::move(made->notes)};
+               std::move(made->notes),
+               made->are_ends_clear};
 }
 
 }  // namespace mneme::internal

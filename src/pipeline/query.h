@@ -51,6 +51,7 @@ struct Query : MemoryRequest {
   const SamplerEntry& sampler;
   CollisionChecker checker;
   std::vector<std::string> notes;  ///< for people, about the checker
+  bool are_ends_clear = false;     ///< of the checker, as it was made
 };
 /// The checker for a problem with these settings and `goals`, its own or others.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,

@@ -89,10 +89,13 @@ Result<ResolvedGoals> resolve_goals(Query& query) {
     // Without any goal the refusal says it.
     if (!query.ends.goals.empty()) resolved.notes = resolved.further->describe_unreached();
   }
-  std::ranges::move(drop_goals_in_contact(query.checker, query.ends.goals),
-                    std::back_inserter(resolved.notes));
+  const bool are_ends_clear = query.are_ends_clear && problem.pose_goals.empty();
+  if (!are_ends_clear) {
+    std::ranges::move(drop_goals_in_contact(query.checker, query.ends.goals),
+                      std::back_inserter(resolved.notes));
+  }
   query.query.goals = query.ends.goals;
-  resolved.refused = refuse_query(query.checker, query.ends);
+  resolved.refused = refuse_query(query.checker, query.ends, are_ends_clear);
   const bool is_for_want_of_goals = resolved.refused && query.ends.goals.empty() &&
                                     resolved.refused->status == PlanStatus::invalid_goal &&
                                     resolved.further != nullptr;

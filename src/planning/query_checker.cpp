@@ -28,10 +28,9 @@ struct CoverOnly {
   CoveredContact behind;
 };
 
-/// Contacts at `q`, if there are any and all are of covers of which the solids are clear.
+/// Contacts at `q`, which has some, if all are of covers of which the solids are clear.
 std::vector<CoverOnly> find_cover_contacts(const CollisionChecker& checker,
                                            const Configuration& q) {
-  if (checker.robot().describe_violation(q, "") || internal::is_clear(checker, q)) return {};
   const Configuration inside = checker.robot().normalized(q);
   std::vector<CoverOnly> found;
   for (const Contact& contact : checker.contacts(inside)) {
@@ -79,9 +78,13 @@ Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings, const PlanQuery& ends) {
   auto plain = CollisionChecker::make(robot, scene, settings);
   if (!plain) return tl::unexpected(plain.error());
-  QueryChecker result{*std::move(plain), {}};
+  QueryChecker result{*std::move(plain), {}, true};
   std::optional<Scene> by_solid;
   const auto judge = [&](const Configuration& q, const std::string& end) {
+    const bool is_configuration = !robot.describe_violation(q, "");
+    if (is_configuration && internal::is_clear(result.checker, q)) return;
+    result.are_ends_clear = false;
+    if (!is_configuration) return;
     for (const CoverOnly& found : find_cover_contacts(result.checker, q)) {
       if (!by_solid) by_solid = scene;
       if (add_by_solid(found.contact, *by_solid)) result.notes.push_back(describe(found, end));

@@ -127,10 +127,10 @@ std::optional<std::string> find_tilt(const CollisionChecker& checker, const Conf
 
 /// Why `q` cannot be planned from or to, or nothing.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
-                                        const std::string& what) {
+                                        const std::string& what, bool is_clear) {
   if (auto violation = checker.robot().describe_violation(q, what)) return violation;
   if (const auto tilt = find_tilt(checker, q)) return what + *tilt;
-  const auto contact = find_contact(checker, q);
+  const auto contact = is_clear ? std::nullopt : find_contact(checker, q);
   if (!contact) return std::nullopt;
   return what + contact->reason + contact->advice;
 }
@@ -148,14 +148,15 @@ PlanResult refusal(PlanStatus status, std::string message) {
 
 }  // namespace
 
-std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const PlanQuery& query) {
-  if (auto problem = find_problem(checker, query.start, "start")) {
+std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const PlanQuery& query,
+                                       bool are_ends_clear) {
+  if (auto problem = find_problem(checker, query.start, "start", are_ends_clear)) {
     return refusal(PlanStatus::invalid_start, *std::move(problem));
   }
   if (query.goals.empty()) return refusal(PlanStatus::invalid_goal, "there is no goal");
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
     const std::string what = name_of_goal(i, query.goals.size());
-    if (auto problem = find_problem(checker, query.goals[i], what)) {
+    if (auto problem = find_problem(checker, query.goals[i], what, are_ends_clear)) {
       return refusal(PlanStatus::invalid_goal, *std::move(problem));
     }
   }

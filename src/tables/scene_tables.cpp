@@ -209,7 +209,7 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
     std::vector<int>& links = named->may_touch;
     if (allows_by_solid) links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
-    for (std::size_t group = 0; group < tables.groups.size(); ++group) {
+    for (std::size_t group = 0; group < tables.groups.size() && !links.empty(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;
       for (std::size_t i = first; i < first + obstacle.shapes.size(); ++i) {
         bits[group * words + i / kObstacleBlock] |=
