@@ -53,6 +53,8 @@ struct SweepDetail {
   /// At the ends that are set, this margin is 0; it grows by 1/500 of the way that a link goes, so
   /// that what lies close to contact may still leave or reach it.
   bool is_from_start = false, is_to_goal = false;
+  /// Links are known to keep apart on this motion: only obstacles are looked at.
+  bool are_links_apart = false;
 };
 
 /// A small step that pulls a limb back along itself while the whole robot is pushed off obstacles.

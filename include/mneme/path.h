@@ -49,9 +49,11 @@ class MotionVerifier {
       : checker_(checker), verification_(verification) {}
 
   /// True if the motion passes the verification. One that turns a continuous joint by half a turn
-  /// does not: rounding would decide which way round whoever follows the path goes.
+  /// does not: rounding would decide which way round whoever follows the path goes. Where links are
+  /// known to keep apart, Verification::motions does not look at them.
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
-                             MotionEnds ends, CheckCounters& counters) const;
+                             MotionEnds ends, CheckCounters& counters,
+                             bool are_links_apart = false) const;
 
   /// The same of a curve inside of a path, given as states on it, row by row. Between two of them
   /// no joint is farther from the straight motion than `bow` says, which adds to the margin that

@@ -169,8 +169,10 @@ struct CollisionChecker::Tables {
                                    std::uint64_t& states_checked) const {
     FloatConfiguration end;
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-    const Ways ways = find_ways(*of.robot, from, {end.data(), from.size()}, delta);
+    Ways ways = find_ways(*of.robot, from, {end.data(), from.size()}, delta);
     if (!(ways.longest > 0)) return true;
+    // Pairs that come no closer are not looked at.
+    if (detail.are_links_apart) std::ranges::fill(ways.pairs, 0.0f);
     const auto extra = static_cast<float>(detail.margin);
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
     const float first = share * ways.farthest_reach;

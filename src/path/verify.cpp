@@ -18,12 +18,12 @@ constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision
 }  // namespace
 
 bool MotionVerifier::is_free(std::span<const float> from, std::span<const float> to,
-                             MotionEnds ends, CheckCounters& counters) const {
+                             MotionEnds ends, CheckCounters& counters, bool are_links_apart) const {
   if (verification_ == Verification::none) return true;
   if (!has_one_way(from, to)) return false;
   if (verification_ == Verification::motions) {
-    return checker_.is_sweep_valid(from, to, counters,
-                                   {kVerificationMargin, ends.is_first, ends.is_last});
+    const SweepDetail detail{kVerificationMargin, ends.is_first, ends.is_last, are_links_apart};
+    return checker_.is_sweep_valid(from, to, counters, detail);
   }
   const auto lacks_margin = [&](std::span<const float> q) {
     return !checker_.is_motion_valid(q, q, counters, {1, kVerificationMargin});

@@ -13,6 +13,12 @@ namespace {
 
 constexpr std::size_t kMostCells = 32;
 constexpr std::size_t kMostMotions = 1024;
+/// Of a robot, in all cells.
+constexpr std::size_t kMostLinkMotions = 16384;
+
+bool is_same(const std::weak_ptr<const void>& a, const std::weak_ptr<const void>& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
 
 /// All that a proof depends on besides the motion: not the scene's name, for one.
 struct Cell {
@@ -22,7 +28,7 @@ struct Cell {
   double margin;
   Isa isa;
   Verification verification;
-  std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>();
+  std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>(kMostMotions);
 
   Cell(const CollisionChecker& checker, Verification by)
       : robot(checker.robot().identity()),
@@ -33,14 +39,41 @@ struct Cell {
         verification(by) {}
 
   [[nodiscard]] bool is_of(const CollisionChecker& checker, Verification by) const {
-    const std::weak_ptr<const void> asked = checker.robot().identity();
-    return !robot.owner_before(asked) && !asked.owner_before(robot) &&
-           resolution == checker.resolution() && margin == checker.margin() &&
-           isa == checker.isa() && verification == by &&
+    return is_same(robot, checker.robot().identity()) && resolution == checker.resolution() &&
+           margin == checker.margin() && isa == checker.isa() && verification == by &&
            scene.obstacles == checker.scene().obstacles &&
            scene.by_solid == checker.scene().by_solid;
   }
 };
+
+/// All that links' keeping apart depends on besides the motion.
+struct Links {
+  std::weak_ptr<const void> robot;
+  Isa isa;
+  std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>(kMostLinkMotions);
+
+  explicit Links(const CollisionChecker& checker)
+      : robot(checker.robot().identity()), isa(checker.isa()) {}
+
+  [[nodiscard]] bool is_of(const CollisionChecker& checker) const {
+    return is_same(robot, checker.robot().identity()) && isa == checker.isa();
+  }
+};
+
+/// What `is_asked` of those that were asked for last, the latest first, or else `make()`.
+template <class Kept, class IsAsked, class Make>
+std::shared_ptr<ProvenMotions> find_or_make(std::list<Kept>& kept, const IsAsked& is_asked,
+                                            const Make& make) {
+  kept.remove_if([](const Kept& old) { return old.robot.expired(); });
+  const auto known = std::ranges::find_if(kept, is_asked);
+  if (known != kept.end()) {
+    kept.splice(kept.begin(), kept, known);
+  } else {
+    kept.push_front(make());
+    if (kept.size() > kMostCells) kept.pop_back();
+  }
+  return kept.front().motions;
+}
 
 bool has_few_parts(const Scene& scene) {
   return std::ranges::all_of(scene.obstacles, [](const Obstacle& obstacle) {
@@ -64,19 +97,28 @@ std::string bytes_of(std::span<const float> from, std::span<const float> to, Mot
 std::shared_ptr<ProvenMotions> ProvenMotions::of(const CollisionChecker& checker,
                                                  Verification verification) {
   static std::mutex mutex;
-  static std::list<Cell> cells;  // that which was asked for last comes first
+  static std::list<Cell> cells;
   if (!checker.constraints().empty() || !has_few_parts(checker.scene())) return nullptr;
   const std::lock_guard lock(mutex);
-  cells.remove_if([](const Cell& cell) { return cell.robot.expired(); });
-  const auto known = std::ranges::find_if(
-      cells, [&](const Cell& cell) { return cell.is_of(checker, verification); });
-  if (known != cells.end()) {
-    cells.splice(cells.begin(), cells, known);
-  } else {
-    cells.emplace_front(checker, verification);
-    if (cells.size() > kMostCells) cells.pop_back();
+  return find_or_make(
+      cells, [&](const Cell& cell) { return cell.is_of(checker, verification); },
+      [&] { return Cell(checker, verification); });
+}
+
+std::shared_ptr<ProvenMotions> ProvenMotions::of_links(const CollisionChecker& checker,
+                                                       Verification verification) {
+  static std::mutex mutex;
+  static std::list<Links> robots;
+  const Scene& scene = checker.scene();
+  const auto is_by_solid = [](const Obstacle& obstacle) { return !obstacle.by_solid.empty(); };
+  if (verification != Verification::motions || !scene.by_solid.empty() ||
+      std::ranges::any_of(scene.obstacles, is_by_solid)) {
+    return nullptr;
   }
-  return cells.front().motions;
+  const std::lock_guard lock(mutex);
+  return find_or_make(
+      robots, [&](const Links& links) { return links.is_of(checker); },
+      [&] { return Links(checker); });
 }
 
 bool ProvenMotions::contain(std::span<const float> from, std::span<const float> to,
@@ -87,7 +129,7 @@ bool ProvenMotions::contain(std::span<const float> from, std::span<const float> 
 
 void ProvenMotions::add(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
   const std::lock_guard lock(mutex_);
-  if (motions_.size() >= kMostMotions) motions_.clear();
+  if (motions_.size() >= most_) motions_.clear();
   motions_.insert(bytes_of(from, to, ends));
 }
 

@@ -121,6 +121,7 @@ class Replayer {
   Replay& told_;
   MotionVerifier verifier_;
   std::shared_ptr<ProvenMotions> proven_;  ///< may be null
+  std::shared_ptr<ProvenMotions> links_;   ///< likewise: those on which links keep apart
   Waypoints way_;                          ///< the path that is looked at
   CheckCounters counters_;
   std::uint64_t states_limit_ = 0;  ///< of counters_, when repairing ends
@@ -175,7 +176,10 @@ void Replayer::replay(const std::vector<Known>& known) {
     float length;
   };
   std::optional<Blocked> least;
-  if (!known.empty()) proven_ = ProvenMotions::of(query_.checker, verification());
+  if (!known.empty()) {
+    proven_ = ProvenMotions::of(query_.checker, verification());
+    links_ = ProvenMotions::of_links(query_.checker, verification());
+  }
   for (const Known& task : known) {
     Draft draft(task.kind->bend(query_.query, *task.goal, *task.match.experience));
     if (draft.path.empty() || query_.is_over()) continue;
@@ -212,14 +216,14 @@ bool Replayer::verify(Draft& draft, MotionEnds ends) {
 
 bool Replayer::prove(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
   if (proven_ != nullptr && proven_->contain(from, to, ends)) return true;
-  if (!verifier_.is_free(from, to, ends, counters_)) return false;
+  const bool are_links_apart = links_ != nullptr && links_->contain(from, to, ends);
+  if (!verifier_.is_free(from, to, ends, counters_, are_links_apart)) return false;
   if (proven_ != nullptr) proven_->add(from, to, ends);
+  if (links_ != nullptr && !are_links_apart) links_->add(from, to, ends);
   return true;
 }
 
-void Replayer::measure(const Path& path) {
-  way_.assign(to_rows(path));
-}
+void Replayer::measure(const Path& path) { way_.assign(to_rows(path)); }
 
 /// Those of motions that have not passed, at least one; what follows so closely that it is changed
 /// together is one.

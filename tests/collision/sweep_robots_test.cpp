@@ -74,6 +74,10 @@ TEST_SUITE("oracle") {
       const Configuration to = random_configuration_of(robot, rng);
       if (!checker.contacts(from).empty() || !checker.contacts(to).empty()) continue;
       tally.compare(checker, from, to, kStates);
+      if (is_swept_free(robot, {}, from, to)) {
+        CHECK(is_swept_free(checker, from, to, {.are_links_apart = true}) ==
+              is_swept_free(checker, from, to));
+      }
     }
     CHECK(tally.refused <= 3);
     CHECK(tally.free > 100);

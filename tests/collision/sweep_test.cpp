@@ -16,6 +16,17 @@ TEST_SUITE("unit") {
     CHECK_FALSE(is_swept_free(checker, up, right));
   }
 
+  TEST_CASE("where links are known to keep apart only obstacles are looked at") {
+    const Robot robot = thick_arm({1, 0.5, 0.35});
+    const Configuration left = {0, 2.4, 1.5}, right = {0, 2.4, 3.0};
+    const SweepDetail apart{.are_links_apart = true};
+    CHECK_FALSE(is_swept_free(robot, {}, left, right));
+    CHECK(is_swept_free(robot, {}, left, right, apart));
+    CHECK(is_swept_free(robot, make_circle_scene("", {{1.2, 1, 0.05}}), left, right, apart));
+    CHECK_FALSE(
+        is_swept_free(robot, make_circle_scene("", {{0.62, 0.12, 0.02}}), left, right, apart));
+  }
+
   TEST_CASE("an obstacle thinner than the step between two states is found") {
     const Robot robot = thick_arm({1, 1});
     const Scene thin = make_circle_scene("", {{1.5, 0, 1e-4}});

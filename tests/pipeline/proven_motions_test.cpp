@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/proven_motions.h"
+#include "planning/small_worlds.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -34,6 +35,9 @@ struct StaticCell {
     REQUIRE(result->replay.is_hit());
     CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
     return result->plan.states_checked;
+  }
+  [[nodiscard]] std::shared_ptr<ProvenMotions> of_links(Verification verification) const {
+    return ProvenMotions::of_links(make_checker(problem.robot, problem.scene), verification);
   }
   [[nodiscard]] std::shared_ptr<ProvenMotions> proven() const {
     return ProvenMotions::of(make_checker(problem.robot, problem.scene), Verification::motions);
@@ -103,7 +107,52 @@ TEST_SUITE("flow") {
   }
 }
 
+TEST_SUITE("flow") {
+  TEST_CASE("among other obstacles links are not held against each other again") {
+    StaticCell cell;
+    const Path folded = {{0, 2.4, 1.87}, {0.2, 2.4, 1.2}};
+    cell.problem.robot = thick_arm({1, 0.5, 0.35});
+    cell.problem.start = folded.front();
+    cell.problem.goals = {folded.back()};
+    cell.database = make_database(cell.directory / "folded.db", cell.problem.robot);
+    auto rows =
+        learn_from_paths(memory_query(cell.problem), std::vector<Path>{folded}, {"paths", {}});
+    REQUIRE(rows.has_value());
+    REQUIRE(cell.database.insert(*std::move(rows)).has_value());
+    const std::uint64_t first = cell.states();
+    cell.put(0.01);
+    CHECK(cell.states() < first);
+    // What came into the way is found all the same.
+    cell.problem.scene = make_circle_scene("cell", {{0.484, 0.264, 0.03}});
+    REQUIRE(make_checker(cell.problem.robot, cell.problem.scene).contacts(folded[0]).empty());
+    const auto result = solve(cell.problem, &cell.database, cell.settings);
+    REQUIRE(result.has_value());
+    CHECK(result->replay.blocked.size() == 1);
+  }
+}
+
 TEST_SUITE("unit") {
+  TEST_CASE("links that keep apart do so in all cells of a robot, and only there") {
+    StaticCell cell;
+    const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
+    const auto links = cell.of_links(Verification::motions);
+    REQUIRE(links != nullptr);
+    links->add(a, b, {});
+    cell.put(1);
+    CHECK(cell.of_links(Verification::motions)->contain(a, b, {}));
+    CHECK_FALSE(cell.proven()->contain(a, b, {}));
+    CHECK(cell.of_links(Verification::states) == nullptr);
+    const std::string link = cell.problem.robot.links().back().name;
+    cell.problem.scene.obstacles.front().by_solid = {link};
+    CHECK(cell.of_links(Verification::motions) == nullptr);
+    cell.problem.scene = Scene{};
+    cell.problem.scene.by_solid = {{cell.problem.robot.links().front().name, link}};
+    CHECK(cell.of_links(Verification::motions) == nullptr);
+    cell.problem.scene = Scene{};
+    cell.problem.robot = limited_arm({1, 1}, -0.5, 2.5);
+    CHECK_FALSE(cell.of_links(Verification::motions)->contain(a, b, {}));
+  }
+
   TEST_CASE("motions count for their own ends and their own cell") {
     const StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
