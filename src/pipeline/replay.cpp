@@ -37,6 +37,11 @@ constexpr double kShareOfPlanning = 0.5;
 constexpr std::uint64_t kStatesPerIteration = 128;
 /// Radians of path before and behind what is blocked that are changed with it.
 constexpr float kRun = 0.3f;
+/// Radians that a way round may be from what it replaces: farther off it may go another way round
+/// obstacles than the path that is remembered.
+constexpr float kFarthestRound = 0.65f;
+/// Of states that are held against each other for that.
+constexpr float kRoundStep = 0.05f;
 /// Of shortening a way round, in vectors of states.
 constexpr double kRepairPatience = 5;
 /// Radians: of any task that is under the same constraints, whose keys are 1000 apart otherwise.
@@ -112,6 +117,7 @@ class Replayer {
   [[nodiscard]] bool repair(Draft& draft, const std::vector<Block>& blocks);
   [[nodiscard]] Draft lead_round(const Path& blocked, MotionEnds ends);
   [[nodiscard]] Path plan_round(const Configuration& from, const Configuration& to);
+  [[nodiscard]] bool is_near(const Path& round, const Path& blocked) const;
   [[nodiscard]] Path cut(const Path& path, const Block& part) const;
   void splice(Draft& draft, const Block& part, const Draft& between) const;
   [[nodiscard]] Configuration at(float way) const;
@@ -300,7 +306,8 @@ Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
   if (must_stop()) return Draft({});
   Draft pushed(push_off(query_.checker, blocked, counters_));
   if (!pushed.path.empty() && verify(pushed, ends)) return pushed;
-  return Draft(plan_round(blocked.front(), blocked.back()));
+  Path round = plan_round(blocked.front(), blocked.back());
+  return Draft(is_near(round, blocked) ? std::move(round) : Path());
 }
 
 /// Shortened a little.
@@ -327,6 +334,35 @@ Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
           [this] { return must_stop(); });
   result_.simplification_time_s += stopwatch.elapsed_s();
   return std::move(local.path);
+}
+
+/// States of a path, row by row.
+std::vector<float> spread(const Robot& robot, const Path& path) {
+  Waypoints way(robot);
+  way.assign(to_rows(path));
+  const auto joints = static_cast<std::size_t>(way.joint_count());
+  const auto parts = static_cast<std::size_t>(way.length() / kRoundStep) + 1;
+  std::vector<float> rows((parts + 1) * joints);
+  for (std::size_t i = 0; i <= parts; ++i) {
+    const float share = static_cast<float>(i) / static_cast<float>(parts);
+    way.write(way.locate(share * way.length()), rows.data() + i * joints);
+  }
+  return rows;
+}
+
+bool Replayer::is_near(const Path& round, const Path& blocked) const {
+  if (round.empty()) return false;
+  const Robot& robot = query_.problem.robot;
+  const auto joints = static_cast<std::size_t>(robot.joint_count());
+  const std::vector<float> states = spread(robot, round), others = spread(robot, blocked);
+  for (std::size_t i = 0; i < states.size(); i += joints) {
+    bool is_state_near = false;
+    for (std::size_t k = 0; k < others.size() && !is_state_near; k += joints) {
+      is_state_near = way_.distance(&states[i], &others[k]) <= kFarthestRound;
+    }
+    if (!is_state_near) return false;
+  }
+  return true;
 }
 
 /// The part of a path, as measured.

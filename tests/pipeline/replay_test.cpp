@@ -153,6 +153,17 @@ TEST_SUITE("unit") {
         Deformation(cell.problem.robot, before, cell.problem.scene).find(known, result.plan.path));
   }
 
+  TEST_CASE("a way that leads far round what blocks a path is planned, not replayed") {
+    Cell cell;
+    cell.remember();
+    cell.put({{1.4 * std::cos(1.25), 1.4 * std::sin(1.25), 0.3}});
+    const SolveResult result = cell.solve();
+    CHECK_FALSE(result.replay.is_hit());
+    CHECK(result.replay.iterations > 0);
+    REQUIRE(result.plan.is_solved());
+    CHECK(result.plan.path.size() > 2);
+  }
+
   TEST_CASE("paths on either side of an obstacle do not lead into each other") {
     const Robot robot = limited_arm({1, 1}, -2.6, 2.6);
     const Scene scene = make_circle_scene("post", {{1.9, 0, 0.1}});
