@@ -3,82 +3,81 @@
 #include "pipeline/proven_motions.h"
 
 #include "geometry/solids.h"
+#include "path/path_conversion.h"
 
 #include <algorithm>
 #include <list>
-#include <variant>
+#include <utility>
+#include <vector>
 
 namespace mneme::internal {
 namespace {
 
-constexpr std::size_t kMostCells = 32;
+/// Cells, and robots.
+constexpr std::size_t kMostKept = 32;
+/// Of a cell.
 constexpr std::size_t kMostMotions = 1024;
 /// Of a robot, in all cells.
 constexpr std::size_t kMostLinkMotions = 16384;
 
-bool is_same(const std::weak_ptr<const void>& a, const std::weak_ptr<const void>& b) {
-  return !a.owner_before(b) && !b.owner_before(a);
+bool is_same(const Robot& a, const Robot& b) {
+  const std::weak_ptr<const void> one = a.identity(), other = b.identity();
+  return !one.owner_before(other) && !other.owner_before(one);
 }
 
-/// All that a proof depends on besides the motion: not the scene's name, for one.
-struct Cell {
-  std::weak_ptr<const void> robot;  ///< Robot::identity()
-  Scene scene;
-  double resolution;
-  double margin;
-  Isa isa;
-  Verification verification;
-  std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>(kMostMotions);
-
-  Cell(const CollisionChecker& checker, Verification by)
-      : robot(checker.robot().identity()),
-        scene(checker.scene()),
-        resolution(checker.resolution()),
-        margin(checker.margin()),
-        isa(checker.isa()),
-        verification(by) {}
-
-  [[nodiscard]] bool is_of(const CollisionChecker& checker, Verification by) const {
-    return is_same(robot, checker.robot().identity()) && resolution == checker.resolution() &&
-           margin == checker.margin() && isa == checker.isa() && verification == by &&
-           scene.obstacles == checker.scene().obstacles &&
-           scene.by_solid == checker.scene().by_solid;
+/// The latest first.
+template <class Kept>
+class LatestOf {
+ public:
+  /// That which `is_asked`; null if there is none.
+  template <class IsAsked>
+  std::shared_ptr<Kept> find(const IsAsked& is_asked) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find_if(kept_, [&](const auto& one) { return is_asked(*one); });
+    if (known == kept_.end()) return nullptr;
+    kept_.splice(kept_.begin(), kept_, known);
+    return kept_.front();
   }
+
+  std::shared_ptr<Kept> keep(std::shared_ptr<Kept> one) {
+    const std::lock_guard lock(mutex_);
+    kept_.push_front(std::move(one));
+    if (kept_.size() > kMostKept) kept_.pop_back();
+    return kept_.front();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::list<std::shared_ptr<Kept>> kept_;
 };
 
-/// All that links' keeping apart depends on besides the motion.
+/// What links' keeping apart depends on besides the motion, and those on which they do.
 struct Links {
-  std::weak_ptr<const void> robot;
+  Robot robot;
   Isa isa;
-  std::shared_ptr<ProvenMotions> motions = std::make_shared<ProvenMotions>(kMostLinkMotions);
+  ProvenMotions motions{kMostLinkMotions};
 
-  explicit Links(const CollisionChecker& checker)
-      : robot(checker.robot().identity()), isa(checker.isa()) {}
-
-  [[nodiscard]] bool is_of(const CollisionChecker& checker) const {
-    return is_same(robot, checker.robot().identity()) && isa == checker.isa();
-  }
+  explicit Links(const CollisionChecker& checker) : robot(checker.robot()), isa(checker.isa()) {}
 };
 
-/// What `is_asked` of those that were asked for last, the latest first, or else `make()`.
-template <class Kept, class IsAsked, class Make>
-std::shared_ptr<ProvenMotions> find_or_make(std::list<Kept>& kept, const IsAsked& is_asked,
-                                            const Make& make) {
-  kept.remove_if([](const Kept& old) { return old.robot.expired(); });
-  const auto known = std::ranges::find_if(kept, is_asked);
-  if (known != kept.end()) {
-    kept.splice(kept.begin(), kept, known);
-  } else {
-    kept.push_front(make());
-    if (kept.size() > kMostCells) kept.pop_back();
-  }
-  return kept.front().motions;
+LatestOf<StaticCell>& cells() {
+  static LatestOf<StaticCell> kept;
+  return kept;
+}
+
+/// The scene's name, for one, does not count.
+bool are_same_obstacles(const Scene& a, const Scene& b) {
+  return a.obstacles == b.obstacles && a.by_solid == b.by_solid;
 }
 
 bool has_few_parts(const Scene& scene) {
   return std::ranges::all_of(scene.obstacles, [](const Obstacle& obstacle) {
     return std::ranges::none_of(obstacle.shapes, is_crowd);
   });
+}
+
+std::vector<float> to_row(const Robot& robot, const Configuration& q) {
+  return to_floats(robot.normalized(q));
 }
 
 /// The same for the same bits alone.
@@ -94,31 +93,20 @@ std::string bytes_of(std::span<const float> from, std::span<const float> to, Mot
 
 }  // namespace
 
-std::shared_ptr<ProvenMotions> ProvenMotions::of(const CollisionChecker& checker,
-                                                 Verification verification) {
-  static std::mutex mutex;
-  static std::list<Cell> cells;
-  if (!checker.constraints().empty() || !has_few_parts(checker.scene())) return nullptr;
-  const std::lock_guard lock(mutex);
-  return find_or_make(
-      cells, [&](const Cell& cell) { return cell.is_of(checker, verification); },
-      [&] { return Cell(checker, verification); });
-}
-
 std::shared_ptr<ProvenMotions> ProvenMotions::of_links(const CollisionChecker& checker,
                                                        Verification verification) {
-  static std::mutex mutex;
-  static std::list<Links> robots;
+  static LatestOf<Links> kept;
   const Scene& scene = checker.scene();
   const auto is_by_solid = [](const Obstacle& obstacle) { return !obstacle.by_solid.empty(); };
   if (verification != Verification::motions || !scene.by_solid.empty() ||
       std::ranges::any_of(scene.obstacles, is_by_solid)) {
     return nullptr;
   }
-  const std::lock_guard lock(mutex);
-  return find_or_make(
-      robots, [&](const Links& links) { return links.is_of(checker); },
-      [&] { return Links(checker); });
+  auto links = kept.find([&](const Links& one) {
+    return is_same(one.robot, checker.robot()) && one.isa == checker.isa();
+  });
+  if (links == nullptr) links = kept.keep(std::make_shared<Links>(checker));
+  return {links, &links->motions};
 }
 
 bool ProvenMotions::contain(std::span<const float> from, std::span<const float> to,
@@ -131,6 +119,45 @@ void ProvenMotions::add(std::span<const float> from, std::span<const float> to, 
   const std::lock_guard lock(mutex_);
   if (motions_.size() >= most_) motions_.clear();
   motions_.insert(bytes_of(from, to, ends));
+}
+
+StaticCell::StaticCell(const CollisionChecker& checker)
+    : checker_(checker),
+      by_states_(kMostMotions),
+      by_motions_(kMostMotions),
+      clear_(kMostMotions) {}
+
+std::shared_ptr<StaticCell> StaticCell::find(const Robot& robot, const Scene& scene,
+                                             const CheckerSettings& settings) {
+  if (!settings.constraints.empty()) return nullptr;
+  const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  return cells().find([&](const StaticCell& cell) {
+    const CollisionChecker& kept = cell.checker();
+    const bool is_as_fine = settings.resolution ? kept.resolution() == *settings.resolution
+                                                : kept.has_default_resolution();
+    return is_same(kept.robot(), robot) && is_as_fine && kept.margin() == settings.margin &&
+           kept.isa() == isa && are_same_obstacles(kept.scene(), scene);
+  });
+}
+
+std::shared_ptr<StaticCell> StaticCell::keep(const CollisionChecker& checker) {
+  if (!checker.constraints().empty() || !has_few_parts(checker.scene())) return nullptr;
+  CheckerSettings settings;
+  if (!checker.has_default_resolution()) settings.resolution = checker.resolution();
+  settings.margin = checker.margin();
+  settings.isa = checker.isa();
+  auto cell = find(checker.robot(), checker.scene(), settings);
+  return cell != nullptr ? cell : cells().keep(std::make_shared<StaticCell>(checker));
+}
+
+bool StaticCell::is_clear(const Configuration& q) const {
+  const std::vector<float> row = to_row(checker_.robot(), q);
+  return clear_.contain(row, row, {});
+}
+
+void StaticCell::add_clear(const Configuration& q) {
+  const std::vector<float> row = to_row(checker_.robot(), q);
+  clear_.add(row, row, {});
 }
 
 }  // namespace mneme::internal

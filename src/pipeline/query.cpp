@@ -206,12 +206,37 @@ Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* da
   });
 }
 
+namespace {
+
+CheckerSettings checker_settings(const Problem& problem, const SolveSettings& settings) {
+  return {settings.resolution, settings.margin, settings.isa, problem.constraints};
+}
+
+/// Of a cell in which the ends of the problem are known to be clear, if there is one.
+std::shared_ptr<StaticCell> find_cell(const Problem& problem, const SolveSettings& settings) {
+  auto cell = StaticCell::find(problem.robot, problem.scene, checker_settings(problem, settings));
+  const auto is_clear = [&](const Configuration& q) {
+    return !problem.robot.describe_violation(q, "") && cell->is_clear(q);
+  };
+  const bool is_known =
+      cell != nullptr && is_clear(problem.start) && std::ranges::all_of(problem.goals, is_clear);
+  return is_known ? cell : nullptr;
+}
+
+std::shared_ptr<StaticCell> keep_cell(const Problem& problem, const QueryChecker& made) {
+  auto cell = StaticCell::keep(made.checker);
+  if (cell == nullptr || !made.are_ends_clear) return cell;
+  cell->add_clear(problem.start);
+  for (const Configuration& goal : problem.goals) cell->add_clear(goal);
+  return cell;
+}
+
+}  // namespace
+
 Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings,
                                         const std::vector<Configuration>& goals) {
-  return mneme::make_query_checker(
-      problem.robot, problem.scene,
-      {settings.resolution, settings.margin, settings.isa, problem.constraints},
-      {problem.start, goals});
+  return mneme::make_query_checker(problem.robot, problem.scene,
+                                   checker_settings(problem, settings), {problem.start, goals});
 }
 
 Result<Query> make_query(const Problem& problem, Database* database,
@@ -231,8 +256,12 @@ Result<Query> make_query(const Problem& problem, Database* database,
   auto request =
       make_memory_request(memory_query(problem), is_asked ? database : nullptr, settings);
   if (!request) return tl::unexpected(request.error());
-  auto made = make_query_checker(problem, settings, problem.goals);
+  const bool are_replayed = database != nullptr && settings.replay > 0;
+  auto cell = are_replayed ? find_cell(problem, settings) : nullptr;
+  auto made = cell != nullptr ? QueryChecker{cell->checker(), {}, true}
+                              : make_query_checker(problem, settings, problem.goals);
   if (!made) return tl::unexpected(made.error());
+  if (are_replayed && cell == nullptr) cell = keep_cell(problem, *made);
   return Query{*std::move(request),
                problem,
                {problem.start, problem.goals},
@@ -240,7 +269,8 @@ Result<Query> make_query(const Problem& problem, Database* database,
                **sampler,
                std::move(made->checker),
                std::move(made->notes),
-               made->are_ends_clear};
+               made->are_ends_clear,
+               std::move(cell)};
 }
 
 }  // namespace mneme::internal

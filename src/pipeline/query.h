@@ -6,6 +6,9 @@
 
 #include "mneme/pipeline.h"
 
+#include "pipeline/proven_motions.h"
+
+#include <memory>
 #include <vector>
 
 namespace mneme::internal {
@@ -50,8 +53,9 @@ struct Query : MemoryRequest {
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
   CollisionChecker checker;
-  std::vector<std::string> notes;  ///< for people, about the checker
-  bool are_ends_clear = false;     ///< of the checker, as it was made
+  std::vector<std::string> notes;              ///< for people, about the checker
+  bool are_ends_clear = false;                 ///< of the checker, as it was made
+  std::shared_ptr<StaticCell> cell = nullptr;  ///< the checker's, where tasks are replayed
 };
 /// The checker for a problem with these settings and `goals`, its own or others.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,

@@ -126,9 +126,9 @@ class Replayer {
   const Query& query_;
   Replay& told_;
   MotionVerifier verifier_;
-  std::shared_ptr<ProvenMotions> proven_;  ///< may be null
-  std::shared_ptr<ProvenMotions> links_;   ///< likewise: those on which links keep apart
-  Waypoints way_;                          ///< the path that is looked at
+  ProvenMotions* proven_ = nullptr;       ///< of the query's cell, if it has one
+  std::shared_ptr<ProvenMotions> links_;  ///< those on which links keep apart; may be null
+  Waypoints way_;                         ///< the path that is looked at
   CheckCounters counters_;
   std::uint64_t states_limit_ = 0;  ///< of counters_, when repairing ends
   PlanResult result_;
@@ -183,7 +183,7 @@ void Replayer::replay(const std::vector<Known>& known) {
   };
   std::optional<Blocked> least;
   if (!known.empty()) {
-    proven_ = ProvenMotions::of(query_.checker, verification());
+    if (query_.cell != nullptr) proven_ = &query_.cell->motions(verification());
     links_ = ProvenMotions::of_links(query_.checker, verification());
   }
   for (const Known& task : known) {

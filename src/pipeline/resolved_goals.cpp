@@ -53,6 +53,7 @@ Result<bool> judge_poses_by_solid(Query& query) {
       if (made->notes.size() <= query.notes.size()) continue;
       query.checker = std::move(made->checker);
       query.notes = std::move(made->notes);
+      query.cell = nullptr;
       return true;
     }
   }

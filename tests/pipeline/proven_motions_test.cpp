@@ -39,8 +39,10 @@ struct StaticCell {
   [[nodiscard]] std::shared_ptr<ProvenMotions> of_links(Verification verification) const {
     return ProvenMotions::of_links(make_checker(problem.robot, problem.scene), verification);
   }
-  [[nodiscard]] std::shared_ptr<ProvenMotions> proven() const {
-    return ProvenMotions::of(make_checker(problem.robot, problem.scene), Verification::motions);
+  [[nodiscard]] ProvenMotions* proven() const { return proven_of(problem.scene); }
+  [[nodiscard]] ProvenMotions* proven_of(const Scene& scene) const {
+    const auto kept = internal::StaticCell::keep(make_checker(problem.robot, scene));
+    return kept == nullptr ? nullptr : &kept->motions(Verification::motions);
   }
 };
 
@@ -132,6 +134,47 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a cell is kept with its checker, and found by all that this was made with") {
+    const StaticCell cell;
+    const Robot& robot = cell.problem.robot;
+    const Scene& scene = cell.problem.scene;
+    CheckerSettings settings;
+    settings.margin = 0.015625;
+    const auto kept =
+        internal::StaticCell::keep(CollisionChecker::make(robot, scene, settings).value());
+    REQUIRE(kept != nullptr);
+    CHECK(internal::StaticCell::find(robot, scene, settings) == kept);
+    Scene renamed = scene;
+    renamed.name = "renamed";
+    CHECK(internal::StaticCell::find(robot, renamed, settings) == kept);
+    const auto is_found = [&](const auto& change) {
+      CheckerSettings changed = settings;
+      change(changed);
+      return internal::StaticCell::find(robot, scene, changed) != nullptr;
+    };
+    CHECK(is_found([](CheckerSettings& s) { s.isa = default_isa(); }));
+    CHECK_FALSE(is_found([](CheckerSettings& s) { s.margin = 0.03125; }));
+    CHECK_FALSE(is_found([](CheckerSettings& s) { s.resolution = 0.01; }));
+    CHECK_FALSE(is_found([](CheckerSettings& s) { s.constraints.resize(1); }));
+    if (default_isa() != Isa::scalar) {
+      CHECK_FALSE(is_found([](CheckerSettings& s) { s.isa = Isa::scalar; }));
+    }
+  }
+
+  TEST_CASE("ends that a known cell has not seen are looked at") {
+    StaticCell cell;
+    cell.put(0.5);
+    REQUIRE(cell.states() > 0);
+    const auto status_from = [&](const Configuration& start) {
+      cell.problem.start = start;
+      return solve(cell.problem, &cell.database, cell.settings).value().plan.status;
+    };
+    CHECK(status_from({-2.2, 0}) == PlanStatus::invalid_start);
+    CHECK(status_from({0, 0.5, 0}) == PlanStatus::invalid_start);
+    CHECK(status_from({0, std::nan("")}) == PlanStatus::invalid_start);
+    CHECK(status_from({0, 0.5}) == PlanStatus::solved);
+  }
+
   TEST_CASE("links that keep apart do so in all cells of a robot, and only there") {
     StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
@@ -156,15 +199,14 @@ TEST_SUITE("unit") {
   TEST_CASE("motions count for their own ends and their own cell") {
     const StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
-    const auto proven = cell.proven();
+    ProvenMotions* proven = cell.proven();
     REQUIRE(proven != nullptr);
     proven->add(a, b, {true, false});
     CHECK(cell.proven()->contain(a, b, {true, false}));
     CHECK_FALSE(proven->contain(a, b, {false, false}));
     CHECK_FALSE(proven->contain(a, b, {true, true}));
     CHECK_FALSE(proven->contain(b, a, {true, false}));
-    const CollisionChecker other = make_checker(cell.problem.robot, Scene{});
-    CHECK_FALSE(ProvenMotions::of(other, Verification::motions)->contain(a, b, {true, false}));
+    CHECK_FALSE(cell.proven_of(Scene{})->contain(a, b, {true, false}));
   }
 
   TEST_CASE("a cell is forgotten after many others, and its motions after many more") {
@@ -176,7 +218,7 @@ TEST_SUITE("unit") {
       CHECK_FALSE(cell.proven()->contain(a, b, {}));
     }
     cell.put(0);
-    const auto proven = cell.proven();
+    ProvenMotions* proven = cell.proven();
     CHECK_FALSE(proven->contain(a, b, {}));
     for (int i = 0; i <= 1024; ++i) proven->add(a, {{static_cast<float>(i), 0}}, {});
     CHECK_FALSE(proven->contain(a, {{0, 0}}, {}));
