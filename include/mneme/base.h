@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -65,6 +66,23 @@ using Result = tl::expected<T, Error>;
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
+
+namespace internal {
+template <class T>
+T take_value(Result<T>&& result) {
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+}  // namespace internal
+
+/// The value of a Result, or returns its error from the enclosing function:
+/// `const Scene scene = MNEME_TRY(load_scene(path));`, or as a statement for Result<void>. The whole
+/// of an initializer or a statement, never a part of a larger expression.
+#define MNEME_TRY(...)                                                              \
+  __extension__({                                                                   \
+    auto try_result = (__VA_ARGS__);                                                \
+    if (!try_result) return ::tl::unexpected(std::move(try_result).error());        \
+    ::mneme::internal::take_value(std::move(try_result));                           \
+  })
 
 /// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or
 /// without underscores; otherwise nothing.
