@@ -122,20 +122,20 @@ class Parts {
 
 /// All points within `radius` of many parts.
 template <class Part>
-struct Crowd {
+struct CompoundShape {
   Transform pose;                            ///< of the frame of the parts
   std::shared_ptr<const Parts<Part>> parts;  ///< never null, or it is no shape
   double radius = 0;                         ///< metres; above 0 for points, otherwise at least 0
 
   /// The very same parts, not just equal ones.
-  bool operator==(const Crowd&) const = default;
+  bool operator==(const CompoundShape&) const = default;
 };
 
-using PointCloud = Crowd<CloudPoint>;
+using PointCloud = CompoundShape<CloudPoint>;
 /// A surface: what lies wholly inside of it is not in contact with it.
-using Mesh = Crowd<Triangle>;
+using Mesh = CompoundShape<Triangle>;
 /// The occupied leaves of an octree.
-using Octree = Crowd<Cube>;
+using Octree = CompoundShape<Cube>;
 
 using Shape = std::variant<Sphere, Box, Cylinder, Capsule, PointCloud, Mesh, Octree>;
 

@@ -85,7 +85,7 @@ struct FramedScene {
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
 /// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding. It
-/// reads no more than 4 million numbers: larger crowds are for files of their own.
+/// reads no more than 4 million numbers: larger compound shapes are for files of their own.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a shape

@@ -7,7 +7,7 @@
 #include "check/solid_pairs.h"
 #include "tables/body_reaches.h"
 #include "collision/collision_kernels.h"
-#include "tables/crowd_tables.h"
+#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
 #include "collision/walk_kernel.h"
 #include "robot/joint_space.h"
@@ -148,7 +148,7 @@ struct CollisionChecker::Tables {
 
   /// Parts that lie farther out than the robot reaches are left out of the tables.
   [[nodiscard]] bool can_keep(double extra_margin) const {
-    return world.scene.crowds.empty() || extra_margin <= internal::kSpareReach;
+    return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
   }
 
   [[nodiscard]] static Ways find_ways(const internal::RobotTables& tables,

@@ -95,7 +95,7 @@ HWY_INLINE auto with_distance(const ObstacleRow& row, const Visit& visit) {
     case ObstacleKind::capsule:
       return visit(ToCapsule(row));
     case ObstacleKind::sphere:
-    case ObstacleKind::crowd:  // has no distance of this kind: crowd-inl.h
+    case ObstacleKind::compound:  // has no distance of this kind: compound-inl.h
       break;
   }
   return visit(ToSphere{row});
@@ -123,7 +123,7 @@ HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
     }
     case ObstacleKind::sphere:
     case ObstacleKind::capsule:
-    case ObstacleKind::crowd:
+    case ObstacleKind::compound:
       break;
   }
   const V3 to_p = p - splat(row.center), along = splat(row.along);

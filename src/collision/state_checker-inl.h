@@ -20,7 +20,7 @@
 #include <type_traits>
 
 #include "collision/collision_kernels.h"
-#include "collision/crowd-inl.h"
+#include "collision/compound-inl.h"
 #include "collision/distance-inl.h"
 #include "collision/forward_kinematics-inl.h"
 #include "collision/hits-inl.h"
@@ -116,17 +116,17 @@ class StateChecker {
   }
 
   /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
-  /// crowd.
+  /// compound shape.
   template <class Reach>
   HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach,
                           const Verdict<kIsMotion>& verdict) const {
     const V distance2 = distance2_to_bounds(scene_, center, obstacle);
     if (!verdict.is_any_open(is_below(distance2, squared(reach)))) return false;
     const ObstacleRow& row = scene_.obstacles[obstacle];
-    if (row.kind != ObstacleKind::crowd) return true;
-    const CrowdRow& crowd = scene_.crowds[row.crowd];
-    const V3 p = into_crowd(crowd, center);
-    return (find_near(*crowd.cells, p, lanes_of(sum(row.rounding, reach))) &
+    if (row.kind != ObstacleKind::compound) return true;
+    const CompoundRow& compound = scene_.compounds[row.compound];
+    const V3 p = into_compound(compound, center);
+    return (find_near(*compound.cells, p, lanes_of(sum(row.rounding, reach))) &
             ~bits_of(verdict.hit)) != 0;
   }
 
@@ -170,8 +170,8 @@ class StateChecker {
     bool is_posed = false;
     for (int i = 0; i < count; ++i) {
       const auto extra = sum(near[i]->rounding, margin);
-      if (near[i]->kind == ObstacleKind::crowd) {
-        if (verdict.add(find_crowd_hits(*near[i], group, pose, extra, verdict.hit))) return true;
+      if (near[i]->kind == ObstacleKind::compound) {
+        if (verdict.add(find_compound_hits(*near[i], group, pose, extra, verdict.hit))) return true;
         continue;
       }
       const auto reach2 = squared(sum(group.ball.radius, extra));
@@ -197,8 +197,9 @@ class StateChecker {
       const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
       if (!verdict.is_any_open(is_below(from_bounds2, thickness2))) continue;
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
-      if (near[i]->kind == ObstacleKind::crowd) {
-        if (verdict.add(find_crowd_hits(*near[i], capsule, axis, reach, verdict.hit))) return true;
+      if (near[i]->kind == ObstacleKind::compound) {
+        if (verdict.add(find_compound_hits(*near[i], capsule, axis, reach, verdict.hit)))
+          return true;
         continue;
       }
       const M hit = with_distance(*near[i], [&](const auto& distance2) {
@@ -209,21 +210,21 @@ class StateChecker {
     return false;
   }
 
-  /// Where a sphere of the group comes closer than `extra` to a part of the crowd, but for lanes
-  /// that are hit already.
+  /// Where a sphere of the group comes closer than `extra` to a part of the compound shape, but for
+  /// lanes that are hit already.
   template <class Margin>
-  HWY_NOINLINE M find_crowd_hits(const ObstacleRow& row, const GroupRow& group, const Pose& pose,
-                                 Margin extra, M known) const {
-    const CrowdRow& crowd = scene_.crowds[row.crowd];
-    const V3 center = into_crowd(crowd, transform_point(pose, group.ball.center));
+  HWY_NOINLINE M find_compound_hits(const ObstacleRow& row, const GroupRow& group, const Pose& pose,
+                                    Margin extra, M known) const {
+    const CompoundRow& compound = scene_.compounds[row.compound];
+    const V3 center = into_compound(compound, transform_point(pose, group.ball.center));
     const V around = lanes_of(sum(group.ball.radius, extra));
-    unsigned open = find_near(*crowd.cells, center, around) & ~bits_of(known);
+    unsigned open = find_near(*compound.cells, center, around) & ~bits_of(known);
     unsigned hits = 0;
     for (int i = group.begin; open != 0 && i < group.begin + kGroupSize; ++i) {
       const Ball& ball = robot_.spheres[i];
-      const V3 p = into_crowd(crowd, transform_point(pose, ball.center));
+      const V3 p = into_compound(compound, transform_point(pose, ball.center));
       const V reach = lanes_of(sum(ball.radius, extra));
-      const unsigned found = find_ball_touches<kIsMotion>(crowd, p, reach, open);
+      const unsigned found = find_ball_touches<kIsMotion>(compound, p, reach, open);
       hits |= found;
       open &= ~found;
       if (kIsMotion && found != 0) break;
@@ -232,11 +233,11 @@ class StateChecker {
   }
 
   template <class Margin>
-  HWY_NOINLINE M find_crowd_hits(const ObstacleRow& row, const CapsuleRow& capsule,
-                                 const Segment& axis, Margin reach, M known) const {
-    const CrowdRow& crowd = scene_.crowds[row.crowd];
-    const V3 a = into_crowd(crowd, axis.a), u = rotate(crowd.rotation, axis.u);
-    return mask_of(find_capsule_touches<kIsMotion>(crowd, a, u, capsule.inverse_length2,
+  HWY_NOINLINE M find_compound_hits(const ObstacleRow& row, const CapsuleRow& capsule,
+                                    const Segment& axis, Margin reach, M known) const {
+    const CompoundRow& compound = scene_.compounds[row.compound];
+    const V3 a = into_compound(compound, axis.a), u = rotate(compound.rotation, axis.u);
+    return mask_of(find_capsule_touches<kIsMotion>(compound, a, u, capsule.inverse_length2,
                                                    lanes_of(reach), ~bits_of(known)));
   }
 

@@ -116,8 +116,8 @@ class Walker {
         unsigned bits = find_overlaps(scene_, extent, reach, begin);
         for (; bits != 0; bits &= bits - 1) {
           const size_t obstacle = begin + static_cast<size_t>(__builtin_ctz(bits));
-          // Crowds push nothing: what a step leaves in contact with one is found to be so.
-          if (scene_.obstacles[obstacle].kind != ObstacleKind::crowd &&
+          // Compound shapes push nothing: what a step leaves in contact with one is found to be so.
+          if (scene_.obstacles[obstacle].kind != ObstacleKind::compound &&
               is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) {
             push(body, obstacle);
           }

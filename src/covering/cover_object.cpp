@@ -114,7 +114,7 @@ class CoverShape {
   void operator()(const Capsule& capsule) const { object_.capsules.push_back(capsule); }
   /// Refused before.
   template <class Part>
-  void operator()(const Crowd<Part>& /*crowd*/) const {}
+  void operator()(const CompoundShape<Part>& /*compound*/) const {}
   void operator()(const Box& box) const {
     add(box, box.half_extents.maxCoeff(), [&](double excess) {
       std::vector<Sphere> spheres;
@@ -195,7 +195,7 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
   CoveredObject covered;
   CoveredSolids solids;
   for (const Shape& shape : object.shapes) {
-    if (internal::is_crowd(shape)) {
+    if (internal::is_compound(shape)) {
       return tl::unexpected(refusal(
           object,
           fmt::format("it has the shape {}; expected a sphere, box, cylinder or capsule, or "

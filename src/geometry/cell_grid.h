@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the kernels know of the parts of a crowd: plain floats, nothing of Eigen.
+/// What the kernels know of the parts of a compound shape: plain floats, nothing of Eigen.
 #pragma once
 
 #include <array>

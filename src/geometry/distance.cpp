@@ -90,7 +90,7 @@ struct NearestPoint {
     return length <= s.radius ? p : Vec3(p - (1 - s.radius / length) * out);
   }
   template <class Part>
-  Vec3 operator()(const Crowd<Part>& s) const {
+  Vec3 operator()(const CompoundShape<Part>& s) const {
     const Vec3 local = s.pose.inverse() * p;
     const NearestPart nearest = nearest_part(s, local, local);
     const Vec3 on_part = nearest_on(local, s.parts->list()[as_index(nearest.part)]);
@@ -123,7 +123,7 @@ struct FromPoint {
     return std::max(0.0, internal::excess_of_segment(p, s.a, s.b).norm() - s.radius);
   }
   template <class Part>
-  double operator()(const Crowd<Part>& s) const {
+  double operator()(const CompoundShape<Part>& s) const {
     const Vec3 local = s.pose.inverse() * p;
     return std::max(0.0, internal::nearest_part(s, local, local).distance - s.radius);
   }
@@ -195,7 +195,7 @@ struct FromSegment {
     return std::max(0.0, segment_distance(a, b, s.a, s.b) - s.radius);
   }
   template <class Part>
-  double operator()(const Crowd<Part>& s) const {
+  double operator()(const CompoundShape<Part>& s) const {
     const Transform to_parts = s.pose.inverse();
     return std::max(0.0, internal::nearest_part(s, to_parts * a, to_parts * b).distance - s.radius);
   }

@@ -82,10 +82,10 @@ double surface_of(const AxisBox& box) {
 // What is as wide as it is deep has no principal axes across: the turn about each axis that makes
 // the box smallest is looked for, on some of the parts.
 template <class Part>
-Box oriented_box(const Crowd<Part>& crowd) {
+Box oriented_box(const CompoundShape<Part>& compound) {
   constexpr std::size_t kLookedAt = 100;
   constexpr double kCoarse = std::numbers::pi / 16, kFine = 0.01;
-  const std::vector<Part>& parts = crowd.parts->list();
+  const std::vector<Part>& parts = compound.parts->list();
   const std::size_t stride = 1 + parts.size() / kLookedAt;
   Eigen::Matrix3d axes = principal_axes(parts, stride);
   if (axes.determinant() < 0) axes.col(0) *= -1;
@@ -107,8 +107,8 @@ Box oriented_box(const Crowd<Part>& crowd) {
   }
   const AxisBox around = extent(parts, axes, 1);
   const Transform X_axes{axes, axes * (0.5 * (around.low + around.high))};
-  return {crowd.pose * X_axes,
-          0.5 * (around.high - around.low) + Vec3::Constant(crowd.radius)};
+  return {compound.pose * X_axes,
+          0.5 * (around.high - around.low) + Vec3::Constant(compound.radius)};
 }
 
 template Box oriented_box(const PointCloud&);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Exact distances from the parts of a crowd, in their frame.
+/// Exact distances from the parts of a compound shape, in their frame.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -32,11 +32,12 @@ inline constexpr double kLeastSine2 = 1e-14;
 /// they meet.
 [[nodiscard]] double distance_between(const Triangle& s, const Triangle& t, double limit);
 
-/// The part that is nearest to the segment ab, without the crowd's radius.
+/// The part that is nearest to the segment ab, without the compound shape's radius.
 template <class Part>
-[[nodiscard]] NearestPart nearest_part(const Crowd<Part>& crowd, const Vec3& a, const Vec3& b) {
-  const auto tree = PartsAccess::tree(*crowd.parts);
-  const std::vector<Part>& list = crowd.parts->list();
+[[nodiscard]] NearestPart nearest_part(const CompoundShape<Part>& compound, const Vec3& a,
+                                       const Vec3& b) {
+  const auto tree = PartsAccess::tree(*compound.parts);
+  const std::vector<Part>& list = compound.parts->list();
   return tree->nearest({a.cwiseMin(b), a.cwiseMax(b)}, [&](int i) {
     return distance_between(a, b, list[static_cast<std::size_t>(i)]);
   });

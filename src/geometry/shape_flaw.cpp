@@ -33,7 +33,7 @@ struct FindFlaw {
     return is_rotation(s.pose.rotation) ? "" : kPose;
   }
   template <class Part>
-  std::string_view operator()(const Crowd<Part>& s) const {
+  std::string_view operator()(const CompoundShape<Part>& s) const {
     constexpr double kLeastRadius = std::is_same_v<Part, CloudPoint> ? 1e-9 : 0;
     if (!s.parts || s.parts->list().empty()) return "has no parts";
     if (!(s.radius >= kLeastRadius)) return "has a radius that is not positive";

@@ -12,7 +12,7 @@
 namespace mneme::internal {
 
 /// What is wrong with a shape, such as "has no parts", or nothing: a size that is not positive, a
-/// pose that is no rotation, numbers that are not finite, a crowd without parts.
+/// pose that is no rotation, numbers that are not finite, a compound shape without parts.
 [[nodiscard]] std::string_view find_flaw(const Shape& shape);
 
 /// "its box has no parts", of a box and "has no parts".

@@ -44,8 +44,8 @@ struct Move {
   Shape operator()(const Cylinder& s) const { return Cylinder{X_AB * s.pose, s.radius, s.length}; }
   Shape operator()(const Capsule& s) const { return Capsule{X_AB * s.a, X_AB * s.b, s.radius}; }
   template <class Part>
-  Shape operator()(const Crowd<Part>& s) const {
-    return Crowd<Part>{X_AB * s.pose, s.parts, s.radius};
+  Shape operator()(const CompoundShape<Part>& s) const {
+    return CompoundShape<Part>{X_AB * s.pose, s.parts, s.radius};
   }
 };
 
@@ -59,7 +59,7 @@ struct Bound {
     return {0.5 * (s.a + s.b), 0.5 * (s.b - s.a).norm() + s.radius};
   }
   template <class Part>
-  Sphere operator()(const Crowd<Part>& s) const {
+  Sphere operator()(const CompoundShape<Part>& s) const {
     const internal::AxisBox box = internal::PartsAccess::bounds(*s.parts);
     return {s.pose * Vec3(0.5 * (box.low + box.high)),
             0.5 * (box.high - box.low).norm() + s.radius};
@@ -74,7 +74,7 @@ struct Sizes {
   std::vector<double> operator()(const Cylinder& s) const { return {s.radius, s.length}; }
   std::vector<double> operator()(const Capsule& s) const { return {s.radius, (s.b - s.a).norm()}; }
   template <class Part>
-  std::vector<double> operator()(const Crowd<Part>&) const {
+  std::vector<double> operator()(const CompoundShape<Part>&) const {
     return {};
   }
 };
@@ -94,7 +94,7 @@ struct Resize {
                    sizes[0]};
   }
   template <class Part>
-  Shape operator()(const Crowd<Part>& s) const {
+  Shape operator()(const CompoundShape<Part>& s) const {
     return s;
   }
 };
@@ -123,22 +123,22 @@ struct Scale {
     return {factor * c.center, factor * c.half_extent};
   }
   template <class Part>
-  Shape operator()(const Crowd<Part>& s) const {
+  Shape operator()(const CompoundShape<Part>& s) const {
     std::vector<Part> parts;
     parts.reserve(s.parts->list().size());
     for (const Part& part : s.parts->list()) parts.push_back(grown(part));
-    return Crowd<Part>{at(s.pose), std::make_shared<Parts<Part>>(std::move(parts)),
-                       s.radius * factor};
+    return CompoundShape<Part>{at(s.pose), std::make_shared<Parts<Part>>(std::move(parts)),
+                               s.radius * factor};
   }
 };
 
-struct IsCrowd {
+struct IsCompound {
   template <class Solid>
   bool operator()(const Solid&) const {
     return false;
   }
   template <class Part>
-  bool operator()(const Crowd<Part>&) const {
+  bool operator()(const CompoundShape<Part>&) const {
     return true;
   }
 };
@@ -174,7 +174,7 @@ struct MomentsOf {
         {turn.toRotationMatrix(), 0.5 * (s.a + s.b)}, s.radius, length + 4.0 / 3 * s.radius});
   }
   template <class Part>
-  Moments operator()(const Crowd<Part>& s) const {
+  Moments operator()(const CompoundShape<Part>& s) const {
     return (*this)(internal::oriented_box(s));
   }
 };
@@ -193,7 +193,7 @@ double Triangle::area() const { return 0.5 * (b - a).cross(c - a).norm(); }
 
 namespace internal {
 
-bool is_crowd(const Shape& shape) { return std::visit(IsCrowd{}, shape); }
+bool is_compound(const Shape& shape) { return std::visit(IsCompound{}, shape); }
 
 std::vector<double> sizes_of(const Shape& shape) { return std::visit(Sizes{}, shape); }
 

@@ -185,7 +185,7 @@ class FromSurface {
   }
 
   template <class Part>
-  double operator()(const Crowd<Part>& s) const {
+  double operator()(const CompoundShape<Part>& s) const {
     const std::vector<Part>& parts = s.parts->list();
     const auto tree = PartsAccess::tree(*s.parts);
     const Transform X = s.pose.inverse();

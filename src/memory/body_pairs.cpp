@@ -100,7 +100,7 @@ namespace {
 Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(const MemoryQuery& query,
                                                               double max_gap) {
   const Robot& robot = query.robot;
-  const std::optional<Scene> boxed = with_boxed_crowds(query.scene);
+  const std::optional<Scene> boxed = with_boxed_compounds(query.scene);
   const Scene& scene = boxed ? *boxed : query.scene;
   const SymmetricJoints joints = find_symmetric_joints(robot);
   const auto pairs = find_near_pairs(scene, max_gap);

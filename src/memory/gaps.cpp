@@ -160,7 +160,7 @@ namespace internal {
 namespace {
 
 Result<std::vector<LocalPrimitive>> decompose_into_gaps(const MemoryQuery& query, double max_gap) {
-  const std::optional<Scene> boxed = with_boxed_crowds(query.scene);
+  const std::optional<Scene> boxed = with_boxed_compounds(query.scene);
   return GapFinder(query.robot, boxed ? *boxed : query.scene, max_gap).find();
 }
 

@@ -72,7 +72,7 @@ bool are_same_obstacles(const Scene& a, const Scene& b) {
 
 bool has_few_parts(const Scene& scene) {
   return std::ranges::all_of(scene.obstacles, [](const Obstacle& obstacle) {
-    return std::ranges::none_of(obstacle.shapes, is_crowd);
+    return std::ranges::none_of(obstacle.shapes, is_compound);
   });
 }
 

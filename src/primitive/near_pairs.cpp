@@ -54,8 +54,8 @@ struct Boxed {
     return solid;
   }
   template <class Part>
-  Shape operator()(const Crowd<Part>& crowd) const {
-    return oriented_box(crowd);
+  Shape operator()(const CompoundShape<Part>& compound) const {
+    return oriented_box(compound);
   }
 };
 
@@ -66,11 +66,11 @@ bool are_near(const Bounds& a, const Bounds& b, double gap) {
 
 }  // namespace
 
-std::optional<Scene> with_boxed_crowds(const Scene& scene) {
-  const auto has_crowd = [](const Obstacle& obstacle) {
-    return std::ranges::any_of(obstacle.shapes, is_crowd);
+std::optional<Scene> with_boxed_compounds(const Scene& scene) {
+  const auto has_compound = [](const Obstacle& obstacle) {
+    return std::ranges::any_of(obstacle.shapes, is_compound);
   };
-  if (scene.obstacles.size() < 2 || std::ranges::none_of(scene.obstacles, has_crowd)) return {};
+  if (scene.obstacles.size() < 2 || std::ranges::none_of(scene.obstacles, has_compound)) return {};
   Scene boxed = scene;
   for (Obstacle& obstacle : boxed.obstacles) {
     for (Shape& shape : obstacle.shapes) shape = std::visit(Boxed{}, shape);

@@ -14,7 +14,7 @@ namespace mneme::internal {
 
 /// The scene with oriented boxes in place of points, meshes and octrees, which are no bodies that a
 /// key could tell. Nothing if that is the scene itself, or leaves no pair.
-[[nodiscard]] std::optional<Scene> with_boxed_crowds(const Scene& scene);
+[[nodiscard]] std::optional<Scene> with_boxed_compounds(const Scene& scene);
 
 /// More pairs than this are no memory but a search of their own, and fill gigabytes.
 inline constexpr std::size_t kMaxNearPairs = 500000;

@@ -90,7 +90,7 @@ std::optional<Outline> outline_of(const Capsule& capsule) {
 
 /// Has no outline of its own, and is not drawn.
 template <class Part>
-std::optional<Outline> outline_of(const Crowd<Part>& /*crowd*/) {
+std::optional<Outline> outline_of(const CompoundShape<Part>& /*compound*/) {
   return std::nullopt;
 }
 

@@ -125,7 +125,7 @@ struct AddShape {
   void operator()(const Mesh& s) const { add_parts("triangles", s); }
   void operator()(const Octree& s) const { add_parts("cubes", s); }
   template <class Part>
-  void add_parts(const char* key, const Crowd<Part>& s) const {
+  void add_parts(const char* key, const CompoundShape<Part>& s) const {
     json["pose"] = to_json(s.pose);
     json["radius"] = rounded(s.radius);
     json[key] = to_json(pack(s.parts->list(), most));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/moveit_messages.h"
 
-#include "scene/moveit_crowds.h"
+#include "scene/moveit_compounds.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>

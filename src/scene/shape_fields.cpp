@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/shape_fields.h"
 
-#include "scene/crowd_fields.h"
+#include "scene/compound_fields.h"
 #include "scene/yaml.h"
 
 #include <Eigen/Geometry>
@@ -65,12 +65,12 @@ class ShapeReader {
 
   /// The shape stands where its file says, unless it has a pose.
   template <class Part>
-  Shape with_pose(Crowd<Part> crowd, bool has_radius) const {
+  Shape with_pose(CompoundShape<Part> compound, bool has_radius) const {
     if (input_.find(spelling_.position) || input_.find(spelling_.quaternion)) {
-      crowd.pose = read_pose();
+      compound.pose = read_pose();
     }
-    if (has_radius) crowd.radius = read_size("radius");
-    return crowd;
+    if (has_radius) compound.radius = read_size("radius");
+    return compound;
   }
 
   double read_size(std::string_view key) const { return input_.at(key).positive_number(); }
@@ -142,7 +142,7 @@ class DescribeFields {
     return {point("a", s.a), point("b", s.b), {"radius", {s.radius}}};
   }
   template <class Part>
-  Fields operator()(const Crowd<Part>& s) const {
+  Fields operator()(const CompoundShape<Part>& s) const {
     Fields own;
     if (s.radius > 0) own.push_back({"radius", {s.radius}});
     own.push_back({key_of(*s.parts), numbers_of(*s.parts), true});

@@ -76,7 +76,7 @@ struct DescribeForMoveit {
   }
   Answer operator()(const Capsule&) const { return std::nullopt; }
   template <class Part>
-  Answer operator()(const Crowd<Part>&) const {
+  Answer operator()(const CompoundShape<Part>&) const {
     return std::nullopt;
   }
 };

@@ -154,7 +154,7 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
 }
 
 /// Of points, triangles or cubes.
-bool has_crowd(const Obstacle& obstacle) {
+bool has_compound(const Obstacle& obstacle) {
   return std::ranges::any_of(obstacle.shapes, [](const Shape& shape) {
     return std::visit(
         [](const auto& solid) {
@@ -168,7 +168,7 @@ bool has_crowd(const Obstacle& obstacle) {
 Json allow_json(const Scene& scene) {
   Json pairs = Json::array();
   for (const Obstacle& obstacle : scene.obstacles) {
-    if (has_crowd(obstacle)) continue;
+    if (has_compound(obstacle)) continue;
     for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
   }
   return pairs;
@@ -180,7 +180,7 @@ Scene scene_of_page(const ServiceSettings& settings) {
   Scene scene;
   if (settings.shown) {
     std::ranges::copy_if(settings.shown->scene.obstacles, std::back_inserter(scene.obstacles),
-                         has_crowd);
+                         has_compound);
   }
   return scene;
 }
@@ -190,7 +190,7 @@ Result<std::string> make_live_page(const Robot& robot, bool has_memory,
   Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
   // The order of a plan's scene: what its request holds, then what the service keeps.
   auto& obstacles = problem.scene.obstacles;
-  std::stable_partition(obstacles.begin(), obstacles.end(), std::not_fn(has_crowd));
+  std::stable_partition(obstacles.begin(), obstacles.end(), std::not_fn(has_compound));
   TraceSettings seen;
   seen.package_paths = settings.package_paths;
   const auto trace = make_trace(problem, {}, nullptr, 0, seen);

@@ -60,8 +60,8 @@ void check_robot(const Input& input, const Robot& robot) {
 /// Points, triangles or cubes of a shape.
 struct CountParts {
   template <class Part>
-  std::size_t operator()(const Crowd<Part>& crowd) const {
-    return crowd.parts->list().size();
+  std::size_t operator()(const CompoundShape<Part>& compound) const {
+    return compound.parts->list().size();
   }
   std::size_t operator()(const auto&) const { return 0; }
 };

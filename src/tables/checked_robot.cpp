@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tables/crowd_tables.h"
+#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
 
 #include <algorithm>

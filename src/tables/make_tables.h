@@ -40,7 +40,8 @@ void store(const Matrix& m, float* out) {
                                         const std::set<std::pair<int, int>>& pairs);
 
 /// Errors: an obstacle without shapes, with one that has a flaw (find_flaw()), or too far away. Of
-/// crowds only what is within `reach` metres of the root's origin is of interest (reach_of()).
+/// compound shapes only what is within `reach` metres of the root's origin is of interest
+/// (reach_of()).
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
-#include "tables/crowd_tables.h"
+#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
 #include "geometry/parts.h"
 #include "geometry/shape_flaw.h"
@@ -91,7 +91,7 @@ struct Placed {
   ObstacleRow row;
   Vec3 center = Vec3::Zero();
   Vec3 reach = Vec3::Zero();
-  std::optional<CrowdRow> crowd = {};
+  std::optional<CompoundRow> compound = {};
 };
 
 /// Expects shapes in the scene's frame.
@@ -141,14 +141,14 @@ struct Place {
   }
 
   template <class Part>
-  Placed operator()(const Crowd<Part>& s) const {
+  Placed operator()(const CompoundShape<Part>& s) const {
     const AxisBox box = PartsAccess::bounds(*s.parts);
     const Eigen::Matrix3d& rotation = s.pose.rotation;
     Placed result{{},
                   s.pose * Vec3(0.5 * (box.low + box.high)),
                   rotation.cwiseAbs() * (0.5 * (box.high - box.low)) + Vec3::Constant(s.radius),
-                  make_crowd_row(s, reach_of_interest)};
-    result.row.kind = ObstacleKind::crowd;
+                  make_compound_row(s, reach_of_interest)};
+    result.row.kind = ObstacleKind::compound;
     result.row.rounding = static_cast<float>(s.radius);
     store(result.center, result.row.center);
     return result;
@@ -157,9 +157,9 @@ struct Place {
 
 void add(const Placed& placed, SceneTables& tables) {
   tables.obstacles.push_back(placed.row);
-  if (placed.crowd) {
-    tables.obstacles.back().crowd = static_cast<int>(tables.crowds.size());
-    tables.crowds.push_back(*placed.crowd);
+  if (placed.compound) {
+    tables.obstacles.back().compound = static_cast<int>(tables.compounds.size());
+    tables.compounds.push_back(*placed.compound);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = as_index(axis);

@@ -144,7 +144,7 @@ struct RobotTables {
   std::vector<int> link_of_group;  ///< index into the robot's links
 };
 
-enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule, crowd };
+enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, capsule, compound };
 
 /// An obstacle's shape in the scene's frame.
 struct ObstacleRow {
@@ -155,12 +155,12 @@ struct ObstacleRow {
   /// Row-major, from the scene's frame to that of a box or cylinder that is not aligned.
   float rotation[9] = {};
   float half_extents[3] = {};  ///< of a box; of a cylinder: radius, radius, half the length
-  float rounding = 0;          ///< the radius of a sphere, capsule or crowd, around its core
-  int crowd = -1;              ///< index into SceneTables::crowds
+  float rounding = 0;  ///< the radius of a sphere, capsule or compound shape, around its core
+  int compound = -1;   ///< index into SceneTables::compounds
 };
 
 /// Many small parts in a frame of their own.
-struct CrowdRow {
+struct CompoundRow {
   float rotation[9] = {};     ///< row-major, from the scene's frame to that of the parts
   float translation[3] = {};  ///< the same
   const CellGrid* cells = nullptr;
@@ -174,7 +174,7 @@ struct CrowdRow {
 struct SceneTables {
   float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, from the root to that frame
   std::vector<ObstacleRow> obstacles;
-  std::vector<CrowdRow> crowds;
+  std::vector<CompoundRow> compounds;
   /// Per axis, of the box around each obstacle; filled up to a multiple of kObstacleBlock with
   /// boxes that nothing overlaps.
   std::array<std::vector<float>, 3> lower, upper;

@@ -150,7 +150,7 @@ TEST_SUITE("unit") {
           "obstacle 'map': expected at most 4000000 points, got 4000001");
   }
 
-  TEST_CASE("a margin that the tables of a crowd cannot keep makes nothing valid") {
+  TEST_CASE("a margin that the tables of a compound shape cannot keep makes nothing valid") {
     const Robot robot = pointer();
     const std::vector<float> a = {1.5f}, b = {1.6f};
     const auto are_valid = [&](const Shape& shape, double margin) {

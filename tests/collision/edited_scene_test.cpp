@@ -3,7 +3,7 @@
 
 // Scenes that change while checkers of them come and go.
 #include "collision/random_worlds.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 
 #include <atomic>
 #include <optional>

@@ -4,7 +4,7 @@
 // Kernels in front of triangles that are nearly segments.
 #include "collision/random_worlds.h"
 #include "collision/walking_robots.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "geometry/slivers.h"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST_SUITE("oracle") {
       const Robot robot = sliding_hand(i % 2 == 0);
       std::vector<Triangle> slivers;
       for (int k = 0; k < 4; ++k) slivers.push_back(random_sliver(rng));
-      const Scene scene{"slivers", {{"slivers", {crowd_of(slivers)}}}};
+      const Scene scene{"slivers", {{"slivers", {compound_of(slivers)}}}};
       std::vector<float> rows;
       for (int k = 0; k < 160; ++k) {
         const Configuration q = configuration_beside(robot, slivers[rng.index(4)], rng);
@@ -90,7 +90,7 @@ TEST_SUITE("unit") {
     const Robot robot = robot_of(parts);
     // With its image the coordinates in the kernels are these.
     const std::vector<Triangle> both = {sliver, {-sliver.a, -sliver.b, -sliver.c}};
-    const Scene scene{"sliver", {{"sliver", {crowd_of(both)}}}};
+    const Scene scene{"sliver", {{"sliver", {compound_of(both)}}}};
     for (const Isa isa : available_isas()) {
       INFO(to_string(isa));
       CHECK(check_all(require_checker(robot, scene, {.isa = isa}), {0, 0.25f}) ==

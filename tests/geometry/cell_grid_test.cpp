@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/crowd_grids.h"
+#include "geometry/compound_grids.h"
 #include "geometry/point_grid.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "support/support.h"
 
 #include <algorithm>

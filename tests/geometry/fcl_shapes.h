@@ -55,7 +55,7 @@ struct ToFcl {
   }
   /// FCL has nothing of the kind.
   template <class Part>
-  fcl::CollisionObjectd operator()(const Crowd<Part>&) const {
+  fcl::CollisionObjectd operator()(const CompoundShape<Part>&) const {
     throw std::logic_error("no shape of FCL");
   }
 };

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/box_surface.h"
 #include "geometry/fcl_shapes.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "geometry/solid_distance.h"
 #include "support/support.h"
 
@@ -20,7 +20,7 @@ Box random_box(Rng& rng) {
 Mesh joined(const Box& a, const Box& b) {
   std::vector<Triangle> triangles = surface_of(a);
   for (const Triangle& t : surface_of(b)) triangles.push_back(t);
-  return crowd_of(std::move(triangles));
+  return compound_of(std::move(triangles));
 }
 
 /// From a solid box, part by part.
@@ -68,7 +68,7 @@ TEST_SUITE("oracle") {
     int apart = 0, together = 0;
     for (int i = 0; i < 400; ++i) {
       const Box box = random_box(rng);
-      const Mesh surface = crowd_of(surface_of(box));
+      const Mesh surface = compound_of(surface_of(box));
       const Shape shape =
           i % 8 < 4 ? random_shape(i % 8, rng)
                     : transformed(random_pose(rng, 1.5),
@@ -89,11 +89,11 @@ TEST_SUITE("oracle") {
     int apart = 0, beyond = 0;
     for (int i = 0; i < 400; ++i) {
       const Box a = random_box(rng), b = random_box(rng);
-      const Mesh first = crowd_of(surface_of(a));
+      const Mesh first = compound_of(surface_of(a));
       const Transform X = random_pose(rng, 1.0);
       // One is given in its own frame.
-      const Mesh second{X, crowd_of(surface_of(std::get<Box>(transformed(X.inverse(), b)))).parts,
-                        0};
+      const Mesh second{
+          X, compound_of(surface_of(std::get<Box>(transformed(X.inverse(), b)))).parts, 0};
       const double expected = fcl_distance(a, b);
       INFO("seed 73, pair " << i);
       CHECK(internal::distance_between_solids(first, second, 1e9) ==
@@ -114,7 +114,7 @@ TEST_SUITE("law") {
   TEST_CASE("poses of the surface and of the world do not matter") {
     Rng rng(72);
     for (int i = 0; i < 60; ++i) {
-      const Mesh surface = crowd_of(surface_of(random_box(rng)));
+      const Mesh surface = compound_of(surface_of(random_box(rng)));
       const Shape shape = random_shape(i % kShapeKinds, rng);
       const Transform X = random_pose(rng, 2.0);
       CHECK(distance_to_solid(std::get<Mesh>(transformed(X, surface)), transformed(X, shape)) ==
@@ -127,16 +127,16 @@ TEST_SUITE("unit") {
   const Box kBox{{}, {0.5, 0.5, 0.5}};
 
   TEST_CASE("what lies wholly inside touches") {
-    const Mesh surface = crowd_of(surface_of(kBox));
+    const Mesh surface = compound_of(surface_of(kBox));
     const Vec3 middle(0.1, 0.05, -0.1);
     const std::vector<CloudPoint> points = {{2, 0, 0}, {0.1F, 0.1F, 0.1F}};
     const std::vector<Shape> inside = {Sphere{middle, 0.1},
                                        Capsule{middle, -middle, 0.05},
                                        Box{{Eigen::Matrix3d::Identity(), middle}, {0.1, 0.1, 0.1}},
                                        Cylinder{{}, 0.1, 0.1},
-                                       crowd_of(points, 0.01),
-                                       crowd_of(surface_of(Box{{}, {0.1, 0.1, 0.1}})),
-                                       crowd_of(std::vector<Cube>{{middle, 0.1}})};
+                                       compound_of(points, 0.01),
+                                       compound_of(surface_of(Box{{}, {0.1, 0.1, 0.1}})),
+                                       compound_of(std::vector<Cube>{{middle, 0.1}})};
     for (const Shape& shape : inside) {
       INFO(shape_name(shape));
       CHECK(distance_to_solid(surface, shape) == 0);
@@ -144,12 +144,12 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("what holds all of the surface touches it, but for a mesh") {
-    const Mesh surface = crowd_of(surface_of(kBox));
+    const Mesh surface = compound_of(surface_of(kBox));
     CHECK(distance_to_solid(surface, Sphere{Vec3::Zero(), 3}) == 0);
     CHECK(distance_to_solid(surface, Box{{}, {2, 2, 2}}) == 0);
     CHECK(distance_to_solid(surface, Cylinder{{}, 2, 4}) == 0);
-    CHECK(distance_to_solid(surface, crowd_of(std::vector<Cube>{{Vec3::Zero(), 2}})) == 0);
-    CHECK(distance_to_solid(surface, crowd_of(surface_of(Box{{}, {2, 2, 2}}))) ==
+    CHECK(distance_to_solid(surface, compound_of(std::vector<Cube>{{Vec3::Zero(), 2}})) == 0);
+    CHECK(distance_to_solid(surface, compound_of(surface_of(Box{{}, {2, 2, 2}}))) ==
           doctest::Approx(1.5));
   }
 
@@ -161,21 +161,21 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("of two solids either may hold the other, or a piece of it") {
-    const Mesh outer = crowd_of(surface_of(kBox));
+    const Mesh outer = compound_of(surface_of(kBox));
     const Box small{{}, {0.1, 0.1, 0.1}}, away{{Eigen::Matrix3d::Identity(), {3, 0, 0}}, {1, 1, 1}};
-    for (const Mesh& inner : {crowd_of(surface_of(small)), joined(away, small)}) {
+    for (const Mesh& inner : {compound_of(surface_of(small)), joined(away, small)}) {
       CHECK(internal::distance_between_solids(outer, inner, 1e9) == 0);
       CHECK(internal::distance_between_solids(inner, outer, 1e-3) == 0);
     }
-    CHECK(internal::distance_between_solids(outer, crowd_of(surface_of(away)), 9) ==
+    CHECK(internal::distance_between_solids(outer, compound_of(surface_of(away)), 9) ==
           doctest::Approx(1.5));
   }
 
   TEST_CASE("an opening does not let the outside in") {
     std::vector<Triangle> open = surface_of(kBox);
     open.resize(10);
-    CHECK(distance_to_solid(crowd_of(open), Sphere{Vec3::Zero(), 0.05}) == 0);
-    CHECK(distance_to_solid(crowd_of(open), Sphere{{0, 0, 2}, 0.05}) == doctest::Approx(1.45));
+    CHECK(distance_to_solid(compound_of(open), Sphere{Vec3::Zero(), 0.05}) == 0);
+    CHECK(distance_to_solid(compound_of(open), Sphere{{0, 0, 2}, 0.05}) == doctest::Approx(1.45));
   }
 }
 

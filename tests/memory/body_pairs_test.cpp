@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/box_surface.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "primitive/random_pairs.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
@@ -75,7 +75,7 @@ TEST_SUITE("unit") {
         Box box{random_pose(rng, 0.05), {0.1, 0.1, rng.uniform(0.02, 0.2)}};
         box.pose.translation.x() += side;
         boxes.obstacles.push_back({"box", {box}});
-        meshes.obstacles.push_back({"mesh", {crowd_of(surface_of(box))}});
+        meshes.obstacles.push_back({"mesh", {compound_of(surface_of(box))}});
         std::vector<CloudPoint> points;
         for (int i = 0; i < 5000; ++i) {
           Vec3 p = Vec3::NullaryExpr([&] { return rng.uniform(-1, 1); });
@@ -83,7 +83,7 @@ TEST_SUITE("unit") {
           const Eigen::Vector3f at = (box.pose * p.cwiseProduct(box.half_extents)).cast<float>();
           points.push_back({at.x(), at.y(), at.z()});
         }
-        clouds.obstacles.push_back({"cloud", {crowd_of(std::move(points), 1e-4)}});
+        clouds.obstacles.push_back({"cloud", {compound_of(std::move(points), 1e-4)}});
       }
       const auto expected = body_pairs(robot, boxes, 1.0);
       REQUIRE(expected.size() == 1);
@@ -112,8 +112,8 @@ TEST_SUITE("unit") {
     const auto sheet = [](const Vec3& corner, double width, double height) {
       const Vec3 across(0, width, 0), up(0, 0, height);
       return Shape(
-          crowd_of(std::vector<Triangle>{{corner, corner + across, corner + up},
-                                         {corner + across + up, corner + up, corner + across}}));
+          compound_of(std::vector<Triangle>{{corner, corner + across, corner + up},
+                                            {corner + across + up, corner + up, corner + across}}));
     };
     const Obstacle one{"", {sheet({1, 2, 3}, 0.2, 0.4)}};
     CHECK(largest_difference(body_key(one), BodyKey{1, 2.1, 3.2, 0, 0.1, 0.2, 0, 0, 0}) < 1e-6);

@@ -4,7 +4,7 @@
 
 #include "primitive/near_pairs.h"
 #include "geometry/box_surface.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "geometry/random_shapes.h"
 #include "primitive/passage.h"
 #include "support/support.h"
@@ -44,14 +44,14 @@ TEST_SUITE("unit") {
     CHECK(near_pairs(scene, 0.3) == Pairs{{0, 1}});
   }
 
-  TEST_CASE("boxes stand for crowds where there is another obstacle to pair with") {
+  TEST_CASE("boxes stand for compound shapes where there is another obstacle to pair with") {
     Scene scene = row_of_balls(1, 1, 0.4);
-    CHECK(!internal::with_boxed_crowds(row_of_balls(3, 1, 0.4)));
+    CHECK(!internal::with_boxed_compounds(row_of_balls(3, 1, 0.4)));
     const Box board{{rotation_from_rpy({0.3, 0.2, 0.7}), {2, 0, 0}}, {0.5, 0.2, 0.01}};
-    const Scene alone{"mesh", {{"board", {crowd_of(surface_of(board))}}}};
-    CHECK(!internal::with_boxed_crowds(alone));
+    const Scene alone{"mesh", {{"board", {compound_of(surface_of(board))}}}};
+    CHECK(!internal::with_boxed_compounds(alone));
     scene.obstacles.push_back(alone.obstacles[0]);
-    const auto boxed = internal::with_boxed_crowds(scene);
+    const auto boxed = internal::with_boxed_compounds(scene);
     REQUIRE(boxed);
     CHECK(boxed->obstacles[0] == scene.obstacles[0]);
     const auto* box = std::get_if<Box>(&boxed->obstacles[1].shapes[0]);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/crowd_fields.h"
+#include "scene/compound_fields.h"
 
 #include "geometry/axis_box.h"
 #include "geometry/mesh_file.h"
@@ -75,7 +75,7 @@ std::vector<double> list_of(const Input& input, std::string_view key, std::size_
 }
 
 template <class Part>
-Crowd<Part> crowd_of(std::vector<Part> parts) {
+CompoundShape<Part> compound_of(std::vector<Part> parts) {
   return {{}, std::make_shared<Parts<Part>>(std::move(parts)), 0};
 }
 
@@ -94,7 +94,7 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
     for (std::size_t i = 0; i < numbers.size(); i += 3) {
       at(numbers[i], numbers[i + 1], numbers[i + 2]);
     }
-    return crowd_of(std::move(points));
+    return compound_of(std::move(points));
   }
   const std::string path = path_of(*file);
   const CloudFile cloud = value_at(*file, read_cloud(path));
@@ -105,7 +105,7 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
   points.reserve(cloud.points.size());
   for (const CloudPoint& p : cloud.points) at(p[0], p[1], p[2]);
   warn_of_unit(*file, points, warnings);
-  return crowd_of(std::move(points));
+  return compound_of(std::move(points));
 }
 
 Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
@@ -113,7 +113,7 @@ Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
     const Vec3 scale = Vec3::Constant(scale_of(input));
     auto triangles = value_at(*file, read_triangles(path_of(*file), scale, {}));
     warn_of_unit(*file, triangles, warnings);
-    return crowd_of(std::move(triangles));
+    return compound_of(std::move(triangles));
   }
   const double scale = scale_of(input);
   const std::vector<double> n = list_of(input, "triangles", 9);
@@ -123,7 +123,7 @@ Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
                          scale * Vec3(n[i + 3], n[i + 4], n[i + 5]),
                          scale * Vec3(n[i + 6], n[i + 7], n[i + 8])});
   }
-  return crowd_of(std::move(triangles));
+  return compound_of(std::move(triangles));
 }
 
 Octree read_octree_shape(const Input& input) {
@@ -133,7 +133,7 @@ Octree read_octree_shape(const Input& input) {
   if (unknown && !is_occupied && !(unknown->is_text() && unknown->text() == "free")) {
     unknown->fail_expecting("free or occupied");
   }
-  if (file) return crowd_of(value_at(*file, read_octree(path_of(*file), {is_occupied})));
+  if (file) return compound_of(value_at(*file, read_octree(path_of(*file), {is_occupied})));
   if (unknown) unknown->fail(ErrorCode::parse, "expected a file beside it, got cubes");
   const Input list = input.at("cubes");
   const std::vector<double> n = list_of(input, "cubes", 4);
@@ -142,7 +142,7 @@ Octree read_octree_shape(const Input& input) {
     if (!(n[i + 3] > 0)) list.fail_expecting("edges above 0");
     cubes.push_back({Vec3(n[i], n[i + 1], n[i + 2]), 0.5 * n[i + 3]});
   }
-  return crowd_of(std::move(cubes));
+  return compound_of(std::move(cubes));
 }
 
 namespace {

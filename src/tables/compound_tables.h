@@ -16,10 +16,10 @@ inline constexpr double kSpareReach = 0.25;
 /// farthest_reach(), and what is spared.
 [[nodiscard]] double reach_of(const Robot& robot);
 
-/// `crowd` stands in the scene's frame. Only what is within `reach` of the origin is of interest.
-/// What takes long is kept with the parts and found there again.
-[[nodiscard]] CrowdRow make_crowd_row(const PointCloud& crowd, double reach);
-[[nodiscard]] CrowdRow make_crowd_row(const Mesh& crowd, double reach);
-[[nodiscard]] CrowdRow make_crowd_row(const Octree& crowd, double reach);
+/// `compound` stands in the scene's frame. Only what is within `reach` of the origin is of
+/// interest. What takes long is kept with the parts and found there again.
+[[nodiscard]] CompoundRow make_compound_row(const PointCloud& compound, double reach);
+[[nodiscard]] CompoundRow make_compound_row(const Mesh& compound, double reach);
+[[nodiscard]] CompoundRow make_compound_row(const Octree& compound, double reach);
 
 }  // namespace mneme::internal

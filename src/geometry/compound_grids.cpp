@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/crowd_grids.h"
+#include "geometry/compound_grids.h"
 
 #include "base/as_index.h"
 #include "geometry/part_distance.h"

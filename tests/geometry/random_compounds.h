@@ -14,7 +14,7 @@
 namespace mneme::test {
 
 template <class Part>
-Crowd<Part> crowd_of(std::vector<Part> parts, double radius = 0) {
+CompoundShape<Part> compound_of(std::vector<Part> parts, double radius = 0) {
   return {{}, std::make_shared<Parts<Part>>(std::move(parts)), radius};
 }
 
@@ -34,7 +34,7 @@ inline Shape random_cloud(Rng& rng) {
     const Eigen::Vector3f f = random_vector(rng, 1.0).cast<float>();
     points.push_back({f.x(), f.y(), f.z()});
   }
-  return crowd_of(std::move(points), rng.uniform(0.001, 0.03));
+  return compound_of(std::move(points), rng.uniform(0.001, 0.03));
 }
 
 /// Triangles of all sizes, slivers among them.
@@ -47,7 +47,7 @@ inline Shape random_mesh(Rng& rng) {
     if (i % 10 == 9) t.c = t.a + 0.5 * (t.b - t.a) + random_vector(rng, 1e-4);
     triangles.push_back(t);
   }
-  return crowd_of(std::move(triangles), rng.index(2) == 0 ? 0.0 : 0.01);
+  return compound_of(std::move(triangles), rng.index(2) == 0 ? 0.0 : 0.01);
 }
 
 inline Shape random_octree(Rng& rng) {
@@ -57,7 +57,7 @@ inline Shape random_octree(Rng& rng) {
     const Vec3 cell = (random_vector(rng, 0.5) / edge).array().round();
     cubes.push_back({edge * cell, 0.5 * edge});
   }
-  return crowd_of(std::move(cubes));
+  return compound_of(std::move(cubes));
 }
 
 inline std::vector<Vec3> corners_of(const CloudPoint& p) { return {Vec3(p[0], p[1], p[2])}; }
@@ -119,14 +119,14 @@ struct DistanceByParts {
     return -1;
   }
   template <class Part>
-  double operator()(const Crowd<Part>& crowd) const {
-    const Transform to_parts = crowd.pose.inverse();
+  double operator()(const CompoundShape<Part>& compound) const {
+    const Transform to_parts = compound.pose.inverse();
     const Vec3 from = to_parts * a, to = to_parts * b;
     double least = std::numeric_limits<double>::infinity();
-    for (const Part& part : crowd.parts->list()) {
+    for (const Part& part : compound.parts->list()) {
       least = std::min(least, internal::distance_between(from, to, part));
     }
-    return std::max(0.0, least - crowd.radius);
+    return std::max(0.0, least - compound.radius);
   }
 };
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the kernels read of a crowd's parts: made when it is first asked for, and kept with them.
+/// What the kernels read of a compound shape's parts: made when it is first asked for, and kept
+/// with them.
 #pragma once
 
 #include "geometry/axis_box.h"

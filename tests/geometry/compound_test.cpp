@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/fcl_shapes.h"
 #include "geometry/part_distance.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 #include "geometry/solids.h"
 #include "support/support.h"
 
@@ -194,7 +194,7 @@ TEST_SUITE("law") {
     CHECK(touching > 50);
   }
 
-  TEST_CASE("the oriented box of a crowd holds all of its parts") {
+  TEST_CASE("the oriented box of a compound shape holds all of its parts") {
     Rng rng(65);
     for (int i = 0; i < 30; ++i) {
       const Shape shape = transformed(random_pose(rng, 1.0), kMakers[i % 3](rng));
@@ -214,7 +214,7 @@ TEST_SUITE("law") {
     }
   }
 
-  TEST_CASE("a crowd moves, grows and is bounded with its parts") {
+  TEST_CASE("a compound shape moves, grows and is bounded with its parts") {
     Rng rng(63);
     for (const auto make : kMakers) {
       const Shape shape = make(rng);

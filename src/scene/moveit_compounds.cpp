@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/moveit_crowds.h"
+#include "scene/moveit_compounds.h"
 
 #include "scene/moveit_messages.h"
 #include "scene/octree_file.h"

@@ -4,7 +4,7 @@
 // Kernels in front of points, meshes and octrees against a look at every part.
 #include "collision/random_worlds.h"
 #include "collision/sweeps.h"
-#include "geometry/random_crowds.h"
+#include "geometry/random_compounds.h"
 
 #include <array>
 #include <functional>
@@ -26,7 +26,7 @@ class GapByParts {
       : robot_(robot), is_moving_(internal::find_moving_links(robot)) {
     for (const Obstacle& obstacle : scene.obstacles) {
       for (const Shape& shape : obstacle.shapes) {
-        std::visit([&](const auto& crowd) { add(crowd); }, shape);
+        std::visit([&](const auto& compound) { add(compound); }, shape);
       }
     }
   }
@@ -39,7 +39,7 @@ class GapByParts {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (!is_moving_[i]) continue;
       for (const Capsule& own : capsules_of(robot_.links()[i], poses[i])) {
-        for (const auto& include : crowds_) include(own, least);
+        for (const auto& include : compounds_) include(own, least);
       }
     }
     return least;
@@ -49,10 +49,11 @@ class GapByParts {
   template <class Solid>
   void add(const Solid&) {}
   template <class Part>
-  void add(const Crowd<Part>& crowd) {
-    const auto ball = std::make_shared<const BallOfParts<Part>>(ball_of_parts(crowd.parts->list()));
-    const Transform to_parts = crowd.pose.inverse();
-    crowds_.push_back([=, radius = crowd.radius](const Capsule& own, double& least) {
+  void add(const CompoundShape<Part>& compound) {
+    const auto ball =
+        std::make_shared<const BallOfParts<Part>>(ball_of_parts(compound.parts->list()));
+    const Transform to_parts = compound.pose.inverse();
+    compounds_.push_back([=, radius = compound.radius](const Capsule& own, double& least) {
       include(Capsule{to_parts * own.a, to_parts * own.b, own.radius}, *ball, radius, least);
     });
   }
@@ -79,7 +80,7 @@ class GapByParts {
 
   const Robot& robot_;
   std::vector<bool> is_moving_;
-  std::vector<std::function<void(const Capsule&, double&)>> crowds_;
+  std::vector<std::function<void(const Capsule&, double&)>> compounds_;
 };
 
 /// Moves the parts in their frame, and the frame back.
@@ -98,12 +99,12 @@ struct SetAside {
   [[nodiscard]] Cube moved(const Cube& c) const { return {c.center + away, c.half_extent}; }
 
   template <class Part>
-  Shape operator()(Crowd<Part> crowd) const {
+  Shape operator()(CompoundShape<Part> compound) const {
     std::vector<Part> parts;
-    for (const Part& part : crowd.parts->list()) parts.push_back(moved(part));
-    crowd = crowd_of(std::move(parts), crowd.radius);
-    crowd.pose.translation = -away;
-    return crowd;
+    for (const Part& part : compound.parts->list()) parts.push_back(moved(part));
+    compound = compound_of(std::move(parts), compound.radius);
+    compound.pose.translation = -away;
+    return compound;
   }
   template <class Solid>
   Shape operator()(const Solid& solid) const {
@@ -158,7 +159,7 @@ TEST_SUITE("oracle") {
     }
   }
 
-  TEST_CASE("exact contacts with crowds are those of a look at every part") {
+  TEST_CASE("exact contacts with compound shapes are those of a look at every part") {
     Rng rng(302);
     int touching = 0;
     for (int i = 0; i < 9; ++i) {
@@ -197,7 +198,8 @@ TEST_SUITE("oracle") {
     }
   }
 
-  TEST_CASE("what is swept in front of a crowd is free only if it touches nothing on the way") {
+  TEST_CASE(
+      "what is swept in front of a compound shape is free only if it touches nothing on the way") {
     Rng rng(303);
     for (const auto make : kMakers) {
       SweepTally tally;

@@ -6,11 +6,11 @@
 // Configurations of a motion lie far apart, and so do their balls: each lane has a way of its own
 // through any tree. So a grid answers first, for all lanes at once, by the gap that each cell knows
 // to the nearest part; only lanes that this leaves open look at parts, a vector of them at a time.
-#if defined(MNEME_COLLISION_CROWD_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef MNEME_COLLISION_CROWD_INL_H_
-#undef MNEME_COLLISION_CROWD_INL_H_
+#if defined(MNEME_COLLISION_COMPOUND_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_COLLISION_COMPOUND_INL_H_
+#undef MNEME_COLLISION_COMPOUND_INL_H_
 #else
-#define MNEME_COLLISION_CROWD_INL_H_
+#define MNEME_COLLISION_COMPOUND_INL_H_
 #endif
 
 #include <algorithm>
@@ -30,7 +30,7 @@ namespace HWY_NAMESPACE {
 /// Metres; more than rounding can make a gap too wide.
 HWY_INLINE float gap_tolerance(const CellGrid& grid) { return 1e-5f + 2e-4f * grid.cell; }
 
-HWY_INLINE V3 into_crowd(const CrowdRow& row, const V3& p) {
+HWY_INLINE V3 into_compound(const CompoundRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
 }
 
@@ -369,7 +369,7 @@ static HWY_NOINLINE bool touches(const PartTree& tree, const Probe& probe) {
   return false;
 }
 
-HWY_INLINE bool touches(const CrowdRow& row, const Probe& probe) {
+HWY_INLINE bool touches(const CompoundRow& row, const Probe& probe) {
   return row.points != nullptr ? touches(*row.points, probe) : touches(*row.tree, probe);
 }
 
@@ -391,7 +391,8 @@ struct LanePoints {
 /// A bit for each lane of `near` whose probe, made by `make_probe(lane)`, touches a part. With
 /// `kIsMotion` the first one is enough.
 template <bool kIsMotion, class MakeProbe>
-HWY_INLINE unsigned find_touches(const CrowdRow& row, unsigned near, const MakeProbe& make_probe) {
+HWY_INLINE unsigned find_touches(const CompoundRow& row, unsigned near,
+                                 const MakeProbe& make_probe) {
   unsigned hits = 0;
   for (; near != 0; near &= near - 1) {
     const int lane = __builtin_ctz(near);
@@ -404,7 +405,7 @@ HWY_INLINE unsigned find_touches(const CrowdRow& row, unsigned near, const MakeP
 
 /// For the lanes of `open`, and balls of radius `reach` about `p`, in the frame of the parts.
 template <bool kIsMotion>
-HWY_INLINE unsigned find_ball_touches(const CrowdRow& row, const V3& p, V reach, unsigned open) {
+HWY_INLINE unsigned find_ball_touches(const CompoundRow& row, const V3& p, V reach, unsigned open) {
   const unsigned near = open & find_near(*row.cells, p, reach);
   if (near == 0) return 0;
   const LanePoints points(p, reach);
@@ -415,7 +416,7 @@ HWY_INLINE unsigned find_ball_touches(const CrowdRow& row, const V3& p, V reach,
 
 /// The same for capsules about segments of one length.
 template <bool kIsMotion>
-HWY_INLINE unsigned find_capsule_touches(const CrowdRow& row, const V3& a, const V3& u,
+HWY_INLINE unsigned find_capsule_touches(const CompoundRow& row, const V3& a, const V3& u,
                                          float inverse_length2, V reach, unsigned open) {
   const float half = inverse_length2 > 0 ? 0.5f / std::sqrt(inverse_length2) : 0.0f;
   const V3 middle = mul_add(splat(0.5f), u, a);
@@ -434,4 +435,4 @@ HWY_INLINE unsigned find_capsule_touches(const CrowdRow& row, const V3& a, const
 }  // namespace mneme::internal
 HWY_AFTER_NAMESPACE();
 
-#endif  // MNEME_COLLISION_CROWD_INL_H_
+#endif  // MNEME_COLLISION_COMPOUND_INL_H_
