@@ -107,7 +107,7 @@ constexpr std::array kComparisons = {
     Comparison{RobotDifference::none, "none", "the robot that it was learned with"},
     Comparison{
         RobotDifference::shapes, "shapes",
-        "the same joints, frames and limits; another collision model (covers, fingers, tools "
+        "the same joints, frames and limits; another collision model (spheres, fingers, tools "
         "or checked pairs), which does not matter: the experience applies"},
     Comparison{RobotDifference::limits, "limits",
                "the same joints and frames; other limits: `mneme db adopt` makes the experience "

@@ -27,7 +27,7 @@ if set, messages have no colours
 .SH FILES
 .TP
 .I $XDG_CACHE_HOME/mneme
-spheres that cover the meshes of robots; may be removed
+spheres that approximate the meshes of robots; may be removed
 .SH SEE ALSO
 .BR sqlite3 (1),
 .BR psql (1),

@@ -159,13 +159,13 @@ void print_contact(const Contact& contact, std::string_view ending) {
              ending);
 }
 
-/// Plans may begin and end where nothing but covers touches.
-std::string describe_cover(const CollisionChecker& checker, const Configuration& q,
+/// Plans may begin and end where nothing but spheres touches.
+std::string describe_exact(const CollisionChecker& checker, const Configuration& q,
                            const Contact& contact) {
-  const auto behind = look_behind_covers(checker.robot(), checker.scene(), q, contact);
+  const auto behind = find_exact_contact(checker.robot(), checker.scene(), q, contact);
   if (!behind) return "";
-  if (behind->distance == 0) return "; what is covered touches, too";
-  return fmt::format("; by covers: what is covered is {:.6f} m away", behind->distance);
+  if (behind->distance == 0) return "; the exact geometry touches, too";
+  return fmt::format("; by spheres: the exact geometry is {:.6f} m away", behind->distance);
 }
 
 ExitCode report_state(const CollisionChecker& checker, const Configuration& q, bool is_json) {
@@ -179,7 +179,7 @@ ExitCode report_state(const CollisionChecker& checker, const Configuration& q, b
                 {"tips", tips}});
   } else {
     for (const Contact& contact : contacts) {
-      print_contact(contact, describe_cover(checker, q, contact));
+      print_contact(contact, describe_exact(checker, q, contact));
     }
     for (const Contact& contact : checker.fixed_contacts()) {
       print_contact(contact, "; left aside, because no joint moves either");
@@ -289,7 +289,8 @@ void add_planar(CLI::App& group, Action& action) {
 
 void add_robot(CLI::App& program, Action& action) {
   CLI::App* group = program.add_subcommand(
-      "robot", "Look at robots, move a link to a pose, cover links, or make a planar arm");
+      "robot",
+      "Look at robots, move a link to a pose, approximate links by spheres, or make a planar arm");
   group->require_subcommand(1);
   group->footer("Example:\n  mneme robot info planar8");
   const auto options = std::make_shared<RobotCommandOptions>();

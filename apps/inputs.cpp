@@ -5,7 +5,7 @@
 
 #include "mneme/benchmark.h"
 #include "mneme/collision.h"
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "console.h"
 #include "files.h"
@@ -17,18 +17,18 @@
 
 namespace mneme::app {
 
-CoverProgress show_covering() {
+SphereProgress show_sphere_progress() {
   const auto progress = std::make_shared<std::optional<Progress>>();
   return [progress](int done, int total, const std::string& link) {
-    if (!*progress) progress->emplace("covering");
+    if (!*progress) progress->emplace("finding spheres");
     (*progress)->update(done, total, link);
     if (done == total) progress->reset();
   };
 }
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
-  const Result<CoveredRobot> loaded = robot_file(robot).and_then([&](const std::string& path) {
-    return load_covered_robot(path, options, {}, show_covering());
+  const Result<ApproximatedRobot> loaded = robot_file(robot).and_then([&](const std::string& path) {
+    return load_approximated_robot(path, options, {}, show_sphere_progress());
   });
   if (!loaded) return tl::unexpected(loaded.error());
   // As problems have them: commands say the same of a robot, whichever way they come by it.
@@ -49,7 +49,7 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
 Result<ProblemOptions> problem_options(const std::string& robot, const RobotOptions& options) {
   ProblemOptions result;
   result.robot = options;
-  result.on_covered = show_covering();
+  result.on_approximated = show_sphere_progress();
   if (robot.empty()) return result;
   return robot_file(robot).map([&](const std::string& path) {
     result.robot_path = path;

@@ -4,7 +4,7 @@
 /// What several subcommands are given: robots by name, scenes alone or in problems, databases.
 #pragma once
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
@@ -16,8 +16,8 @@
 
 namespace mneme::app {
 
-/// Progress on standard error while geometry is covered.
-[[nodiscard]] CoverProgress show_covering();
+/// Progress on standard error while geometry is approximated by spheres.
+[[nodiscard]] SphereProgress show_sphere_progress();
 
 /// The robot of robot_file(); what was noticed on the way are notes on standard error.
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot,

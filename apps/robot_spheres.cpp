@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "commands.h"
 #include "console.h"
@@ -29,14 +29,14 @@ struct SpheresOptions {
   std::string output;
   std::string srdf_output;
   RobotOptions reading;
-  CoverSettings cover;
+  SphereSettings spheres;
   std::vector<std::string> link_excess;  ///< LINK=METRES each
   PairSettings pairs;
   bool is_json = false;
 };
 
 struct Made {
-  Covering covering;
+  RobotSpheres robot;
   std::vector<std::string> reasons;  ///< of the allowed pairs
 };
 
@@ -63,7 +63,7 @@ Result<std::vector<std::string>> allow_pairs(Robot::Parts& parts, const PairSett
   });
 }
 
-/// What `text`, LINK=METRES, says; the link is one with something to cover.
+/// What `text`, LINK=METRES, says; the link is one with something to approximate.
 Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robot::Parts& parts) {
   const std::size_t sign = text.rfind('=');
   const std::string name = text.substr(0, sign);
@@ -83,39 +83,40 @@ Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robo
   return std::pair(&*link, excess);
 }
 
-/// Covers the links with an excess of their own, so that the others are left.
-Result<std::vector<LinkCover>> cover_named(const SpheresOptions& options, Robot::Parts& parts) {
-  std::vector<LinkCover> covers;
+/// Approximates the links with an excess of their own, so that the others are left.
+Result<std::vector<LinkSpheres>> approximate_named(const SpheresOptions& options,
+                                                   Robot::Parts& parts) {
+  std::vector<LinkSpheres> result;
   for (const std::string& text : options.link_excess) {
     const auto named = parse_link_excess(text, parts);
     if (!named) return tl::unexpected(named.error());
     const auto& [link, excess] = *named;
-    CoverSettings settings = options.cover;
+    SphereSettings settings = options.spheres;
     settings.excess = excess;
-    auto cover = cover_link(*link, settings);
-    if (!cover) return tl::unexpected(cover.error());
+    auto made = approximate_link(*link, settings);
+    if (!made) return tl::unexpected(made.error());
     link->solids.clear();
-    link->spheres.insert(link->spheres.end(), cover->spheres.begin(), cover->spheres.end());
-    covers.push_back(std::move(*cover));
+    link->spheres.insert(link->spheres.end(), made->spheres.begin(), made->spheres.end());
+    result.push_back(std::move(*made));
   }
-  return covers;
+  return result;
 }
 
 Result<Made> make(const std::string& path, const SpheresOptions& options) {
   auto parts = read_robot(path, options.reading);
   if (!parts) return tl::unexpected(parts.error());
   for (const std::string& warning : parts->warnings) print_warning(warning);
-  auto named = cover_named(options, *parts);
+  auto named = approximate_named(options, *parts);
   if (!named) return fail(named.error().code, fmt::format("{}: {}", path, named.error().message));
-  auto covering = cover_robot(std::move(*parts), options.cover, show_covering());
-  if (!covering) {
-    return fail(covering.error().code, fmt::format("{}: {}", path, covering.error().message));
+  auto robot = approximate_robot(std::move(*parts), options.spheres, show_sphere_progress());
+  if (!robot) {
+    return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
   }
-  for (const std::string& note : covering->notes) print_note(note);
-  std::ranges::move(*named, std::back_inserter(covering->links));
-  Made made{std::move(*covering), {}};
+  for (const std::string& note : robot->notes) print_note(note);
+  std::ranges::move(*named, std::back_inserter(robot->links));
+  Made made{std::move(*robot), {}};
   if (options.srdf_output.empty()) return made;
-  auto reasons = allow_pairs(made.covering.parts, options.pairs);
+  auto reasons = allow_pairs(made.robot.parts, options.pairs);
   if (!reasons) return tl::unexpected(reasons.error());
   made.reasons = std::move(*reasons);
   return made;
@@ -125,12 +126,12 @@ Result<void> write(const Made& made, const SpheresOptions& options) {
   const std::string comment = fmt::format(
       "Collision geometry as spheres, made by mneme robot spheres with an excess of {} m, {} m at "
       "the tips, and at most {} spheres per link",
-      options.cover.excess, options.cover.tip_excess, options.cover.max_spheres);
-  auto written = write_file(options.output, to_urdf(made.covering.parts, comment));
+      options.spheres.excess, options.spheres.tip_excess, options.spheres.max_spheres);
+  auto written = write_file(options.output, to_urdf(made.robot.parts, comment));
   if (!written || options.srdf_output.empty()) return written;
   const std::string srdf_comment = fmt::format(
       "Allowed pairs derived from {} samples by mneme robot spheres", options.pairs.samples);
-  return write_file(options.srdf_output, to_srdf(made.covering.parts, made.reasons, srdf_comment));
+  return write_file(options.srdf_output, to_srdf(made.robot.parts, made.reasons, srdf_comment));
 }
 
 std::size_t count_spheres(const Robot::Parts& parts) {
@@ -151,14 +152,13 @@ std::vector<std::pair<std::string, std::size_t>> count_reasons(
 void print_table(const Made& made, const SpheresOptions& options) {
   fmt::print("{:<28} {:>7} {:>9} {:>13} {:>12}\n", "link", "spheres", "uncovered", "mean excess m",
              "max excess m");
-  for (const LinkCover& link : made.covering.links) {
+  for (const LinkSpheres& link : made.robot.links) {
     fmt::print("{:<28} {:>7} {:>9.2g} {:>13.4f} {:>12.4f}\n", link.link, link.spheres.size(),
                link.uncovered, link.mean_excess, link.max_excess);
   }
-  fmt::print("wrote {}: {}; {} of {} covered\n", options.output,
-             counted(count_spheres(made.covering.parts), "sphere", "spheres"),
-             made.covering.links.size(),
-             counted(made.covering.parts.links.size(), "link", "links"));
+  fmt::print("wrote {}: {}; {} of {} approximated\n", options.output,
+             counted(count_spheres(made.robot.parts), "sphere", "spheres"), made.robot.links.size(),
+             counted(made.robot.parts.links.size(), "link", "links"));
   if (options.srdf_output.empty()) return;
   std::string text;
   for (const auto& [reason, count] : count_reasons(made.reasons)) {
@@ -170,7 +170,7 @@ void print_table(const Made& made, const SpheresOptions& options) {
 
 Json to_json(const Made& made, const SpheresOptions& options) {
   Json links = Json::array();
-  for (const LinkCover& link : made.covering.links) {
+  for (const LinkSpheres& link : made.robot.links) {
     links.push_back({{"name", link.link},
                      {"spheres", link.spheres.size()},
                      {"uncovered", link.uncovered},
@@ -178,8 +178,8 @@ Json to_json(const Made& made, const SpheresOptions& options) {
                      {"max_excess", link.max_excess}});
   }
   Json json = {{"path", options.output},
-               {"name", made.covering.parts.name},
-               {"spheres", count_spheres(made.covering.parts)},
+               {"name", made.robot.parts.name},
+               {"spheres", count_spheres(made.robot.parts)},
                {"links", links},
                {"srdf_path", nullptr},
                {"allowed_pairs", nullptr}};
@@ -214,7 +214,7 @@ Result<ExitCode> run_spheres(const SpheresOptions& options) {
 void add_robot_spheres(CLI::App& group, Action& action) {
   const auto options = std::make_shared<SpheresOptions>();
   CLI::App* command =
-      group.add_subcommand("spheres", "Cover boxes, cylinders and meshes with spheres");
+      group.add_subcommand("spheres", "Approximate boxes, cylinders and meshes by spheres");
   command->footer(
       "Example:\n  mneme robot spheres arm.urdf -o arm_spheres.urdf --srdf-out arm_spheres.srdf");
   command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
@@ -227,10 +227,10 @@ void add_robot_spheres(CLI::App& group, Action& action) {
       ->add_option("--package-path", options->reading.package_paths,
                    "directory of package:// meshes; may be repeated")
       ->type_name("DIR");
-  add_settings(*command, options->cover);
+  add_settings(*command, options->spheres);
   command
       ->add_option("--link-excess", options->link_excess,
-                   "metres that the cover of one link may stick out; may be repeated")
+                   "metres that the spheres of one link may stick out; may be repeated")
       ->type_name("LINK=METRES");
   add_number(*command, "--samples", options->pairs.samples, 1, 100'000'000,
              "random configurations that decide which pairs need no check");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/scene.h"
 
 #include "bindings.h"
@@ -42,7 +42,8 @@ void bind_attached(py::class_<Robot>& robot) {
       "attached",
       [](const Robot& self) {
         std::vector<std::string> names;
-        for (const CoveredObject& object : self.attached()) names.push_back(object.object.name);
+        for (const ApproximatedObject& object : self.attached())
+          names.push_back(object.object.name);
         return names;
       },
       "Names of the attached objects.");

@@ -178,8 +178,8 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly(
           "checked_scene",
           [](const Plan& self) { return checked_scene(self.problem, self.result); },
-          "The problem's scene as it was checked: a copy, in which links whose covers alone touch "
-          "at the start or at a goal are checked by what they cover.")
+          "The problem's scene as it was checked: a copy, in which links whose spheres alone touch "
+          "at the start or at a goal are checked by exact geometry.")
       .def_property_readonly(
           "notes", [](const Plan& self) { return self.result.notes; },
           "Goals that were left out, as there were others, and why.")

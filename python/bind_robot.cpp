@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/robot.h"
 
 #include "arrays.h"
@@ -24,13 +24,13 @@ namespace mneme::python {
 namespace {
 
 Robot load(const std::string& robot, const RobotOptions& options, const py::kwargs& settings) {
-  CoverSettings cover;
+  SphereSettings spheres;
   Keywords keywords("Robot.load", settings);
-  keywords.apply(cover);
+  keywords.apply(spheres);
   keywords.finish();
   const py::gil_scoped_release released;
   const std::string path = unwrap(robot_file(robot));
-  const Robot loaded = unwrap(load_covered_robot(path, options, cover)).robot;
+  const Robot loaded = unwrap(load_approximated_robot(path, options, spheres)).robot;
   set_origin(loaded.identity(), robot_files(path, options.srdf_path));
   prepare(loaded);
   return loaded;
@@ -108,8 +108,8 @@ void bind_factories(py::class_<Robot>& robot) {
        "joints: names of the joints to plan for, in the order of a configuration.\n"
        "package_paths: directories in which the packages of package:// are looked for.\n"
        "fixed_values: radians or metres of joints outside the group, by name.\n\n"
-       "Boxes, cylinders and meshes are covered with spheres:\n" +
-       describe_keywords<CoverSettings>())
+       "Boxes, cylinders and meshes are approximated by spheres:\n" +
+       describe_keywords<SphereSettings>())
           .c_str());
   robot.def_static("planar", &make_planar, py::arg("lengths"), py::kw_only(),
                    py::arg("thickness") = 0.001, py::arg("name") = "",

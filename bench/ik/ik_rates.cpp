@@ -150,13 +150,13 @@ void time_kdl(const std::string& name, const Robot&, const std::string&, std::sp
 #endif
 
 int time_robot(const std::string& name, const std::string& link, int count, int count_of_kdl) {
-  const auto covered =
-      robot_file(name).and_then([](const std::string& path) { return load_covered_robot(path); });
-  if (!covered) {
-    std::fprintf(stderr, "mneme_ik_rates: %s\n", covered.error().message.c_str());
+  const auto loaded = robot_file(name).and_then(
+      [](const std::string& path) { return load_approximated_robot(path); });
+  if (!loaded) {
+    std::fprintf(stderr, "mneme_ik_rates: %s\n", loaded.error().message.c_str());
     return 1;
   }
-  const Robot& robot = covered->robot;
+  const Robot& robot = loaded->robot;
   const auto kinematics = InverseKinematics::make(robot, link);
   if (!kinematics) {
     std::fprintf(stderr, "mneme_ik_rates: %s\n", kinematics.error().message.c_str());

@@ -24,19 +24,18 @@ struct Contact {
   double distance = 0;   ///< metres between the surfaces; negative by at most the sum of the radii
 };
 
-/// What is behind the covers of links that touch, or come close.
-struct CoveredContact {
-  double excess = 0;    ///< metres that the covers stick out at most: of two links the sum
-  int covers = 0;       ///< 1, or 2 if both links are covered
-  double distance = 0;  ///< metres between what is covered; 0 if it touches, too
+/// The exact geometry behind the spheres of links that touch, or come close.
+struct ExactContact {
+  double excess = 0;           ///< metres that the spheres stick out at most: of two links the sum
+  int approximated_links = 0;  ///< 1, or 2 if both links are approximated by spheres
+  double distance = 0;         ///< metres between the exact geometry; 0 if it touches, too
 };
 
-/// Nothing if the contact, which is one at `q`, is of links that have no cover. Exact distances
-/// from all solids, in double precision: milliseconds for large meshes.
-[[nodiscard]] std::optional<CoveredContact> look_behind_covers(const Robot& robot,
-                                                               const Scene& scene,
-                                                               std::span<const double> q,
-                                                               const Contact& contact);
+/// Nothing if the contact, which is one at `q`, is of links without a sphere approximation. Exact
+/// distances from all solids, in double precision: milliseconds for large meshes.
+[[nodiscard]] std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& scene,
+                                                             std::span<const double> q,
+                                                             const Contact& contact);
 
 /// True if every state of `path` at `resolution` radians or finer is free, by exact distances in
 /// double precision that share no code with the kernels. What CollisionChecker leaves aside is left

@@ -81,16 +81,16 @@ struct LimbInfo {
 /// scene and, all along, within the cones of the settings' constraints less kTiltMargin.
 /// Left aside are contacts that no motion can change, such as that of the base with the table on
 /// which it stands, and those that an obstacle allows (Obstacle::may_touch). Pairs that are checked
-/// by solid (Obstacle::by_solid, Scene::by_solid) are so in double precision wherever their covers
-/// touch, continuously on motions and with 1e-4 m more of margin there. Joint limits are the
-/// caller's business (Robot::describe_violation); a
-/// straight motion between configurations within limits stays within them. Where slides go beyond
-/// theirs, points, meshes and octrees are known no farther out than the robot reaches within its
-/// limits, and 0.25 m more. Copies share their tables; all of it is const and parallel-safe.
-/// Kernels compute in float: their answer is that of exact arithmetic except within about 1e-5 m of
-/// contact while robot and obstacles stay within 100 m of the origin; the error grows with the size
-/// of the largest coordinate (docs/numerics.md). A configuration with a value that is not finite,
-/// or beyond 1e4 (radians or metres), is not valid.
+/// by exact geometry (Obstacle::exact_links, Scene::exact_pairs) are so in double precision
+/// wherever their spheres touch, continuously on motions and with 1e-4 m more of margin there.
+/// Joint limits are the caller's business (Robot::describe_violation); a straight motion between
+/// configurations within limits stays within them. Where slides go beyond theirs, points, meshes
+/// and octrees are known no farther out than the robot reaches within its limits, and 0.25 m more.
+/// Copies share their tables; all of it is const and parallel-safe. Kernels compute in float: their
+/// answer is that of exact arithmetic except within about 1e-5 m of contact while robot and
+/// obstacles stay within 100 m of the origin; the error grows with the size of the largest
+/// coordinate (docs/numerics.md). A configuration with a value that is not finite, or beyond 1e4
+/// (radians or metres), is not valid.
 class CollisionChecker {
  public:
   /// Errors: a link named in the scene that the robot lacks; an obstacle that is empty, not finite,

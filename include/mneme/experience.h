@@ -34,7 +34,7 @@ struct RobotHashes {
 /// How a robot differs from the one that experience was learned with, the least first.
 enum class RobotDifference {
   none,
-  shapes,  ///< its collision model: covers, fingers, tools, checked pairs; experience applies
+  shapes,  ///< its collision model: spheres, fingers, tools, checked pairs; experience applies
   limits,  ///< its limits too: `adopt_database` makes experience apply
   frames,  ///< its joints, their order or their frames: another arm
 };

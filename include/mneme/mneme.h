@@ -7,7 +7,7 @@
 #include "mneme/base.h"
 #include "mneme/geometry.h"
 #include "mneme/robot.h"
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/scene.h"
 #include "mneme/problem.h"
 #include "mneme/check.h"

@@ -203,10 +203,10 @@ struct SolveResult {
   /// The problem's but for those in contact, those that its poses were resolved to at first, and
   /// the one that was reached.
   std::vector<Configuration> goals;
-  /// For people: goals that were left out, pairs that were checked by solid, and why.
+  /// For people: goals that were left out, pairs that were checked by exact geometry, and why.
   std::vector<std::string> notes;
-  /// The problem's with the pairs that were checked by solid (make_query_checker), if there are
-  /// any.
+  /// The problem's with the pairs that were checked by exact geometry (make_query_checker), if
+  /// there are any.
   std::optional<Scene> scene;
   double goal_time_s = 0;      ///< of planning: resolving poses
   double total_time_s = 0;     ///< solve() from call to return

@@ -171,19 +171,20 @@ struct PlanResult {
 [[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
                                                              std::vector<Configuration>& goals);
 
-/// Metres that what is covered must be away, beyond the margin, where covers touch.
+/// Metres that exact geometry must be away, beyond the margin, where spheres touch.
 inline constexpr double kSolidClearance = 1e-3;
 
 /// A checker for the way between the ends of a query.
 struct QueryChecker {
   CollisionChecker checker;
-  std::vector<std::string> notes;  ///< pairs that are checked by solid, and why: a sentence each
-  bool are_ends_clear = false;     ///< start and goals are configurations that touch nothing
+  std::vector<std::string>
+      notes;  ///< pairs that are checked by exact geometry, and why: a sentence each
+  bool are_ends_clear = false;  ///< start and goals are configurations that touch nothing
 };
-/// CollisionChecker::make. Where, at the start or at a goal, nothing but covers of links touches,
-/// and what they cover is kSolidClearance away, these links are checked against the obstacles and
-/// links that they touch by solid (Obstacle::by_solid and Scene::by_solid in the checker's scene):
-/// everywhere, not only there.
+/// CollisionChecker::make. Where, at the start or at a goal, nothing but spheres of links touches,
+/// and their exact geometry is kSolidClearance away, these links are checked against the obstacles
+/// and links that they touch by exact geometry (Obstacle::exact_links and Scene::exact_pairs in the
+/// checker's scene): everywhere, not only there.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends);

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mneme/check.h"
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
@@ -106,8 +106,8 @@ struct ProblemOptions {
   /// Of whoever loads many problems, so that neither their file nor their robot is read again for
   /// each; one thread's alone.
   std::shared_ptr<ProblemCache> cache = nullptr;
-  /// Hears of links that are covered, as that of cover_robot() does.
-  CoverProgress on_covered = nullptr;
+  /// Called for links that have got their spheres, as that of approximate_robot().
+  SphereProgress on_approximated = nullptr;
 };
 
 /// Reads one problem. `where` is a YAML file, FILE.json#NAME (or #INDEX) for one problem of a
@@ -118,7 +118,7 @@ struct ProblemOptions {
                                            const ProblemOptions& options = {});
 
 /// Takes out of the scene's clouds the points of the robot itself, which sensors see too: those
-/// that are, with their radius, nearer than `distance` metres to a link's cover, or to what the
+/// that are, with their radius, nearer than `distance` metres to a link's spheres, or to what the
 /// robot carries, at `q`. With 0 no cloud is in contact there afterwards. A cloud without points
 /// left goes. A sentence for each obstacle that lost points. Errors: a distance that is below 0 or
 /// not finite; `q` is no configuration of the robot.

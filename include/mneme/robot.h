@@ -46,30 +46,30 @@ struct Joint {
   std::optional<Mimic> mimic;  ///< then the joint is in no group and has no value of its own
 };
 
-/// A triangle mesh in a file (STL, OBJ, DAE or PLY); covering.h reads it.
+/// A triangle mesh in a file (STL, OBJ, DAE or PLY); spheres.h reads it.
 struct MeshFile {
   std::string path;           ///< on this machine; `package://` is resolved
   Vec3 scale = Vec3::Ones();  ///< along the axes of the mesh, before `pose`
   Transform pose;             ///< of the mesh in the link's frame
 };
 
-/// Collision geometry that is not checked as it is, but covered with spheres (covering.h).
+/// Collision geometry that is not checked as it is, but approximated by spheres (spheres.h).
 using Solid = std::variant<Box, Cylinder, MeshFile>;
 
-/// What spheres of a link, or of an object that it carries, cover.
-struct Cover {
-  Mesh surface;          ///< of the solids, in the link's frame; all that it encloses is covered
-  int sphere_count = 0;  ///< the last ones of the spheres are the cover
+/// The exact geometry that spheres of a link, or of an object that it carries, stand for.
+struct SphereApproximation {
+  Mesh surface;  ///< of the solids, in the link's frame; the spheres hold all that it encloses
+  int sphere_count = 0;  ///< the last ones of the spheres are the approximation
   double excess = 0;     ///< metres that they stick out at most, by samples
 };
 
 struct Link {
   std::string name;
-  int parent_joint = -1;            ///< -1 for the root
-  std::vector<Sphere> spheres;      ///< in the link's frame
-  std::vector<Capsule> capsules;    ///< in the link's frame
-  std::vector<Solid> solids;        ///< in the link's frame; a Robot has none
-  std::optional<Cover> cover = {};  ///< of solids that became spheres
+  int parent_joint = -1;                                  ///< -1 for the root
+  std::vector<Sphere> spheres;                            ///< in the link's frame
+  std::vector<Capsule> capsules;                          ///< in the link's frame
+  std::vector<Solid> solids;                              ///< in the link's frame; a Robot has none
+  std::optional<SphereApproximation> approximation = {};  ///< of solids that became spheres
 };
 
 /// An object that a link carries, such as what a gripper holds.
@@ -83,12 +83,13 @@ struct AttachedObject {
   std::vector<std::string> may_touch = {};
 };
 
-/// An object as it is checked: cover_object (covering.h) makes it.
-struct CoveredObject {
+/// An object as it is checked: approximate_object (spheres.h) makes it.
+struct ApproximatedObject {
   AttachedObject object;
-  std::vector<Sphere> spheres;      ///< in the link's frame
-  std::vector<Capsule> capsules;    ///< in the link's frame
-  std::optional<Cover> cover = {};  ///< of boxes, cylinders and meshes that became spheres
+  std::vector<Sphere> spheres;    ///< in the link's frame
+  std::vector<Capsule> capsules;  ///< in the link's frame
+  std::optional<SphereApproximation> approximation =
+      {};  ///< of boxes, cylinders and meshes that became spheres
 };
 
 /// What a URDF alone does not say.
@@ -190,12 +191,12 @@ class Robot {
   [[nodiscard]] double distance(std::span<const double> a, std::span<const double> b) const;
 
   /// What the links carry. Each object is one of the last links(), with a fixed joint of its name.
-  [[nodiscard]] std::span<const CoveredObject> attached() const { return model_->attached; }
+  [[nodiscard]] std::span<const ApproximatedObject> attached() const { return model_->attached; }
   /// This robot with further objects, which are checked against obstacles, against the links that
   /// move against them and against each other. Takes tens of microseconds; shares the kernels'
   /// tables of the bare robot. Errors: an unknown link, a name that is taken, an unknown name among
   /// those that may touch, an object without spheres and capsules.
-  [[nodiscard]] Result<Robot> with_attached(std::vector<CoveredObject> objects) const;
+  [[nodiscard]] Result<Robot> with_attached(std::vector<ApproximatedObject> objects) const;
   /// This robot without one of its objects. Error: it carries none of this name.
   [[nodiscard]] Result<Robot> without_attached(const std::string& name) const;
   /// This robot without any.
@@ -226,7 +227,7 @@ class Robot {
     bool is_planar = false;
     std::vector<std::string> warnings;
     std::vector<NamedState> states;
-    std::vector<CoveredObject> attached = {};
+    std::vector<ApproximatedObject> attached = {};
     std::shared_ptr<const Model> bare = nullptr;  ///< null if nothing is attached
   };
   [[nodiscard]] std::shared_ptr<const Model> bare_model() const {
@@ -242,7 +243,7 @@ class Robot {
 /// loop, an unknown or doubled name, limits that are missing or reversed, links that have solids.
 [[nodiscard]] Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options = {});
 
-/// Reads a URDF file and its SRDF, and leaves what needs covering in Link::solids. Strict: an
+/// Reads a URDF file and its SRDF, and leaves what needs spheres in Link::solids. Strict: an
 /// element that mneme cannot use exactly (an unknown shape, a missing mesh file, a malformed
 /// number) is an error that names file, line and element. Names in an SRDF that the URDF lacks are
 /// warnings.

@@ -29,9 +29,9 @@ struct Obstacle {
   /// Names of links, and of objects attached to them, that may touch it: they are not checked
   /// against it, with a margin neither.
   std::vector<std::string> may_touch = {};
-  /// Names of covered links that are checked against it by what they cover (Link::cover), exactly
+  /// Names of links that are checked against it by exact geometry (Link::approximation), exactly
   /// and slowly, instead of by their spheres. Not written to files.
-  std::vector<std::string> by_solid = {};
+  std::vector<std::string> exact_links = {};
 
   bool operator==(const Obstacle&) const = default;
 };
@@ -42,9 +42,9 @@ struct Scene {
   std::vector<Obstacle> obstacles;
   /// What was left aside while reading its files, such as points that are not finite.
   std::vector<std::string> warnings = {};
-  /// Names of two links, of which one is covered at least, that are checked against each other by
-  /// what they cover, as those of Obstacle::by_solid. Not written to files.
-  std::vector<std::pair<std::string, std::string>> by_solid = {};
+  /// Names of two links, one of them with a sphere approximation at least, that are checked against
+  /// each other by exact geometry, as those of Obstacle::exact_links. Not written to files.
+  std::vector<std::pair<std::string, std::string>> exact_pairs = {};
 
   /// Nothing if there is no obstacle of this name.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;

@@ -233,7 +233,7 @@ def test_a_plan_in_space_has_a_page_too(tmp_path):
     assert (tmp_path / "plan.html").stat().st_size > 100
 
 
-def test_where_only_a_cover_touches_plans_are_checked_by_what_it_covers(tmp_path):
+def test_where_only_spheres_touch_plans_are_checked_by_exact_geometry(tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text("""<robot name="arm"><link name="base"/><link name="upper"/><link name="forearm">
       <collision><origin xyz="0.4 0 0"/><geometry><box size="0.7 0.1 0.1"/></geometry></collision></link>
@@ -246,6 +246,6 @@ def test_where_only_a_cover_touches_plans_are_checked_by_what_it_covers(tmp_path
     scene.add_box("plate", [0.9, 0, 0.103], [0.4, 0.4, 0.1])
     plan = mneme.plan(mneme.Problem(robot, scene, [0, 0], [[1.2, 0.7]]), seed=1)
     assert plan.is_solved and plan.to_row().is_path_valid
-    assert plan.notes[0].endswith("they are checked by what it covers, 3 mm away")
+    assert plan.notes[0].endswith("they are checked by exact geometry, 3 mm away")
     assert mneme.CollisionChecker(robot, plan.checked_scene).is_path_free(plan.path)
     assert not mneme.CollisionChecker(robot, scene).is_path_free(plan.path)

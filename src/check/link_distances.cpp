@@ -29,7 +29,7 @@ Vec3 center_of(const Capsule& posed) {
 
 namespace {
 
-/// `exact`, or, if that is 0, `gap`, which covers have, or a negative distance.
+/// `exact`, or, if that is 0, `gap`, which the spheres have, or a negative distance.
 double unless_touching(double exact, double gap) {
   return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
 }
@@ -57,44 +57,46 @@ Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle
     }
     links.may_touch.push_back(*link);
   }
-  for (const std::string& name : obstacle.by_solid) {
+  for (const std::string& name : obstacle.exact_links) {
     const auto link = robot.find_link(name);
     if (!link) {
       return tl::unexpected(unknown_link(
           robot, fmt::format("obstacle '{}' is checked by the solid of", obstacle.name), name));
     }
-    if (robot.links()[as_index(*link)].cover) links.by_solid.push_back(*link);
+    if (robot.links()[as_index(*link)].approximation) links.exact_links.push_back(*link);
   }
   return links;
 }
 
 Result<void> check_named_links(const Robot& robot, const Scene& scene) {
-  for (const auto& [first, second] : scene.by_solid) {
+  for (const auto& [first, second] : scene.exact_pairs) {
     for (const std::string& name : {first, second}) {
       if (robot.find_link(name)) continue;
       return tl::unexpected(unknown_link(
-          robot, fmt::format("scene '{}' has a pair checked by solid of", scene.name), name));
+          robot, fmt::format("scene '{}' has a pair checked by exact geometry of", scene.name),
+          name));
     }
   }
   return {};
 }
 
 std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene) {
-  std::vector<std::pair<int, int>> by_solid;
-  for (const auto& [one, two] : scene.by_solid) {
+  std::vector<std::pair<int, int>> exact_pairs;
+  for (const auto& [one, two] : scene.exact_pairs) {
     const auto first = robot.find_link(one), second = robot.find_link(two);
     if (!first || !second) continue;
-    const auto is_covered = [&](int link) {
-      return robot.links()[as_index(link)].cover.has_value();
+    const auto is_approximated = [&](int link) {
+      return robot.links()[as_index(link)].approximation.has_value();
     };
-    if (is_covered(*first) || is_covered(*second)) by_solid.push_back(std::minmax(*first, *second));
+    if (is_approximated(*first) || is_approximated(*second))
+      exact_pairs.push_back(std::minmax(*first, *second));
   }
   std::vector<LinkPair> pairs;
   pairs.reserve(robot.self_pairs().size());
   for (const auto& [first, second] : robot.self_pairs()) {
     const std::pair<int, int> pair = std::minmax(first, second);
-    const bool is_by_solid = std::ranges::find(by_solid, pair) != by_solid.end();
-    pairs.push_back({first, second, is_by_solid});
+    const bool is_exact = std::ranges::find(exact_pairs, pair) != exact_pairs.end();
+    pairs.push_back({first, second, is_exact});
   }
   return pairs;
 }
@@ -114,9 +116,10 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
                       nullptr,
                       {},
                       find_known(obstacle.may_touch),
-                      find_known(obstacle.by_solid)};
-    std::erase_if(any.by_solid,
-                  [&](int link) { return !robot.links()[as_index(link)].cover.has_value(); });
+                      find_known(obstacle.exact_links)};
+    std::erase_if(any.exact_links, [&](int link) {
+      return !robot.links()[as_index(link)].approximation.has_value();
+    });
     for (const Shape& shape : obstacle.shapes) {
       ObstacleShape& added = shapes.emplace_back(any);
       added.shape = &shape;
@@ -156,23 +159,23 @@ PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
 double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleShape& other,
                               double enough) const {
   if (contains(other.may_touch, link)) return kInfinity;
-  const double gap = between_covers(posed, link, other, enough);
-  if (gap > enough || !contains(other.by_solid, link)) return gap;
+  const double gap = between_spheres(posed, link, other, enough);
+  if (gap > enough || !contains(other.exact_links, link)) return gap;
   const Transform X_LW = posed.poses[as_index(link)].inverse();
   return unless_touching(at(link).solid.distance_to(transformed(X_LW, *other.shape)), gap);
 }
 
 double LinkDistances::between(const PosedLinks& posed, const LinkPair& pair, double enough) const {
-  const double gap = between_covers(posed, pair.first, pair.second, enough);
-  if (gap > enough || !pair.is_by_solid) return gap;
+  const double gap = between_spheres(posed, pair.first, pair.second, enough);
+  if (gap > enough || !pair.is_exact) return gap;
   const Transform X_LO =
       posed.poses[as_index(pair.first)].inverse() * posed.poses[as_index(pair.second)];
   return unless_touching(at(pair.first).solid.distance_to(at(pair.second).solid, X_LO, enough),
                          gap);
 }
 
-double LinkDistances::between_covers(const PosedLinks& posed, int link, const ObstacleShape& other,
-                                     double enough) const {
+double LinkDistances::between_spheres(const PosedLinks& posed, int link, const ObstacleShape& other,
+                                      double enough) const {
   const Body& body = at(link);
   const auto i = as_index(link);
   const double radius = body.bound.radius;
@@ -213,8 +216,8 @@ std::vector<LinkDistances::PosedShape> LinkDistances::near_shapes(const PosedLin
   return near;
 }
 
-double LinkDistances::between_covers(const PosedLinks& posed, int first, int second,
-                                     double enough) const {
+double LinkDistances::between_spheres(const PosedLinks& posed, int first, int second,
+                                      double enough) const {
   const Body &one = at(first), &two = at(second);
   const auto i = as_index(first), j = as_index(second);
   if (are_apart(posed.centers[i], posed.centers[j], one.bound.radius + two.bound.radius, enough)) {

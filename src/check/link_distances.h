@@ -24,8 +24,8 @@ struct ObstacleShape {
   int obstacle = 0;  ///< index into the scene
   const Shape* shape = nullptr;
   Sphere bound;
-  std::vector<int> may_touch = {};  ///< links that nothing checks against it
-  std::vector<int> by_solid = {};   ///< covered links that are checked by what they cover
+  std::vector<int> may_touch = {};    ///< links that nothing checks against it
+  std::vector<int> exact_links = {};  ///< links that are checked by exact geometry
 };
 /// All shapes of the scene, which must outlive them, in its order. Names of links that the robot
 /// lacks are left aside.
@@ -34,18 +34,18 @@ struct ObstacleShape {
 /// Two links that are checked against each other.
 struct LinkPair {
   int first = 0, second = 0;
-  bool is_by_solid = false;  ///< (Scene::by_solid)
+  bool is_exact = false;  ///< (Scene::exact_pairs)
 };
 /// Those of the robot, in its order. Names of links that it lacks are left aside.
 [[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
 
-/// Indices of the links that an obstacle names: that may touch it, and that are covered and checked
-/// by_solid. Error: a name that the robot lacks.
+/// Indices of the links that an obstacle names: that may touch it, and that are approximated and
+/// checked by exact geometry. Error: a name that the robot lacks.
 struct NamedLinks {
-  std::vector<int> may_touch, by_solid;
+  std::vector<int> may_touch, exact_links;
 };
 [[nodiscard]] Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle);
-/// Error: Scene::by_solid has a name that the robot lacks.
+/// Error: Scene::exact_pairs has a name that the robot lacks.
 [[nodiscard]] Result<void> check_named_links(const Robot& robot, const Scene& scene);
 
 /// Where links stand at one configuration.
@@ -78,18 +78,18 @@ class LinkDistances {
 
   /// Metres between the surfaces of a link and an obstacle, exact if that is at most `enough`, and
   /// otherwise anything above it. In contact negative, by at most the radius of the link's shape.
-  /// Infinite for a link that may touch it. What is checked by_solid is in contact if what is
-  /// covered is.
+  /// Infinite for a link that may touch it. What is checked by exact geometry is in contact if the
+  /// exact geometry is.
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
   /// The same of two links; in contact negative by at most the sum of the radii.
   [[nodiscard]] double between(const PosedLinks& posed, const LinkPair& pair, double enough) const;
 
-  /// The same of covers, whatever is checked by solid.
-  [[nodiscard]] double between_covers(const PosedLinks& posed, int link, const ObstacleShape& other,
-                                      double enough) const;
-  [[nodiscard]] double between_covers(const PosedLinks& posed, int first, int second,
-                                      double enough) const;
+  /// The same of spheres and capsules, whatever is checked by exact geometry.
+  [[nodiscard]] double between_spheres(const PosedLinks& posed, int link,
+                                       const ObstacleShape& other, double enough) const;
+  [[nodiscard]] double between_spheres(const PosedLinks& posed, int first, int second,
+                                       double enough) const;
 
  private:
   /// Shapes and spheres around them, in the link's frame.

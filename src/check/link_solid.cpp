@@ -14,10 +14,10 @@
 namespace mneme::internal {
 
 LinkSolid::LinkSolid(const Link& link) : shapes_(shapes_of(link)) {
-  if (!link.cover) return;
-  const auto cover_end = shapes_.begin() + std::ssize(link.spheres);
-  shapes_.erase(cover_end - link.cover->sphere_count, cover_end);
-  surfaces_.push_back(link.cover->surface);
+  if (!link.approximation) return;
+  const auto spheres_end = shapes_.begin() + std::ssize(link.spheres);
+  shapes_.erase(spheres_end - link.approximation->sphere_count, spheres_end);
+  surfaces_.push_back(link.approximation->surface);
 }
 
 double LinkSolid::distance_to(const Shape& shape) const {
@@ -52,22 +52,21 @@ double LinkSolid::distance_to(const LinkSolid& other, const Transform& X_LO, dou
 
 namespace mneme {
 
-std::optional<CoveredContact> look_behind_covers(const Robot& robot, const Scene& scene,
-                                                 std::span<const double> q,
-                                                 const Contact& contact) {
+std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& scene,
+                                               std::span<const double> q, const Contact& contact) {
   using internal::as_index, internal::LinkSolid;
   const std::vector<Transform> poses = robot.link_poses(q);
-  CoveredContact result;
+  ExactContact result;
   const auto look_at = [&](const std::string& name) {
     const std::size_t link = as_index(robot.find_link(name).value());
-    const std::optional<Cover>& cover = robot.links()[link].cover;
-    result.covers += cover ? 1 : 0;
-    result.excess += cover ? cover->excess : 0;
+    const std::optional<SphereApproximation>& approximation = robot.links()[link].approximation;
+    result.approximated_links += approximation ? 1 : 0;
+    result.excess += approximation ? approximation->excess : 0;
     return link;
   };
   const std::size_t link = look_at(contact.link);
   const std::size_t other = contact.is_self ? look_at(contact.other) : link;
-  if (result.covers == 0) return std::nullopt;
+  if (result.approximated_links == 0) return std::nullopt;
   const LinkSolid solid(robot.links()[link]);
   const Transform X_LW = poses[link].inverse();
   if (contact.is_self) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Links as they were before they were covered.
+/// The exact geometry of links.
 #pragma once
 
 #include "mneme/robot.h"
@@ -10,7 +10,8 @@
 
 namespace mneme::internal {
 
-/// The shapes that a link has besides its cover, and what that covers, in the link's frame.
+/// The shapes of a link that are exact, and the surface that its sphere approximation holds, in the
+/// link's frame.
 class LinkSolid {
  public:
   explicit LinkSolid(const Link& link);
@@ -25,7 +26,7 @@ class LinkSolid {
 
  private:
   std::vector<Capsule> shapes_;
-  std::vector<Mesh> surfaces_;  ///< one, or none if nothing was covered
+  std::vector<Mesh> surfaces_;  ///< one, or none without an approximation
 };
 
 }  // namespace mneme::internal

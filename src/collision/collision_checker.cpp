@@ -4,7 +4,7 @@
 
 #include "base/as_index.h"
 #include "check/cones.h"
-#include "check/solid_pairs.h"
+#include "check/exact_pairs.h"
 #include "tables/body_reaches.h"
 #include "collision/collision_kernels.h"
 #include "tables/compound_tables.h"
@@ -96,7 +96,7 @@ struct Ways {
   float farthest_reach = 0;  ///< that one radian moves a body
 };
 
-/// Of all pairs, or of those that are not checked by solid.
+/// Of all pairs, or of those that are not checked by exact geometry.
 Result<World> make_world(const std::shared_ptr<const internal::CheckedRobot>& checked,
                          const Robot& robot, const Scene& scene, internal::SceneTables tables,
                          bool with_solids) {
@@ -104,13 +104,13 @@ Result<World> make_world(const std::shared_ptr<const internal::CheckedRobot>& ch
   if (!allowed) return tl::unexpected(allowed.error());
   tables.may_touch = std::move(*allowed);
   World world{{checked, &checked->tables}, std::move(tables)};
-  std::set<std::pair<int, int>> by_solid;
+  std::set<std::pair<int, int>> exact;
   for (const internal::LinkPair& pair : internal::link_pairs(robot, scene)) {
-    if (pair.is_by_solid) by_solid.insert(std::minmax(pair.first, pair.second));
+    if (pair.is_exact) exact.insert(std::minmax(pair.first, pair.second));
   }
-  if (by_solid.empty() || with_solids) return world;
+  if (exact.empty() || with_solids) return world;
   world.robot = std::make_shared<const internal::RobotTables>(
-      internal::without_pairs(checked->tables, by_solid));
+      internal::without_pairs(checked->tables, exact));
   return world;
 }
 
@@ -126,17 +126,17 @@ struct CollisionChecker::Tables {
   internal::JointSpace space;
   std::shared_ptr<const internal::CheckedRobot> checked_robot;
   World world;
-  World covers;  ///< with what is checked by solid; empty if nothing is
+  World all_spheres;  ///< with what is checked by exact geometry; empty if nothing is
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
-  internal::SolidPairs solids;
+  internal::ExactPairs solids;
 
-  /// Kernels first, solids only where covers touch: `is_free(world)` asks the kernels,
+  /// Kernels first, solids only where spheres touch: `is_free(world)` asks the kernels,
   /// `are_solids_free()` the solids.
   template <class IsFree, class AreSolidsFree>
   [[nodiscard]] bool judge(const IsFree& is_free, const AreSolidsFree& are_solids_free) const {
-    return is_free(world) && (solids.empty() || is_free(covers) || are_solids_free());
+    return is_free(world) && (solids.empty() || is_free(all_spheres) || are_solids_free());
   }
 
   /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
@@ -217,12 +217,12 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   if (auto named = internal::check_named_links(robot, scene); !named) {
     return tl::unexpected(named.error());
   }
-  internal::SolidPairs solids(robot, (*checked_robot)->links, scene, settings.margin);
-  World covers;
+  internal::ExactPairs solids(robot, (*checked_robot)->links, scene, settings.margin);
+  World all_spheres;
   if (!solids.empty()) {
     auto made = make_world(*checked_robot, robot, scene, *scene_tables, true);
     if (!made) return tl::unexpected(made.error());
-    covers = *std::move(made);
+    all_spheres = *std::move(made);
   }
   auto world = make_world(*checked_robot, robot, scene, *std::move(scene_tables), false);
   if (!world) return tl::unexpected(world.error());
@@ -237,7 +237,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(*checked_robot), *std::move(world),
-             std::move(covers), &internal::collision_kernels(isa), internal::walk_kernel(isa),
+             std::move(all_spheres), &internal::collision_kernels(isa), internal::walk_kernel(isa),
              internal::Cones(robot, settings.constraints), std::move(solids)});
   return CollisionChecker(std::move(tables));
 }
@@ -277,7 +277,7 @@ void CollisionChecker::check_states(std::span<const float> configurations,
     const auto q = configurations.subspan(i * joints, joints);
     if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
     if (is_valid[i] == 0 || t.solids.empty()) continue;
-    check_in(t.covers, q, is_valid.subspan(i, 1));
+    check_in(t.all_spheres, q, is_valid.subspan(i, 1));
     if (is_valid[i] == 0 && t.solids.are_apart(q)) is_valid[i] = 1;
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What makes shapes unfit to be checked or covered.
+/// What makes shapes unfit to be checked or approximated.
 #pragma once
 
 #include "mneme/geometry.h"

@@ -9,7 +9,8 @@ namespace mneme {
 Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& settings,
                                    const Path& path, const RateLimits& limits,
                                    const TrajectorySettings& timing) {
-  // Its end, which may be none of the problem's goals, shows what was checked by solid, too.
+  // Its end, which may be none of the problem's goals, shows what was checked by exact geometry,
+  // too.
   const auto made = internal::make_query_checker(problem, settings, path);
   if (!made) return tl::unexpected(made.error());
   // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.

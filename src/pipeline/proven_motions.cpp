@@ -67,7 +67,7 @@ LatestOf<StaticCell>& cells() {
 
 /// The scene's name, for one, does not count.
 bool are_same_obstacles(const Scene& a, const Scene& b) {
-  return a.obstacles == b.obstacles && a.by_solid == b.by_solid;
+  return a.obstacles == b.obstacles && a.exact_pairs == b.exact_pairs;
 }
 
 bool has_few_parts(const Scene& scene) {
@@ -97,9 +97,9 @@ std::shared_ptr<ProvenMotions> ProvenMotions::of_links(const CollisionChecker& c
                                                        Verification verification) {
   static LatestOf<Links> kept;
   const Scene& scene = checker.scene();
-  const auto is_by_solid = [](const Obstacle& obstacle) { return !obstacle.by_solid.empty(); };
-  if (verification != Verification::motions || !scene.by_solid.empty() ||
-      std::ranges::any_of(scene.obstacles, is_by_solid)) {
+  const auto is_exact = [](const Obstacle& obstacle) { return !obstacle.exact_links.empty(); };
+  if (verification != Verification::motions || !scene.exact_pairs.empty() ||
+      std::ranges::any_of(scene.obstacles, is_exact)) {
     return nullptr;
   }
   auto links = kept.find([&](const Links& one) {

@@ -25,7 +25,7 @@ class ProvenMotions {
 
   /// Those on which the links of the robot keep apart, whatever is around it: where obstacles have
   /// moved that part of a proof stays, and where an arm is folded it is most of the work. Null
-  /// unless whole motions are verified, and where anything is checked by solid.
+  /// unless whole motions are verified, and where anything is checked by exact geometry.
   [[nodiscard]] static std::shared_ptr<ProvenMotions> of_links(const CollisionChecker& checker,
                                                                Verification verification);
 

@@ -34,9 +34,9 @@ Result<PoseGoalSource> make_source(const Query& query) {
                               ik_settings(query), kVerificationMargin);
 }
 
-/// True if some configuration for a pose touches with covers only: then the checker has become one
-/// that judges these by solids.
-Result<bool> judge_poses_by_solid(Query& query) {
+/// True if some configuration for a pose touches with spheres only: then the checker has become one
+/// that judges these by exact geometry.
+Result<bool> judge_poses_exactly(Query& query) {
   constexpr int kMostSolutions = 64;
   const Problem& problem = query.problem;
   IkSettings settings = ik_settings(query);
@@ -66,9 +66,9 @@ Result<PoseGoalSource> resolve_poses(Query& query, std::vector<Configuration>& g
   if (!source) return source;
   std::vector<Configuration> found = source->more();
   if (found.empty() && goals.empty()) {
-    const auto is_by_solid = judge_poses_by_solid(query);
-    if (!is_by_solid) return tl::unexpected(is_by_solid.error());
-    if (*is_by_solid) {
+    const auto is_exact = judge_poses_exactly(query);
+    if (!is_exact) return tl::unexpected(is_exact.error());
+    if (*is_exact) {
       source = make_source(query);
       if (source) found = source->more();
     }

@@ -47,13 +47,13 @@ std::string describe(const Robot& robot, const Contact& contact) {
                      is_deeper ? "at least " : "", millimetres(depth));
 }
 
-std::string describe(const CoveredContact& behind) {
-  const bool are_two = behind.covers == 2;
-  const std::string covers =
-      fmt::format("{} out by up to {}", are_two ? "the covers together stick" : "a cover sticks",
+std::string describe(const ExactContact& behind) {
+  const bool are_two = behind.approximated_links == 2;
+  const std::string spheres =
+      fmt::format("the spheres {} out by up to {}", are_two ? "together stick" : "stick",
                   millimetres(behind.excess));
-  if (behind.distance == 0) return fmt::format(" ({}; what is covered touches, too)", covers);
-  return fmt::format(" ({}; what is covered is {} away)", covers, millimetres(behind.distance));
+  if (behind.distance == 0) return fmt::format(" ({}; the exact geometry touches, too)", spheres);
+  return fmt::format(" ({}; the exact geometry is {} away)", spheres, millimetres(behind.distance));
 }
 
 /// Why a configuration is refused, and what would help.
@@ -62,20 +62,20 @@ struct Refusal {
   std::string advice = {};
 };
 
-/// `room` is the least distance between what is covered, metres per cover.
+/// `room` is the least distance between the exact geometry, metres per approximated link.
 std::string advise(double room) {
   constexpr double kFinest = 0.001;
   const double excess = kFinest * std::floor(room / kFinest);
   if (!(excess >= kFinest) || !std::isfinite(excess)) return {};
   return fmt::format(
-      ". Try finer covers (`mneme robot spheres --excess {:.3g}`), or `allow` what may touch",
+      ". Try finer spheres (`mneme robot spheres --excess {:.3g}`), or `allow` what may touch",
       excess);
 }
 
-/// Covers of links can be finer; those of attached objects are as they are.
+/// Spheres of links can be finer; those of attached objects are as they are.
 bool can_be_finer(const Robot& robot, const Contact& contact) {
-  return std::ranges::none_of(robot.attached(), [&](const CoveredObject& covered) {
-    const std::string& name = covered.object.name;
+  return std::ranges::none_of(robot.attached(), [&](const ApproximatedObject& approximated) {
+    const std::string& name = approximated.object.name;
     return name == contact.link || (contact.is_self && name == contact.other);
   });
 }
@@ -90,10 +90,10 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
                          : " is in contact: ";
   double room = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const auto behind = look_behind_covers(checker.robot(), checker.scene(), q, contacts[i]);
+    const auto behind = find_exact_contact(checker.robot(), checker.scene(), q, contacts[i]);
     const double margin = contacts[i].is_self ? 0 : checker.margin();
     const bool can_help = behind && can_be_finer(checker.robot(), contacts[i]);
-    room = can_help ? std::min(room, (behind->distance - margin) / behind->covers) : 0;
+    room = can_help ? std::min(room, (behind->distance - margin) / behind->approximated_links) : 0;
     if (i >= kMostNamed) continue;
     text += (i == 0 ? "" : ", ") + describe(checker.robot(), contacts[i]) +
             (behind ? describe(*behind) : "");

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/attached_input.h"
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/problem_input.h"
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "base/as_index.h"
 #include "base/text_file.h"
@@ -106,9 +106,9 @@ ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& opt
     });
     if (known != cache->robots.end()) return known->robot;
   }
-  CoveredRobot covered =
-      value_or_throw(load_covered_robot(path, options, {}, overrides.on_covered));
-  ProblemRobot robot{path, std::move(covered.robot), std::move(covered.notes), {path}};
+  ApproximatedRobot loaded =
+      value_or_throw(load_approximated_robot(path, options, {}, overrides.on_approximated));
+  ProblemRobot robot{path, std::move(loaded.robot), std::move(loaded.notes), {path}};
   if (!options.srdf_path.empty()) robot.files.push_back(options.srdf_path);
   if (!cache) return robot;
   if (cache->robots.size() == kCachedRobots) cache->robots.erase(cache->robots.begin());

@@ -43,8 +43,8 @@ struct ProblemCache {
 
 namespace mneme::internal {
 
-/// load_covered_robot, whose notes become warnings, or what the cache of `overrides` has of it. Of
-/// these only `cache` and `on_covered` count. Throws InputFailure.
+/// load_approximated_robot, whose notes become warnings, or what the cache of `overrides` has of
+/// it. Of these only `cache` and `on_approximated` count. Throws InputFailure.
 [[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
                                               const ProblemOptions& overrides);
 

@@ -82,8 +82,8 @@ std::string describe_mesh(const MeshFile& mesh) {
 /// The key `attached`, where there is something.
 std::string describe_attached(const Robot& robot) {
   std::string text = robot.attached().empty() ? "" : "attached:\n";
-  for (const CoveredObject& covered : robot.attached()) {
-    const AttachedObject& object = covered.object;
+  for (const ApproximatedObject& carried : robot.attached()) {
+    const AttachedObject& object = carried.object;
     std::vector<std::string> touch, shapes;
     for (const std::string& name : object.may_touch) touch.push_back(internal::yaml_string(name));
     for (const Shape& shape : object.shapes) {
@@ -248,8 +248,8 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   }
   Json json = {{"name", problem.name}};
   json.update(json_of(problem.scene));
-  for (const CoveredObject& covered : model.attached()) {
-    json["attached"].push_back(json_of(covered.object));
+  for (const ApproximatedObject& carried : model.attached()) {
+    json["attached"].push_back(json_of(carried.object));
   }
   json["start"] = problem.start;
   json["goals"] = problem.goals;

@@ -32,7 +32,7 @@ Looks find_looks(const Problem& problem, const TraceSettings& settings) {
     for (Visual& visual : read_visuals(problem.robot_path, settings.package_paths))
       looks[visual.link].push_back({std::move(visual.shape), std::move(visual.color)});
   }
-  for (const CoveredObject& carried : problem.robot.attached()) {
+  for (const ApproximatedObject& carried : problem.robot.attached()) {
     std::vector<PlanTrace::Look>& seen = looks[carried.object.name];
     for (const Shape& shape : carried.object.shapes) seen.push_back({shape, ""});
     for (const MeshFile& file : carried.object.meshes) {
@@ -97,8 +97,9 @@ class Tracer {
       trace_.links.push_back(link);
       trace_.looks.push_back(std::move(looks[link.name]));
       const auto carried = std::ranges::find(
-          robot_.attached(), link.name,
-          [](const CoveredObject& object) -> const std::string& { return object.object.name; });
+          robot_.attached(), link.name, [](const ApproximatedObject& object) -> const std::string& {
+            return object.object.name;
+          });
       trace_.carriers.push_back(carried == robot_.attached().end() ? "" : carried->object.link);
     }
     for (int i = 0; i < robot_.joint_count(); ++i)

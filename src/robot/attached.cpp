@@ -21,9 +21,9 @@ Error refusal(const AttachedObject& object, const std::string& what) {
 }
 
 /// Adds the object as a link, and the joint that holds it.
-std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& links,
+std::optional<Error> add_link(const ApproximatedObject& added, std::vector<Link>& links,
                               std::vector<Joint>& joints) {
-  const AttachedObject& object = covered.object;
+  const AttachedObject& object = added.object;
   if (object.name.empty()) return refusal(object, "it has no name");
   if (find_link(links, object.name)) {
     return refusal(object, "there is a link or another attached object of this name");
@@ -32,8 +32,8 @@ std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& l
   if (!carrier) {
     return refusal(object, fmt::format("there is no link '{}' to carry it", object.link));
   }
-  if (covered.spheres.empty() && covered.capsules.empty()) {
-    return refusal(object, "it has no spheres and no capsules; cover_object makes them");
+  if (added.spheres.empty() && added.capsules.empty()) {
+    return refusal(object, "it has no spheres and no capsules; approximate_object makes them");
   }
   Joint joint;
   joint.name = object.name;
@@ -41,10 +41,10 @@ std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& l
   joint.child_link = static_cast<int>(links.size());
   links.push_back({object.name,
                    static_cast<int>(joints.size()),
-                   covered.spheres,
-                   covered.capsules,
+                   added.spheres,
+                   added.capsules,
                    {},
-                   covered.cover});
+                   added.approximation});
   if (const auto fault = internal::describe_shape_fault(links.back())) {
     return refusal(object, *fault);
   }
@@ -53,11 +53,11 @@ std::optional<Error> add_link(const CoveredObject& covered, std::vector<Link>& l
 }
 
 /// Pairs of links of which at least one says that they may touch.
-Result<internal::LinkPairs> find_allowed(std::span<const CoveredObject> objects,
+Result<internal::LinkPairs> find_allowed(std::span<const ApproximatedObject> objects,
                                          std::span<const Link> links) {
   internal::LinkPairs allowed;
-  for (const CoveredObject& covered : objects) {
-    const AttachedObject& object = covered.object;
+  for (const ApproximatedObject& added : objects) {
+    const AttachedObject& object = added.object;
     for (const std::string& name : object.may_touch) {
       const auto other = find_link(links, name);
       if (!other) {
@@ -74,12 +74,12 @@ Result<internal::LinkPairs> find_allowed(std::span<const CoveredObject> objects,
 
 }  // namespace
 
-Result<Robot> Robot::with_attached(std::vector<CoveredObject> objects) const {
+Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) const {
   Model model = *bare_model();
   model.attached = model_->attached;
   std::ranges::move(objects, std::back_inserter(model.attached));
   const int first = static_cast<int>(model.links.size());
-  for (const CoveredObject& object : model.attached) {
+  for (const ApproximatedObject& object : model.attached) {
     if (auto error = add_link(object, model.links, model.joints)) return tl::unexpected(*error);
   }
   const auto allowed = find_allowed(model.attached, model.links);
@@ -94,8 +94,8 @@ Result<Robot> Robot::with_attached(std::vector<CoveredObject> objects) const {
 }
 
 Result<Robot> Robot::without_attached(const std::string& name) const {
-  std::vector<CoveredObject> kept;
-  for (const CoveredObject& object : attached()) {
+  std::vector<ApproximatedObject> kept;
+  for (const ApproximatedObject& object : attached()) {
     if (object.object.name == name) continue;
     kept.push_back(object);
     std::erase(kept.back().object.may_touch, name);

@@ -234,9 +234,10 @@ std::optional<Error> refuse_solids(std::span<const Link> links) {
     if (link.solids.empty()) continue;
     return Error{
         ErrorCode::unsupported,
-        fmt::format("link '{}' has collision geometry besides spheres and capsules; cover it "
-                    "with spheres first (`mneme robot spheres`, load_covered_robot)",
-                    link.name)};
+        fmt::format(
+            "link '{}' has collision geometry besides spheres and capsules; "
+            "approximate it by spheres first (`mneme robot spheres`, load_approximated_robot)",
+            link.name)};
   }
   return std::nullopt;
 }

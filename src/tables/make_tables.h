@@ -46,12 +46,12 @@ void store(const Matrix& m, float* out) {
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
 /// Which groups may touch which obstacles (see SceneTables::may_touch), those that are checked by
-/// solid among them if `allows_by_solid` says so. Error: an obstacle names a link that the robot
+/// solid among them if `allows_exact` says so. Error: an obstacle names a link that the robot
 /// lacks.
 [[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                                        const RobotTables& tables,
                                                                        const Scene& scene,
-                                                                       bool allows_by_solid);
+                                                                       bool allows_exact);
 
 struct CheckedRobot {
   RobotTables tables;

@@ -197,7 +197,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
 
 Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                          const RobotTables& tables,
-                                                         const Scene& scene, bool allows_by_solid) {
+                                                         const Scene& scene, bool allows_exact) {
   std::vector<std::uint16_t> bits;
   std::size_t shape_count = 0;
   for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
@@ -207,7 +207,8 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
     auto named = find_named_links(robot, obstacle);
     if (!named) return tl::unexpected(named.error());
     std::vector<int>& links = named->may_touch;
-    if (allows_by_solid) links.insert(links.end(), named->by_solid.begin(), named->by_solid.end());
+    if (allows_exact)
+      links.insert(links.end(), named->exact_links.begin(), named->exact_links.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size() && !links.empty(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;

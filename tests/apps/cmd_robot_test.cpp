@@ -69,7 +69,7 @@ TEST_SUITE("flow") {
     CHECK(json["contacts"][0]["other"] == make_circle_scene("", kTwoCircles).obstacles[1].name);
   }
 
-  TEST_CASE("check tells contacts of covers from those of what they cover") {
+  TEST_CASE("check tells contacts of spheres from those of exact geometry") {
     const PlanarFiles files;
     const auto check = [&](double z) {
       write_file(files / "slab.yaml",
@@ -81,8 +81,8 @@ TEST_SUITE("flow") {
           .out;
     };
     // The box of the link ends at 0.27 m.
-    CHECK(has_text(check(0.165), "); by covers: what is covered is 0.005000 m away\n"));
-    CHECK(has_text(check(0.175), "); what is covered touches, too\n"));
+    CHECK(has_text(check(0.165), "); by spheres: the exact geometry is 0.005000 m away\n"));
+    CHECK(has_text(check(0.175), "); the exact geometry touches, too\n"));
   }
 
   TEST_CASE("check finds links that cross, and configurations that are none") {

@@ -108,12 +108,13 @@ TEST_SUITE("flow") {
     CHECK(load_robot(arm.out)->joint_count() == 1);
   }
 
-  TEST_CASE("info and plan cover what needs it, say so, and find it in the cache from then on") {
+  TEST_CASE(
+      "info and plan approximate what needs it, say so, and find it in the cache from then on") {
     const ArmFiles arm;
     const ProcessChanges with_cache{{"XDG_CACHE_HOME=" + arm.files / "cache"}, false};
     const ProgramRun info = run_program({"robot", "info", arm.urdf, "--json"}, with_cache);
     REQUIRE_MESSAGE(info.exit_code == 0, info.err);
-    CHECK(has_text(info.err, "mneme: warning: covered the geometry of 3 links with"));
+    CHECK(has_text(info.err, "mneme: warning: approximated the geometry of 3 links by"));
     CHECK_FALSE(has_text(info.err, "from the cache"));
     write_file(arm.files / "problem.yaml",
                "robot: arm.urdf\nscene:\n  obstacles:\n"
@@ -125,7 +126,7 @@ TEST_SUITE("flow") {
     CHECK(has_text(plan.err, "; 3 from the cache " + arm.files / "cache/mneme"));
     // Whichever way a command comes by a robot, it says the same of it.
     const std::string said = run_program({"robot", "info", arm.urdf}, with_cache).err;
-    CHECK(has_text(said, "mneme: warning: covered the geometry of 3 links with"));
+    CHECK(has_text(said, "mneme: warning: approximated the geometry of 3 links by"));
     CHECK(has_text(plan.err, said));
   }
 }

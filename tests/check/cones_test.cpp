@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
 #include "check/cones.h"
-#include "covering/small_parts.h"
+#include "spheres/small_parts.h"
 #include "goal/posed_robots.h"
 
 #include <cmath>

@@ -3,9 +3,9 @@
 #include "mneme/collision.h"
 
 #include "check/link_distances.h"
-#include "check/solid_pairs.h"
+#include "check/exact_pairs.h"
 #include "collision/random_worlds.h"
-#include "covering/small_parts.h"
+#include "spheres/small_parts.h"
 #include "report/report_support.h"
 #include "support/support.h"
 
@@ -132,13 +132,13 @@ TEST_SUITE("unit") {
     CHECK(fixed_contacts_of(arm, scene).empty());
   }
 
-  TEST_CASE("links without a cover are not checked by solid") {
+  TEST_CASE("links without an approximation are not checked by exact geometry") {
     const Robot arm = require_parsed(kArm);
     Scene scene = ball_scene({1.5, 0.3, 0}, 0.27);
-    scene.obstacles[1].by_solid = {"far"};
-    CHECK(internal::obstacle_shapes(arm, scene)[1].by_solid.empty());
+    scene.obstacles[1].exact_links = {"far"};
+    CHECK(internal::obstacle_shapes(arm, scene)[1].exact_links.empty());
     const internal::LinkDistances links(arm);
-    CHECK(internal::SolidPairs(arm, links, scene, 0).empty());
+    CHECK(internal::ExactPairs(arm, links, scene, 0).empty());
     CHECK(contacts_of(arm, scene, Configuration{0, 0, 0}, 0).size() == 1);
   }
 
@@ -245,7 +245,7 @@ TEST_SUITE("law") {
 
 bool touch(const Robot& robot, std::span<const double> q, int first, int second) {
   const internal::LinkDistances links(robot);
-  return links.between_covers(links.posed(robot.link_poses(q)), first, second, 0) <= 0;
+  return links.between_spheres(links.posed(robot.link_poses(q)), first, second, 0) <= 0;
 }
 
 Robot make_arm(std::vector<Sphere> spheres, std::vector<Capsule> capsules) {

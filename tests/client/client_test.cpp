@@ -170,8 +170,8 @@ TEST_SUITE("flow") {
     CHECK_FALSE(none->message.empty());
     CHECK(none->path.empty());
     const Robot other =
-        *load_covered_robot(*find_robot("ur5")).map([](const CoveredRobot& covered) {
-          return covered.robot;
+        *load_approximated_robot(*find_robot("ur5")).map([](const ApproximatedRobot& loaded) {
+          return loaded.robot;
         });
     const Configuration zero(6, 0.0);
     CHECK(has(refused(client.plan({"", other, "", {}, zero, {zero}, {}}), ErrorCode::invalid),

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Attached objects and allowed contacts in the kernels' eyes.
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "collision/random_worlds.h"
 #include "collision/sweeps.h"
@@ -57,7 +57,7 @@ struct Outcome {
   int free = 0, in_contact = 0;
 };
 
-/// Every instruction set's answer for every row against the distances of covers.
+/// Every instruction set's answer for every row against the distances of spheres.
 void compare_with_clearance(const Robot& robot, const Scene& scene, double margin,
                             const std::vector<float>& rows, Outcome& outcome) {
   for (const Isa isa : available_isas()) {
@@ -92,7 +92,7 @@ std::vector<Shape> shapes_of(const Link& link) {
   return shapes;
 }
 
-/// Whether an attached object itself, not its cover, touches what it may not.
+/// Whether an attached object itself, not its spheres, touches what it may not.
 bool is_object_in_contact(const Robot& robot, const Scene& scene, std::span<const float> q) {
   const std::vector<Transform> poses = robot.link_poses(Configuration(q.begin(), q.end()));
   const std::size_t bare = robot.links().size() - robot.attached().size();
@@ -225,21 +225,21 @@ TEST_SUITE("oracle") {
 
   TEST_CASE("no state is free where an attached box, cylinder, sphere or capsule itself touches") {
     Rng rng(503);
-    int touching = 0, free_count = 0, only_covers_touch = 0;
+    int touching = 0, free_count = 0, only_spheres_touch = 0;
     for (int i = 0; i < 80; ++i) {
       const Robot robot = randomly_carrying(random_robot(rng), rng);
       Scene scene = random_scene(robot, 2, rng, small_shape);
-      const CollisionChecker by_covers = require_checker(robot, scene);
-      if (i % 2 == 0) check_obstacles_by_solid(scene, robot, rng);
-      if (i % 2 == 0) check_links_by_solid(scene, robot, rng);
+      const CollisionChecker by_spheres = require_checker(robot, scene);
+      if (i % 2 == 0) check_obstacles_exactly(scene, robot, rng);
+      if (i % 2 == 0) check_links_exactly(scene, robot, rng);
       INFO("seed 503, robot " << i);
       const auto rows = random_states(robot, 100, rng);
       const auto is_valid = check_all(require_checker(robot, scene), rows);
-      const auto are_covers_free = check_all(by_covers, rows);
+      const auto are_spheres_free = check_all(by_spheres, rows);
       for (std::size_t k = 0; k < is_valid.size(); ++k) {
         free_count += is_valid[k];
-        only_covers_touch += is_valid[k] - are_covers_free[k];
-        REQUIRE(is_valid[k] >= are_covers_free[k]);
+        only_spheres_touch += is_valid[k] - are_spheres_free[k];
+        REQUIRE(is_valid[k] >= are_spheres_free[k]);
         if (!is_object_in_contact(robot, scene, row(rows, k, robot))) continue;
         ++touching;
         REQUIRE(is_valid[k] == 0);
@@ -247,7 +247,7 @@ TEST_SUITE("oracle") {
     }
     CHECK(touching > 500);
     CHECK(free_count > 500);
-    CHECK(only_covers_touch > 50);
+    CHECK(only_spheres_touch > 50);
   }
 }
 

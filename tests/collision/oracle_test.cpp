@@ -103,7 +103,7 @@ constexpr const char* kTwoArms = R"(<robot name="two_arms">
 </robot>)";
 
 /// A collision shape at a random place in a cube.
-std::string random_cover(Rng& rng, double side, const char* geometry) {
+std::string random_shapes(Rng& rng, double side, const char* geometry) {
   const Vec3 at = random_vector(rng, side), turn = random_vector(rng, 3);
   return fmt::format(
       R"(<collision><origin xyz="{} {} {}" rpy="{} {} {}"/><geometry>{}</geometry></collision>)",
@@ -112,18 +112,18 @@ std::string random_cover(Rng& rng, double side, const char* geometry) {
 
 /// A hand of three turns in front of a stand, both of scattered spheres and capsules.
 Robot scattered_robot(Rng& rng, int spheres, int capsules) {
-  std::string covers[2];
-  for (std::string& cover : covers) {
+  std::string shapes[2];
+  for (std::string& link : shapes) {
     for (int i = 0; i < spheres; ++i)
-      cover += random_cover(rng, 0.4, R"(<sphere radius="0.006"/>)");
+      link += random_shapes(rng, 0.4, R"(<sphere radius="0.006"/>)");
     for (int i = 0; i < capsules; ++i) {
-      cover += random_cover(rng, 0.4, R"(<capsule radius="0.006" length="0.3"/>)");
+      link += random_shapes(rng, 0.4, R"(<capsule radius="0.006" length="0.3"/>)");
     }
   }
   const std::string limits = R"(<limit lower="-3" upper="3"/></joint>)";
   return require_parsed(
-      R"(<robot name="scattered"><link name="stand">)" + covers[0] +
-      R"(</link><link name="a"/><link name="b"/><link name="hand">)" + covers[1] +
+      R"(<robot name="scattered"><link name="stand">)" + shapes[0] +
+      R"(</link><link name="a"/><link name="b"/><link name="hand">)" + shapes[1] +
       R"(</link>
   <joint name="one" type="revolute"><parent link="stand"/><child link="a"/>
     <origin xyz="0.3 0 0"/><axis xyz="0 0 1"/>)" +
@@ -234,7 +234,7 @@ TEST_SUITE("oracle") {
     }
   }
 
-  TEST_CASE("kernels agree with exact contacts of links with few and with hundreds of covers") {
+  TEST_CASE("kernels agree with exact contacts of links with few and with hundreds of shapes") {
     Rng rng(209);
     Tally tally;
     for (const auto& [spheres, capsules] :

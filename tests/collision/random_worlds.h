@@ -155,22 +155,22 @@ inline Robot random_robot(Rng& rng) {
 }
 
 /// Half of the pairs of obstacles and links.
-inline void check_obstacles_by_solid(Scene& scene, const Robot& robot, Rng& rng) {
+inline void check_obstacles_exactly(Scene& scene, const Robot& robot, Rng& rng) {
   for (Obstacle& obstacle : scene.obstacles) {
     for (const Link& link : robot.links()) {
-      if (rng.index(2) == 0) obstacle.by_solid.push_back(link.name);
+      if (rng.index(2) == 0) obstacle.exact_links.push_back(link.name);
     }
   }
 }
 
 /// Three in four of the pairs of links that the robot checks; names stand in either order.
-inline void check_links_by_solid(Scene& scene, const Robot& robot, Rng& rng) {
+inline void check_links_exactly(Scene& scene, const Robot& robot, Rng& rng) {
   for (const auto& [a, b] : robot.self_pairs()) {
     const auto name = [&](int link) { return robot.links()[static_cast<std::size_t>(link)].name; };
     if (rng.index(2) == 0) {
-      scene.by_solid.emplace_back(name(a), name(b));
+      scene.exact_pairs.emplace_back(name(a), name(b));
     } else if (rng.index(2) == 0) {
-      scene.by_solid.emplace_back(name(b), name(a));
+      scene.exact_pairs.emplace_back(name(b), name(a));
     }
   }
 }

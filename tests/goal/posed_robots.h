@@ -4,7 +4,7 @@
 /// Robots, and poses that they can reach because a configuration has them.
 #pragma once
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/goal.h"
 
 #include "support/lifting_arm.h"
@@ -17,9 +17,9 @@
 namespace mneme::test {
 
 inline Robot shipped_robot(const std::string& name) {
-  const auto covered = load_covered_robot(source_file("robots/" + name + ".urdf"));
-  REQUIRE_MESSAGE(covered.has_value(), (covered ? "" : covered.error().message));
-  return covered->robot;
+  const auto loaded = load_approximated_robot(source_file("robots/" + name + ".urdf"));
+  REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+  return loaded->robot;
 }
 
 inline InverseKinematics require_kinematics(const Robot& robot, const std::string& link,

@@ -186,10 +186,10 @@ TEST_SUITE("unit") {
     CHECK_FALSE(cell.proven()->contain(a, b, {}));
     CHECK(cell.of_links(Verification::states) == nullptr);
     const std::string link = cell.problem.robot.links().back().name;
-    cell.problem.scene.obstacles.front().by_solid = {link};
+    cell.problem.scene.obstacles.front().exact_links = {link};
     CHECK(cell.of_links(Verification::motions) == nullptr);
     cell.problem.scene = Scene{};
-    cell.problem.scene.by_solid = {{cell.problem.robot.links().front().name, link}};
+    cell.problem.scene.exact_pairs = {{cell.problem.robot.links().front().name, link}};
     CHECK(cell.of_links(Verification::motions) == nullptr);
     cell.problem.scene = Scene{};
     cell.problem.robot = limited_arm({1, 1}, -0.5, 2.5);
@@ -226,7 +226,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE(
-      "what may touch and what is checked by solid is part of a cell, and cells of points have no "
+      "what may touch and what is checked by exact geometry is part of a cell, and cells of points "
+      "have no "
       "proven motions") {
     StaticCell cell;
     const std::vector<float> a = {0, 0.5f}, b = {1, 0.5f};
@@ -236,7 +237,7 @@ TEST_SUITE("unit") {
     REQUIRE(cell.proven() != nullptr);
     CHECK_FALSE(cell.proven()->contain(a, b, {}));
     cell.proven()->add(a, b, {});
-    cell.problem.scene.by_solid = {{cell.problem.robot.links().front().name, link}};
+    cell.problem.scene.exact_pairs = {{cell.problem.robot.links().front().name, link}};
     CHECK_FALSE(cell.proven()->contain(a, b, {}));
     PointCloud cloud;
     cloud.parts =

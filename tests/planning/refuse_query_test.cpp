@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "support/support.h"
 
@@ -17,8 +17,8 @@ CollisionChecker checker_of(const std::vector<std::array<double, 3>>& circles) {
   return *checker;
 }
 
-/// Two links in a row, the second one of which is a covered box.
-Robot covered_arm() {
+/// Two links in a row, the second one of which is a box in spheres.
+Robot approximated_arm() {
   const auto parts = parse_robot_parts(
       R"(<robot name="arm"><link name="l0"/>
       <link name="l1"><collision><origin xyz="0.4 0 0"/><geometry><box size="1 0.2 0.2"/></geometry>
@@ -30,9 +30,9 @@ Robot covered_arm() {
       </robot>)",
       "arm.urdf");
   REQUIRE(parts.has_value());
-  const auto covering = cover_robot(*parts);
-  REQUIRE(covering.has_value());
-  const auto robot = make_robot(covering->parts);
+  const auto made = approximate_robot(*parts);
+  REQUIRE(made.has_value());
+  const auto robot = make_robot(made->parts);
   REQUIRE(robot.has_value());
   return *robot;
 }
@@ -65,10 +65,10 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("a cover that touches says how far it sticks out, and where its solid is") {
+  TEST_CASE("spheres that touch say how far they stick out, and where the exact geometry is") {
     // The arm's second link is a box between x = 0.9 and x = 1.9, 0.2 m thick.
-    const Robot robot = covered_arm();
-    const double excess = 1e3 * robot.links()[1].cover->excess;
+    const Robot robot = approximated_arm();
+    const double excess = 1e3 * robot.links()[1].approximation->excess;
     REQUIRE(excess > 3);
     const auto refuse = [&](const Shape& shape, double margin = 0) {
       const auto checker =
@@ -82,23 +82,24 @@ TEST_SUITE("unit") {
     const std::string message = refuse(above);
     INFO(message);
     CHECK(message.starts_with("start is in contact: link 'l1' touches obstacle 'shelf' by "));
-    CHECK(message.find(fmt::format(" mm (a cover sticks out by up to {:.2g} mm; what is covered is "
-                                   "2 mm away). Try finer covers (`mneme robot spheres --excess "
-                                   "0.002`), or `allow` what may touch",
-                                   excess)) != std::string::npos);
+    CHECK(message.find(
+              fmt::format(" mm (the spheres stick out by up to {:.2g} mm; the exact geometry is "
+                          "2 mm away). Try finer spheres (`mneme robot spheres --excess "
+                          "0.002`), or `allow` what may touch",
+                          excess)) != std::string::npos);
     Box lower = above;
     lower.pose.translation.z() -= 0.003;
-    CHECK(refuse(lower).ends_with(" mm; what is covered touches, too)"));
-    CHECK(refuse(Sphere{{1.4, 0, 0.01}, 0.01}).ends_with(" mm; what is covered touches, too)"));
-    CHECK(refuse(above, 0.0015).ends_with("what is covered is 2 mm away)"));
+    CHECK(refuse(lower).ends_with(" mm; the exact geometry touches, too)"));
+    CHECK(refuse(Sphere{{1.4, 0, 0.01}, 0.01}).ends_with(" mm; the exact geometry touches, too)"));
+    CHECK(refuse(above, 0.0015).ends_with("the exact geometry is 2 mm away)"));
     Box higher = above;
     higher.pose.translation.z() += 0.2;
-    CHECK(refuse(higher, 0.3).find("what is covered is 202 mm away)") != std::string::npos);
+    CHECK(refuse(higher, 0.3).find("the exact geometry is 202 mm away)") != std::string::npos);
   }
 
-  TEST_CASE("what is carried says how far its cover sticks out, which nothing makes finer") {
+  TEST_CASE("what is carried says how far its spheres stick out, which nothing makes finer") {
     const Robot robot =
-        attach(covered_arm(), {{"rod", "l2", {Box{{}, Vec3::Constant(0.05)}}}}).value();
+        attach(approximated_arm(), {{"rod", "l2", {Box{{}, Vec3::Constant(0.05)}}}}).value();
     const Box ahead{{Eigen::Matrix3d::Identity(), {2.152, 0, 0}}, {0.1, 0.1, 0.1}};
     const auto checker = CollisionChecker::make(robot, {"scene", {{"wall", {ahead}}}});
     REQUIRE(checker.has_value());
@@ -107,7 +108,7 @@ TEST_SUITE("unit") {
     INFO(refused->message);
     CHECK(refused->message.starts_with("start is in contact: link 'rod' touches obstacle 'wall'"));
     CHECK(refused->message.ends_with(
-        "(a cover sticks out by up to 15 mm; what is covered is 2 mm away)"));
+        "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away)"));
   }
 
   TEST_CASE("goals in contact are left out with a note, unless all are") {

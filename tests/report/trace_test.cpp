@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 #include "mneme/report.h"
 
 #include "report/report_support.h"

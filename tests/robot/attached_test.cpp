@@ -8,13 +8,13 @@
 namespace mneme::test {
 namespace {
 
-CoveredObject ball(const std::string& name, const std::string& link,
-                   std::vector<std::string> may_touch = {}) {
+ApproximatedObject ball(const std::string& name, const std::string& link,
+                        std::vector<std::string> may_touch = {}) {
   const Sphere sphere{{0.1, 0, 0}, 0.2};
   return {{name, link, {sphere}, {}, std::move(may_touch)}, {sphere}, {}};
 }
 
-Robot carrying(const Robot& robot, std::vector<CoveredObject> objects) {
+Robot carrying(const Robot& robot, std::vector<ApproximatedObject> objects) {
   auto result = robot.with_attached(std::move(objects));
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   return *result;
@@ -31,7 +31,7 @@ Pairs pairs_from(const Robot& robot, int first) {
   return pairs;
 }
 
-std::string refusal(const Robot& robot, const CoveredObject& object) {
+std::string refusal(const Robot& robot, const ApproximatedObject& object) {
   const auto result = robot.with_attached({object});
   REQUIRE_FALSE(result.has_value());
   CHECK(result.error().code == ErrorCode::invalid);
@@ -101,7 +101,7 @@ TEST_SUITE("unit") {
     const Robot bare = planar8();
     REQUIRE(bare.is_planar());
     CHECK(carrying(bare, {ball("cup", "link_8")}).is_planar());
-    CoveredObject above = ball("cup", "link_8");
+    ApproximatedObject above = ball("cup", "link_8");
     above.spheres[0].center.z() = 0.1;
     CHECK(!carrying(bare, {above}).is_planar());
   }
@@ -119,9 +119,10 @@ TEST_SUITE("unit") {
         refusal(bare, ball("cup", "l3", {"thumb"})) ==
         "attached object 'cup': it may touch 'thumb', but there is no link and no attached object "
         "of this name");
-    CHECK(refusal(bare, {{"cup", "l3", {Sphere{}}}, {}, {}}) ==
-          "attached object 'cup': it has no spheres and no capsules; cover_object makes them");
-    CoveredObject inverted = ball("cup", "l3");
+    CHECK(
+        refusal(bare, {{"cup", "l3", {Sphere{}}}, {}, {}}) ==
+        "attached object 'cup': it has no spheres and no capsules; approximate_object makes them");
+    ApproximatedObject inverted = ball("cup", "l3");
     inverted.spheres[0].radius = -0.1;
     CHECK(refusal(bare, inverted) ==
           "attached object 'cup': a sphere has the radius -0.1, expected 0 to 1e6");

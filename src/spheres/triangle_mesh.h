@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Surfaces as triangles: what every solid is turned into before it is covered.
+/// Surfaces as triangles: what every solid is turned into before it is approximated.
 #pragma once
 
 #include "mneme/robot.h"

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/cover_robot.h"
+#include "spheres/approximate_robot.h"
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/installation.h"
 #include "base/start_threads.h"
-#include "covering/allowed_pairs.h"
-#include "covering/cover_solid.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/allowed_pairs.h"
+#include "spheres/approximate_solid.h"
+#include "spheres/triangle_mesh.h"
 #include "robot/link_shapes.h"
 #include "robot/planning_group.h"
 
@@ -40,27 +40,27 @@ std::string hash_of(std::string_view bytes) {
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
-Json to_json(const LinkCover& cover) {
+Json to_json(const LinkSpheres& link) {
   Json spheres = Json::array();
-  for (const Sphere& s : cover.spheres) {
+  for (const Sphere& s : link.spheres) {
     spheres.push_back({s.center.x(), s.center.y(), s.center.z(), s.radius});
   }
   return {{"spheres", spheres},
-          {"uncovered", cover.uncovered},
-          {"mean_excess", cover.mean_excess},
-          {"max_excess", cover.max_excess}};
+          {"uncovered", link.uncovered},
+          {"mean_excess", link.mean_excess},
+          {"max_excess", link.max_excess}};
 }
 
-LinkCover from_json(const Json& json) {
-  LinkCover cover;
+LinkSpheres from_json(const Json& json) {
+  LinkSpheres link;
   for (const auto& [x, y, z, radius] :
        json.at("spheres").get<std::vector<std::array<double, 4>>>()) {
-    cover.spheres.push_back({Vec3(x, y, z), radius});
+    link.spheres.push_back({Vec3(x, y, z), radius});
   }
-  json.at("uncovered").get_to(cover.uncovered);
-  json.at("mean_excess").get_to(cover.mean_excess);
-  json.at("max_excess").get_to(cover.max_excess);
-  return cover;
+  json.at("uncovered").get_to(link.uncovered);
+  json.at("mean_excess").get_to(link.mean_excess);
+  json.at("max_excess").get_to(link.max_excess);
+  return link;
 }
 
 /// Writes a file of its own and renames it, so that no reader sees half of it.
@@ -78,8 +78,8 @@ bool write_whole(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-std::string cover_key(const TriangleMesh& surface, const CoverSettings& settings) {
-  std::vector<double> numbers = {kCoverVersion, settings.excess,
+std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settings) {
+  std::vector<double> numbers = {kSphereVersion, settings.excess,
                                  static_cast<double>(settings.max_spheres)};
   for (const Triangle& triangle : surface) {
     for (const Vec3& corner : {triangle.a, triangle.b, triangle.c}) {
@@ -90,11 +90,11 @@ std::string cover_key(const TriangleMesh& surface, const CoverSettings& settings
   return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
-std::string CoverCache::path_of(const std::string& key) const {
-  return fmt::format("{}/cover-{}.json", directory_, key);
+std::string SphereCache::path_of(const std::string& key) const {
+  return fmt::format("{}/spheres-{}.json", directory_, key);
 }
 
-std::optional<LinkCover> CoverCache::find(const std::string& key) const {
+std::optional<LinkSpheres> SphereCache::find(const std::string& key) const {
   if (directory_.empty()) return std::nullopt;
   std::ifstream file(path_of(key), std::ios::binary);
   std::string text;
@@ -108,11 +108,11 @@ std::optional<LinkCover> CoverCache::find(const std::string& key) const {
   }
 }
 
-bool CoverCache::store(const std::string& key, const LinkCover& cover) const {
+bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) const {
   std::error_code error;
   if (!directory_.empty()) std::filesystem::create_directories(directory_, error);
   if (directory_.empty() || error) return false;
-  const std::string text = to_json(cover).dump();
+  const std::string text = to_json(spheres).dump();
   return write_whole(path_of(key), fmt::format("{}\n{}\n", text, hash_of(key + text)));
 }
 
@@ -120,33 +120,34 @@ namespace {
 
 /// What became of one link.
 struct Attempt {
-  Result<LinkCover> cover;
+  Result<LinkSpheres> spheres;
   TriangleMesh surface = {};
   bool is_found = false;
   bool is_stored = false;
 };
 
-Attempt attempt(const Link& link, const CoverSettings& settings, const CoverCache& cache) {
+Attempt attempt(const Link& link, const SphereSettings& settings, const SphereCache& cache) {
   auto surface = link_surface(link);
   if (!surface) return {tl::unexpected(surface.error())};
-  const std::string key = cover_key(*surface, settings);
-  std::optional<LinkCover> known = cache.find(key);
+  const std::string key = sphere_key(*surface, settings);
+  std::optional<LinkSpheres> known = cache.find(key);
   const bool is_found = known.has_value();
-  Attempt result{is_found ? *std::move(known) : cover_solid(*surface, settings), {}, is_found};
-  if (!is_found) result.is_stored = cache.store(key, *result.cover);
-  result.cover->link = link.name;
+  Attempt result{
+      is_found ? *std::move(known) : approximate_solid(*surface, settings), {}, is_found};
+  if (!is_found) result.is_stored = cache.store(key, *result.spheres);
+  result.spheres->link = link.name;
   result.surface = *std::move(surface);
   return result;
 }
 
 /// Puts the spheres in the place of the solids.
 void replace_solids(Link& link, Attempt made) {
-  const std::vector<Sphere>& spheres = made.cover->spheres;
+  const std::vector<Sphere>& spheres = made.spheres->spheres;
   link.solids.clear();
   link.spheres.insert(link.spheres.end(), spheres.begin(), spheres.end());
-  link.cover = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
-                static_cast<int>(spheres.size()),
-                made.cover->max_excess};
+  link.approximation = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
+                        static_cast<int>(spheres.size()),
+                        made.spheres->max_excess};
 }
 
 /// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has,
@@ -195,11 +196,12 @@ std::vector<bool> find_arm_ends(const Robot::Parts& parts) {
   return are_ends;
 }
 
-Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
-                                   const CoverCache& cache, const CoverProgress& on_covered) {
+Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
+                                        const SphereCache& cache,
+                                        const SphereProgress& on_approximated) {
   const std::vector<bool> are_ends = find_arm_ends(parts);
   std::vector<Link*> links;
-  std::vector<CoverSettings> each;
+  std::vector<SphereSettings> each;
   for (std::size_t i = 0; i < parts.links.size(); ++i) {
     if (parts.links[i].solids.empty()) continue;
     links.push_back(&parts.links[i]);
@@ -212,18 +214,18 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
   run_parallel(links.size(), [&](std::size_t i) {
     attempts[i] = attempt(*links[i], each[i], cache);
     const std::scoped_lock locked(telling);
-    if (on_covered) on_covered(++done, static_cast<int>(links.size()), links[i]->name);
+    if (on_approximated) on_approximated(++done, static_cast<int>(links.size()), links[i]->name);
   });
-  CachedCovering result;
+  CachedSpheres result;
   for (std::size_t i = 0; i < links.size(); ++i) {
     Attempt& made = attempts[i];
-    if (!made.cover) return tl::unexpected(made.cover.error());
-    result.covering.links.push_back(*made.cover);
+    if (!made.spheres) return tl::unexpected(made.spheres.error());
+    result.robot.links.push_back(*made.spheres);
     result.found += made.is_found ? 1 : 0;
     result.stored += made.is_stored ? 1 : 0;
     replace_solids(*links[i], std::move(made));
   }
-  result.covering.parts = std::move(parts);
+  result.robot.parts = std::move(parts);
   return result;
 }
 
@@ -232,16 +234,16 @@ Result<CachedCovering> cover_robot(Robot::Parts parts, const CoverSettings& sett
 namespace mneme {
 namespace {
 
-std::string describe(const internal::CachedCovering& made, const internal::CoverCache& cache) {
+std::string describe(const internal::CachedSpheres& made, const internal::SphereCache& cache) {
   std::size_t spheres = 0;
   double worst = 0;
-  for (const LinkCover& link : made.covering.links) {
+  for (const LinkSpheres& link : made.robot.links) {
     spheres += link.spheres.size();
     worst = std::max(worst, link.max_excess);
   }
-  const auto links = made.covering.links.size();
+  const auto links = made.robot.links.size();
   std::string text = fmt::format(
-      "covered the geometry of {} {} with {} {}, which stick out by up to {:.3f} m", links,
+      "approximated the geometry of {} {} by {} {}, which stick out by up to {:.3f} m", links,
       links == 1 ? "link" : "links", spheres, spheres == 1 ? "sphere" : "spheres", worst);
   const auto known = static_cast<std::size_t>(made.found + made.stored);
   if (made.found > 0) text += fmt::format("; {} from the cache {}", made.found, cache.directory());
@@ -251,18 +253,18 @@ std::string describe(const internal::CachedCovering& made, const internal::Cover
 
 }  // namespace
 
-Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings,
-                             const CoverProgress& on_covered) {
+Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
+                                       const SphereProgress& on_approximated) {
   if (auto checked = internal::check_ranges(settings); !checked) {
     return tl::unexpected(checked.error());
   }
-  const internal::CoverCache cache(internal::cache_directory());
-  return internal::cover_robot(std::move(parts), settings, cache, on_covered)
-      .map([&](internal::CachedCovering result) {
-        if (!result.covering.links.empty()) {
-          result.covering.notes.push_back(describe(result, cache));
+  const internal::SphereCache cache(internal::cache_directory());
+  return internal::approximate_robot(std::move(parts), settings, cache, on_approximated)
+      .map([&](internal::CachedSpheres result) {
+        if (!result.robot.links.empty()) {
+          result.robot.notes.push_back(describe(result, cache));
         }
-        return std::move(result.covering);
+        return std::move(result.robot);
       });
 }
 
@@ -312,9 +314,10 @@ Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
 
 }  // namespace
 
-Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOptions& options,
-                                        const CoverSettings& settings,
-                                        const CoverProgress& on_covered) {
+Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
+                                                  const RobotOptions& options,
+                                                  const SphereSettings& settings,
+                                                  const SphereProgress& on_approximated) {
   if (auto checked = internal::check_ranges(settings); !checked) {
     return tl::unexpected(checked.error());
   }
@@ -323,7 +326,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
   if (std::ranges::any_of(parts->links, has_solids)) {
-    auto made = cover_robot(std::move(*parts), settings, on_covered);
+    auto made = approximate_robot(std::move(*parts), settings, on_approximated);
     if (!made) return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
     notes = std::move(made->notes);
     parts = std::move(made->parts);
@@ -336,7 +339,7 @@ Result<CoveredRobot> load_covered_robot(const std::string& path, const RobotOpti
   }
   auto robot = make_usable(std::move(*parts), options);
   if (!robot) return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
-  return CoveredRobot{std::move(*robot), std::move(notes)};
+  return ApproximatedRobot{std::move(*robot), std::move(notes)};
 }
 
 }  // namespace mneme

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/solid_pairs.h"
+#include "check/exact_pairs.h"
 
 #include "base/as_index.h"
 #include "robot/drives.h"
@@ -14,8 +14,8 @@ namespace {
 
 /// Metres: where there is less room, a motion is taken to touch.
 constexpr double kLeastRoom = 1e-4;
-/// Metres: where covers have so much room, solids are not looked at.
-constexpr double kCoverRoom = 0.003;
+/// Metres: where spheres have so much room, solids are not looked at.
+constexpr double kSphereRoom = 0.003;
 
 /// Of a motion, between two shares of it: there a pair is not known to be apart.
 struct Stretch {
@@ -25,11 +25,11 @@ struct Stretch {
 
 }  // namespace
 
-SolidPairs::SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene,
+ExactPairs::ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene,
                        double margin)
     : robot_(robot), links_(links) {
   for (const ObstacleShape& obstacle : obstacle_shapes(robot, scene)) {
-    for (const int link : obstacle.by_solid) {
+    for (const int link : obstacle.exact_links) {
       if (!links.is_moving(link)) continue;
       auto shape = std::make_shared<const Shape>(*obstacle.shape);
       ObstacleShape own = obstacle;
@@ -38,37 +38,38 @@ SolidPairs::SolidPairs(const Robot& robot, const LinkDistances& links, const Sce
     }
   }
   for (const LinkPair& pair : link_pairs(robot, scene)) {
-    if (pair.is_by_solid) pairs_.push_back({.link = pair.first, .links = pair});
+    if (pair.is_exact) pairs_.push_back({.link = pair.first, .links = pair});
   }
 }
 
-PosedLinks SolidPairs::pose(const Configuration& q) const {
+PosedLinks ExactPairs::pose(const Configuration& q) const {
   return links_.posed(robot_.link_poses(q));
 }
 
-double SolidPairs::between(const PosedLinks& posed, const Pair& pair, double enough) const {
+double ExactPairs::between(const PosedLinks& posed, const Pair& pair, double enough) const {
   return pair.shape ? links_.between(posed, pair.link, pair.obstacle, enough)
                     : links_.between(posed, pair.links, enough);
 }
 
 /// Metres that a pair may come closer at least, or more than `most`.
-double SolidPairs::room(const PosedLinks& posed, const Pair& pair, double margin,
+double ExactPairs::room(const PosedLinks& posed, const Pair& pair, double margin,
                         double most) const {
   const double enough = margin + most;
-  const auto [first, second, by_solid] = pair.links;
-  const double covers = pair.shape ? links_.between_covers(posed, pair.link, pair.obstacle, enough)
-                                   : links_.between_covers(posed, first, second, enough);
-  if (covers > margin + std::min(most, kCoverRoom)) return covers - margin;
+  const auto [first, second, is_exact] = pair.links;
+  const double spheres = pair.shape
+                             ? links_.between_spheres(posed, pair.link, pair.obstacle, enough)
+                             : links_.between_spheres(posed, first, second, enough);
+  if (spheres > margin + std::min(most, kSphereRoom)) return spheres - margin;
   return between(posed, pair, enough) - margin;
 }
 
-bool SolidPairs::are_apart(std::span<const float> q) const {
+bool ExactPairs::are_apart(std::span<const float> q) const {
   const PosedLinks posed = pose({q.begin(), q.end()});
   return std::ranges::none_of(
       pairs_, [&](const Pair& pair) { return between(posed, pair, pair.margin) < pair.margin; });
 }
 
-bool SolidPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
+bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
                             double extra) const {
   const Configuration begin(from.begin(), from.end());
   const auto at = [&](double share) {
@@ -98,7 +99,7 @@ bool SolidPairs::stay_apart(std::span<const float> from, std::span<const float> 
 }
 
 /// Metres that a pair comes closer at most on the straight motion.
-double SolidPairs::longest_way(const Pair& pair, const Configuration& from,
+double ExactPairs::longest_way(const Pair& pair, const Configuration& from,
                                const Configuration& to) const {
   const std::vector<double> first = joint_values(robot_.joints(), robot_.group(), from);
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
@@ -117,7 +118,7 @@ double SolidPairs::longest_way(const Pair& pair, const Configuration& from,
 /// Metres that a point of the link moves at most by these joints, which carry it one after the
 /// other. One that turns moves it along an arc about its axis, which is no farther away than what
 /// is between is long.
-double SolidPairs::longest_way(int link, std::span<const int> joints,
+double ExactPairs::longest_way(int link, std::span<const int> joints,
                                const std::vector<double>& from,
                                const std::vector<double>& to) const {
   double way = 0, reach = links_.reach(link);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/allowed_pairs.h"
+#include "spheres/allowed_pairs.h"
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "base/as_index.h"
 #include "check/link_distances.h"
@@ -29,7 +29,7 @@ std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Ro
     }
     const PosedLinks posed = links.posed(robot.link_poses(q));
     std::erase_if(pairs, [&](const auto& pair) {
-      return links.between_covers(posed, pair.first, pair.second, 0) > 0;
+      return links.between_spheres(posed, pair.first, pair.second, 0) > 0;
     });
   }
   std::vector<std::pair<std::string, std::string>> names;
@@ -118,7 +118,7 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
 void sample(const Robot& robot, const PairSettings& settings, std::vector<Record>& records) {
   const internal::LinkDistances links(robot);
   const auto touch = [&](const internal::PosedLinks& posed, const Pair& pair) {
-    return links.between_covers(posed, pair.first, pair.second, 0) <= 0;
+    return links.between_spheres(posed, pair.first, pair.second, 0) <= 0;
   };
   const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
   const internal::PosedLinks at_rest = links.posed(robot.link_poses(rest));

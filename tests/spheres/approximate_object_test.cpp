@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
-#include "covering/solids.h"
+#include "spheres/solids.h"
 #include "geometry/random_shapes.h"
 #include "support/support.h"
 
@@ -19,20 +19,21 @@ constexpr const char* kArm = R"(<robot name="arm">
   <joint name="turn" type="continuous"><parent link="base"/><child link="tool"/></joint>
 </robot>)";
 
-CoveredObject require_cover(AttachedObject object, const CoverSettings& settings = kObjectCover) {
-  auto covered = cover_object(std::move(object), settings);
-  REQUIRE_MESSAGE(covered.has_value(), (covered ? "" : covered.error().message));
-  return *covered;
+ApproximatedObject require_spheres(AttachedObject object,
+                                   const SphereSettings& settings = kObjectSpheres) {
+  auto made = approximate_object(std::move(object), settings);
+  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+  return *made;
 }
 
-bool is_covered(const CoveredObject& object, const Vec3& point) {
+bool holds(const ApproximatedObject& object, const Vec3& point) {
   return std::ranges::any_of(object.spheres, [&](const Sphere& s) {
     return (point - s.center).norm() <= s.radius + 1e-12;
   });
 }
 
 /// Points of the surface of spheres that are farther than `excess` from the solid.
-int count_beyond(const CoveredObject& object, const Shape& solid, double excess, Rng& rng) {
+int count_beyond(const ApproximatedObject& object, const Shape& solid, double excess, Rng& rng) {
   int beyond = 0;
   for (const Sphere& s : object.spheres) {
     for (int i = 0; i < 20; ++i) {
@@ -60,7 +61,8 @@ TEST_SUITE("unit") {
   TEST_CASE("spheres and capsules are taken as they are") {
     const Sphere sphere{{1, 2, 3}, 0.1};
     const Capsule capsule{{0, 0, 0}, {0, 0, 1}, 0.2};
-    const CoveredObject made = require_cover({"two", "hand", {sphere, capsule}, {}, {"thumb"}});
+    const ApproximatedObject made =
+        require_spheres({"two", "hand", {sphere, capsule}, {}, {"thumb"}});
     REQUIRE(made.spheres.size() == 1);
     REQUIRE(made.capsules.size() == 1);
     CHECK(made.spheres[0].radius == 0.1);
@@ -70,8 +72,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a box of a decimetre takes 27 spheres that stick out by 13 mm at most") {
-    const CoveredObject made =
-        require_cover({"box", "hand", {Box{{}, Vec3::Constant(0.05)}}, {}, {}});
+    const ApproximatedObject made =
+        require_spheres({"box", "hand", {Box{{}, Vec3::Constant(0.05)}}, {}, {}});
     CHECK(made.spheres.size() == 27);
     Rng rng(1);
     CHECK(count_beyond(made, Box{{}, Vec3::Constant(0.05)}, 0.013, rng) == 0);
@@ -84,42 +86,43 @@ TEST_SUITE("unit") {
     const Box box{{}, Vec3::Constant(0.05)};
     const Cylinder can{{Eigen::Matrix3d::Identity(), {1, 0, 0}}, 0.03, 0.12};
     const Sphere ball{{0, 1, 0}, 0.2};
-    const CoveredObject made =
-        require_cover({"all", "hand", {box, ball, can}, {{path, Vec3::Ones(), {}}}, {}});
-    REQUIRE(made.cover.has_value());
-    const std::vector<Triangle>& surface = made.cover->surface.parts->list();
+    const ApproximatedObject made =
+        require_spheres({"all", "hand", {box, ball, can}, {{path, Vec3::Ones(), {}}}, {}});
+    REQUIRE(made.approximation.has_value());
+    const std::vector<Triangle>& surface = made.approximation->surface.parts->list();
     CHECK(surface.size() ==
           12 + internal::triangulate(can).size() + internal::triangulate(box).size());
-    CHECK(made.cover->sphere_count + 1 == std::ssize(made.spheres));
+    CHECK(made.approximation->sphere_count + 1 == std::ssize(made.spheres));
     CHECK(made.spheres[0] == ball);
-    CHECK(made.cover->excess <= kObjectCover.excess);
-    CHECK(made.cover->surface.pose == Transform{});
-    CHECK_FALSE(require_cover({"ball", "hand", {ball}, {}, {}}).cover.has_value());
+    CHECK(made.approximation->excess <= kObjectSpheres.excess);
+    CHECK(made.approximation->surface.pose == Transform{});
+    CHECK_FALSE(require_spheres({"ball", "hand", {ball}, {}, {}}).approximation.has_value());
   }
 
   TEST_CASE("large objects have no more spheres than they may") {
     Rng rng(3);
     for (const Shape& shape : {Shape(Box{{}, {1000, 0.01, 2}}), Shape(Cylinder{{}, 3000, 0.1}),
                                Shape(Cylinder{{}, 0.01, 5000}), Shape(Box{{}, {9, 9, 9}})}) {
-      const CoveredObject made = require_cover({"large", "hand", {shape}, {}, {}});
+      const ApproximatedObject made = require_spheres({"large", "hand", {shape}, {}, {}});
       CHECK(made.spheres.size() <= 64);
       CHECK(!made.spheres.empty());
-      CHECK(made.cover->excess > kObjectCover.excess);
-      CHECK(count_beyond(made, shape, made.cover->excess, rng) == 0);
+      CHECK(made.approximation->excess > kObjectSpheres.excess);
+      CHECK(count_beyond(made, shape, made.approximation->excess, rng) == 0);
     }
   }
 
-  TEST_CASE("meshes are covered as those of links") {
+  TEST_CASE("meshes are approximated as those of links") {
     const test::TemporaryDirectory directory;
     const std::string path = directory / "cube.stl";
     write_file(path, to_text_stl(internal::triangulate(make_box(Vec3::Constant(0.1)))));
-    const CoveredObject made = require_cover({"cube", "hand", {}, {{path, Vec3::Ones(), {}}}, {}});
+    const ApproximatedObject made =
+        require_spheres({"cube", "hand", {}, {{path, Vec3::Ones(), {}}}, {}});
     Rng rng(2);
     for (int i = 0; i < 1000; ++i) {
-      CHECK(is_covered(made, random_point_in(Box{{}, Vec3::Constant(0.05)}, rng)));
+      CHECK(holds(made, random_point_in(Box{{}, Vec3::Constant(0.05)}, rng)));
     }
     const auto missing =
-        cover_object({"cube", "hand", {}, {{directory / "none.stl", Vec3::Ones(), {}}}, {}});
+        approximate_object({"cube", "hand", {}, {{directory / "none.stl", Vec3::Ones(), {}}}, {}});
     REQUIRE(!missing.has_value());
     CHECK(missing.error().message.starts_with("attached object 'cube': "));
     CHECK(missing.error().message.find("none.stl") != std::string::npos);
@@ -127,7 +130,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("objects without shape or size are refused by name") {
     const auto refusal = [](const AttachedObject& object) {
-      const auto made = cover_object(object);
+      const auto made = approximate_object(object);
       REQUIRE(!made.has_value());
       return made.error().message;
     };
@@ -149,22 +152,23 @@ TEST_SUITE("unit") {
           "attached object 'cup': its cylinder is posed by a matrix that is no rotation");
   }
 
-  TEST_CASE("settings that no cover can obey are refused") {
-    for (const CoverSettings& settings :
-         {CoverSettings{0, 64}, CoverSettings{0.02, 0}, CoverSettings{0.02, 64, 0}}) {
-      const auto made = cover_object({"box", "hand", {Box{{}, {0.1, 0.1, 0.1}}}}, settings);
+  TEST_CASE("settings that no spheres can obey are refused") {
+    for (const SphereSettings& settings :
+         {SphereSettings{0, 64}, SphereSettings{0.02, 0}, SphereSettings{0.02, 64, 0}}) {
+      const auto made = approximate_object({"box", "hand", {Box{{}, {0.1, 0.1, 0.1}}}}, settings);
       REQUIRE(!made.has_value());
       CHECK(made.error().code == ErrorCode::invalid);
     }
   }
 
-  TEST_CASE("attach covers and attaches") {
+  TEST_CASE("attach approximates and attaches") {
     const Robot bare = parse_robot(kArm, "arm.urdf").value();
     const auto robot = attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}});
     REQUIRE(robot.has_value());
     CHECK(robot->links().back().spheres.size() == robot->attached()[0].spheres.size());
-    REQUIRE(robot->links().back().cover.has_value());
-    CHECK(robot->links().back().cover->surface == robot->attached()[0].cover->surface);
+    REQUIRE(robot->links().back().approximation.has_value());
+    CHECK(robot->links().back().approximation->surface ==
+          robot->attached()[0].approximation->surface);
     CHECK(
         attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
         std::string::npos);
@@ -174,23 +178,23 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("law") {
-  TEST_CASE("boxes and cylinders lie within their covers, which stick out by what they may") {
+  TEST_CASE("boxes and cylinders lie within their spheres, which stick out by what they may") {
     constexpr std::uint64_t kSeed = 77;
     Rng rng(kSeed);
     for (int i = 0; i < 100; ++i) {
       INFO("seed " << kSeed << ", object " << i);
-      const CoverSettings settings{.excess = rng.uniform(0.006, 0.05), .max_spheres = 1000};
+      const SphereSettings settings{.excess = rng.uniform(0.006, 0.05), .max_spheres = 1000};
       // So large that these are enough.
       const double size = std::min(1.0, settings.excess / 0.016);
       Box box{random_pose(rng, 0.2), {}};
       for (int k = 0; k < 3; ++k) box.half_extents[k] = rng.uniform(0.001, 0.12 * size);
       const Cylinder can{random_pose(rng, 0.2), rng.uniform(0.002, 0.12 * size),
                          rng.uniform(0.002, 0.3 * size)};
-      const CoveredObject boxes = require_cover({"box", "hand", {box}, {}, {}}, settings);
-      const CoveredObject cans = require_cover({"can", "hand", {can}, {}, {}}, settings);
+      const ApproximatedObject boxes = require_spheres({"box", "hand", {box}, {}, {}}, settings);
+      const ApproximatedObject cans = require_spheres({"can", "hand", {can}, {}, {}}, settings);
       for (int k = 0; k < 100; ++k) {
-        REQUIRE(is_covered(boxes, random_point_in(box, rng)));
-        REQUIRE(is_covered(cans, random_point_in(can, rng)));
+        REQUIRE(holds(boxes, random_point_in(box, rng)));
+        REQUIRE(holds(cans, random_point_in(can, rng)));
       }
       CHECK(count_beyond(boxes, box, settings.excess, rng) == 0);
       CHECK(count_beyond(cans, can, settings.excess, rng) == 0);

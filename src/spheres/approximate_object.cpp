@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "base/check_ranges.h"
 #include "base/installation.h"
-#include "covering/cover_robot.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/approximate_robot.h"
+#include "spheres/triangle_mesh.h"
 #include "geometry/shape_flaw.h"
 #include "geometry/solids.h"
 
@@ -25,8 +25,8 @@ namespace {
 constexpr double kCoarser = 1.2;
 
 /// Adds what holds the box with these half extents about the origin: cells, each in a sphere. Where
-/// all axes have three cells or more, what the outer ones enclose is covered more coarsely.
-void cover_cells(const Vec3& half_extents, double excess, std::vector<Sphere>& spheres) {
+/// all axes have three cells or more, what the outer ones enclose is approximated more coarsely.
+void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Sphere>& spheres) {
   std::array<int, 3> counts = {1, 1, 1};
   Vec3 cell = half_extents;
   while (cell.norm() - cell.minCoeff() > excess) {
@@ -51,11 +51,12 @@ void cover_cells(const Vec3& half_extents, double excess, std::vector<Sphere>& s
       }
     }
   }
-  if (is_hollow) cover_cells(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), spheres);
+  if (is_hollow) add_cell_spheres(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), spheres);
 }
 
 /// Adds what holds the upright cylinder about the origin: rings of cells, layer by layer.
-void cover_rings(double radius, double half_length, double cell, std::vector<Sphere>& spheres) {
+void add_ring_spheres(double radius, double half_length, double cell,
+                      std::vector<Sphere>& spheres) {
   const auto count = [&](double way) {
     return std::max(1, static_cast<int>(std::ceil(way / cell)));
   };
@@ -92,22 +93,23 @@ double excess_of(std::span<const Sphere> spheres, double radius, double half_len
   return excess;
 }
 
-/// Spheres and what they cover.
-struct CoveredSolids {
+/// Spheres and the exact geometry that they hold.
+struct ApproximatedSolids {
   std::vector<Sphere> spheres;
   internal::TriangleMesh surface;
   double excess = 0;  ///< metres that the spheres stick out at most
 
-  void add(std::span<const Sphere> cover, std::span<const Triangle> covered, double beyond) {
-    spheres.insert(spheres.end(), cover.begin(), cover.end());
-    surface.insert(surface.end(), covered.begin(), covered.end());
+  void add(std::span<const Sphere> added, std::span<const Triangle> exact, double beyond) {
+    spheres.insert(spheres.end(), added.begin(), added.end());
+    surface.insert(surface.end(), exact.begin(), exact.end());
     excess = std::max(excess, beyond);
   }
 };
 
-class CoverShape {
+class ApproximateShape {
  public:
-  CoverShape(const CoverSettings& settings, CoveredObject& object, CoveredSolids& solids)
+  ApproximateShape(const SphereSettings& settings, ApproximatedObject& object,
+                   ApproximatedSolids& solids)
       : settings_(settings), object_(object), solids_(solids) {}
 
   void operator()(const Sphere& sphere) const { object_.spheres.push_back(sphere); }
@@ -118,7 +120,7 @@ class CoverShape {
   void operator()(const Box& box) const {
     add(box, box.half_extents.maxCoeff(), [&](double excess) {
       std::vector<Sphere> spheres;
-      cover_cells(box.half_extents, excess, spheres);
+      add_cell_spheres(box.half_extents, excess, spheres);
       return spheres;
     });
   }
@@ -129,7 +131,7 @@ class CoverShape {
       std::vector<Sphere> spheres;
       for (double cell = size;; cell /= kCoarser) {
         spheres.clear();
-        cover_rings(cylinder.radius, half_length, cell, spheres);
+        add_ring_spheres(cylinder.radius, half_length, cell, spheres);
         const bool is_close = excess_of(spheres, cylinder.radius, half_length) <= excess;
         if (is_close || std::ssize(spheres) > settings_.max_spheres) return spheres;
       }
@@ -138,44 +140,45 @@ class CoverShape {
 
  private:
   /// Coarsens until there are few enough. `size` is half the longest extent.
-  template <class Convex, class CoverWithin>
-  void add(const Convex& solid, double size, const CoverWithin& cover_within) const {
+  template <class Convex, class SpheresWithin>
+  void add(const Convex& solid, double size, const SpheresWithin& spheres_within) const {
     // So many spheres in a row cannot do with less.
     double excess = std::max(settings_.excess, 0.25 * size / settings_.max_spheres);
-    std::vector<Sphere> spheres = cover_within(excess);
+    std::vector<Sphere> spheres = spheres_within(excess);
     while (std::ssize(spheres) > settings_.max_spheres) {
       excess *= kCoarser;
-      spheres = cover_within(excess);
+      spheres = spheres_within(excess);
     }
     for (Sphere& sphere : spheres) sphere.center = solid.pose * sphere.center;
     solids_.add(spheres, internal::triangulate(solid), excess);
   }
 
-  const CoverSettings& settings_;
-  CoveredObject& object_;
-  CoveredSolids& solids_;
+  const SphereSettings& settings_;
+  ApproximatedObject& object_;
+  ApproximatedSolids& solids_;
 };
 
-Result<void> cover_meshes(const AttachedObject& object, const CoverSettings& settings,
-                          CoveredSolids& solids) {
+Result<void> approximate_meshes(const AttachedObject& object, const SphereSettings& settings,
+                                ApproximatedSolids& solids) {
   Robot::Parts parts;
   Link& link = parts.links.emplace_back();
   link.name = object.name;
   link.solids.assign(object.meshes.begin(), object.meshes.end());
-  const internal::CoverCache cache(internal::cache_directory());
-  return internal::cover_robot(std::move(parts), settings, cache)
-      .map([&](const internal::CachedCovering& made) {
-        const Link& covered = made.covering.parts.links.front();
-        solids.add(covered.spheres, covered.cover->surface.parts->list(), covered.cover->excess);
+  const internal::SphereCache cache(internal::cache_directory());
+  return internal::approximate_robot(std::move(parts), settings, cache)
+      .map([&](const internal::CachedSpheres& made) {
+        const Link& result = made.robot.parts.links.front();
+        solids.add(result.spheres, result.approximation->surface.parts->list(),
+                   result.approximation->excess);
       });
 }
 
-/// Spheres of the cover come last.
-void add_cover(CoveredSolids solids, CoveredObject& object) {
+/// The spheres of an approximation come last.
+void add_spheres(ApproximatedSolids solids, ApproximatedObject& object) {
   if (solids.spheres.empty()) return;
   object.spheres.insert(object.spheres.end(), solids.spheres.begin(), solids.spheres.end());
   auto surface = std::make_shared<const Parts<Triangle>>(std::move(solids.surface));
-  object.cover = {
+  object.approximation = {
       {{}, std::move(surface), 0}, static_cast<int>(solids.spheres.size()), solids.excess};
 }
 
@@ -185,15 +188,16 @@ Error refusal(const AttachedObject& object, std::string_view what) {
 
 }  // namespace
 
-Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& settings) {
+Result<ApproximatedObject> approximate_object(AttachedObject object,
+                                              const SphereSettings& settings) {
   if (auto checked = internal::check_ranges(settings); !checked) {
     return tl::unexpected(checked.error());
   }
   if (object.shapes.empty() && object.meshes.empty()) {
     return tl::unexpected(refusal(object, "it has no shapes"));
   }
-  CoveredObject covered;
-  CoveredSolids solids;
+  ApproximatedObject result;
+  ApproximatedSolids solids;
   for (const Shape& shape : object.shapes) {
     if (internal::is_compound(shape)) {
       return tl::unexpected(refusal(
@@ -205,27 +209,27 @@ Result<CoveredObject> cover_object(AttachedObject object, const CoverSettings& s
     if (const std::string_view flaw = internal::find_flaw(shape); !flaw.empty()) {
       return tl::unexpected(refusal(object, internal::said_of(shape, flaw)));
     }
-    std::visit(CoverShape(settings, covered, solids), shape);
+    std::visit(ApproximateShape(settings, result, solids), shape);
   }
   if (!object.meshes.empty()) {
-    const auto done = cover_meshes(object, settings, solids);
+    const auto done = approximate_meshes(object, settings, solids);
     if (!done) {
       return fail(done.error().code, refusal(object, done.error().message).message);
     }
   }
-  add_cover(std::move(solids), covered);
-  covered.object = std::move(object);
-  return covered;
+  add_spheres(std::move(solids), result);
+  result.object = std::move(object);
+  return result;
 }
 
 Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects) {
-  std::vector<CoveredObject> covered;
+  std::vector<ApproximatedObject> approximated;
   for (AttachedObject& object : objects) {
-    auto made = cover_object(std::move(object));
+    auto made = approximate_object(std::move(object));
     if (!made) return tl::unexpected(made.error());
-    covered.push_back(std::move(*made));
+    approximated.push_back(std::move(*made));
   }
-  return robot.with_attached(std::move(covered));
+  return robot.with_attached(std::move(approximated));
 }
 
 }  // namespace mneme

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
-#include "covering/allowed_pairs.h"
-#include "covering/small_parts.h"
-#include "covering/solids.h"
+#include "spheres/allowed_pairs.h"
+#include "spheres/small_parts.h"
+#include "spheres/solids.h"
 #include "support/support.h"
 
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/cover_search.h"
+#include "spheres/sphere_search.h"
 
 #include "base/as_index.h"
 
@@ -96,9 +96,9 @@ using Indices = std::vector<int>;
 
 /// The state of the search: which proposals are chosen, and how many of them hold each piece. A
 /// step costs what it changes.
-class CoverSearch {
+class SphereSearch {
  public:
-  CoverSearch(std::vector<Sphere> proposals, std::span<const Element> elements, Rng& rng)
+  SphereSearch(std::vector<Sphere> proposals, std::span<const Element> elements, Rng& rng)
       : proposals_(std::move(proposals)), holders_(elements.size()), rng_(rng) {
     find_holders(elements);
     held_.resize(proposals_.size());
@@ -286,7 +286,7 @@ std::vector<Sphere> propose_spheres(const SolidModel& solid, std::vector<Sphere>
 
 std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<const Element> elements,
                                    std::int64_t effort, Rng& rng) {
-  return CoverSearch(std::move(proposals), elements, rng).run(effort);
+  return SphereSearch(std::move(proposals), elements, rng).run(effort);
 }
 
 namespace {

@@ -4,7 +4,7 @@
 /// Surfaces and mesh files for the tests of this room.
 #pragma once
 
-#include "covering/triangle_mesh.h"
+#include "spheres/triangle_mesh.h"
 #include "support/support.h"
 
 #include <fmt/format.h>

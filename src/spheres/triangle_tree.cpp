@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/triangle_tree.h"
+#include "spheres/triangle_tree.h"
 
 #include "base/as_index.h"
 #include "geometry/enclosure.h"

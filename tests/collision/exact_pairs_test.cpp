@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pairs that are checked by what covers cover, against FCL.
+// Pairs that are checked by exact geometry, against FCL.
 #include "mneme/collision.h"
 
 #include "collision/random_worlds.h"
@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kBeyond = 1e9;
 
-/// A robot whose links are boxes in a cover of one sphere, which sticks out by decimetres, and one
+/// A robot whose links are boxes in one sphere, which sticks out by decimetres, and one
 /// that it carries. Their names are four letters and the box's number.
-struct CoveredRobot {
+struct ApproximatedRobot {
   Robot robot;
   std::vector<Box> boxes;
 
@@ -34,12 +34,13 @@ Box small_box_near_origin(Rng& rng) {
   return {random_pose(rng, 0.1), half};
 }
 
-Link covered_link(const std::string& name, const Box& box) {
+Link approximated_link(const std::string& name, const Box& box) {
   const double radius = box.half_extents.norm();
   Link link;
   link.name = name;
   link.spheres = {{box.pose.translation, radius}};
-  link.cover = Cover{{{}, std::make_shared<Parts<Triangle>>(surface_of(box)), 0}, 1, radius};
+  link.approximation =
+      SphereApproximation{{{}, std::make_shared<Parts<Triangle>>(surface_of(box)), 0}, 1, radius};
   return link;
 }
 
@@ -48,9 +49,10 @@ bool may_touch_other(bool checks_links, Rng& rng) { return !checks_links || rng.
 
 Robot carrying_box(const Robot& bare, const Box& box, bool checks_links, Rng& rng) {
   const std::span<const Link> links = bare.links();
-  const Link held = covered_link("held" + std::to_string(links.size()), box);
+  const Link held = approximated_link("held" + std::to_string(links.size()), box);
   const std::uint32_t carrier = rng.index(static_cast<std::uint32_t>(links.size()));
-  CoveredObject object{{held.name, links[carrier].name, {box}}, held.spheres, {}, held.cover};
+  ApproximatedObject object{
+      {held.name, links[carrier].name, {box}}, held.spheres, {}, held.approximation};
   for (const Link& link : links) {
     if (may_touch_other(checks_links, rng)) object.object.may_touch.push_back(link.name);
   }
@@ -60,7 +62,7 @@ Robot carrying_box(const Robot& bare, const Box& box, bool checks_links, Rng& rn
 }
 
 /// All may touch each other, or only links next to each other and a few more.
-CoveredRobot random_covered_robot(Rng& rng, bool checks_links) {
+ApproximatedRobot random_approximated_robot(Rng& rng, bool checks_links) {
   Robot::Parts parts;
   parts.name = "boxes";
   std::vector<Box> boxes;
@@ -68,7 +70,7 @@ CoveredRobot random_covered_robot(Rng& rng, bool checks_links) {
   const int count = 3 + static_cast<int>(rng.index(3)) + (checks_links ? 1 : 0);
   for (int i = 0; i <= count; ++i) {
     boxes.push_back(small_box_near_origin(rng));
-    parts.links.push_back(covered_link("link" + std::to_string(i), boxes.back()));
+    parts.links.push_back(approximated_link("link" + std::to_string(i), boxes.back()));
     if (i == 0) continue;
     parts.joints.push_back(random_joint(i, rng));
     if (parts.joints.back().type == JointType::fixed)
@@ -115,30 +117,31 @@ double distance_from(const Box& box, const Shape& shape) {
   return fcl_distance(box, shape);
 }
 
-/// Metres, at most 0 in contact: of pairs that are checked by solid, and of covers.
+/// Metres, at most 0 in contact: of pairs that are checked by exact geometry, and of spheres.
 struct Gaps {
-  double solids = kBeyond, covers = kBeyond, ignored_covers = kBeyond;
-  [[nodiscard]] double least() const { return std::min(solids, covers); }
+  double solids = kBeyond, spheres = kBeyond, ignored_spheres = kBeyond;
+  [[nodiscard]] double least() const { return std::min(solids, spheres); }
 };
 
 /// Of links that move from obstacles.
-Gaps obstacle_gaps_at(const CoveredRobot& covered, const Scene& scene, const Configuration& q) {
-  const Robot& robot = covered.robot;
+Gaps obstacle_gaps_at(const ApproximatedRobot& robot_of_boxes, const Scene& scene,
+                      const Configuration& q) {
+  const Robot& robot = robot_of_boxes.robot;
   const std::vector<Transform> poses = robot.link_poses(q);
   const std::vector<bool> is_moving = internal::find_moving_links(robot);
   Gaps gaps;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!is_moving[i]) continue;
     const Link& link = robot.links()[i];
-    const Shape box = transformed(poses[i], covered.box_of(link));
-    const Sphere& cover = link.spheres[0];
+    const Shape box = transformed(poses[i], robot_of_boxes.box_of(link));
+    const Sphere& sphere = link.spheres[0];
     for (const Obstacle& obstacle : scene.obstacles) {
-      const double from_cover =
-          distance(poses[i] * cover.center, obstacle.shapes[0]) - cover.radius;
-      const bool is_by_solid = std::ranges::count(obstacle.by_solid, link.name) > 0;
-      double& least = is_by_solid ? gaps.ignored_covers : gaps.covers;
-      least = std::min(least, from_cover);
-      if (!is_by_solid) continue;
+      const double from_spheres =
+          distance(poses[i] * sphere.center, obstacle.shapes[0]) - sphere.radius;
+      const bool is_exact = std::ranges::count(obstacle.exact_links, link.name) > 0;
+      double& least = is_exact ? gaps.ignored_spheres : gaps.spheres;
+      least = std::min(least, from_spheres);
+      if (!is_exact) continue;
       gaps.solids = std::min(gaps.solids, distance_from(std::get<Box>(box), obstacle.shapes[0]));
     }
   }
@@ -146,65 +149,67 @@ Gaps obstacle_gaps_at(const CoveredRobot& covered, const Scene& scene, const Con
 }
 
 /// Of links from each other; solids in FCL.
-Gaps link_gaps_at(const CoveredRobot& covered, const Scene& scene, const Configuration& q) {
-  const Robot& robot = covered.robot;
+Gaps link_gaps_at(const ApproximatedRobot& robot_of_boxes, const Scene& scene,
+                  const Configuration& q) {
+  const Robot& robot = robot_of_boxes.robot;
   const std::vector<Transform> poses = robot.link_poses(q);
   Gaps gaps;
   for (const auto& [a, b] : robot.self_pairs()) {
     const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
     const Link &one = robot.links()[i], &two = robot.links()[k];
     const Sphere &first = one.spheres[0], &second = two.spheres[0];
-    const double from_cover =
+    const double from_spheres =
         (poses[i] * first.center - poses[k] * second.center).norm() - first.radius - second.radius;
-    const bool is_by_solid =
-        std::ranges::count(scene.by_solid, std::pair(one.name, two.name)) > 0 ||
-        std::ranges::count(scene.by_solid, std::pair(two.name, one.name)) > 0;
-    double& least = is_by_solid ? gaps.ignored_covers : gaps.covers;
-    least = std::min(least, from_cover);
-    if (!is_by_solid) continue;
-    gaps.solids = std::min(gaps.solids, fcl_distance(transformed(poses[i], covered.box_of(one)),
-                                                     transformed(poses[k], covered.box_of(two))));
+    const bool is_exact =
+        std::ranges::count(scene.exact_pairs, std::pair(one.name, two.name)) > 0 ||
+        std::ranges::count(scene.exact_pairs, std::pair(two.name, one.name)) > 0;
+    double& least = is_exact ? gaps.ignored_spheres : gaps.spheres;
+    least = std::min(least, from_spheres);
+    if (!is_exact) continue;
+    gaps.solids =
+        std::min(gaps.solids, fcl_distance(transformed(poses[i], robot_of_boxes.box_of(one)),
+                                           transformed(poses[k], robot_of_boxes.box_of(two))));
   }
   return gaps;
 }
 
 Configuration configuration_of(std::span<const float> q) { return {q.begin(), q.end()}; }
 
-/// From what links are checked by solid.
+/// From what links are checked by exact geometry.
 enum class From { obstacles, links };
 
 struct SolidWorld {
   From from;
-  CoveredRobot covered;
+  ApproximatedRobot robot_of_boxes;
   Scene scene = {};
 
-  [[nodiscard]] const Robot& robot() const { return covered.robot; }
+  [[nodiscard]] const Robot& robot() const { return robot_of_boxes.robot; }
   [[nodiscard]] Gaps gaps_at(const Configuration& q) const {
-    return from == From::links ? link_gaps_at(covered, scene, q)
-                               : obstacle_gaps_at(covered, scene, q);
+    return from == From::links ? link_gaps_at(robot_of_boxes, scene, q)
+                               : obstacle_gaps_at(robot_of_boxes, scene, q);
   }
-  [[nodiscard]] Scene scene_of_covers() const {
-    Scene covers = scene;
-    covers.by_solid.clear();
-    for (Obstacle& obstacle : covers.obstacles) obstacle.by_solid.clear();
-    return covers;
+  [[nodiscard]] Scene scene_of_spheres() const {
+    Scene result = scene;
+    result.exact_pairs.clear();
+    for (Obstacle& obstacle : result.obstacles) obstacle.exact_links.clear();
+    return result;
   }
 };
 
 SolidWorld random_solid_world(From from, Rng& rng) {
-  SolidWorld world{from, random_covered_robot(rng, from == From::links)};
+  SolidWorld world{from, random_approximated_robot(rng, from == From::links)};
   if (from == From::links) {
-    check_links_by_solid(world.scene, world.robot(), rng);
+    check_links_exactly(world.scene, world.robot(), rng);
   } else {
     world.scene = random_obstacles(rng);
-    check_obstacles_by_solid(world.scene, world.robot(), rng);
+    check_obstacles_exactly(world.scene, world.robot(), rng);
   }
   return world;
 }
 
 struct StateTally {
   int free = 0, touching = 0;
-  int only_covers_touch = 0;  ///< of those free
+  int only_spheres_touch = 0;  ///< of those free
 };
 
 /// Every instruction set's answer, that of exact distances, and verification's.
@@ -229,7 +234,7 @@ void compare_states(const SolidWorld& world, double margin, Rng& rng, StateTally
       CHECK(checker.contacts(q).empty() == is_free);
       if (kept == 0) CHECK(is_path_free(world.robot(), world.scene, {q}, 1) == is_free);
       ++(is_free ? tally.free : tally.touching);
-      tally.only_covers_touch += is_free && gaps.ignored_covers < kept ? 1 : 0;
+      tally.only_spheres_touch += is_free && gaps.ignored_spheres < kept ? 1 : 0;
     }
   }
 }
@@ -245,13 +250,13 @@ bool do_solids_touch(const SolidWorld& world, const Configuration& from, const C
 }
 
 struct MotionTally {
-  int free = 0, blocked = 0;  ///< by solids; of those blocked contact is found
-  int only_covers_touch = 0;  ///< of those free
+  int free = 0, blocked = 0;   ///< by exact geometry; of those blocked contact is found
+  int only_spheres_touch = 0;  ///< of those free
 };
 
 void compare_motions(const SolidWorld& world, Rng& rng, MotionTally& tally) {
   const auto checker = require_checker(world.robot(), world.scene);
-  const auto by_covers = require_checker(world.robot(), world.scene_of_covers());
+  const auto by_spheres = require_checker(world.robot(), world.scene_of_spheres());
   const std::vector<float> rows = random_states(world.robot(), 12, rng);
   CheckCounters counters;
   for (std::size_t i = 0; i + 1 < 12; ++i) {
@@ -259,19 +264,19 @@ void compare_motions(const SolidWorld& world, Rng& rng, MotionTally& tally) {
     const bool is_chain = checker.is_chain_valid({from.data(), 2 * from.size()}, counters);
     const bool is_motion = checker.is_motion_valid(from, to, counters);
     const bool is_sweep = checker.is_sweep_valid(from, to, counters, {.margin = 1e-4});
-    const bool are_covers_free = by_covers.is_motion_valid(from, to, counters);
+    const bool are_spheres_free = by_spheres.is_motion_valid(from, to, counters);
     const bool touches = do_solids_touch(world, configuration_of(from), configuration_of(to));
     INFO("motion " << i);
-    if (are_covers_free) REQUIRE(is_motion);
+    if (are_spheres_free) REQUIRE(is_motion);
     if (is_chain || is_motion || is_sweep) REQUIRE_FALSE(touches);
     tally.free += is_sweep ? 1 : 0;
     tally.blocked += touches ? 1 : 0;
-    tally.only_covers_touch += is_sweep && !are_covers_free ? 1 : 0;
+    tally.only_spheres_touch += is_sweep && !are_spheres_free ? 1 : 0;
   }
 }
 
 TEST_SUITE("oracle") {
-  TEST_CASE("a state is free if solids are, where they are checked, and covers elsewhere") {
+  TEST_CASE("a state is free if solids are, where they are checked, and spheres elsewhere") {
     for (const From from : {From::obstacles, From::links}) {
       Rng rng(91);
       StateTally tally;
@@ -281,7 +286,7 @@ TEST_SUITE("oracle") {
       }
       CHECK(tally.free > 400);
       CHECK(tally.touching > 400);
-      CHECK(tally.only_covers_touch > 120);
+      CHECK(tally.only_spheres_touch > 120);
     }
   }
 
@@ -294,7 +299,7 @@ TEST_SUITE("oracle") {
         compare_motions(random_solid_world(from, rng), rng, tally);
       }
       CHECK(tally.free > 20);
-      CHECK(tally.only_covers_touch > 10);
+      CHECK(tally.only_spheres_touch > 10);
       CHECK(tally.blocked > 40);
     }
   }
@@ -303,7 +308,7 @@ TEST_SUITE("oracle") {
 TEST_SUITE("unit") {
   TEST_CASE("an obstacle that is checked by the solid of an unknown link is refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
-    scene.obstacles[0].by_solid = {"hand"};
+    scene.obstacles[0].exact_links = {"hand"};
     const auto checker = CollisionChecker::make(planar8(), scene);
     REQUIRE(!checker.has_value());
     CHECK(checker.error().message ==
@@ -313,15 +318,16 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a scene with a pair of an unknown link is refused") {
     Scene scene{"two", {}};
-    scene.by_solid = {{planar8().links()[0].name, "hand"}};
+    scene.exact_pairs = {{planar8().links()[0].name, "hand"}};
     const auto checker = CollisionChecker::make(planar8(), scene);
     REQUIRE(!checker.has_value());
     CHECK(checker.error().message ==
-          "scene 'two' has a pair checked by solid of 'hand', but robot 'planar8' has no link and "
+          "scene 'two' has a pair checked by exact geometry of 'hand', but robot 'planar8' has no "
+          "link and "
           "no attached object of this name");
   }
 
-  TEST_CASE("a capsule that lies wholly inside what another link covers touches it") {
+  TEST_CASE("a capsule that lies wholly inside the exact geometry of another link touches it") {
     const Box box{{}, {0.3, 0.3, 0.3}};
     for (const double out : {0.0, 0.55}) {
       Robot::Parts parts;
@@ -329,7 +335,7 @@ TEST_SUITE("unit") {
       Link pin;
       pin.name = "pin";
       pin.capsules = {{{out, 0, -0.1}, {out, 0, 0.1}, 0.02}};
-      parts.links = {covered_link("case", box), pin};
+      parts.links = {approximated_link("case", box), pin};
       Joint& joint = parts.joints.emplace_back();
       joint.name = "slide";
       joint.type = JointType::prismatic;
@@ -341,7 +347,7 @@ TEST_SUITE("unit") {
       const auto robot = make_robot(parts);
       REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
       Scene scene;
-      scene.by_solid = {{"case", "pin"}};
+      scene.exact_pairs = {{"case", "pin"}};
       const CollisionChecker checker = require_checker(*robot, scene);
       const std::vector<double> q = {0.0};
       CHECK(checker.is_valid(q) == (out > 0));
@@ -349,25 +355,25 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("pairs of links without a cover are checked as ever") {
+  TEST_CASE("pairs of links without an approximation are checked as ever") {
     Rng rng(95);
     const Robot robot = planar8();
     Scene scene;
     for (const auto& [a, b] : robot.self_pairs()) {
-      scene.by_solid.emplace_back(robot.links()[static_cast<std::size_t>(a)].name,
-                                  robot.links()[static_cast<std::size_t>(b)].name);
+      scene.exact_pairs.emplace_back(robot.links()[static_cast<std::size_t>(a)].name,
+                                     robot.links()[static_cast<std::size_t>(b)].name);
     }
     const std::vector<float> rows = random_states(robot, 200, rng);
     CHECK(check_all(require_checker(robot, scene), rows) ==
           check_all(require_checker(robot, Scene{}), rows));
   }
 
-  TEST_CASE("links without a cover are checked as ever") {
+  TEST_CASE("links without an approximation are checked as ever") {
     Scene scene = make_circle_scene("one", {{5, 0, 1}});
     const Configuration straight(8, 0.0);
     const Robot robot = planar8();
     CHECK_FALSE(require_checker(robot, scene).is_valid(straight));
-    for (const Link& link : robot.links()) scene.obstacles[0].by_solid.push_back(link.name);
+    for (const Link& link : robot.links()) scene.obstacles[0].exact_links.push_back(link.name);
     CHECK_FALSE(require_checker(robot, scene).is_valid(straight));
   }
 }

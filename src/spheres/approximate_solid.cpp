@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/cover_solid.h"
+#include "spheres/approximate_solid.h"
 
 #include "mneme/base.h"
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
 #include "base/check_ranges.h"
-#include "covering/cover_search.h"
-#include "covering/solid_model.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/sphere_search.h"
+#include "spheres/solid_model.h"
+#include "spheres/triangle_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ constexpr int kPointsPerSphere = 400;
 /// Rounding must not make a point on the skin of a sphere that just reaches it bare.
 constexpr double kTolerance = 1e-9;
 
-bool is_covered(const Vec3& point, std::span<const Sphere> spheres) {
+bool is_held(const Vec3& point, std::span<const Sphere> spheres) {
   return std::ranges::any_of(spheres, [&](const Sphere& sphere) {
     return (point - sphere.center).norm() <= sphere.radius + kTolerance;
   });
@@ -72,7 +72,7 @@ std::vector<Vec3> sample_near_surface(const SolidModel& solid) {
 double uncovered_fraction(std::span<const Vec3> points, std::span<const Sphere> spheres) {
   if (points.empty()) return 0;
   const auto bare =
-      std::ranges::count_if(points, [&](const Vec3& p) { return !is_covered(p, spheres); });
+      std::ranges::count_if(points, [&](const Vec3& p) { return !is_held(p, spheres); });
   return static_cast<double>(bare) / static_cast<double>(points.size());
 }
 
@@ -84,7 +84,7 @@ Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid) 
     for (int i = 0; i < kPointsPerSphere; ++i) {
       const Vec3 point = spheres[s].center + spheres[s].radius * spiral_point(i, kPointsPerSphere);
       const bool is_hidden =
-          is_covered(point, spheres.first(s)) || is_covered(point, spheres.subspan(s + 1));
+          is_held(point, spheres.first(s)) || is_held(point, spheres.subspan(s + 1));
       if (is_hidden) continue;
       const double outside = std::max(0.0, -solid.depth(point));
       area += share;
@@ -125,14 +125,14 @@ double piece_size(const TriangleMesh& mesh, double excess) {
   return std::clamp(0.5 * excess, std::sqrt(area / kMostPieces), most);
 }
 
-/// One surface, covered again and again with different excesses.
-class Coverer {
+/// One surface, approximated again and again with different excesses.
+class SurfaceFitter {
  public:
-  explicit Coverer(const TriangleMesh& mesh)
+  explicit SurfaceFitter(const TriangleMesh& mesh)
       : mesh_(mesh), solid_(mesh), medial_balls_(solid_.medial_balls()) {}
 
   /// Few spheres that stick out by at most `excess`.
-  [[nodiscard]] std::vector<Sphere> cover(double excess, std::int64_t effort) {
+  [[nodiscard]] std::vector<Sphere> fit(double excess, std::int64_t effort) {
     elements_ = make_elements(mesh_, solid_, piece_size(mesh_, excess));
     Rng rng(1);
     return choose_spheres(propose_spheres(solid_, medial_balls_, elements_, excess, rng), elements_,
@@ -143,13 +143,13 @@ class Coverer {
   [[nodiscard]] double find_excess(double least, std::size_t count) {
     double low = least;
     double high = 2 * least;
-    while (cover(high, kProbeEffort).size() > count) {
+    while (fit(high, kProbeEffort).size() > count) {
       low = high;
       high *= 2;
     }
     for (int i = 0; i < kHalvings; ++i) {
       const double middle = std::sqrt(low * high);
-      (cover(middle, kProbeEffort).size() > count ? low : high) = middle;
+      (fit(middle, kProbeEffort).size() > count ? low : high) = middle;
     }
     return high;
   }
@@ -185,37 +185,37 @@ void reach_all(std::span<const Vec3> points, std::vector<Sphere>& spheres) {
 
 }  // namespace
 
-LinkCover cover_solid(const TriangleMesh& mesh, const CoverSettings& settings) {
-  Coverer coverer(mesh);
+LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& settings) {
+  SurfaceFitter fitter(mesh);
   const auto most = static_cast<std::size_t>(settings.max_spheres);
   const double wanted = excess_for(mesh, settings.excess);
-  LinkCover cover;
-  cover.spheres = coverer.cover(wanted, kFinalEffort);
-  if (cover.spheres.size() > most) {
-    cover.spheres = coverer.cover(coverer.find_excess(wanted, most), kFinalEffort);
+  LinkSpheres result;
+  result.spheres = fitter.fit(wanted, kFinalEffort);
+  if (result.spheres.size() > most) {
+    result.spheres = fitter.fit(fitter.find_excess(wanted, most), kFinalEffort);
   }
-  cover.spheres = coverer.finish(std::move(cover.spheres));
-  reach_all(sample_near_surface(coverer.solid()), cover.spheres);
-  for (Sphere& sphere : cover.spheres) sphere = rounded(sphere);
-  cover.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), cover.spheres);
-  const Excess measured = measure_excess(cover.spheres, coverer.solid());
-  cover.mean_excess = measured.mean;
-  cover.max_excess = measured.max;
-  return cover;
+  result.spheres = fitter.finish(std::move(result.spheres));
+  reach_all(sample_near_surface(fitter.solid()), result.spheres);
+  for (Sphere& sphere : result.spheres) sphere = rounded(sphere);
+  result.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), result.spheres);
+  const Excess measured = measure_excess(result.spheres, fitter.solid());
+  result.mean_excess = measured.mean;
+  result.max_excess = measured.max;
+  return result;
 }
 
 }  // namespace mneme::internal
 
 namespace mneme {
 
-Result<LinkCover> cover_link(const Link& link, const CoverSettings& settings) {
+Result<LinkSpheres> approximate_link(const Link& link, const SphereSettings& settings) {
   if (auto checked = internal::check_ranges(settings); !checked) {
     return tl::unexpected(checked.error());
   }
   return internal::link_surface(link).map([&](const internal::TriangleMesh& surface) {
-    LinkCover cover = internal::cover_solid(surface, settings);
-    cover.link = link.name;
-    return cover;
+    LinkSpheres result = internal::approximate_solid(surface, settings);
+    result.link = link.name;
+    return result;
   });
 }
 

@@ -4,8 +4,8 @@
 /// The inside of a link: which points its surface encloses, and how deep they lie.
 #pragma once
 
-#include "covering/triangle_mesh.h"
-#include "covering/triangle_tree.h"
+#include "spheres/triangle_mesh.h"
+#include "spheres/triangle_tree.h"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Plans between configurations at which only covers touch.
-#include "mneme/covering.h"
+// Plans between configurations at which only spheres touch.
+#include "mneme/spheres.h"
 #include "mneme/pipeline.h"
 
 #include "support/support.h"
@@ -23,36 +23,36 @@ enum class Whose { its_own, carried };
 constexpr std::array kAll = {Whose::its_own, Whose::carried};
 
 /// The box is the last link's, or of an object "load" that this carries.
-Robot covered_robot(const std::string& urdf, const Box& box, Whose whose, double excess) {
+Robot approximated_robot(const std::string& urdf, const Box& box, Whose whose, double excess) {
   auto parts = parse_robot_parts(urdf, "arm.urdf");
   REQUIRE(parts.has_value());
   if (whose == Whose::its_own) parts->links.back().solids = {box};
-  CoverSettings settings;
+  SphereSettings settings;
   settings.excess = excess;
-  const auto covering = cover_robot(*parts, settings);
-  REQUIRE(covering.has_value());
-  auto robot = make_robot(covering->parts);
+  const auto made = approximate_robot(*parts, settings);
+  REQUIRE(made.has_value());
+  auto robot = make_robot(made->parts);
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
   if (whose == Whose::carried) robot = attach(*robot, {{"load", parts->links.back().name, {box}}});
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
   return *robot;
 }
 
-/// Turns about z and lifts its forearm, a covered box along x that begins 0.5 m from the axis.
-Robot covered_arm(Whose whose) {
-  return covered_robot(R"(<robot name="arm"><link name="base"/><link name="upper"/>
+/// Turns about z and lifts its forearm, a box in spheres along x that begins 0.5 m from the axis.
+Robot approximated_arm(Whose whose) {
+  return approximated_robot(R"(<robot name="arm"><link name="base"/><link name="upper"/>
       <link name="forearm"/>
       <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/>
       <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1"/></joint>
       <joint name="lift" type="revolute"><parent link="upper"/><child link="forearm"/>
       <origin xyz="0.5 0 0"/><axis xyz="0 -1 0"/><limit lower="-1" upper="1" velocity="1"/></joint>
       </robot>)",
-                       kForearm, whose, 0.015);
+                            kForearm, whose, 0.015);
 }
 
 /// A plate that slides along a mast and away from it; it is `gap` metres beside the mast at zero.
 Problem beside_its_mast(double gap, Whose whose = Whose::its_own) {
-  const Robot robot = covered_robot(
+  const Robot robot = approximated_robot(
       R"(<robot name="arm"><link name="base"><collision><origin xyz="0 0 0.5"/><geometry>
       <box size="0.2 0.2 1"/></geometry></collision></link><link name="upper"/><link name="hand"/>
       <joint name="lift" type="prismatic"><parent link="base"/><child link="upper"/>
@@ -66,7 +66,7 @@ Problem beside_its_mast(double gap, Whose whose = Whose::its_own) {
 
 /// Below a plate, whose lower side is `gap` metres above the forearm, and raised beside it.
 Problem below_a_plate(double gap, Whose whose = Whose::its_own) {
-  Problem problem{"below a plate", covered_arm(whose), "", {}, {0, 0}, {{1.2, 0.7}}, {}};
+  Problem problem{"below a plate", approximated_arm(whose), "", {}, {0, 0}, {{1.2, 0.7}}, {}};
   const Box plate{{Eigen::Matrix3d::Identity(), {0.9, 0, 0.05 + gap + 0.05}}, {0.2, 0.2, 0.05}};
   problem.scene.obstacles = {{"plate", {plate}}};
   return problem;
@@ -112,7 +112,7 @@ Path timed_states(const Problem& problem, const SolveSettings& settings, const P
   return states;
 }
 
-/// Plans from or to where only the cover touches the plate.
+/// Plans from or to where only the spheres touch the plate.
 void check_plan_below_a_plate(const Problem& problem, const SolveSettings& settings,
                               const std::string& note) {
   const SolveResult result = require_solve(problem, settings);
@@ -120,7 +120,7 @@ void check_plan_below_a_plate(const Problem& problem, const SolveSettings& setti
   REQUIRE(result.plan.is_solved());
   REQUIRE(result.notes.size() == 1);
   CHECK(result.notes[0].starts_with(note));
-  CHECK(result.notes[0].ends_with("; they are checked by what it covers, 3 mm away"));
+  CHECK(result.notes[0].ends_with("; they are checked by exact geometry, 3 mm away"));
   const Path& path = result.plan.path;
   CHECK(least_gap(problem, path) > 1e-4);
   CHECK(is_path_free(problem.robot, checked_scene(problem, result), path, 0.01));
@@ -129,11 +129,11 @@ void check_plan_below_a_plate(const Problem& problem, const SolveSettings& setti
 }
 
 TEST_SUITE("flow") {
-  TEST_CASE("where only a cover touches, plans are checked by what it covers") {
+  TEST_CASE("where only spheres touch, plans are checked by exact geometry") {
     for (const Whose whose : kAll) {
       Problem problem = below_a_plate(0.003, whose);
       const std::string note = ": link '" + name_of(whose, "forearm") +
-                               "' comes close to obstacle 'plate' with its cover only";
+                               "' comes close to obstacle 'plate' with its spheres only";
       for (const std::string end : {"start", "goal"}) {
         if (end == "goal") std::swap(problem.start, problem.goals[0]);
         for (const char* planner : {"rrt_connect", "rrt", "prm"}) {
@@ -148,8 +148,7 @@ TEST_SUITE("flow") {
     }
   }
 
-  TEST_CASE(
-      "where links touch each other with covers only, plans are checked by what these cover") {
+  TEST_CASE("where links touch each other with spheres only, plans are checked by exact geometry") {
     const auto is_apart = [](const Configuration& q) { return q[1] > -0.004; };
     for (const Whose whose : kAll) {
       const Problem problem = beside_its_mast(0.004, whose);
@@ -161,10 +160,10 @@ TEST_SUITE("flow") {
         REQUIRE(result.plan.is_solved());
         REQUIRE(result.notes.size() == 1);
         CHECK(result.notes[0].starts_with("start: links 'base' and '" + name_of(whose, "hand") +
-                                          "' touch with their covers only, which together stick "
+                                          "' touch with their spheres only, which together stick "
                                           "out by up to "));
-        CHECK(result.notes[0].ends_with("; they are checked by what these cover, 4 mm apart"));
-        CHECK(checked_scene(problem, result).by_solid.size() == 1);
+        CHECK(result.notes[0].ends_with("; they are checked by exact geometry, 4 mm apart"));
+        CHECK(checked_scene(problem, result).exact_pairs.size() == 1);
         CHECK(std::ranges::all_of(result.plan.path, is_apart));
         CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
         CHECK_FALSE(is_path_free(problem.robot, problem.scene, result.plan.path, 0.01));
@@ -173,7 +172,7 @@ TEST_SUITE("flow") {
     }
   }
 
-  TEST_CASE("what is covered and touches is refused, whoever it belongs to") {
+  TEST_CASE("exact geometry that touches is refused, whoever it belongs to") {
     for (const Whose whose : kAll) {
       Problem problem = beside_its_mast(0.004, whose);
       problem.goals = {{0.2, -0.01}};
@@ -181,7 +180,7 @@ TEST_SUITE("flow") {
       CHECK(refused.plan.status == PlanStatus::invalid_goal);
       CHECK(refused.plan.message.find("link 'base' touches link '" + name_of(whose, "hand") +
                                       "'") != std::string::npos);
-      CHECK(refused.plan.message.find("what is covered touches, too") != std::string::npos);
+      CHECK(refused.plan.message.find("the exact geometry touches, too") != std::string::npos);
       for (const double gap : {-0.001, 0.0005}) {
         CHECK(require_solve(beside_its_mast(gap, whose)).plan.status == PlanStatus::invalid_start);
       }
@@ -189,11 +188,11 @@ TEST_SUITE("flow") {
       INFO(message);
       CHECK(message.starts_with("start is in contact: link '" + name_of(whose, "forearm") +
                                 "' touches obstacle 'plate' by "));
-      CHECK(message.ends_with("; what is covered touches, too)"));
+      CHECK(message.ends_with("; the exact geometry touches, too)"));
     }
   }
 
-  TEST_CASE("a pose that is reached with touching covers only is judged by what they cover") {
+  TEST_CASE("a pose that is reached with touching spheres only is judged by exact geometry") {
     Problem problem = beside_its_mast(0.004);
     problem.start = {0, 0.4};
     problem.goals = {};
@@ -205,7 +204,7 @@ TEST_SUITE("flow") {
     INFO(result.plan.message);
     REQUIRE(result.plan.is_solved());
     REQUIRE(result.notes.size() == 1);
-    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch with their covers"));
+    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch with their spheres"));
     CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
     const auto limits = find_rate_limits(problem.robot);
     REQUIRE(limits.has_value());

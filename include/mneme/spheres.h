@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Covering: spheres that hold the boxes, cylinders and meshes of a robot, and the pairs of links
-/// that need no check.
+/// Sphere approximations: spheres that hold the boxes, cylinders and meshes of a robot, and the
+/// pairs of links that need no check.
 #pragma once
 
 #include "mneme/base.h"
@@ -18,7 +18,7 @@
 
 namespace mneme {
 
-struct CoverSettings {
+struct SphereSettings {
   /// Metres that a sphere may stick out of the solids. Halving it takes three to four times as many
   /// spheres; about half of it is the mean. Small links are given less: 0.4 of the middle one of
   /// their three extents, though not less than 0.005. 0.001 to 1.
@@ -32,7 +32,7 @@ struct CoverSettings {
 
 /// Declares the fields' names, ranges and sentences once, for checks and the command line.
 template <class Settings, class Visitor>
-requires std::same_as<std::remove_const_t<Settings>, CoverSettings>
+requires std::same_as<std::remove_const_t<Settings>, SphereSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("excess", s.excess, 0.001, 1.0,
         "metres that a sphere may stick out of the geometry; halving it takes three to four times "
@@ -43,8 +43,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "spheres a link may have; where the excess needs more, it is enlarged for that link");
 }
 
-/// What covers the solids of one link, measured by samples that the search did not use.
-struct LinkCover {
+/// The sphere approximation of one link, measured by samples that the search did not use.
+struct LinkSpheres {
   std::string link;
   std::vector<Sphere> spheres;  ///< in the link's frame
   double uncovered = 0;         ///< fraction of the surface outside all spheres; 0 is promised
@@ -52,28 +52,30 @@ struct LinkCover {
   double max_excess = 0;        ///< metres
 };
 
-/// Covers the surface of a link's solids and all that it encloses: what cannot be reached from
-/// outside through gaps of more than about a hundredth of the link's size, and what lies within a
-/// surface with holes, by the vote of five lines. Takes up to seconds; the result depends on the
-/// solids and the settings alone. Errors: a mesh that cannot be used (the message names its file),
-/// solids without any surface or not finite.
-[[nodiscard]] Result<LinkCover> cover_link(const Link& link, const CoverSettings& settings = {});
+/// Spheres around the surface of a link's solids and all that it encloses: what cannot be reached
+/// from outside through gaps of more than about a hundredth of the link's size, and what lies
+/// within a surface with holes, by the vote of five lines. Takes up to seconds; the result depends
+/// on the solids and the settings alone. Errors: a mesh that cannot be used (the message names its
+/// file), solids without any surface or not finite.
+[[nodiscard]] Result<LinkSpheres> approximate_link(const Link& link,
+                                                   const SphereSettings& settings = {});
 
-/// Hears of a link that has been covered.
-using CoverProgress = std::function<void(int done, int total, const std::string& link)>;
+/// Called when a link has its spheres.
+using SphereProgress = std::function<void(int done, int total, const std::string& link)>;
 
 /// A robot whose solids have become spheres.
-struct Covering {
+struct RobotSpheres {
   Robot::Parts parts;              ///< without solids; spheres and capsules stay as they were
-  std::vector<LinkCover> links;    ///< those that had solids, in their order
+  std::vector<LinkSpheres> links;  ///< those that had solids, in their order
   std::vector<std::string> notes;  ///< what was done, for people: one sentence each
 };
-/// Covers each link that has solids, several at a time, and tells `on_covered` of each: one call at
-/// a time, from any thread. Covers are kept in $XDG_CACHE_HOME/mneme, or ~/.cache/mneme, named by a
-/// hash of geometry, settings and the version of the algorithm. A damaged entry is replaced; a
-/// cache that cannot be used costs time only.
-[[nodiscard]] Result<Covering> cover_robot(Robot::Parts parts, const CoverSettings& settings = {},
-                                           const CoverProgress& on_covered = {});
+/// Approximates each link that has solids, several at a time, and calls `on_approximated` for each:
+/// one call at a time, from any thread. Spheres are kept in $XDG_CACHE_HOME/mneme, or
+/// ~/.cache/mneme, named by a hash of geometry, settings and the version of the algorithm. A
+/// damaged entry is replaced; a cache that cannot be used costs time only.
+[[nodiscard]] Result<RobotSpheres> approximate_robot(Robot::Parts parts,
+                                                     const SphereSettings& settings = {},
+                                                     const SphereProgress& on_approximated = {});
 
 /// Why a pair of links need not be checked.
 enum class AllowedReason {
@@ -103,31 +105,30 @@ struct PairSettings {
 [[nodiscard]] Result<std::vector<AllowedPair>> derive_allowed_pairs(
     const Robot::Parts& parts, const PairSettings& settings = {});
 
-struct CoveredRobot {
+struct ApproximatedRobot {
   Robot robot;
   std::vector<std::string> notes;  ///< what was done, for people: one sentence each
 };
 
-/// load_robot for robots with any collision geometry: solids are covered, and without an SRDF the
-/// pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks although no
-/// configuration parts them are allowed too, with a warning.
-[[nodiscard]] Result<CoveredRobot> load_covered_robot(const std::string& path,
-                                                      const RobotOptions& options = {},
-                                                      const CoverSettings& settings = {},
-                                                      const CoverProgress& on_covered = {});
+/// load_robot for robots with any collision geometry: solids become spheres, and without an SRDF
+/// the pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks although
+/// no configuration parts them are allowed too, with a warning.
+[[nodiscard]] Result<ApproximatedRobot> load_approximated_robot(
+    const std::string& path, const RobotOptions& options = {}, const SphereSettings& settings = {},
+    const SphereProgress& on_approximated = {});
 
-/// How attached objects are covered.
-inline constexpr CoverSettings kObjectCover{.excess = 0.015, .max_spheres = 64};
+/// Settings for attached objects.
+inline constexpr SphereSettings kObjectSpheres{.excess = 0.015, .max_spheres = 64};
 
-/// The object with what covers it: spheres and capsules as they are; boxes and cylinders, in
+/// The object with its spheres: spheres and capsules as they are; boxes and cylinders, in
 /// microseconds, by lattices of spheres, at most `max_spheres` each; meshes as those of links, from
-/// the cache if they have been covered before. What was covered is kept, cylinders as prisms of 48
+/// the cache if they are known there. The exact geometry is kept, cylinders as prisms of 48
 /// sides around them. Errors: an object without shapes, or with one that
 /// is not finite, without size or posed by no rotation; a mesh that cannot be used.
-[[nodiscard]] Result<CoveredObject> cover_object(AttachedObject object,
-                                                 const CoverSettings& settings = kObjectCover);
+[[nodiscard]] Result<ApproximatedObject> approximate_object(
+    AttachedObject object, const SphereSettings& settings = kObjectSpheres);
 
-/// Robot::with_attached of what covers the objects.
+/// Robot::with_attached of the objects' sphere approximations.
 [[nodiscard]] Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects);
 
 }  // namespace mneme

@@ -6,8 +6,8 @@
 
 #include "mneme/base.h"
 
-#include "covering/solid_model.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/solid_model.h"
+#include "spheres/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/cover_search.h"
-#include "covering/cover_solid.h"
-#include "covering/solids.h"
+#include "spheres/sphere_search.h"
+#include "spheres/approximate_solid.h"
+#include "spheres/solids.h"
 
 namespace mneme::test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Links, obstacles and other links that are checked by what the links' covers cover.
+/// Links that are checked against obstacles and other links by exact geometry.
 #pragma once
 
 #include "mneme/robot.h"
@@ -16,13 +16,13 @@
 
 namespace mneme::internal {
 
-/// All pairs of a scene that are checked by solid (Obstacle::by_solid, Scene::by_solid), in double
-/// precision. Covers come first, so that exact distances are found only where these are close.
-/// Const and parallel-safe.
-class SolidPairs {
+/// All pairs of a scene that are checked by exact geometry (Obstacle::exact_links,
+/// Scene::exact_pairs), in double precision. Spheres come first, so that exact distances are found
+/// only where these are close. Const and parallel-safe.
+class ExactPairs {
  public:
   /// Refers to `links`, which are those of the robot. Obstacles are inflated by `margin` metres.
-  SolidPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
+  ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
   [[nodiscard]] bool empty() const { return pairs_.empty(); }
   /// True if at `q` no pair touches.

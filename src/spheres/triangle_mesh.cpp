@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/triangle_mesh.h"
+#include "spheres/triangle_mesh.h"
 
 #include "base/as_index.h"
 #include "geometry/mesh_file.h"
@@ -168,7 +168,7 @@ Result<TriangleMesh> link_surface(const Link& link) {
   if (std::isfinite(area) && area > 0) return refuse_huge(link, std::move(surface));
   return fail(ErrorCode::invalid,
               fmt::format("link '{}': its collision geometry has an area of {} m2, expected a "
-                          "surface to cover",
+                          "surface to approximate",
                           link.name, area));
 }
 

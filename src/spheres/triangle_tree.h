@@ -4,7 +4,7 @@
 /// Nearest points on a surface, and which side of it a point is on.
 #pragma once
 
-#include "covering/triangle_mesh.h"
+#include "spheres/triangle_mesh.h"
 #include "geometry/box_tree.h"
 
 #include <limits>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/solid_model.h"
-#include "covering/solids.h"
-#include "covering/triangle_tree.h"
+#include "spheres/solid_model.h"
+#include "spheres/solids.h"
+#include "spheres/triangle_tree.h"
 
 namespace mneme::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/solid_model.h"
+#include "spheres/solid_model.h"
 
 #include "base/as_index.h"
 

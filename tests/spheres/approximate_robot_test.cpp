@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
-#include "covering/cover_robot.h"
-#include "covering/small_parts.h"
-#include "covering/solids.h"
+#include "spheres/approximate_robot.h"
+#include "spheres/small_parts.h"
+#include "spheres/solids.h"
 #include "support/environment.h"
 #include "support/no_threads.h"
 
@@ -14,12 +14,12 @@
 namespace mneme::test {
 namespace {
 
-using internal::cover_key;
-using internal::CoverCache;
+using internal::sphere_key;
+using internal::SphereCache;
 
 const std::string kKey = "0123456789abcdef0123456789abcdef";
 
-LinkCover make_cover() {
+LinkSpheres make_spheres() {
   return {"arm", {{{0.1, -0.2, 1e-5}, 0.3}, {{0, 0, 0}, 1.0 / 3}}, 0, 0.01, 0.02};
 }
 
@@ -32,11 +32,11 @@ std::vector<std::string> files_in(const std::string& directory) {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("a cover comes back as it was stored, in directories that had to be made") {
+  TEST_CASE("spheres come back as they were stored, in directories that had to be made") {
     const TemporaryDirectory files;
-    const CoverCache cache(files / "a/b");
+    const SphereCache cache(files / "a/b");
     CHECK_FALSE(cache.find(kKey).has_value());
-    REQUIRE(cache.store(kKey, make_cover()));
+    REQUIRE(cache.store(kKey, make_spheres()));
     const auto found = cache.find(kKey);
     REQUIRE(found.has_value());
     REQUIRE(found->spheres.size() == 2);
@@ -49,8 +49,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a damaged file is not found, and is replaced") {
     const TemporaryDirectory files;
-    const CoverCache cache(files / "cache");
-    REQUIRE(cache.store(kKey, make_cover()));
+    const SphereCache cache(files / "cache");
+    REQUIRE(cache.store(kKey, make_spheres()));
     const std::string path = files_in(files / "cache").front();
     const std::string good = read_file(path);
     std::string other_number = good;
@@ -61,14 +61,14 @@ TEST_SUITE("unit") {
       write_file(path, bad);
       CHECK_FALSE(cache.find(kKey).has_value());
     }
-    REQUIRE(cache.store(kKey, make_cover()));
+    REQUIRE(cache.store(kKey, make_spheres()));
     CHECK(cache.find(kKey).has_value());
   }
 
   TEST_CASE("an entry under another key's name is not found") {
     const TemporaryDirectory files;
-    const CoverCache cache(files / "cache");
-    REQUIRE(cache.store(kKey, make_cover()));
+    const SphereCache cache(files / "cache");
+    REQUIRE(cache.store(kKey, make_spheres()));
     const std::string path = files_in(files / "cache").front();
     std::string other = kKey;
     other[0] = 'f';
@@ -81,12 +81,12 @@ TEST_SUITE("unit") {
   TEST_CASE("where nothing can be written, storing says so") {
     const TemporaryDirectory files;
     write_file(files / "file", "");
-    CHECK_FALSE(CoverCache(files / "file").store(kKey, make_cover()));
-    CHECK_FALSE(CoverCache(files / "file/below").store(kKey, make_cover()));
-    CHECK_FALSE(CoverCache("").store(kKey, make_cover()));
-    CHECK_FALSE(CoverCache("").find(kKey).has_value());
-    std::filesystem::create_directories(files / ("cache/cover-" + kKey + ".json/in the way"));
-    CHECK_FALSE(CoverCache(files / "cache").store(kKey, make_cover()));
+    CHECK_FALSE(SphereCache(files / "file").store(kKey, make_spheres()));
+    CHECK_FALSE(SphereCache(files / "file/below").store(kKey, make_spheres()));
+    CHECK_FALSE(SphereCache("").store(kKey, make_spheres()));
+    CHECK_FALSE(SphereCache("").find(kKey).has_value());
+    std::filesystem::create_directories(files / ("cache/spheres-" + kKey + ".json/in the way"));
+    CHECK_FALSE(SphereCache(files / "cache").store(kKey, make_spheres()));
     CHECK(files_in(files / "cache").size() == 1);
   }
 
@@ -94,12 +94,12 @@ TEST_SUITE("unit") {
     const auto mesh = internal::triangulate(make_box({1, 2, 3}));
     auto other = mesh;
     other[3].a.y() += 1e-9;
-    const std::string key = cover_key(mesh, {});
+    const std::string key = sphere_key(mesh, {});
     CHECK(key.size() == 32);
-    CHECK(key == cover_key(mesh, {}));
-    CHECK(key != cover_key(other, {}));
-    CHECK(key != cover_key(mesh, {0.02, 16}));
-    CHECK(key != cover_key(mesh, {0.025, 17}));
+    CHECK(key == sphere_key(mesh, {}));
+    CHECK(key != sphere_key(other, {}));
+    CHECK(key != sphere_key(mesh, {0.02, 16}));
+    CHECK(key != sphere_key(mesh, {0.025, 17}));
   }
 }
 
@@ -116,75 +116,74 @@ Robot::Parts make_parts() {
 
 TEST_SUITE("unit") {
   TEST_CASE("solids become spheres; what was sphere or capsule stays") {
-    const auto covering = cover_robot(make_parts());
-    REQUIRE_MESSAGE(covering.has_value(), (covering ? "" : covering.error().message));
-    REQUIRE(covering->links.size() == 2);
-    CHECK(covering->links[0].link == "l0");
-    CHECK(covering->links[1].link == "l2");
-    const auto& links = covering->parts.links;
+    const auto made = approximate_robot(make_parts());
+    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+    REQUIRE(made->links.size() == 2);
+    CHECK(made->links[0].link == "l0");
+    CHECK(made->links[1].link == "l2");
+    const auto& links = made->parts.links;
     for (const Link& link : links) CHECK(link.solids.empty());
     CHECK(links[0].spheres[0].center == Vec3(0.5, 0, 0));
-    CHECK(links[0].spheres.size() == 1 + covering->links[0].spheres.size());
+    CHECK(links[0].spheres.size() == 1 + made->links[0].spheres.size());
     CHECK(links[0].capsules.size() == 1);
     CHECK(links[1].spheres.size() == 1);
-    CHECK(links[2].spheres.size() == covering->links[1].spheres.size());
-    CHECK_FALSE(links[1].cover.has_value());
+    CHECK(links[2].spheres.size() == made->links[1].spheres.size());
+    CHECK_FALSE(links[1].approximation.has_value());
     for (const std::size_t i : {0, 1}) {
-      const Cover& cover = links[2 * i].cover.value();
-      CHECK(cover.sphere_count == std::ssize(covering->links[i].spheres));
-      CHECK(cover.excess == covering->links[i].max_excess);
+      const SphereApproximation& approximation = links[2 * i].approximation.value();
+      CHECK(approximation.sphere_count == std::ssize(made->links[i].spheres));
+      CHECK(approximation.excess == made->links[i].max_excess);
     }
-    CHECK(links[0].cover->surface.parts->list().size() == 12);
+    CHECK(links[0].approximation->surface.parts->list().size() == 12);
   }
 
-  TEST_CASE("links are covered by one thread where others are refused") {
+  TEST_CASE("links are approximated by one thread where others are refused") {
     const NoThreads none;
-    const auto covering = cover_robot(make_parts());
-    REQUIRE_MESSAGE(covering.has_value(), (covering ? "" : covering.error().message));
-    CHECK(covering->links.size() == 2);
+    const auto made = approximate_robot(make_parts());
+    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+    CHECK(made->links.size() == 2);
   }
 
-  TEST_CASE("covers are made once for each settings, and made again if they were damaged") {
+  TEST_CASE("spheres are made once for each settings, and made again if they were damaged") {
     const TemporaryDirectory files;
-    const CoverCache cache(files / "cache");
+    const SphereCache cache(files / "cache");
     const Robot::Parts parts = make_parts();
-    const CoverSettings coarse{0.1, 16, 0.1};
-    const auto key_of = [&](std::size_t link, const CoverSettings& settings) {
-      return cover_key(internal::link_surface(parts.links[link]).value(), settings);
+    const SphereSettings coarse{0.1, 16, 0.1};
+    const auto key_of = [&](std::size_t link, const SphereSettings& settings) {
+      return sphere_key(internal::link_surface(parts.links[link]).value(), settings);
     };
-    REQUIRE(cache.store(key_of(0, coarse), make_cover()));
-    REQUIRE(cache.store(key_of(2, {}), make_cover()));
-    const auto first = internal::cover_robot(parts, coarse, cache);
+    REQUIRE(cache.store(key_of(0, coarse), make_spheres()));
+    REQUIRE(cache.store(key_of(2, {}), make_spheres()));
+    const auto first = internal::approximate_robot(parts, coarse, cache);
     REQUIRE(first.has_value());
     CHECK(first->found == 1);
     CHECK(first->stored == 1);
-    CHECK(first->covering.links[0].link == "l0");
-    CHECK(first->covering.links[0].spheres[1].radius == make_cover().spheres[1].radius);
-    const auto second = internal::cover_robot(parts, coarse, cache);
+    CHECK(first->robot.links[0].link == "l0");
+    CHECK(first->robot.links[0].spheres[1].radius == make_spheres().spheres[1].radius);
+    const auto second = internal::approximate_robot(parts, coarse, cache);
     REQUIRE(second.has_value());
     CHECK(second->found == 2);
     CHECK(second->stored == 0);
-    CHECK(second->covering.links[1].link == "l2");
-    CHECK(second->covering.links[1].spheres[0].radius ==
-          first->covering.links[1].spheres[0].radius);
-    write_file(files / ("cache/cover-" + key_of(2, coarse) + ".json"), "rubbish");
-    const auto third = internal::cover_robot(parts, coarse, cache);
+    CHECK(second->robot.links[1].link == "l2");
+    CHECK(second->robot.links[1].spheres[0].radius == first->robot.links[1].spheres[0].radius);
+    write_file(files / ("cache/spheres-" + key_of(2, coarse) + ".json"), "rubbish");
+    const auto third = internal::approximate_robot(parts, coarse, cache);
     REQUIRE(third.has_value());
     CHECK(third->found == 1);
     CHECK(third->stored == 1);
     CHECK(cache.find(key_of(2, coarse)).has_value());
   }
 
-  TEST_CASE("settings that no cover can obey are refused") {
-    for (const CoverSettings& settings :
-         {CoverSettings{0, 64}, CoverSettings{0.02, 0}, CoverSettings{0.02, 64, -1}}) {
-      const auto covering = cover_robot(make_parts(), settings);
-      REQUIRE_FALSE(covering.has_value());
-      CHECK(covering.error().code == ErrorCode::invalid);
-      CHECK(covering.error().message.starts_with("setting '"));
-      const auto robot = load_covered_robot(source_file("robots/planar8.urdf"), {}, settings);
+  TEST_CASE("settings that no spheres can obey are refused") {
+    for (const SphereSettings& settings :
+         {SphereSettings{0, 64}, SphereSettings{0.02, 0}, SphereSettings{0.02, 64, -1}}) {
+      const auto made = approximate_robot(make_parts(), settings);
+      REQUIRE_FALSE(made.has_value());
+      CHECK(made.error().code == ErrorCode::invalid);
+      CHECK(made.error().message.starts_with("setting '"));
+      const auto robot = load_approximated_robot(source_file("robots/planar8.urdf"), {}, settings);
       REQUIRE_FALSE(robot.has_value());
-      CHECK(robot.error().message == covering.error().message);
+      CHECK(robot.error().message == made.error().message);
     }
   }
 
@@ -192,12 +191,12 @@ TEST_SUITE("unit") {
     Robot::Parts parts = make_parts();
     parts.links[1].solids = {MeshFile{"/no/first.stl", Vec3::Ones(), {}}};
     parts.links[2].solids = {MeshFile{"/no/second.stl", Vec3::Ones(), {}}};
-    const auto covering = cover_robot(parts);
-    REQUIRE_FALSE(covering.has_value());
-    CHECK(contains(covering.error().message, "link 'l1': mesh /no/first.stl"));
+    const auto made = approximate_robot(parts);
+    REQUIRE_FALSE(made.has_value());
+    CHECK(contains(made.error().message, "link 'l1': mesh /no/first.stl"));
   }
 
-  TEST_CASE("an arm's last three links and fingers are tips, and covered more closely") {
+  TEST_CASE("an arm's last three links and fingers are tips, and approximated more closely") {
     Robot::Parts parts = make_bare_chain(6);
     const std::vector<bool> are_ends = internal::find_arm_ends(parts);
     CHECK(are_ends == std::vector<bool>{false, false, false, false, true, true, true});
@@ -210,11 +209,11 @@ TEST_SUITE("unit") {
           std::vector<bool>{false, false, false, false, true, true, true});
     parts = make_bare_chain(5);
     for (const std::size_t link : {1, 4}) parts.links[link].solids = {make_box({0.1, 0.1, 0.1})};
-    const auto covering = internal::cover_robot(parts, {0.02, 200, 0.008}, CoverCache(""));
-    REQUIRE(covering.has_value());
-    CHECK(covering->covering.links[0].max_excess > 0.01);
-    CHECK(covering->covering.links[1].max_excess <= 0.008);
-    CHECK(covering->covering.links[1].spheres.size() > covering->covering.links[0].spheres.size());
+    const auto made = internal::approximate_robot(parts, {0.02, 200, 0.008}, SphereCache(""));
+    REQUIRE(made.has_value());
+    CHECK(made->robot.links[0].max_excess > 0.01);
+    CHECK(made->robot.links[1].max_excess <= 0.008);
+    CHECK(made->robot.links[1].spheres.size() > made->robot.links[0].spheres.size());
   }
 
   TEST_CASE("short chains, such as a neck, and chains of a loop have no tips") {
@@ -227,34 +226,35 @@ TEST_SUITE("unit") {
   TEST_CASE("progress tells of each link once") {
     std::multiset<std::string> links;
     std::vector<int> counts;
-    const auto on_covered = [&](int done, int total, const std::string& link) {
+    const auto on_approximated = [&](int done, int total, const std::string& link) {
       links.insert(link);
       counts.push_back(done);
       CHECK(total == 2);
     };
-    REQUIRE(internal::cover_robot(make_parts(), {}, CoverCache(""), on_covered).has_value());
+    REQUIRE(internal::approximate_robot(make_parts(), {}, SphereCache(""), on_approximated)
+                .has_value());
     CHECK(links == std::multiset<std::string>{"l0", "l2"});
     CHECK(counts == std::vector<int>{1, 2});
   }
 
-  TEST_CASE("covers of robots are kept in the user's cache, which its notes tell") {
+  TEST_CASE("spheres of robots are kept in the user's cache, which its notes tell") {
     const TemporaryDirectory files;
     const EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
-    const auto first = cover_robot(make_parts());
+    const auto first = approximate_robot(make_parts());
     REQUIRE(first.has_value());
     REQUIRE(first->notes.size() == 1);
     CHECK_FALSE(contains(first->notes[0], "from the cache"));
-    const auto second = cover_robot(make_parts());
+    const auto second = approximate_robot(make_parts());
     REQUIRE(second.has_value());
     REQUIRE(second->notes.size() == 1);
     CHECK(contains(second->notes[0], "; 2 from the cache " + files / "cache/mneme"));
   }
 
   TEST_CASE("a robot without solids stays as it is") {
-    const auto covering = cover_robot(make_bare_chain(1));
-    REQUIRE(covering.has_value());
-    CHECK(covering->links.empty());
-    CHECK(covering->notes.empty());
+    const auto made = approximate_robot(make_bare_chain(1));
+    REQUIRE(made.has_value());
+    CHECK(made->links.empty());
+    CHECK(made->notes.empty());
   }
 }
 
@@ -283,8 +283,8 @@ struct RobotFiles {
     write_file(files / "part.stl",
                to_binary_stl(internal::triangulate(make_box({0.3, 0.08, 0.08}))));
   }
-  [[nodiscard]] CoveredRobot load(const RobotOptions& options = {}) const {
-    auto robot = load_covered_robot(files / "r.urdf", options);
+  [[nodiscard]] ApproximatedRobot load(const RobotOptions& options = {}) const {
+    auto robot = load_approximated_robot(files / "r.urdf", options);
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     return *robot;
   }
@@ -294,14 +294,14 @@ struct RobotFiles {
 
 TEST_SUITE("unit") {
   TEST_CASE(
-      "a robot of boxes, cylinders and meshes is covered, and the cache makes no difference") {
+      "a robot of boxes, cylinders and meshes is approximated, and the cache makes no difference") {
     const RobotFiles files;
-    const CoveredRobot first = files.load();
+    const ApproximatedRobot first = files.load();
     REQUIRE(first.notes.size() == 1);
-    CHECK(contains(first.notes[0], "covered the geometry of 3 links with"));
+    CHECK(contains(first.notes[0], "approximated the geometry of 3 links by"));
     CHECK_FALSE(contains(first.notes[0], "cache"));
     for (const Link& link : first.robot.links()) CHECK_FALSE(link.spheres.empty());
-    const CoveredRobot second = files.load();
+    const ApproximatedRobot second = files.load();
     REQUIRE(second.notes.size() == 1);
     CHECK(contains(second.notes[0], "; 3 from the cache " + files.files / "cache/mneme"));
     CHECK(second.robot.hash() == first.robot.hash());
@@ -312,7 +312,7 @@ TEST_SUITE("unit") {
     const std::string hash = files.load().robot.hash();
     std::filesystem::remove_all(files.files / "cache");
     write_file(files.files / "cache", "in the way");
-    const CoveredRobot robot = files.load();
+    const ApproximatedRobot robot = files.load();
     REQUIRE(robot.notes.size() == 1);
     CHECK(contains(robot.notes[0], "cannot be written"));
     CHECK(robot.robot.hash() == hash);
@@ -343,7 +343,7 @@ TEST_SUITE("unit") {
                    "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
                    "<limit lower=\"-1\" upper=\"1\" velocity=\"1\"/></joint></robot>");
     write_file(files / "r.srdf", "<robot name=\"r\"/>");
-    const auto robot = load_covered_robot(files / "r.urdf");
+    const auto robot = load_approximated_robot(files / "r.urdf");
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     CHECK(robot->robot.self_pairs().empty());
     REQUIRE(robot->robot.warnings().size() == 1);
@@ -360,7 +360,7 @@ TEST_SUITE("unit") {
         "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>"
         "<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>"
         "</robot>");
-    const auto robot = load_covered_robot(files / "r.urdf");
+    const auto robot = load_approximated_robot(files / "r.urdf");
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     REQUIRE(robot->robot.warnings().size() == 1);
     CHECK(robot->robot.warnings()[0].starts_with(
@@ -368,7 +368,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a robot without solids is loaded as ever") {
-    const auto robot = load_covered_robot(source_file("robots/planar8.urdf"));
+    const auto robot = load_approximated_robot(source_file("robots/planar8.urdf"));
     REQUIRE(robot.has_value());
     CHECK(robot->notes.empty());
     CHECK(robot->robot.hash() == planar8().hash());
@@ -377,7 +377,7 @@ TEST_SUITE("unit") {
   TEST_CASE("errors name the robot's file") {
     const RobotFiles files;
     write_file(files.files / "part.stl", "rubbish");
-    const auto robot = load_covered_robot(files.files / "r.urdf");
+    const auto robot = load_approximated_robot(files.files / "r.urdf");
     REQUIRE_FALSE(robot.has_value());
     CHECK(contains(robot.error().message, files.files / "r.urdf"));
     CHECK(contains(robot.error().message, "link 'b'"));
@@ -386,10 +386,10 @@ TEST_SUITE("unit") {
     options.joints = {"nobody"};
     write_file(files.files / "part.stl",
                to_binary_stl(internal::triangulate(make_box({0.3, 0.08, 0.08}))));
-    const auto wrong = load_covered_robot(files.files / "r.urdf", options);
+    const auto wrong = load_approximated_robot(files.files / "r.urdf", options);
     REQUIRE_FALSE(wrong.has_value());
     CHECK(contains(wrong.error().message, "nobody"));
-    CHECK_FALSE(load_covered_robot(files.files / "missing.urdf").has_value());
+    CHECK_FALSE(load_approximated_robot(files.files / "missing.urdf").has_value());
   }
 }
 

@@ -1,33 +1,33 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
-#include "covering/cover_solid.h"
-#include "covering/solids.h"
+#include "spheres/approximate_solid.h"
+#include "spheres/solids.h"
 
 #include <limits>
 
 namespace mneme::test {
 namespace {
 
-using internal::cover_solid;
+using internal::approximate_solid;
 using internal::TriangleMesh;
 
 bool is_round(double value) { return std::abs(value * 1e5 - std::round(value * 1e5)) < 1e-6; }
 
 TEST_SUITE("unit") {
-  TEST_CASE("a cube that one sphere covers well enough gets one") {
-    const LinkCover cover =
-        cover_solid(internal::triangulate(make_box({0.06, 0.06, 0.06})), {0.025, 16});
-    REQUIRE(cover.spheres.size() == 1);
-    CHECK(cover.spheres[0].center.norm() < 0.002);
-    CHECK(cover.spheres[0].radius == doctest::Approx(0.03 * std::sqrt(3.0)).epsilon(0.02));
+  TEST_CASE("a cube that one sphere approximates well enough gets one") {
+    const LinkSpheres made =
+        approximate_solid(internal::triangulate(make_box({0.06, 0.06, 0.06})), {0.025, 16});
+    REQUIRE(made.spheres.size() == 1);
+    CHECK(made.spheres[0].center.norm() < 0.002);
+    CHECK(made.spheres[0].radius == doctest::Approx(0.03 * std::sqrt(3.0)).epsilon(0.02));
   }
 
   TEST_CASE("where the excess needs more spheres than a link may have, it is enlarged") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.3, 0.2, 0.15}));
-    const LinkCover few = cover_solid(mesh, {0.02, 3});
-    const LinkCover more = cover_solid(mesh, {0.02, 12});
+    const LinkSpheres few = approximate_solid(mesh, {0.02, 3});
+    const LinkSpheres more = approximate_solid(mesh, {0.02, 12});
     CHECK(few.spheres.size() <= 3);
     CHECK(more.spheres.size() <= 12);
     CHECK(more.spheres.size() > 3);
@@ -36,17 +36,17 @@ TEST_SUITE("unit") {
     CHECK(more.mean_excess < few.mean_excess);
   }
 
-  TEST_CASE("sheets, slivers and rods are covered too") {
+  TEST_CASE("sheets, slivers and rods are approximated too") {
     const std::vector<TriangleMesh> meshes = {
         {{{0, 0, 0}, {0.2, 0, 0}, {0, 0.2, 0}}},
         make_tube(0.05, 0.25),
         internal::triangulate(make_box({0.1, 0.001, 0.001})),
     };
     for (const TriangleMesh& mesh : meshes) {
-      const LinkCover cover = cover_solid(mesh, {0.02, 12});
-      CHECK(cover.uncovered == 0);
-      CHECK(cover.spheres.size() <= 12);
-      CHECK(cover.max_excess < 0.06);
+      const LinkSpheres made = approximate_solid(mesh, {0.02, 12});
+      CHECK(made.uncovered == 0);
+      CHECK(made.spheres.size() <= 12);
+      CHECK(made.max_excess < 0.06);
     }
   }
 }
@@ -60,12 +60,11 @@ TEST_SUITE("law") {
                internal::triangulate(make_box({0.06, 0.06, 0.2}, {0.07, 0, 0.07}))),
     };
     for (const TriangleMesh& mesh : meshes) {
-      const LinkCover cover = cover_solid(mesh, {0.03, 50});
-      CHECK(cover.uncovered == 0);
-      CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 50000), cover.spheres) ==
-            0);
-      CHECK(cover.max_excess <= 0.03 + 1e-4);
-      CHECK(cover.mean_excess < 0.7 * cover.max_excess);
+      const LinkSpheres made = approximate_solid(mesh, {0.03, 50});
+      CHECK(made.uncovered == 0);
+      CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 50000), made.spheres) == 0);
+      CHECK(made.max_excess <= 0.03 + 1e-4);
+      CHECK(made.mean_excess < 0.7 * made.max_excess);
       const internal::SolidModel solid(mesh);
       const internal::AxisBox bounds = internal::bounds_of(mesh);
       Rng rng(23);
@@ -75,7 +74,7 @@ TEST_SUITE("law") {
         const Vec3 p = bounds.low + share.cwiseProduct(bounds.high - bounds.low);
         if (!solid.contains(p)) continue;
         ++inside;
-        CHECK(is_held(p, cover.spheres));
+        CHECK(is_held(p, made.spheres));
       }
       CHECK(inside > 1000);
     }
@@ -83,8 +82,8 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same solid gets the same spheres, on round numbers") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.25, 0.1, 0.08}));
-    const LinkCover first = cover_solid(mesh, {});
-    const LinkCover second = cover_solid(mesh, {});
+    const LinkSpheres first = approximate_solid(mesh, {});
+    const LinkSpheres second = approximate_solid(mesh, {});
     REQUIRE(first.spheres.size() == second.spheres.size());
     for (std::size_t i = 0; i < first.spheres.size(); ++i) {
       CHECK(first.spheres[i].center == second.spheres[i].center);
@@ -96,8 +95,8 @@ TEST_SUITE("law") {
 
   TEST_CASE("less excess takes more spheres") {
     const TriangleMesh mesh = internal::triangulate(Cylinder{{}, 0.06, 0.3});
-    CHECK(cover_solid(mesh, {0.02, 200}).spheres.size() >
-          cover_solid(mesh, {0.03, 200}).spheres.size());
+    CHECK(approximate_solid(mesh, {0.02, 200}).spheres.size() >
+          approximate_solid(mesh, {0.03, 200}).spheres.size());
   }
 }
 
@@ -164,38 +163,38 @@ Link link_of(std::vector<Solid> solids) {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("all solids of a link are covered together, in the link's frame") {
+  TEST_CASE("all solids of a link are approximated together, in the link's frame") {
     const TemporaryDirectory files;
     write_file(files / "part.stl", to_binary_stl(internal::triangulate(make_box({0.1, 0.1, 0.1}))));
     const Transform up{Eigen::Matrix3d::Identity(), {0, 0, 0.3}};
-    const auto cover = cover_link(link_of(
+    const auto made = approximate_link(link_of(
         {make_box({0.1, 0.1, 0.1}), Cylinder{{Eigen::Matrix3d::Identity(), {0.3, 0, 0}}, 0.05, 0.1},
          MeshFile{files / "part.stl", Vec3::Ones(), up}}));
-    REQUIRE_MESSAGE(cover.has_value(), (cover ? "" : cover.error().message));
-    CHECK(cover->link == "arm");
-    CHECK(cover->uncovered == 0);
+    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+    CHECK(made->link == "arm");
+    CHECK(made->uncovered == 0);
     for (const Vec3& p : {Vec3(0.05, 0.05, 0.05), Vec3(0.35, 0, 0.05), Vec3(-0.05, 0.05, 0.35)}) {
-      CHECK(is_held(p, cover->spheres));
+      CHECK(is_held(p, made->spheres));
     }
-    CHECK_FALSE(is_held({0.15, 0.1, 0.15}, cover->spheres));
+    CHECK_FALSE(is_held({0.15, 0.1, 0.15}, made->spheres));
   }
 
-  TEST_CASE("settings that no cover can obey are refused") {
+  TEST_CASE("settings that no spheres can obey are refused") {
     const Link link = link_of({make_box({0.1, 0.1, 0.1})});
-    for (const CoverSettings& settings :
-         {CoverSettings{0, 5}, CoverSettings{-1, 5}, CoverSettings{0.02, 0},
-          CoverSettings{std::numeric_limits<double>::quiet_NaN(), 5},
-          CoverSettings{std::numeric_limits<double>::infinity(), 5}}) {
-      const auto cover = cover_link(link, settings);
-      REQUIRE_FALSE(cover.has_value());
-      CHECK(cover.error().code == ErrorCode::invalid);
+    for (const SphereSettings& settings :
+         {SphereSettings{0, 5}, SphereSettings{-1, 5}, SphereSettings{0.02, 0},
+          SphereSettings{std::numeric_limits<double>::quiet_NaN(), 5},
+          SphereSettings{std::numeric_limits<double>::infinity(), 5}}) {
+      const auto made = approximate_link(link, settings);
+      REQUIRE_FALSE(made.has_value());
+      CHECK(made.error().code == ErrorCode::invalid);
     }
   }
 
   TEST_CASE("errors of solids are passed on") {
-    const auto cover = cover_link(link_of({MeshFile{"/no/such.stl", Vec3::Ones(), {}}}));
-    REQUIRE_FALSE(cover.has_value());
-    CHECK(contains(cover.error().message, "link 'arm': mesh /no/such.stl"));
+    const auto made = approximate_link(link_of({MeshFile{"/no/such.stl", Vec3::Ones(), {}}}));
+    REQUIRE_FALSE(made.has_value());
+    CHECK(contains(made.error().message, "link 'arm': mesh /no/such.stl"));
   }
 }
 

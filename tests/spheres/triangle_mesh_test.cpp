@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "covering/solids.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/solids.h"
+#include "spheres/triangle_mesh.h"
 
 #include <limits>
 

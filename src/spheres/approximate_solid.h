@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The covering algorithm, from a surface to spheres, and how well these cover it.
+/// The sphere approximation of a surface, and measures of its quality.
 #pragma once
 
-#include "mneme/covering.h"
+#include "mneme/spheres.h"
 
-#include "covering/solid_model.h"
-#include "covering/triangle_mesh.h"
+#include "spheres/solid_model.h"
+#include "spheres/triangle_mesh.h"
 
 #include <span>
 #include <vector>
@@ -32,10 +32,11 @@ struct Excess {
 [[nodiscard]] Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid);
 
 /// To be raised whenever the same surface and settings give other spheres.
-inline constexpr int kCoverVersion = 2;
+inline constexpr int kSphereVersion = 2;
 
-/// Spheres that cover `mesh`, which has an area, and what it encloses; their number and excess obey
+/// Spheres that hold `mesh`, which has an area, and what it encloses; their number and excess obey
 /// the settings, where both cannot be had the number. Coordinates are multiples of 10 um.
-[[nodiscard]] LinkCover cover_solid(const TriangleMesh& mesh, const CoverSettings& settings);
+[[nodiscard]] LinkSpheres approximate_solid(const TriangleMesh& mesh,
+                                            const SphereSettings& settings);
 
 }  // namespace mneme::internal

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Sphere approximations of all links of a robot, from the cache in the user's directory where
+/// possible.
+#pragma once
+
+#include "mneme/spheres.h"
+
+#include "spheres/triangle_mesh.h"
+
+#include <optional>
+#include <string>
+
+namespace mneme::internal {
+
+/// 32 hexadecimal digits over surface, settings and the version of the algorithm.
+[[nodiscard]] std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settings);
+
+/// A directory with one file per link. Several programs may use it at a time.
+class SphereCache {
+ public:
+  /// In an empty `directory` nothing is found or stored.
+  explicit SphereCache(std::string directory) : directory_(std::move(directory)) {}
+
+  [[nodiscard]] const std::string& directory() const { return directory_; }
+  /// The spheres that were stored under `key`, without the link's name; nothing if there is none or
+  /// its file is damaged.
+  [[nodiscard]] std::optional<LinkSpheres> find(const std::string& key) const;
+  /// True if it was written, as a whole.
+  bool store(const std::string& key, const LinkSpheres& spheres) const;
+
+ private:
+  [[nodiscard]] std::string path_of(const std::string& key) const;
+  std::string directory_;
+};
+
+struct CachedSpheres {
+  RobotSpheres robot;
+  int found = 0;   ///< links that were in the cache
+  int stored = 0;  ///< links that were made and are in the cache now
+};
+
+/// For each link whether it is one of an arm's fingers or last three links.
+[[nodiscard]] std::vector<bool> find_arm_ends(const Robot::Parts& parts);
+
+/// approximate_robot with this cache.
+[[nodiscard]] Result<CachedSpheres> approximate_robot(Robot::Parts parts,
+                                                      const SphereSettings& settings,
+                                                      const SphereCache& cache,
+                                                      const SphereProgress& on_approximated = {});
+
+}  // namespace mneme::internal
