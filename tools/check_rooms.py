@@ -30,7 +30,7 @@ CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
 TYPE = re.compile(r"^(?:class|struct|enum class) (\w+)(?: final)?(?:\s*:[^;{]*)?\s*\{", re.MULTILINE)
 KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")
-SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits)/|"
+SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits|linux)/|"
                     r"(assert|dlfcn|errno|fcntl|glob|limits|malloc|math|netdb|poll|pthread|pwd|sched|signal|stddef|stdint|"
                     r"stdio|stdlib|string|termios|time|unistd)\.h$")
 OWN, MNEME, OTHER, THIRD_PARTY, STANDARD = range(5)

@@ -383,10 +383,6 @@ TEST_SUITE("unit") {
     const ProgramRun learned = run_program(command, powerless);
     const ProgramRun planned = run_program({"plan", files.problem(), "--db", database}, powerless);
     chmod((files / "").c_str(), 0755);
-    if (learned.exit_code == 126 || learned.exit_code == 127) {
-      MESSAGE("skipped: the program cannot be run as nobody here");
-      return;
-    }
     CHECK_MESSAGE(learned.exit_code == 1, learned.err);
     CHECK(has_text(learned.err, database));
     CHECK_MESSAGE(planned.exit_code == 0, planned.err);

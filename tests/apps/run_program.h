@@ -12,7 +12,9 @@
 #include <string>
 #include <vector>
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,11 +29,16 @@ struct ProgramRun {
 /// How the program's process differs from the test's.
 struct ProcessChanges {
   std::vector<std::string> environment;  ///< NAME=VALUE
-  bool is_powerless = false;             ///< root becomes nobody
+  bool is_powerless = false;             ///< permissions of files bind it, also as root
 };
 
-/// The user that a powerless process runs as.
-inline constexpr uid_t kNobody = 65534;
+/// Permissions of files bind root, too, in the program that this process becomes. Another user instead might not be allowed
+/// to enter the directory that the tree lies in.
+inline bool give_up_power_over_files() {
+  if (geteuid() != 0) return true;
+  return prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE) == 0 &&
+         prctl(PR_CAPBSET_DROP, CAP_DAC_READ_SEARCH) == 0;
+}
 
 /// A program that runs beside the test.
 class RunningProgram {
@@ -82,7 +89,7 @@ class RunningProgram {
       const std::size_t end = entry.find('=');
       setenv(entry.substr(0, end).c_str(), entry.substr(end + 1).c_str(), 1);
     }
-    if (changes.is_powerless && geteuid() == 0 && setuid(kNobody) != 0) _exit(126);
+    if (changes.is_powerless && !give_up_power_over_files()) _exit(126);
     std::vector<char*> list{const_cast<char*>(MNEME_PROGRAM)};
     for (const std::string& argument : arguments) {
       list.push_back(const_cast<char*>(argument.c_str()));
