@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "mneme/exchange.h"
 #include "mneme/upkeep.h"
 #include "mneme/experience.h"
 
@@ -168,8 +167,7 @@ class Upkeep {
   }
 
   void add_file(CLI::App& command) {
-    command.add_option("FILE", options_->file, "JSON lines (.jsonl) or NumPy arrays (.npz)")
-        ->required();
+    command.add_option("FILE", options_->file, "JSON lines (.jsonl)")->required();
   }
   UpkeepOptions& options() { return *options_; }
 
@@ -193,9 +191,9 @@ void add_db_upkeep(CLI::App& group, Action& action) {
       .add_option("FROM", upkeep.options().sources, "databases to add to URL")
       ->required();
   upkeep.add_file(
-      upkeep.add("export", "Write all rows to a file", "planar.db planar.npz", run_export));
+      upkeep.add("export", "Write all rows to a file", "planar.db planar.jsonl", run_export));
   upkeep.add_file(
-      upkeep.add("import", "Add the rows of a file", "planar.db planar.npz", run_import));
+      upkeep.add("import", "Add the rows of a file", "planar.db planar.jsonl", run_import));
   CLI::App& adopt = upkeep.add("adopt", "Make it the experience of a robot with other joint limits",
                                "arm.db --robot arm.urdf", run_adopt);
   adopt.add_option("--robot", upkeep.options().robot, "URDF file or name of the robot")->required();

@@ -66,6 +66,65 @@ py::dict to_dict(const Experience& experience) {
   return row;
 }
 
+template <class Number>
+py::array_t<Number> array_of(const std::vector<Number>& numbers) {
+  return py::array_t<Number>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+/// One array of all rows, and per row the place behind its last number.
+template <class Number>
+struct Column {
+  std::vector<Number> numbers;
+  std::vector<std::int64_t> ends;
+
+  template <class Numbers>
+  void add(const Numbers& row) {
+    numbers.insert(numbers.end(), row.begin(), row.end());
+    ends.push_back(static_cast<std::int64_t>(numbers.size()));
+  }
+  /// Rows of `width` numbers each count as one.
+  void write(py::dict& arrays, const std::string& name, std::int64_t width = 1) const {
+    std::vector<std::int64_t> row_ends = ends;
+    for (std::int64_t& end : row_ends) end /= width;
+    const py::array_t<Number> flat = array_of(numbers);
+    arrays[py::str(name + "s")] = width == 1 ? flat : flat.attr("reshape")(-1, width);
+    arrays[py::str(name + "_ends")] = array_of(row_ends);
+  }
+};
+
+py::dict to_arrays(const Memory& memory) {
+  const std::shared_ptr<Database> database = memory.get();
+  py::dict arrays;
+  py::list kinds, settings;
+  std::vector<std::int64_t> ids;
+  std::vector<std::uint64_t> seeds;
+  Column<double> keys;
+  Column<float> means, factors;
+  Column<int> factor_rows, origins;
+  unwrap(database->for_each([&](const std::shared_ptr<const Experience>& row) {
+    ids.push_back(row->id);
+    seeds.push_back(row->provenance.seed);
+    kinds.append(row->kind);
+    settings.append(row->provenance.settings);
+    keys.add(row->key);
+    means.add(row->sampler.means);
+    factors.add(row->sampler.factors);
+    factor_rows.add(row->sampler.factor_rows);
+    origins.add(row->sampler.origins);
+  }));
+  const std::int64_t joints = database->space().joint_count;
+  arrays["ids"] = array_of(ids);
+  arrays["kinds"] = py::module_::import("numpy").attr("array")(kinds, py::arg("dtype") = "U");
+  keys.write(arrays, "key");
+  means.write(arrays, "mean", joints);
+  factors.write(arrays, "factor", joints * (joints + 1) / 2);
+  factor_rows.write(arrays, "factor_row");
+  origins.write(arrays, "origin");
+  arrays["seeds"] = array_of(seeds);
+  arrays["settings"] = py::module_::import("numpy").attr("array")(settings, py::arg("dtype") = "U");
+  return arrays;
+}
+
 py::dict get(const Memory& memory, std::int64_t position) {
   const std::shared_ptr<Database> database = memory.get();
   if (position < 0) position += database->size();
@@ -148,6 +207,12 @@ void bind_experience(py::module_& module) {
           py::arg("max_matches") = 8,
           "Rows whose squared key distance to the primitive is less than similarity (m^2, default\n"
           "the key's own), nearest first, with their similarity_error; 0 matches are all.")
+      .def(
+          "to_arrays", &to_arrays,
+          "All rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means, factors,\n"
+          "factor_rows, origins, seeds, settings. Row i has keys[key_ends[i-1]:key_ends[i]], from "
+          "0\n"
+          "for the first, and likewise means, factors, factor_rows and origins.")
       .def("info", &info, "Robot, kinds of rows, numbers of samplers and components, bytes.")
       .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })

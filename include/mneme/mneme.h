@@ -21,7 +21,6 @@
 #include "mneme/store.h"
 #include "mneme/upkeep.h"
 #include "mneme/experience.h"
-#include "mneme/exchange.h"
 #include "mneme/memory.h"
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Keeping databases in order: verification, repair, merging and compaction.
+/// Keeping databases in order: verification, merging, compaction, files for other programs.
 #pragma once
 
 #include "mneme/base.h"
@@ -17,10 +17,9 @@ enum class VerifyMode {
   report,      ///< changes nothing
   quarantine,  ///< sets damaged rows aside, so that the rest can be used
 };
-/// Checks the structure and every row's checksums. Empty if all is well. In quarantine, a file
-/// whose pages do not fit together is replaced by one of its sound rows, after a copy. What could
-/// not be cured says so by `is_quarantined`. Errors: io; unsupported if a newer or an older mneme
-/// wrote it.
+/// Checks the structure and every row's checksums. Empty if all is well. Where the file beneath the
+/// rows is damaged nothing is set aside: the last entry holds the shell command that saves what can
+/// be read in a new file. Errors: io; unsupported if a newer or an older mneme wrote it.
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
                                                           VerifyMode mode = VerifyMode::report);
 
@@ -47,5 +46,13 @@ struct CompactSummary {
 };
 /// Removes rows that were set aside, and gives the space back. Other processes may go on.
 [[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
+
+/// Writes all rows as JSON lines (`.jsonl`, docs/database.md) in an order that depends on their
+/// content alone, so that equal sets give equal bytes. Returns their number. Errors: invalid if the
+/// name ends otherwise; io.
+[[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
+/// Adds the rows of a file that export_database() or another program wrote, as merge_databases()
+/// does. Errors: parse, naming the line; wrong_robot; those of Database::open().
+[[nodiscard]] Result<MergeSummary> import_database(const std::string& url, const std::string& path);
 
 }  // namespace mneme

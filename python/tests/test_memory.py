@@ -51,6 +51,18 @@ def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
     assert mneme.similarity_error(primitive.key, primitive.key) == 0
 
 
+def test_all_rows_are_arrays_that_numpy_saves(learned, tmp_path):
+    arrays = learned.to_arrays()
+    np.savez(tmp_path / "rows.npz", **arrays)
+    row, saved = learned[0], np.load(tmp_path / "rows.npz")
+    assert sorted(saved) == sorted(arrays)
+    assert list(saved["ids"]) == [row["id"]] and list(saved["kinds"]) == [row["kind"]]
+    np.testing.assert_array_equal(saved["keys"][: saved["key_ends"][0]], row["key"])
+    np.testing.assert_array_equal(saved["means"][: saved["mean_ends"][0]], row["means"])
+    assert saved["means"].dtype == np.float32 and saved["seeds"].dtype == np.uint64
+    assert saved["factors"].shape == (0, 36) and list(saved["settings"]) == [row["settings"]]
+
+
 def test_a_database_that_may_not_be_in_memory_finds_the_same(robot, problem, learned, tmp_path):
     (primitive,) = mneme.decompose(robot, problem.scene)
     with mneme.Database.open(tmp_path / "memory.db", robot, memory_mib=0) as partial:

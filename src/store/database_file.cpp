@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/database_file.h"
 
-#include "store/new_file.h"
-
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include <unistd.h>
 #include <cerrno>
-#include <cstring>
+#include <filesystem>
 #include <system_error>
 
 namespace mneme::internal {
@@ -97,60 +96,26 @@ std::int64_t bytes_on_disk(const std::string& path) {
   return size_or_zero(path) + size_or_zero(log_path(path));
 }
 
-FileStamp stamp_of(const std::string& path) {
-  FileStamp stamp;
-  const std::array files = {path, log_path(path)};
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    stamp.bytes[i] = size_or_zero(files[i]);
-    std::error_code ignored;
-    // An empty log says as much as none.
-    if (stamp.bytes[i] > 0) stamp.times[i] = std::filesystem::last_write_time(files[i], ignored);
-  }
-  return stamp;
-}
-
 namespace {
 
-std::string free_name(const std::string& path, const std::string& suffix) {
-  std::error_code ignored;
-  std::string name = fmt::format("{}.{}", path, suffix);
-  for (int i = 2; std::filesystem::exists(name, ignored); ++i) {
-    name = fmt::format("{}.{}.{}", path, suffix, i);
-  }
-  return name;
+std::string shell_quoted(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 }  // namespace
 
-Result<std::string> copy_beside(Connection& source, const std::string& path,
-                                const std::string& suffix) {
-  const std::string unfinished = fmt::format("{}.{}.unfinished", path, suffix);
-  remove_with_logs(unfinished);
-  {
-    auto copy = Connection::open(unfinished, Connection::Access::create);
-    if (!copy) return tl::unexpected(copy.error());
-    const auto copied = copy->copy_from(source);
-    if (!copied) {
-      remove_with_logs(unfinished);
-      return tl::unexpected(copied.error());
-    }
-  }
-  const std::string name = free_name(path, suffix);
-  std::error_code error;
-  std::filesystem::rename(unfinished, name, error);
-  if (error) {
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be renamed to {}: {}", unfinished, name, error.message()));
-  }
-  sync_directory_of(name);
-  return name;
-}
-
-void remove_with_logs(const std::string& path) {
+std::string saving_command(const std::string& path) {
   std::error_code ignored;
-  for (const char* suffix : {"", "-journal", "-wal", "-shm"}) {
-    std::filesystem::remove(path + suffix, ignored);
+  std::string saved = path + ".saved";
+  for (int i = 2; std::filesystem::exists(saved, ignored); ++i) {
+    saved = fmt::format("{}.saved{}", path, i);
   }
+  const bool can_recover = sqlite3_compileoption_used("ENABLE_DBPAGE_VTAB") == 1;
+  return fmt::format(
+      "sqlite3 {0} {1} | sed 's/^ROLLBACK/COMMIT/' | sqlite3 {2}; mneme db verify {2}",
+      shell_quoted(path), can_recover ? ".recover" : ".dump", shell_quoted(saved));
 }
 
 }  // namespace mneme::internal

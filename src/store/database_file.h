@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A database's file: opening it, with reasons that a person can act on, and copying it.
+/// A database's file: opening it, with reasons that a person can act on, and what saves a damaged
+/// one.
 #pragma once
 
 #include "store/sqlite_connection.h"
 
-#include <array>
-#include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 namespace mneme::internal {
@@ -28,23 +26,8 @@ namespace mneme::internal {
 /// Bytes of the file and of its write-ahead log.
 [[nodiscard]] std::int64_t bytes_on_disk(const std::string& path);
 
-/// Sizes and times of the file and of its write-ahead log: every commit changes them, if it comes
-/// at least kStampStep after the one before.
-struct FileStamp {
-  std::array<std::int64_t, 2> bytes{};
-  std::array<std::filesystem::file_time_type, 2> times{};
-  bool operator==(const FileStamp&) const = default;
-};
-[[nodiscard]] FileStamp stamp_of(const std::string& path);
-/// Longer than the steps of the clock by which a kernel notes the times of files.
-inline constexpr std::chrono::milliseconds kStampStep{20};
-
-/// Copies what `source` holds to `PATH.suffix`, or `PATH.suffix.2` and so on if that is taken, and
-/// returns the name. The copy is on the disk, whole, before it has that name.
-[[nodiscard]] Result<std::string> copy_beside(Connection& source, const std::string& path,
-                                              const std::string& suffix);
-
-/// Removes a file and what SQLite keeps beside it.
-void remove_with_logs(const std::string& path);
+/// The shell command that saves what can be read of a damaged file in a new one beside it: with
+/// the sqlite3 program's .recover, or .dump where SQLite is built without the table that it reads.
+[[nodiscard]] std::string saving_command(const std::string& path);
 
 }  // namespace mneme::internal

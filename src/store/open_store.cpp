@@ -156,9 +156,8 @@ Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const Expe
 
 Error with_advice(Error error, const std::string& url) {
   if (error.code == ErrorCode::corrupt) {
-    error.message +=
-        fmt::format("; `mneme db verify {}` names all damage and saves what can be saved",
-                    without_password(url));
+    error.message += fmt::format("; `mneme db verify {}` names all damage and says what to do",
+                                 without_password(url));
   }
   return error;
 }

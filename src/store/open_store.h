@@ -35,8 +35,14 @@ struct OpenedStore {
                                                             const ExperienceSpace& space,
                                                             TaskOwner owner);
 
-/// A command that may help whoever is told that `url` is damaged.
+/// The same error; if it says that `url` is damaged, with the command that helps.
 [[nodiscard]] Error with_advice(Error error, const std::string& url);
+/// The same result, its error with_advice().
+template <class T>
+[[nodiscard]] Result<T> advised(Result<T> result, const std::string& url) {
+  if (!result) return tl::unexpected(with_advice(std::move(result).error(), url));
+  return result;
+}
 
 enum class Engine { sqlite, postgresql };
 

@@ -324,6 +324,12 @@ class PostgresTransaction final : public StoreTransaction {
                                copy.finish());
   }
 
+  Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
+    return connection_
+        .query("DELETE FROM mneme_tombstone WHERE id = ANY($1::bigint[])", {array_of(ids)})
+        .map([](const PostgresAnswer&) {});
+  }
+
   Result<void> set_head(const StoreState& state) override {
     return write_postgres_head(connection_, state);
   }

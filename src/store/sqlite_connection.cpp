@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <chrono>
 #include <utility>
 
 namespace mneme::internal {
@@ -127,7 +126,6 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE;
   switch (access) {
     case Access::read_write:
-    case Access::damaged:
       flags |= SQLITE_OPEN_READWRITE;
       break;
     case Access::create:
@@ -153,12 +151,6 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
-  if (access == Access::damaged) {
-    // Only then does SQLite read pages of a file that was cut short. No statement reads its tables.
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  }
   return connection;
 }
 
@@ -210,54 +202,6 @@ Result<void> Connection::enter_wal_mode() {
 }
 
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_.get(), "main") == 1; }
-
-namespace {
-
-/// Goes on with a copy, and waits for others that hold a lock.
-int step(sqlite3_backup* backup, int pages) {
-  constexpr int kPauseMs = 10;
-  const auto end =
-      std::chrono::steady_clock::now() + std::chrono::milliseconds(Connection::kBusyTimeoutMs);
-  for (;;) {
-    const int status = sqlite3_backup_step(backup, pages);
-    const bool is_busy = (status & 0xff) == SQLITE_BUSY || (status & 0xff) == SQLITE_LOCKED;
-    if (!is_busy || std::chrono::steady_clock::now() >= end) return status;
-    sqlite3_sleep(kPauseMs);
-  }
-}
-
-}  // namespace
-
-Result<bool> Connection::copy_if(Connection& source, const std::function<bool()>& is_due) {
-  sqlite3_backup* backup = sqlite3_backup_init(handle_.get(), "main", source.handle_.get(), "main");
-  if (backup == nullptr) return sqlite_error(*path_, handle_.get(), sqlite3_errcode(handle_.get()));
-  int status = step(backup, 0);  // Locks this file.
-  const bool is_kept = status == SQLITE_OK && !is_due();
-  if (status == SQLITE_OK && !is_kept) status = step(backup, -1);
-  const int finished = sqlite3_backup_finish(backup);
-  if (is_kept) return false;
-  if (status != SQLITE_DONE) return sqlite_error(*path_, nullptr, status);
-  if (finished != SQLITE_OK) return sqlite_error(*path_, nullptr, finished);
-  return true;
-}
-
-Result<void> Connection::copy_from(Connection& source) {
-  return copy_if(source, [] { return true; }).map([](bool) {});
-}
-
-Result<bool> Connection::replace_by(Connection& source, const std::function<bool()>& is_due) {
-  auto replaced = copy_if(source, is_due);
-  if (!replaced && replaced.error().code == ErrorCode::corrupt) {
-    // Only then does SQLite pass over the header of what is replaced.
-    sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_RESET_DATABASE, 1, nullptr);
-    replaced = copy_if(source, is_due);
-    sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_RESET_DATABASE, 0, nullptr);
-  }
-  if (replaced && *replaced) {
-    sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
-  }
-  return replaced;
-}
 
 namespace {
 

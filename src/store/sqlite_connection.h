@@ -60,11 +60,9 @@ using KeptStatement = std::unique_ptr<Statement, ResetStatement>;
 /// database of ours cannot answer, `io` for what the machine refuses.
 class Connection {
  public:
-  enum class Access { read_write, create, immutable, damaged };
+  enum class Access { read_write, create, immutable };
   /// Opening reads nothing yet: the first statement does. `immutable` reads a file that nobody
-  /// writes, without locks or files beside it. `damaged` is for copies alone, bears a file that is
-  /// shorter than its header says, and changes nothing until the file is replaced. Waits
-  /// `kBusyTimeoutMs` for other processes.
+  /// writes, without locks or files beside it. Waits `kBusyTimeoutMs` for other processes.
   [[nodiscard]] static Result<Connection> open(const std::string& path, Access access);
 
   static constexpr int kBusyTimeoutMs = 10000;
@@ -86,14 +84,8 @@ class Connection {
   [[nodiscard]] bool is_read_only() const;
   /// True if it was opened as `immutable`.
   [[nodiscard]] bool is_immutable() const { return is_immutable_; }
-  /// Makes the file, in one transaction, a copy of what `source` holds, page by page.
-  [[nodiscard]] Result<void> copy_from(Connection& source);
-  /// The same if not even the header of this file can be read. `is_due` is asked once nobody else
-  /// can write; if it says no, the file stays as it is, and the result is false.
-  [[nodiscard]] Result<bool> replace_by(Connection& source, const std::function<bool()>& is_due);
 
  private:
-  [[nodiscard]] Result<bool> copy_if(Connection& source, const std::function<bool()>& is_due);
   struct Close {
     void operator()(sqlite3* handle) const;
   };

@@ -57,10 +57,11 @@ tl::unexpected<Error> damaged(const Connection& connection, std::string_view wha
   return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
 }
 
-/// Errors unless the tables are exactly kFileTables.
+/// Errors unless the tables are exactly kFileTables. What .recover could not place is passed over.
 Result<void> check_tables(Connection& connection) {
   auto statement = connection.prepare(
-      "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY name");
+      "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' AND NOT (type = 'table' "
+      "AND name LIKE 'lost_and_found%') ORDER BY name");
   if (!statement) return tl::unexpected(statement.error());
   std::size_t count = 0;
   for (;; ++count) {
@@ -101,6 +102,8 @@ Result<int> identify(Connection& connection) {
   if (table_count == 0 && page_count <= 1 && version == 0 && (application == 0 || !is_stranger)) {
     return 0;
   }
+  // A file that was saved by .dump has our tables without these numbers.
+  if (application == 0 && version == 0 && check_tables(connection)) return kSchemaVersion;
   if (is_stranger) {
     return damaged(connection,
                    "an SQLite file, but no mneme database, or its application_id is damaged");
@@ -116,6 +119,14 @@ Result<int> identify(Connection& connection) {
   return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
 }
 
+Result<void> mark(Connection& connection) {
+  const auto application = MNEME_TRY(connection.integer("PRAGMA application_id"));
+  if (application == kApplicationId) return {};
+  return connection.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                        kApplicationId, kSchemaVersion)
+                                .c_str());
+}
+
 namespace {
 
 Result<void> create_tables(Connection& connection) {
@@ -123,9 +134,7 @@ Result<void> create_tables(Connection& connection) {
     const auto created = connection.execute(std::string(table.sql).c_str());
     if (!created) return created;
   }
-  return connection.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
-                                        kApplicationId, kSchemaVersion)
-                                .c_str());
+  return mark(connection);
 }
 
 Result<void> write_space(Connection& connection, const ExperienceSpace& space) {

@@ -274,6 +274,11 @@ class SqliteTransaction final : public StoreTransaction {
   Result<void> add_tombstones(std::span<const Tombstone> tombstones) override {
     return internal::add_tombstones(connection_, tombstones);
   }
+  Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
+    auto removal = MNEME_TRY(connection_.prepare("DELETE FROM tombstone WHERE id = ?"));
+    for (const std::int64_t id : ids) MNEME_TRY(run(removal.bind(1, id)));
+    return {};
+  }
   Result<void> set_head(const StoreState& state) override { return write_head(connection_, state); }
   Result<void> remove_dead() override { return internal::remove_dead(connection_); }
   Result<void> commit() override { return transaction_.commit(); }
@@ -284,12 +289,13 @@ class SqliteTransaction final : public StoreTransaction {
   bool is_empty_;
 };
 
-/// What makes an opened file ready to be written.
+/// Makes an opened file ready to be written.
 Result<void> prepare_for_writing(Connection& connection) {
-  return check_pages(connection)
-      .and_then([&] { return connection.enter_wal_mode(); })
-      // Content hashes are spread over their index at random: it should stay in memory.
-      .and_then([&] { return connection.execute("PRAGMA cache_size = -65536"); });
+  MNEME_TRY(check_pages(connection));
+  MNEME_TRY(mark(connection));
+  MNEME_TRY(connection.enter_wal_mode());
+  // Content hashes are spread over their index at random: it should stay in memory.
+  return connection.execute("PRAGMA cache_size = -65536");
 }
 
 class SqliteStore final : public Store {

@@ -22,6 +22,8 @@ inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 /// corrupt if the file is another program's or its tables are not as they were created; unsupported
 /// if another mneme wrote it; io.
 [[nodiscard]] Result<int> identify(Connection& connection);
+/// Says in a file that was saved by .dump that it is ours.
+[[nodiscard]] Result<void> mark(Connection& connection);
 /// Error: unsupported, because `name` was written by a newer or an older mneme.
 [[nodiscard]] tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version);
 

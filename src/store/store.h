@@ -64,6 +64,7 @@ class StoreTransaction {
   // Of writing transactions only.
   [[nodiscard]] virtual Result<void> add_rows(std::span<const StoredRow> rows) = 0;
   [[nodiscard]] virtual Result<void> add_tombstones(std::span<const Tombstone> tombstones) = 0;
+  [[nodiscard]] virtual Result<void> remove_tombstones(std::span<const std::int64_t> ids) = 0;
   [[nodiscard]] virtual Result<void> set_head(const StoreState& state) = 0;
   /// Removes all rows with a tombstone, and the tombstones.
   [[nodiscard]] virtual Result<void> remove_dead() = 0;

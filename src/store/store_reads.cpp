@@ -101,7 +101,7 @@ Result<std::vector<LiveRow>> list_by_content(Store& store) {
 }
 
 Result<void> visit_rows(Store& store, const ExperienceSpace& space, std::span<const LiveRow> list,
-                        const std::function<Result<void>(std::span<const Experience>)>& visit) {
+                        const RowsVisitor& visit) {
   constexpr std::size_t kRowsAtOnce = 500;
   while (!list.empty()) {
     const auto part = list.first(std::min(kRowsAtOnce, list.size()));

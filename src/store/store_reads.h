@@ -47,10 +47,10 @@ struct LiveRow {
 /// there.
 [[nodiscard]] Result<std::vector<LiveRow>> list_by_content(Store& store);
 
+using RowsVisitor = std::function<Result<void>(std::span<const Experience>)>;
 /// Hands the rows that `list` names to `visit` in its order, some hundred at a time. Errors:
 /// corrupt, naming the row, if one is damaged or gone.
-[[nodiscard]] Result<void> visit_rows(
-    Store& store, const ExperienceSpace& space, std::span<const LiveRow> list,
-    const std::function<Result<void>(std::span<const Experience>)>& visit);
+[[nodiscard]] Result<void> visit_rows(Store& store, const ExperienceSpace& space,
+                                      std::span<const LiveRow> list, const RowsVisitor& visit);
 
 }  // namespace mneme::internal

@@ -193,9 +193,11 @@ Result<Appended> append_rows_of(Store& store, const RowSource& source, Duplicate
   return append.finish();
 }
 
-Result<void> quarantine_rows(Store& store, std::span<const Burial> burials) {
+Result<void> quarantine_rows(Store& store, std::span<const Burial> burials,
+                             std::span<const std::int64_t> damaged_tombstones) {
   const auto transaction = store.begin(Store::Kind::write);
   if (!transaction) return tl::unexpected(transaction.error());
+  MNEME_TRY((*transaction)->remove_tombstones(damaged_tombstones));
   auto state = recount(**transaction);
   if (!state) return tl::unexpected(state.error());
   std::vector<Tombstone> tombstones;

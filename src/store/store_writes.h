@@ -45,8 +45,10 @@ struct Burial {
   std::int64_t row = 0;
   std::string reason;
 };
-/// Buries rows and writes a head that fits what is there, whatever it was.
-[[nodiscard]] Result<void> quarantine_rows(Store& store, std::span<const Burial> burials);
+/// Buries rows, removes tombstones that are damaged, and writes a head that fits what is there,
+/// whatever it was.
+[[nodiscard]] Result<void> quarantine_rows(Store& store, std::span<const Burial> burials,
+                                           std::span<const std::int64_t> damaged_tombstones = {});
 
 /// Removes dead rows for good, and gives back their space. Returns their number.
 [[nodiscard]] Result<std::int64_t> compact_store(Store& store);

@@ -2,16 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "store/new_file.h"
+#include "store/database_file.h"
 #include "store/open_store.h"
 #include "store/row_check.h"
 #include "store/store_reads.h"
 #include "store/store_writes.h"
-#include "upkeep/salvage.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 namespace mneme {
 namespace {
@@ -21,7 +18,8 @@ using internal::Store;
 /// Damage, and how deep it goes.
 struct Findings {
   std::vector<Damage> damages;
-  bool is_structural = false;  ///< not only rows are damaged
+  std::vector<std::int64_t> tombstones;  ///< ids of damaged ones
+  bool is_structural = false;            ///< the file beneath the rows is damaged
 };
 
 /// Takes what says that the database is damaged as a finding; anything else ends the verification.
@@ -68,7 +66,7 @@ Result<void> verify_tombstones(Store& store, Findings& findings) {
   const auto read = (*transaction)->read_tombstones(0, [&](const internal::Tombstone& tombstone) {
     if (internal::checksum_of(tombstone) != tombstone.checksum) {
       findings.damages.push_back({0, fmt::format("tombstone {} is damaged", tombstone.id), false});
-      findings.is_structural = true;
+      findings.tombstones.push_back(tombstone.id);
     }
     return Result<void>();
   });
@@ -91,77 +89,63 @@ Result<Findings> verify(const std::string& url) {
       .map([&] { return findings; });
 }
 
-/// Replaces a store whose structure is damaged, or which cannot even be opened, by a sound one of
-/// its live rows, as salvage_file() says. Errors: those, and unsupported on a server.
-Result<void> rebuild_store(const std::string& url, std::vector<Damage>& damages) {
-  const auto engine = internal::engine_of(url);
-  if (!engine) return tl::unexpected(engine.error());
-  if (*engine != internal::Engine::sqlite) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("{}: what stands beneath the rows can only be repaired on the server",
-                            internal::without_password(url)));
-  }
-  // Two at a time would take each other's unfinished copies away.
-  const auto alone = internal::NewFile::create(url + ".salvage");
-  if (!alone) {
-    return fail(alone.error().code,
-                fmt::format("{}: cannot be built anew: {}", url, alone.error().message));
-  }
-  // Whoever was here before may have cured it.
-  if (const auto again = verify(url); again && again->damages.empty()) return {};
-  return internal::salvage_file(url, damages).map([](const std::string&) {});
-}
-
-/// Leaves a store that can be used. Names in `findings` also what was found only by then.
-Result<void> cure(const std::string& url, Findings& findings) {
-  const auto opened = internal::inspect_store(url);
-  if (!opened && opened.error().code != ErrorCode::corrupt) return tl::unexpected(opened.error());
-  if (!opened || findings.is_structural) {
-    return rebuild_store(url, findings.damages);
-  }
-  const auto store = internal::open_store(url, OpenMode::read_write);
-  if (!store) return tl::unexpected(store.error());
+/// Sets damaged rows aside, and removes damaged tombstones, whose rows are judged anew.
+Result<void> quarantine(const std::string& url, const Findings& findings) {
+  const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
   std::vector<internal::Burial> burials;
   for (const Damage& damage : findings.damages) {
     if (damage.id != 0) burials.push_back({damage.id, "damaged: " + damage.what});
   }
-  return internal::quarantine_rows(**store, burials);
+  return internal::quarantine_rows(*store, burials, findings.tombstones);
+}
+
+/// How to save what can be read of a database that is damaged beneath its rows.
+std::string advice_for(const std::string& url) {
+  if (internal::engine_of(url) != internal::Engine::sqlite) {
+    return "what stands beneath the rows can only be repaired on the server";
+  }
+  return "the file itself is damaged; to save what can be read: " + internal::saving_command(url);
 }
 
 }  // namespace
 
 Result<std::vector<Damage>> verify_database(const std::string& url, VerifyMode mode) {
-  auto found = verify(url);
-  if (!found) return tl::unexpected(found.error());
-  if (found->damages.empty() || mode == VerifyMode::report) return found->damages;
-  const auto cured = cure(url, *found);
-  if (!cured) {
-    found->damages.push_back({0, "nothing was set aside: " + cured.error().message, false});
-    return found->damages;
+  Findings found = MNEME_TRY(verify(url));
+  if (found.damages.empty()) return found.damages;
+  if (found.is_structural) {
+    found.damages.push_back({0, "nothing was set aside: " + advice_for(url), false});
+    return found.damages;
   }
-  const auto again = verify(url);
-  if (!again) return tl::unexpected(again.error());
-  for (Damage& damage : found->damages) damage.is_quarantined = again->damages.empty();
-  return found->damages;
+  if (mode == VerifyMode::report) return found.damages;
+  // The rows of damaged tombstones come back in the first pass, and are judged in the second.
+  Findings left = found;
+  for (int pass = 0; pass < 2 && !left.damages.empty(); ++pass) {
+    if (const auto done = quarantine(url, left); !done) {
+      found.damages.push_back({0, "nothing was set aside: " + done.error().message, false});
+      return found.damages;
+    }
+    left = MNEME_TRY(verify(url));
+    if (pass == 0)
+      found.damages.insert(found.damages.end(), left.damages.begin(), left.damages.end());
+  }
+  for (Damage& damage : found.damages) damage.is_quarantined = left.damages.empty();
+  return found.damages;
 }
 
 Result<MergeSummary> merge_databases(const std::string& into, const std::string& from) {
-  const auto source = internal::inspect_store(from);
-  if (!source) return tl::unexpected(internal::with_advice(source.error(), from));
+  const auto source = MNEME_TRY(internal::advised(internal::inspect_store(from), from));
   MergeSummary summary;
-  if (source->schema_version == 0) return summary;
-  const auto list = internal::list_by_content(*source->store);
-  if (!list) return tl::unexpected(internal::with_advice(list.error(), from));
+  if (source.schema_version == 0) return summary;
+  const auto list = MNEME_TRY(internal::advised(internal::list_by_content(*source.store), from));
+  const auto visit_all = [&](const internal::RowsVisitor& visit) {
+    return internal::advised(internal::visit_rows(*source.store, source.space, list, visit), from);
+  };
   // All of it, before anything is made or changed: what is damaged adds nothing.
-  const auto sound = internal::visit_rows(*source->store, source->space, *list,
-                                          [](auto) { return Result<void>(); });
-  if (!sound) return tl::unexpected(internal::with_advice(sound.error(), from));
-  const auto target = internal::open_store_of(into, source->space, OpenMode::create);
-  if (!target) return tl::unexpected(internal::with_advice(target.error(), into));
-  const auto merged = internal::visit_rows(*source->store, source->space, *list, [&](auto rows) {
-    return internal::merge_rows(*target->store, rows, summary);
-  });
-  if (!merged) return tl::unexpected(internal::with_advice(merged.error(), from));
+  MNEME_TRY(visit_all([](auto) { return Result<void>(); }));
+  const auto target = MNEME_TRY(
+      internal::advised(internal::open_store_of(into, source.space, OpenMode::create), into));
+  MNEME_TRY(
+      visit_all([&](auto rows) { return internal::merge_rows(*target.store, rows, summary); }));
   return summary;
 }
 
@@ -186,35 +170,28 @@ Result<void> check_adoption(const std::string& url, const ExperienceSpace& found
 
 Result<ExperienceSpace> adopt_database(const std::string& url, const ExperienceSpace& space,
                                        bool is_forced) {
-  const auto found = internal::inspect_store(url);
-  if (!found) return tl::unexpected(internal::with_advice(found.error(), url));
-  if (found->schema_version == 0) {
+  const auto found = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
+  if (found.schema_version == 0) {
     return fail(ErrorCode::invalid,
                 fmt::format("{}: there is no experience in it", internal::without_password(url)));
   }
-  const auto checked = check_adoption(found->store->name(), found->space, space, is_forced);
-  if (!checked) return tl::unexpected(checked.error());
-  return internal::open_store(url, OpenMode::read_write)
-      .and_then([&](const std::unique_ptr<Store>& store) { return store->set_space(space); })
-      .map([&] { return found->space; });
+  MNEME_TRY(check_adoption(found.store->name(), found.space, space, is_forced));
+  const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
+  MNEME_TRY(store->set_space(space));
+  return found.space;
 }
 
 Result<CompactSummary> compact_database(const std::string& url) {
-  const auto opened = internal::inspect_store(url);
-  if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
+  const auto opened = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   CompactSummary summary;
-  if (opened->schema_version == 0) return summary;
-  const auto store = internal::open_store(url, OpenMode::read_write);
-  if (!store) return tl::unexpected(internal::with_advice(store.error(), url));
-  const auto bytes = [&] { return (*store)->bytes().value_or(0); };
-  summary.bytes_before = bytes();
+  if (opened.schema_version == 0) return summary;
+  const auto store =
+      MNEME_TRY(internal::advised(internal::open_store(url, OpenMode::read_write), url));
+  summary.bytes_before = store->bytes().value_or(0);
   // Nothing is removed while something is wrong.
-  const auto list = internal::list_by_content(**store);
-  if (!list) return tl::unexpected(internal::with_advice(list.error(), url));
-  const auto removed = internal::compact_store(**store);
-  if (!removed) return tl::unexpected(internal::with_advice(removed.error(), url));
-  summary.removed = *removed;
-  summary.bytes_after = bytes();
+  MNEME_TRY(internal::advised(internal::list_by_content(*store), url));
+  summary.removed = MNEME_TRY(internal::advised(internal::compact_store(*store), url));
+  summary.bytes_after = store->bytes().value_or(0);
   return summary;
 }
 

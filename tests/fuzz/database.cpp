@@ -4,7 +4,6 @@
 #include "mneme/upkeep.h"
 
 #include "fuzz/fuzz_input.h"
-#include "upkeep/salvage.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = mneme::fuzz::as_file(data, size, "experience.db");
@@ -12,11 +11,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto database = mneme::Database::inspect(path);
   mneme::fuzz::expect_message(database);
   mneme::fuzz::expect_message(mneme::verify_database(path));
-  auto carved = mneme::internal::CarvedRows::read(path);
-  mneme::fuzz::expect_message(carved);
-  if (carved) {
-    for (const std::int64_t id : carved->ids()) mneme::fuzz::expect_message(carved->row(id));
-  }
   if (!database) return 0;
   for (std::int64_t i = 0; i < database->size(); ++i) (void)database->get(i);
   return 0;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/fuzz_input.h"
-#include "exchange/json_rows.h"
+#include "upkeep/json_rows.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto line = mneme::fuzz::as_text(data, size);

@@ -75,7 +75,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("advice is given on damage only") {
     CHECK(internal::with_advice({ErrorCode::corrupt, "x"}, "a.db").message ==
-          "x; `mneme db verify a.db` names all damage and saves what can be saved");
+          "x; `mneme db verify a.db` names all damage and says what to do");
     CHECK(internal::with_advice({ErrorCode::io, "x"}, "a.db").message == "x");
   }
 }

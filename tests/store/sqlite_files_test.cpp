@@ -325,69 +325,15 @@ TEST_SUITE("unit") {
   }
 }
 
-using internal::Connection;
-
 TEST_SUITE("unit") {
-  TEST_CASE("a stamp changes with every commit, but not with an empty log") {
+  TEST_CASE("the command that saves a file quotes its name and takes a free one") {
     const TemporaryDirectory directory;
-    Rng rng(19);
-    Database database = open_database(directory / "a.db");
-    auto stamp = internal::stamp_of(directory / "a.db");
-    for (int i = 0; i < 3; ++i) {
-      std::this_thread::sleep_for(internal::kStampStep);
-      REQUIRE(database.insert(random_rows(rng, 1)));
-      const auto next = internal::stamp_of(directory / "a.db");
-      CHECK(next != stamp);
-      CHECK(internal::stamp_of(directory / "a.db") == next);
-      stamp = next;
-    }
-    write_file(directory / "b.db", "x");
-    stamp = internal::stamp_of(directory / "b.db");
-    write_file(directory / "b.db-wal", "");
-    CHECK(internal::stamp_of(directory / "b.db") == stamp);
-    write_file(directory / "b.db-wal", "x");
-    CHECK(internal::stamp_of(directory / "b.db") != stamp);
-  }
-
-  TEST_CASE("a file is replaced only if that is due once nobody else can write") {
-    const TemporaryDirectory directory;
-    Rng rng(20);
-    Database database = open_database(directory / "a.db");
-    REQUIRE(database.insert(random_rows(rng, 3)));
-    REQUIRE(open_database(directory / "b.db").insert(random_rows(rng, 5)));
-    auto file = Connection::open(directory / "a.db", Connection::Access::damaged);
-    auto source = Connection::open(directory / "b.db", Connection::Access::read_write);
-    auto other = Connection::open(directory / "a.db", Connection::Access::read_write);
-    REQUIRE(other->execute("PRAGMA busy_timeout = 0"));
-    bool is_locked = false;
-    const auto refuse = [&] {
-      is_locked = !other->execute("BEGIN IMMEDIATE");
-      return false;
-    };
-    CHECK(file->replace_by(*source, refuse) == false);
-    CHECK(is_locked);
-    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 3);
-    CHECK(file->replace_by(*source, [] { return true; }) == true);
-    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 5);
-  }
-
-  TEST_CASE("a copy holds what was committed by then, under a free name") {
-    const TemporaryDirectory directory;
-    Rng rng(18);
-    Database database = open_database(directory / "a.db");
-    REQUIRE(database.insert(random_rows(rng, 3)));
-    auto source = Connection::open(directory / "a.db", Connection::Access::read_write);
-    CHECK(internal::copy_beside(*source, directory / "a.db", "old") == directory / "a.db.old");
-    CHECK(internal::copy_beside(*source, directory / "a.db", "old") == directory / "a.db.old.2");
-    CHECK(open_database(directory / "a.db.old", OpenMode::read_only).size() == 3);
-    CHECK(!std::filesystem::exists(directory / "a.db.old.unfinished"));
-  }
-
-  TEST_CASE("removing takes the logs along and does not mind what is missing") {
-    const TemporaryDirectory directory;
-    for (const char* suffix : {"", "-wal", "-shm"}) write_file(directory / "a.db" + suffix, "x");
-    internal::remove_with_logs(directory / "a.db");
-    CHECK(std::filesystem::is_empty(directory / ""));
+    const std::string path = directory / "it's a.db";
+    const std::string first = internal::saving_command(path);
+    CHECK(first.find("it'\\''s a.db' .") != std::string::npos);
+    CHECK(first.find("s a.db.saved'; ") != std::string::npos);
+    write_file(path + ".saved", "");
+    CHECK(internal::saving_command(path).find("s a.db.saved2'; ") != std::string::npos);
   }
 }
 

@@ -29,17 +29,17 @@ def rows_of(output):
 
 
 def test_statistics_of_each_target_are_a_row_of_the_table(tmp_path):
-    done = run_fuzz(tmp_path, csv=STATISTICS, npz=STATISTICS.replace("1000", "50"))
+    done = run_fuzz(tmp_path, csv=STATISTICS, octree=STATISTICS.replace("1000", "50"))
     assert done.returncode == 0
-    assert rows_of(done.stdout) == {"csv": ["1000", "97", "0"], "npz": ["50", "97", "0"]}
+    assert rows_of(done.stdout) == {"csv": ["1000", "97", "0"], "octree": ["50", "97", "0"]}
 
 
 def test_a_target_that_fails_is_counted_and_the_others_still_run(tmp_path):
     fails = STATISTICS + f"touch {tmp_path}/findings/csv-crash-1\nexit 77\n"
-    done = run_fuzz(tmp_path, csv=fails, npz=STATISTICS)
+    done = run_fuzz(tmp_path, csv=fails, octree=STATISTICS)
     assert done.returncode == 1
     assert "fuzz: failed: csv" in done.stderr
-    assert rows_of(done.stdout) == {"csv": ["1000", "97", "1"], "npz": ["1000", "97", "0"]}
+    assert rows_of(done.stdout) == {"csv": ["1000", "97", "1"], "octree": ["1000", "97", "0"]}
 
 
 @pytest.mark.parametrize("text", ["", "echo '3000 runs with seed 1'\n"])

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "exchange/json_rows.h"
+#include "upkeep/json_rows.h"
 
 #include "store/row_check.h"
 #include "store/row_codec.h"
