@@ -100,7 +100,7 @@ py::dict to_arrays(const Memory& memory) {
   std::vector<std::uint64_t> seeds;
   Column<double> keys;
   Column<float> means, factors;
-  Column<int> factor_rows, origins;
+  Column<int> factor_rows, sources;
   unwrap(database->for_each([&](const std::shared_ptr<const Experience>& row) {
     ids.push_back(row->id);
     seeds.push_back(row->provenance.seed);
@@ -110,7 +110,7 @@ py::dict to_arrays(const Memory& memory) {
     means.add(row->sampler.means);
     factors.add(row->sampler.factors);
     factor_rows.add(row->sampler.factor_rows);
-    origins.add(row->sampler.origins);
+    sources.add(row->sampler.sources);
   }));
   const std::int64_t joints = database->space().joint_count;
   arrays["ids"] = array_of(ids);
@@ -119,7 +119,7 @@ py::dict to_arrays(const Memory& memory) {
   means.write(arrays, "mean", joints);
   factors.write(arrays, "factor", joints * (joints + 1) / 2);
   factor_rows.write(arrays, "factor_row");
-  origins.write(arrays, "origin");
+  sources.write(arrays, "source");
   arrays["seeds"] = array_of(seeds);
   arrays["settings"] = py::module_::import("numpy").attr("array")(settings, py::arg("dtype") = "U");
   return arrays;
@@ -210,9 +210,9 @@ void bind_experience(py::module_& module) {
       .def(
           "to_arrays", &to_arrays,
           "All rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means, factors,\n"
-          "factor_rows, origins, seeds, settings. Row i has keys[key_ends[i-1]:key_ends[i]], from "
+          "factor_rows, sources, seeds, settings. Row i has keys[key_ends[i-1]:key_ends[i]], from "
           "0\n"
-          "for the first, and likewise means, factors, factor_rows and origins.")
+          "for the first, and likewise means, factors, factor_rows and sources.")
       .def("info", &info, "Robot, kinds of rows, numbers of samplers and components, bytes.")
       .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })

@@ -139,15 +139,15 @@ struct MemoryKind {
   /// All images of a canonical key, that key first.
   std::vector<KeyImage> (*images)(const PrimitiveKey& canonical) = nullptr;
   /// Algorithm 2, line 10: what matched becomes components for this query, in order of relevance.
-  /// Component i counts for the retrieval whose index its origin is.
+  /// Component i counts for the retrieval whose index its source is.
   GaussianMixture (*synthesize)(const MemoryQuery& query,
                                 std::span<const PrimitiveRetrieval> retrievals) = nullptr;
   /// The same with means that are fitted to the query's primitives, each when it is first drawn; a
   /// match is a group of components, the most relevant first. Origins are counted from
-  /// `first_origin`. Null, or returns null, where synthesize() is the only way.
+  /// `first_source`. Null, or returns null, where synthesize() is the only way.
   std::shared_ptr<const ComponentSource> (*retarget)(const MemoryQuery& query,
                                                      std::span<const PrimitiveRetrieval> retrievals,
-                                                     Origin first_origin) = nullptr;
+                                                     SampleSource first_source) = nullptr;
   /// The path that a row remembers, bent so that it leads from the query's start to `goal`; empty
   /// if it remembers none. Null for a kind that does not keep whole paths.
   Path (*bend)(const MemoryQuery& query, const Configuration& goal,
@@ -253,7 +253,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// Section V-A: greedily groups means that see each other along straight free motions, and replaces
 /// each group by one component with the group's mean, and its covariance if it has more than
 /// joint_count members. Components that have a factor already stay as they are, and groups whose
-/// mean is in contact stay apart; members of a group count for the same origin.
+/// mean is in contact stay apart; members of a group count for the same source.
 [[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
                                          const LocalSampler& sampler);
 

@@ -37,7 +37,7 @@ class PlanObserver {
  public:
   virtual ~PlanObserver() = default;
   /// A configuration that the planner drew, and its source.
-  virtual void on_sample(std::span<const float>, Origin) {}
+  virtual void on_sample(std::span<const float>, SampleSource) {}
   /// A free motion `from` -> `to` that the planner keeps in `graph`: 0 is the tree from the start
   /// or the roadmap, 1 the tree from the goals. It may be dropped later, if it fails verification.
   virtual void on_edge(std::span<const float> /*from*/, std::span<const float> /*to*/,

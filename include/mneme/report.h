@@ -86,7 +86,7 @@ struct TimedPlan {
 class PlanRecorder : public PlanObserver {
  public:
   struct Sample {
-    Origin origin = kUniformOrigin;
+    SampleSource source = kUniformSource;
     std::vector<float> q;
   };
   struct Edge {
@@ -119,19 +119,19 @@ class PlanRecorder : public PlanObserver {
   };
 
   explicit PlanRecorder(const TraceSettings& settings = {});
-  void on_sample(std::span<const float> q, Origin origin) override;
+  void on_sample(std::span<const float> q, SampleSource source) override;
   void on_edge(std::span<const float> from, std::span<const float> to, int graph) override;
 
   [[nodiscard]] const Thinned<Sample>& uniform_samples() const { return uniform_; }
   [[nodiscard]] const Thinned<Sample>& memory_samples() const { return memory_; }
   [[nodiscard]] const Thinned<Edge>& edges() const { return edges_; }
   /// How many samples each source gave.
-  [[nodiscard]] const std::map<Origin, std::uint64_t>& draws() const { return draws_; }
+  [[nodiscard]] const std::map<SampleSource, std::uint64_t>& draws() const { return draws_; }
 
  private:
   Thinned<Sample> uniform_, memory_;
   Thinned<Edge> edges_;
-  std::map<Origin, std::uint64_t> draws_;
+  std::map<SampleSource, std::uint64_t> draws_;
 };
 
 /// A plan as geometry in the frame of the robot's root link, for viewers that know nothing of
@@ -173,7 +173,8 @@ struct PlanTrace {
   };
   /// A configuration as points: the origins of the links that its joints carry, then the tip.
   struct Arm {
-    Origin origin = kUniformOrigin;  ///< or index of the primitive whose experience it is from
+    SampleSource source =
+        kUniformSource;  ///< or index of the primitive whose experience it is from
     std::vector<Vec3> points;
   };
   struct Primitive {

@@ -16,9 +16,9 @@
 
 namespace mneme {
 
-/// Which source a configuration came from: kUniformOrigin, or the index of a local sampler.
-using Origin = int;
-inline constexpr Origin kUniformOrigin = -1;
+/// Which source a configuration came from: kUniformSource, or the index of a local sampler.
+using SampleSource = int;
+inline constexpr SampleSource kUniformSource = -1;
 
 /// What a planner did with a configuration.
 enum class SampleOutcome {
@@ -33,9 +33,9 @@ class SampleStream {
  public:
   virtual ~SampleStream() = default;
   /// Writes a configuration within the joint limits into `q` (joint_count() values).
-  virtual Origin next(std::span<float> q) = 0;
+  virtual SampleSource next(std::span<float> q) = 0;
   /// Tells the source what became of one of its configurations, in any order.
-  virtual void report(Origin, SampleOutcome) {}
+  virtual void report(SampleSource, SampleOutcome) {}
 };
 
 /// A distribution over configurations: immutable, shareable between threads.
@@ -81,7 +81,7 @@ struct GaussianMixture {
   /// factor_count() rows of triangle_size(joint_count) values: lower triangles, row by row, of
   /// Cholesky factors L of covariances L L^T.
   std::vector<float> factors;
-  std::vector<Origin> origins;  ///< per component the source it counts for; empty: all 0
+  std::vector<SampleSource> sources;  ///< per component the source it counts for; empty: all 0
 
   [[nodiscard]] int component_count() const {
     return joint_count == 0 ? 0 : static_cast<int>(means.size()) / joint_count;
@@ -124,7 +124,7 @@ struct Widening {
 
 /// The first `count` draws of a stream are from `first`; then `make_rest` is asked, once per
 /// stream, for the sampler of all further ones: what is found quickly pays nothing for what takes
-/// time to prepare. Origins are those of the sampler that was drawn from.
+/// time to prepare. Sources are those of the sampler that was drawn from.
 [[nodiscard]] std::unique_ptr<Sampler> make_lazy_sampler(
     std::shared_ptr<const Sampler> first, int count,
     std::function<std::shared_ptr<const Sampler>()> make_rest);
@@ -143,7 +143,7 @@ class ComponentSource {
   [[nodiscard]] virtual int first_groups() const { return 1; }
   [[nodiscard]] virtual int component_count(int group) const = 0;
   /// What the components of a group count for.
-  [[nodiscard]] virtual Origin origin(int group) const = 0;
+  [[nodiscard]] virtual SampleSource sample_source(int group) const = 0;
   /// Writes a mean, within the limits; false if the component has nothing to say.
   [[nodiscard]] virtual bool make(int group, int component, std::span<float> mean) const = 0;
   /// The row of GaussianMixture::factors that shapes it; empty for the sampler's sigma.

@@ -35,7 +35,7 @@ std::int64_t bytes_of(const Experience& row) {
   const Provenance& provenance = row.provenance;
   return static_cast<std::int64_t>(
       sizeof row + kOverhead + row.kind.capacity() + bytes_in(row.key) + bytes_in(sampler.means) +
-      bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) + bytes_in(sampler.origins) +
+      bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) + bytes_in(sampler.sources) +
       provenance.tool.capacity() + provenance.settings.capacity() + provenance.time.capacity());
 }
 

@@ -32,7 +32,7 @@ PrimitiveKey stored_pair(const Match& match, const PrimitiveKey& scene_pair) {
 struct FittedMatch {
   std::shared_ptr<const Experience> experience;
   Symmetry to_scene;
-  Origin origin = 0;
+  SampleSource source = 0;
   GapSegment stored;
   GapFit fit;
   int least_link = 0;  ///< deeper than this no means are wanted
@@ -47,7 +47,7 @@ class FittedMeans final : public ComponentSource {
   FittedMeans(const FittedMeans&) = delete;
   FittedMeans& operator=(const FittedMeans&) = delete;
 
-  void add(const MemoryQuery& query, const PrimitiveRetrieval& retrieval, Origin origin) {
+  void add(const MemoryQuery& query, const PrimitiveRetrieval& retrieval, SampleSource source) {
     const LocalPrimitive& primitive = retrieval.primitive;
     const PrimitiveKey pair = moved_key(primitive.to_scene, primitive.key);
     const GapSegment gap = gap_segment(pair);
@@ -58,7 +58,7 @@ class FittedMeans final : public ComponentSource {
       const bool is_crossed = least_link >= 0;
       matches_.push_back({match.experience,
                           match.to_scene,
-                          origin,
+                          source,
                           stored,
                           GapFit(chain_, stored, gap),
                           std::max(least_link, 0),
@@ -81,7 +81,7 @@ class FittedMeans final : public ComponentSource {
   [[nodiscard]] int component_count(int group) const override {
     return match(group).experience->sampler.component_count();
   }
-  [[nodiscard]] Origin origin(int group) const override { return match(group).origin; }
+  [[nodiscard]] SampleSource sample_source(int group) const override { return match(group).source; }
 
   [[nodiscard]] bool make(int group, int component, std::span<float> mean) const override {
     const FittedMatch& from = match(group);
@@ -140,12 +140,13 @@ class FittedMeans final : public ComponentSource {
 }  // namespace
 
 std::shared_ptr<const ComponentSource> retarget_means(
-    const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives, Origin first_origin) {
+    const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives,
+    SampleSource first_source) {
   auto chain = PlanarChain::make(query.robot);
   if (!chain) return nullptr;
   auto fitted = std::make_shared<FittedMeans>(query, *std::move(chain));
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    fitted->add(query, primitives[i], first_origin + static_cast<Origin>(i));
+    fitted->add(query, primitives[i], first_source + static_cast<SampleSource>(i));
   }
   fitted->sort();
   return fitted;

@@ -18,6 +18,7 @@ namespace mneme::internal {
 /// goals are have nothing to say, nor have those that GapFit or the joint limits refuse. Null for
 /// an arm that is no PlanarChain.
 [[nodiscard]] std::shared_ptr<const ComponentSource> retarget_means(
-    const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives, Origin first_origin);
+    const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives,
+    SampleSource first_source);
 
 }  // namespace mneme::internal

@@ -44,13 +44,13 @@ class CliqueMerger {
     return sampler_.factor(static_cast<int>(component));
   }
   [[nodiscard]] bool has_factor(std::size_t component) const { return !factor(component).empty(); }
-  [[nodiscard]] Origin origin(std::size_t component) const {
-    return sampler_.origins.empty() ? 0 : sampler_.origins[component];
+  [[nodiscard]] SampleSource source(std::size_t component) const {
+    return sampler_.sources.empty() ? 0 : sampler_.sources[component];
   }
 
   bool can_join(std::size_t component, const std::vector<std::size_t>& clique) {
     return !has_factor(component) && !has_factor(clique.front()) &&
-           origin(component) == origin(clique.front()) && sees_all(component, clique);
+           source(component) == source(clique.front()) && sees_all(component, clique);
   }
 
   [[nodiscard]] std::span<const float> mean(std::size_t component) const {
@@ -78,7 +78,7 @@ class CliqueMerger {
       for (const std::size_t member : clique) add_as_it_is(member);
       return;
     }
-    add_mean(middle, origin(clique.front()));
+    add_mean(middle, source(clique.front()));
     const bool has_covariance = clique.size() > middle.size();
     merged_.add_factor(has_covariance ? factor_of(offsets.colwise() - center)
                                       : std::vector<float>());
@@ -96,13 +96,13 @@ class CliqueMerger {
     return offsets;
   }
 
-  void add_mean(std::span<const float> values, Origin from) {
+  void add_mean(std::span<const float> values, SampleSource from) {
     merged_.means.insert(merged_.means.end(), values.begin(), values.end());
-    if (!sampler_.origins.empty()) merged_.origins.push_back(from);
+    if (!sampler_.sources.empty()) merged_.sources.push_back(from);
   }
 
   void add_as_it_is(std::size_t component) {
-    add_mean(mean(component), origin(component));
+    add_mean(mean(component), source(component));
     merged_.add_factor(factor(component));
   }
 

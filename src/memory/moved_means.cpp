@@ -17,17 +17,17 @@ class Synthesizer {
       : space_(robot), symmetric_(find_symmetric_joints(robot)) {
     pooled_.joint_count = robot.joint_count();
     pooled_.means.reserve(component_count * static_cast<std::size_t>(robot.joint_count()));
-    pooled_.origins.reserve(component_count);
+    pooled_.sources.reserve(component_count);
     pooled_.factor_rows.reserve(component_count);
   }
 
-  void add(const Match& match, Origin origin) {
+  void add(const Match& match, SampleSource source) {
     const GaussianMixture& local = match.experience->sampler;
     const auto joints = static_cast<std::size_t>(local.joint_count);
     for (int i = 0; i < local.component_count(); ++i) {
       const float* mean = local.means.data() + static_cast<std::size_t>(i) * joints;
       if (!add_moved_mean(match.to_scene, {mean, joints})) continue;
-      pooled_.origins.push_back(origin);
+      pooled_.sources.push_back(source);
       // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
       pooled_.add_factor(local.factor(i));
     }
@@ -126,16 +126,16 @@ GaussianMixture pool_moved_means(const MemoryQuery& query,
       component_count += static_cast<std::size_t>(match.experience->sampler.component_count());
     }
   }
-  std::vector<std::pair<const Match*, Origin>> matches;
+  std::vector<std::pair<const Match*, SampleSource>> matches;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     for (const Match& match : primitives[i].matches) {
-      matches.emplace_back(&match, static_cast<Origin>(i));
+      matches.emplace_back(&match, static_cast<SampleSource>(i));
     }
   }
   std::ranges::stable_sort(matches, {},
                            [](const auto& entry) { return entry.first->similarity_error; });
   Synthesizer synthesizer(query.robot, component_count);
-  for (const auto& [match, origin] : matches) synthesizer.add(*match, origin);
+  for (const auto& [match, source] : matches) synthesizer.add(*match, source);
   return synthesizer.take();
 }
 

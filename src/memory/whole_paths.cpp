@@ -223,14 +223,14 @@ GaussianMixture warp_paths(const MemoryQuery& query,
     }
   }
   mixture.means.reserve(size);
-  mixture.origins.reserve(size / static_cast<std::size_t>(query.robot.joint_count()));
+  mixture.sources.reserve(size / static_cast<std::size_t>(query.robot.joint_count()));
   for (std::size_t i = 0; i < retrievals.size(); ++i) {
     PathWarper warper(query.robot, *query.start, query.goals[i]);
     for (const Match& match : retrievals[i].matches) {
       warper.add(match.experience->sampler.means, mixture.means);
     }
-    mixture.origins.resize(static_cast<std::size_t>(mixture.component_count()),
-                           static_cast<Origin>(i));
+    mixture.sources.resize(static_cast<std::size_t>(mixture.component_count()),
+                           static_cast<SampleSource>(i));
   }
   return mixture;
 }

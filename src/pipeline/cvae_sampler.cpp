@@ -58,7 +58,7 @@ class CvaeStream final : public SampleStream {
   CvaeStream(const Decoder& decoder, std::uint64_t seed)
       : decoder_(decoder), rng_(seed), latent_(decoder.latent_layer.cols()) {}
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     for (float& value : latent_) value = static_cast<float>(rng_.normal());
     first_.noalias() = decoder_.latent_layer * latent_;
     first_ = (first_ + decoder_.first_bias).cwiseMax(0.0f);

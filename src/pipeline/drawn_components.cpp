@@ -30,7 +30,7 @@ void DrawnComponents::note(int group, int component, std::span<const float> mean
   if (is_noted_[number] != 0) return;
   is_noted_[number] = 1;
   made_.means.insert(made_.means.end(), mean.begin(), mean.end());
-  made_.origins.push_back(source_->origin(group));
+  made_.sources.push_back(source_->sample_source(group));
   made_.add_factor(source_->factor(group, component));
 }
 

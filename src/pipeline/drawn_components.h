@@ -29,7 +29,9 @@ class DrawnComponents final : public ComponentSource {
   [[nodiscard]] int component_count(int group) const override {
     return source_->component_count(group);
   }
-  [[nodiscard]] Origin origin(int group) const override { return source_->origin(group); }
+  [[nodiscard]] SampleSource sample_source(int group) const override {
+    return source_->sample_source(group);
+  }
   [[nodiscard]] bool make(int group, int component, std::span<float> mean) const override;
   [[nodiscard]] std::span<const float> factor(int group, int component) const override {
     return source_->factor(group, component);

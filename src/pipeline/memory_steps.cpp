@@ -105,13 +105,13 @@ Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
 }
 
 Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
-                    std::span<const PrimitiveRetrieval> primitives, Origin first_origin) {
+                    std::span<const PrimitiveRetrieval> primitives, SampleSource first_source) {
   if (kind.retarget && kind.kind->retarget != nullptr) {
-    auto source = kind.kind->retarget(request.query, primitives, first_origin);
+    auto source = kind.kind->retarget(request.query, primitives, first_source);
     if (source != nullptr) return source;
   }
   GaussianMixture mixture = kind.kind->synthesize(request.query, primitives);
-  for (Origin& origin : mixture.origins) origin += first_origin;
+  for (SampleSource& source : mixture.sources) source += first_source;
   return mixture;
 }
 
@@ -136,11 +136,11 @@ void append(GaussianMixture& all, const GaussianMixture& more) {
   all.means.insert(all.means.end(), more.means.begin(), more.means.end());
   all.factors.insert(all.factors.end(), more.factors.begin(), more.factors.end());
   all.factor_rows.resize(before, -1);
-  all.origins.resize(before, 0);
+  all.sources.resize(before, 0);
   for (std::size_t i = 0; i < count; ++i) {
     const int row = more.factor_rows.empty() ? -1 : more.factor_rows[i];
     all.factor_rows.push_back(row < 0 ? -1 : factors + row);
-    all.origins.push_back(more.origins.empty() ? 0 : more.origins[i]);
+    all.sources.push_back(more.sources.empty() ? 0 : more.sources[i]);
   }
 }
 
@@ -159,7 +159,7 @@ GaussianMixture keep_valid_components(const CollisionChecker& checker,
     const auto mean = mixture.means.begin() + static_cast<std::ptrdiff_t>(i * joints);
     kept.means.insert(kept.means.end(), mean, mean + static_cast<std::ptrdiff_t>(joints));
     if (!mixture.factor_rows.empty()) kept.factor_rows.push_back(mixture.factor_rows[i]);
-    if (!mixture.origins.empty()) kept.origins.push_back(mixture.origins[i]);
+    if (!mixture.sources.empty()) kept.sources.push_back(mixture.sources[i]);
   }
   return kept;
 }

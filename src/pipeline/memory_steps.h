@@ -29,10 +29,10 @@ namespace mneme::internal {
 /// What was retrieved: all components at once, or made when they are drawn.
 using Recalled = std::variant<GaussianMixture, std::shared_ptr<const ComponentSource>>;
 
-/// Line 10: one mixture of all that was retrieved. Origins are counted from `first_origin`.
+/// Line 10: one mixture of all that was retrieved. Sources are counted from `first_source`.
 [[nodiscard]] Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
                                   std::span<const PrimitiveRetrieval> primitives,
-                                  Origin first_origin);
+                                  SampleSource first_source);
 
 /// All components, made at once.
 [[nodiscard]] GaussianMixture make_all(Recalled recalled, int joint_count);

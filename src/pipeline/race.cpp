@@ -36,11 +36,13 @@ class CountingSampler final : public Sampler {
    public:
     Stream(std::unique_ptr<SampleStream> stream, std::uint64_t& draws)
         : stream_(std::move(stream)), draws_(draws) {}
-    Origin next(std::span<float> q) override {
+    SampleSource next(std::span<float> q) override {
       ++draws_;
       return stream_->next(q);
     }
-    void report(Origin origin, SampleOutcome outcome) override { stream_->report(origin, outcome); }
+    void report(SampleSource source, SampleOutcome outcome) override {
+      stream_->report(source, outcome);
+    }
 
    private:
     std::unique_ptr<SampleStream> stream_;

@@ -43,7 +43,7 @@ Result<Recalled> recall(const MemoryRequest& request, const KindSettings& kind, 
     known.push_back(std::move(primitive));
   }
   Recalled recalled = synthesize(request, kind, known,  // line 10
-                                 static_cast<Origin>(gl.primitives.size()));
+                                 static_cast<SampleSource>(gl.primitives.size()));
   std::ranges::move(known, std::back_inserter(gl.primitives));
   gl.retrieval_time_s += stopwatch.elapsed_s() - (gl.learning_time_s - learned_before_s);
   return recalled;

@@ -23,17 +23,17 @@ Draws::Draws(PlannerRun& run)
       probability_(run.settings().anchor),
       sigmas_(joint_deviations(run.checker().robot(), anchor_sigma(run))) {}
 
-Origin Draws::next(std::span<const float> newest, std::span<float> q) {
-  const Origin origin = run_.draw(q);
-  if (origin == kUniformOrigin && rng_.uniform() < probability_) {
+SampleSource Draws::next(std::span<const float> newest, std::span<float> q) {
+  const SampleSource source = run_.draw(q);
+  if (source == kUniformSource && rng_.uniform() < probability_) {
     for (std::size_t j = 0; j < q.size(); ++j) {
       const float value = newest[j] + sigmas_[j] * rng_.bell();
       q[j] = run_.space().into_limits(static_cast<int>(j), value);
     }
   }
   run_.checker().project(q);
-  run_.show_sample(q, origin);
-  return origin;
+  run_.show_sample(q, source);
+  return source;
 }
 
 }  // namespace mneme::internal

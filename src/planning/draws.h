@@ -18,7 +18,7 @@ class Draws {
  public:
   explicit Draws(PlannerRun& run);
 
-  Origin next(std::span<const float> newest, std::span<float> q);
+  SampleSource next(std::span<const float> newest, std::span<float> q);
 
  private:
   PlannerRun& run_;

@@ -33,14 +33,14 @@ bool Growth::draw(const Tree& tree) {
   }
   while (steps_.size() < wanted && run_.begin_iterations() > 0) {
     const std::span<float> q(samples_.data() + steps_.size() * joints, joints);
-    const Origin origin = draws_.next(tree.newest(), q);
+    const SampleSource source = draws_.next(tree.newest(), q);
     const int node = choose_node(tree, q);
     if (node < 0) {
-      report(origin, SampleOutcome::rejected);
+      report(source, SampleOutcome::rejected);
       continue;
     }
     const std::span<float> end(ends_.data() + steps_.size() * joints, joints);
-    steps_.push_back({node, tree.step(node, q, end), origin});
+    steps_.push_back({node, tree.step(node, q, end), source});
   }
   if (steps_.empty()) return false;
   // The motion to a single one has it checked at no cost.
@@ -76,12 +76,12 @@ int Growth::step_towards(int i, Tree& tree) {
 }
 
 void Growth::settle(int i, SampleOutcome outcome) {
-  if (!step(i).is_walk) report(step(i).origin, outcome);
+  if (!step(i).is_walk) report(step(i).source, outcome);
 }
 
-void Growth::report(Origin origin, SampleOutcome outcome) {
+void Growth::report(SampleSource source, SampleOutcome outcome) {
   rejections_ = outcome == SampleOutcome::rejected ? rejections_ + 1 : 0;
-  run_.report(origin, outcome);
+  run_.report(source, outcome);
 }
 
 }  // namespace mneme::internal

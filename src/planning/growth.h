@@ -51,7 +51,7 @@ class Growth {
   struct Step {
     int node = -1;
     bool is_sample_reached = false;
-    Origin origin = kUniformOrigin;
+    SampleSource source = kUniformSource;
     bool is_walk = false;
   };
 
@@ -62,7 +62,7 @@ class Growth {
   }
   int step_towards(int i, Tree& tree);
   [[nodiscard]] int choose_node(const Tree& tree, std::span<const float> q);
-  void report(Origin origin, SampleOutcome outcome);
+  void report(SampleSource source, SampleOutcome outcome);
 
   PlannerRun& run_;
   Draws draws_;

@@ -63,21 +63,21 @@ class PlannerRun {
   /// Counts nodes that trees or the roadmap gain, or lose: how many there may be is limited.
   void count_nodes(int gained) { node_count_ += gained; }
   /// A draw from the sampler, which the observer does not see: it may be replaced.
-  Origin draw(std::span<float> q) { return stream_->next(q); }
-  Origin sample(std::span<float> q) {
-    const Origin origin = draw(q);
+  SampleSource draw(std::span<float> q) { return stream_->next(q); }
+  SampleSource sample(std::span<float> q) {
+    const SampleSource source = draw(q);
     checker_.project(q);
-    show_sample(q, origin);
-    return origin;
+    show_sample(q, source);
+    return source;
   }
-  void show_sample(std::span<const float> q, Origin origin) const {
-    if (settings_.observer != nullptr) settings_.observer->on_sample(q, origin);
+  void show_sample(std::span<const float> q, SampleSource source) const {
+    if (settings_.observer != nullptr) settings_.observer->on_sample(q, source);
   }
   /// Tells the observer, if there is one, about an edge of tree or roadmap number `graph`.
   void show_edge(std::span<const float> from, std::span<const float> to, int graph) const {
     if (settings_.observer != nullptr) settings_.observer->on_edge(from, to, graph);
   }
-  void report(Origin origin, SampleOutcome outcome) { stream_->report(origin, outcome); }
+  void report(SampleSource source, SampleOutcome outcome) { stream_->report(source, outcome); }
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
     return checker_.is_motion_valid(from, to, counters_) &&
            (!shorten_and_verify_.has_refused_often() || would_pass(from, to));

@@ -33,20 +33,20 @@ class Prm {
     const std::size_t joints = run_.start().size();
     std::vector<float> batch(kBatch * joints);
     std::vector<std::uint8_t> is_valid(kBatch);
-    std::vector<Origin> origins(kBatch);
+    std::vector<SampleSource> sources(kBatch);
     while (const auto count = static_cast<std::size_t>(run_.begin_iterations(kBatch))) {
       add_goals(run_.take_further_goals());
       for (std::size_t i = 0; i < count; ++i)
-        origins[i] =
+        sources[i] =
             draws_.next(milestones_[milestones_.size() - 1], {batch.data() + i * joints, joints});
       run_.check_states({batch.data(), count * joints}, {is_valid.data(), count});
       for (std::size_t i = 0; i < count && !run_.must_stop(); ++i) {
         if (is_valid[i] == 0) {
-          run_.report(origins[i], SampleOutcome::rejected);
+          run_.report(sources[i], SampleOutcome::rejected);
           continue;
         }
         const int degree = add_milestone({batch.data() + i * joints, joints});
-        run_.report(origins[i], degree > 1 ? SampleOutcome::connected : SampleOutcome::extended);
+        run_.report(sources[i], degree > 1 ? SampleOutcome::connected : SampleOutcome::extended);
         if (find_connected_goal() >= 0) {
           return run_.finish(milestones_.size());
         }

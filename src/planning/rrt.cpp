@@ -57,11 +57,11 @@ class Rrt {
 
   /// One step towards a sample, and on to the goals that the new node may reach.
   bool is_goal_reached_by_growing(std::vector<float>& q) {
-    const Origin origin = run_.sample(q);
+    const SampleSource source = run_.sample(q);
     bool is_sample_reached = false;
     const int node = tree_.extend(tree_.nearest(q), q, is_sample_reached);
-    const bool is_reached = node >= 0 && is_any_goal_reached(node, origin != kUniformOrigin);
-    run_.report(origin, node < 0     ? SampleOutcome::rejected
+    const bool is_reached = node >= 0 && is_any_goal_reached(node, source != kUniformSource);
+    run_.report(source, node < 0     ? SampleOutcome::rejected
                         : is_reached ? SampleOutcome::connected
                                      : SampleOutcome::extended);
     return is_reached;

@@ -96,7 +96,7 @@ void add_memories(const PlanarPicture& picture, Drawing& drawing) {
     const auto index = static_cast<std::size_t>(component);
     const auto first = mixture.means.begin() + component * mixture.joint_count;
     const Configuration mean(first, first + mixture.joint_count);
-    drawing.memories.push_back({mixture.origins.empty() ? 0 : mixture.origins[index],
+    drawing.memories.push_back({mixture.sources.empty() ? 0 : mixture.sources[index],
                                 arm_at(picture.problem->robot, mean)});
   }
 }
@@ -251,13 +251,13 @@ std::vector<Configuration> spread_along(const Robot& robot, const Path& path, in
 }
 
 std::vector<int> choose_components(const GaussianMixture& mixture, int limit) {
-  std::map<Origin, std::vector<int>> by_origin;
+  std::map<SampleSource, std::vector<int>> by_source;
   for (int i = 0; i < mixture.component_count(); ++i) {
     const auto position = static_cast<std::size_t>(i);
-    by_origin[mixture.origins.empty() ? 0 : mixture.origins[position]].push_back(i);
+    by_source[mixture.sources.empty() ? 0 : mixture.sources[position]].push_back(i);
   }
   std::vector<std::vector<int>> sources;
-  for (auto& [origin, components] : by_origin) sources.push_back(std::move(components));
+  for (auto& [source, components] : by_source) sources.push_back(std::move(components));
   // Small sources first: what they leave of their share goes to the larger ones.
   std::ranges::stable_sort(sources, {}, &std::vector<int>::size);
   std::vector<int> chosen;

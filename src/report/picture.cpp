@@ -31,7 +31,7 @@ std::vector<LegendEntry> legend_of(const Drawing& drawing, bool has_path) {
   std::vector<LegendEntry> legend = {{LegendMark::bold_line, path_color(0), "start"}};
   if (has_path) legend.push_back({LegendMark::fan, "", "path"});
   legend.push_back({LegendMark::bold_line, std::string(kGoalColor), "goal"});
-  const std::string color = primitive_color(drawing.primitives.size() == 1 ? 0 : kUniformOrigin);
+  const std::string color = primitive_color(drawing.primitives.size() == 1 ? 0 : kUniformSource);
   if (!drawing.memories.empty()) {
     legend.push_back({LegendMark::thin_lines, color, "remembered arms"});
   }
@@ -135,9 +135,9 @@ void write_panel(SvgWriter& svg, const Drawing& drawing, const PlanarView& view,
 
 }  // namespace
 
-std::string primitive_color(Origin origin) {
-  if (origin < 0) return std::string(kNeutralColor);
-  return std::string(kPrimitiveColors[static_cast<std::size_t>(origin) % kPrimitiveColors.size()]);
+std::string primitive_color(SampleSource source) {
+  if (source < 0) return std::string(kNeutralColor);
+  return std::string(kPrimitiveColors[static_cast<std::size_t>(source) % kPrimitiveColors.size()]);
 }
 
 void PictureWriter::write_obstacles(const std::vector<Outline>& obstacles) {
@@ -162,7 +162,7 @@ void PictureWriter::write_frame_fills(const std::vector<FramedPrimitive>& primit
   svg_.open("g", {{"class", "primitive-fills"}, {"fill-opacity", "0.08"}});
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     svg_.element("polygon", {{"points", short_points(view_.pixels(primitives[i].corners))},
-                             {"fill", primitive_color(static_cast<Origin>(i))}});
+                             {"fill", primitive_color(static_cast<SampleSource>(i))}});
   }
   svg_.close();
 }
@@ -175,7 +175,7 @@ void PictureWriter::write_frames(const std::vector<FramedPrimitive>& primitives)
                   {"stroke-linejoin", "round"}});
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     svg_.element("polygon", {{"points", short_points(view_.pixels(primitives[i].corners))},
-                             {"stroke", primitive_color(static_cast<Origin>(i))}});
+                             {"stroke", primitive_color(static_cast<SampleSource>(i))}});
   }
   svg_.close();
 }
@@ -196,7 +196,7 @@ void PictureWriter::write_lines(const Arm& arm, const std::string& color, double
 void PictureWriter::write_memories(const std::vector<RememberedArm>& memories) {
   svg_.open("g", {{"class", "memories"}, {"fill", "none"}, {"stroke-linejoin", "round"}});
   for (const RememberedArm& memory : memories) {
-    write_lines(memory.arm, primitive_color(memory.origin), 0.7, 0.38);
+    write_lines(memory.arm, primitive_color(memory.source), 0.7, 0.38);
   }
   svg_.close();
 }
@@ -282,7 +282,7 @@ void PictureWriter::write_labels(const std::vector<FramedPrimitive>& primitives,
     svg_.text_element("text",
                       {{"x", short_number(at.x)},
                        {"y", short_number(at.y + 0.36 * kLabelSize)},
-                       {"fill", primitive_color(static_cast<Origin>(i))}},
+                       {"fill", primitive_color(static_cast<SampleSource>(i))}},
                       primitives[i].label);
   }
   svg_.close();

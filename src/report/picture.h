@@ -88,7 +88,7 @@ using Arm = std::vector<ArmLine>;
 [[nodiscard]] std::vector<Configuration> spread_along(const Robot& robot, const Path& path,
                                                       int count);
 
-/// At most `limit` components, shared as evenly as can be among their origins and spread over each,
+/// At most `limit` components, shared as evenly as can be among their sources and spread over each,
 /// so that every primitive is seen. In ascending order.
 [[nodiscard]] std::vector<int> choose_components(const GaussianMixture& mixture, int limit);
 
@@ -99,7 +99,7 @@ struct FramedPrimitive {
 };
 
 struct RememberedArm {
-  Origin origin = 0;  ///< index of the primitive
+  SampleSource source = 0;  ///< index of the primitive
   Arm arm;
 };
 
@@ -172,8 +172,8 @@ void write_legend(SvgWriter& svg, std::span<const LegendEntry> entries, const Po
                   double width);
 
 inline constexpr std::string_view kGoalColor = "#d9303a";
-/// Colours repeat after ten primitives; kUniformOrigin is grey.
-[[nodiscard]] std::string primitive_color(Origin origin);
+/// Colours repeat after ten primitives; kUniformSource is grey.
+[[nodiscard]] std::string primitive_color(SampleSource source);
 
 /// Writes the layers of a drawing, from the back to the front.
 class PictureWriter {

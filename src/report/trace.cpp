@@ -185,18 +185,18 @@ class Tracer {
     for (const int component : choose_components(mixture, settings_.components)) {
       const auto i = static_cast<std::size_t>(component);
       const auto mean = std::span(mixture.means).subspan(i * joints, joints);
-      trace_.components.push_back(arm_of(mixture.origins.empty() ? 0 : mixture.origins[i], mean));
+      trace_.components.push_back(arm_of(mixture.sources.empty() ? 0 : mixture.sources[i], mean));
     }
   }
 
   void add_search(const PlanRecorder& recorder) {
     for (const auto* samples : {&recorder.uniform_samples(), &recorder.memory_samples()}) {
       for (const PlanRecorder::Sample& sample : samples->entries())
-        trace_.samples.push_back(arm_of(sample.origin, sample.q));
+        trace_.samples.push_back(arm_of(sample.source, sample.q));
     }
-    for (const auto& [origin, count] : recorder.draws()) {
-      const auto i = static_cast<std::size_t>(origin);
-      if (origin == kUniformOrigin) {
+    for (const auto& [source, count] : recorder.draws()) {
+      const auto i = static_cast<std::size_t>(source);
+      if (source == kUniformSource) {
         trace_.uniform_draws = count;
       } else if (i < trace_.primitives.size()) {
         trace_.primitives[i].draws = count;
@@ -268,8 +268,8 @@ class Tracer {
     return waypoint;
   }
 
-  [[nodiscard]] PlanTrace::Arm arm_of(Origin origin, std::span<const float> q) const {
-    return {origin, skeleton_.points(Configuration(q.begin(), q.end()))};
+  [[nodiscard]] PlanTrace::Arm arm_of(SampleSource source, std::span<const float> q) const {
+    return {source, skeleton_.points(Configuration(q.begin(), q.end()))};
   }
 
   void add_edge(const PlanRecorder::Edge& edge) {
@@ -335,10 +335,10 @@ namespace mneme {
 PlanRecorder::PlanRecorder(const TraceSettings& settings)
     : uniform_(settings.samples), memory_(settings.samples), edges_(settings.edges) {}
 
-void PlanRecorder::on_sample(std::span<const float> q, Origin origin) {
-  ++draws_[origin];
-  Thinned<Sample>& samples = origin == kUniformOrigin ? uniform_ : memory_;
-  if (samples.counts_next()) samples.add({origin, {q.begin(), q.end()}});
+void PlanRecorder::on_sample(std::span<const float> q, SampleSource source) {
+  ++draws_[source];
+  Thinned<Sample>& samples = source == kUniformSource ? uniform_ : memory_;
+  if (samples.counts_next()) samples.add({source, {q.begin(), q.end()}});
 }
 
 void PlanRecorder::on_edge(std::span<const float> from, std::span<const float> to, int graph) {

@@ -239,7 +239,7 @@ Json primitives_json(const std::vector<PlanTrace::Primitive>& primitives) {
 Json arms_json(const std::vector<PlanTrace::Arm>& arms) {
   Json list = Json::array();
   for (const PlanTrace::Arm& arm : arms)
-    list.push_back({{"origin", arm.origin}, {"points", flat(arm.points)}});
+    list.push_back({{"origin", arm.source}, {"points", flat(arm.points)}});
   return list;
 }
 

@@ -20,7 +20,7 @@ class ComponentStream final : public SampleStream {
     open(source_.first_groups());
   }
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     if (++draws_ % ComponentSource::kDrawsPerGroup == 0) open(opened_ + 1);
     for (;;) {
       if (choices_.empty() && opened_ < source_.group_count()) open(opened_ + 1);
@@ -61,7 +61,7 @@ class ComponentStream final : public SampleStream {
     return true;
   }
 
-  Origin draw(const Choice& choice, std::span<float> q) {
+  SampleSource draw(const Choice& choice, std::span<float> q) {
     const std::span<const float> mean(means_.data() + choice.begin, sigmas_.size());
     const std::span<const float> factor = source_.factor(choice.group, choice.component);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = rng_.bell();
@@ -76,7 +76,7 @@ class ComponentStream final : public SampleStream {
       }
       q[j] = space_.into_limits(static_cast<int>(j), mean[j] + sum);
     }
-    return source_.origin(choice.group);
+    return source_.sample_source(choice.group);
   }
 
   const internal::JointSpace& space_;

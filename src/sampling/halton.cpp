@@ -38,7 +38,7 @@ class HaltonStream final : public SampleStream {
     for (int i = 0; i < space.joint_count(); ++i) shift_.push_back(rng.uniform());
   }
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     ++index_;
     for (int i = 0; i < space_.joint_count(); ++i) {
       const auto j = static_cast<std::size_t>(i);
@@ -47,7 +47,7 @@ class HaltonStream final : public SampleStream {
       q[j] = space_.into_limits(
           i, static_cast<float>(space_.lower(i) + (space_.upper(i) - space_.lower(i)) * fraction));
     }
-    return kUniformOrigin;
+    return kUniformSource;
   }
 
  private:

@@ -13,7 +13,7 @@ class LazyStream final : public SampleStream {
              std::uint64_t seed)
       : stream_(std::move(first)), left_(count), make_rest_(make_rest), seed_(seed) {}
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     if (left_ > 0) {
       --left_;
     } else if (!rest_) {
@@ -23,7 +23,9 @@ class LazyStream final : public SampleStream {
     return stream_->next(q);
   }
 
-  void report(Origin origin, SampleOutcome outcome) override { stream_->report(origin, outcome); }
+  void report(SampleSource source, SampleOutcome outcome) override {
+    stream_->report(source, outcome);
+  }
 
  private:
   std::shared_ptr<const Sampler> rest_;  ///< outlives its stream

@@ -10,7 +10,7 @@ namespace {
 
 /// Draws from a source after which half of its first lambda is left: the less is left in the end,
 /// the sooner, so that what falls costs about as many draws whatever the floor.
-double draws_to_half(double least_lambda) {
+double samples_to_half(double least_lambda) {
   constexpr double kDraws = 25000, kLeast = 500;
   return std::max(kDraws * least_lambda, kLeast);
 }
@@ -28,57 +28,57 @@ class MixedStream final : public SampleStream {
     streams_.push_back({{}, rest.start(derive_seed(seed, streams_.size() + 1))});
   }
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     SampleStream* stream = choose();
-    const Origin origin = stream->next(q);
-    const std::size_t place = place_of(origin);
-    if (place >= sources_.size() && place < kMostOrigins) sources_.resize(place + 1);
-    if (place < sources_.size()) sources_[place] = stream;
-    return origin;
+    const SampleSource source = stream->next(q);
+    const std::size_t place = place_of(source);
+    if (place >= stream_of_.size() && place < kMostSources) stream_of_.resize(place + 1);
+    if (place < stream_of_.size()) stream_of_[place] = stream;
+    return source;
   }
 
-  /// Goes to the stream that drew from this origin last.
-  void report(Origin origin, SampleOutcome outcome) override {
-    if (place_of(origin) >= sources_.size()) return;
-    if (SampleStream* stream = sources_[place_of(origin)]) stream->report(origin, outcome);
+  /// Goes to the stream that used this source last.
+  void report(SampleSource source, SampleOutcome outcome) override {
+    if (place_of(source) >= stream_of_.size()) return;
+    if (SampleStream* stream = stream_of_[place_of(source)]) stream->report(source, outcome);
   }
 
  private:
-  /// Of those beyond nobody keeps the source.
-  static constexpr std::size_t kMostOrigins = 1 << 20;
+  /// Sources at or above this index are not tracked; their reports are dropped.
+  static constexpr std::size_t kMostSources = 1 << 20;
 
-  struct Drawn {
+  struct Weighted {
     MixedSource source;
     std::unique_ptr<SampleStream> stream;
-    double draws = 0;
+    double samples = 0;
 
     [[nodiscard]] double lambda() const {
-      const double half = draws_to_half(source.least_lambda);
-      const double falling = source.lambda * half / (half + draws);
+      const double half = samples_to_half(source.least_lambda);
+      const double falling = source.lambda * half / (half + samples);
       return std::max(std::min(source.lambda, source.least_lambda), falling);
     }
   };
 
   SampleStream* choose() {
-    double chance = rng_.uniform();
+    double remaining = rng_.uniform();
     for (std::size_t i = 0; i + 1 < streams_.size(); ++i) {
-      Drawn& drawn = streams_[i];
-      const double lambda = drawn.lambda();
-      if (chance < lambda) {
-        ++drawn.draws;
-        return drawn.stream.get();
+      Weighted& weighted = streams_[i];
+      const double lambda = weighted.lambda();
+      if (remaining < lambda) {
+        ++weighted.samples;
+        return weighted.stream.get();
       }
-      chance -= lambda;
+      remaining -= lambda;
     }
     return streams_.back().stream.get();
   }
 
-  static std::size_t place_of(Origin origin) {
-    return static_cast<std::size_t>(std::int64_t{origin} - kUniformOrigin);
+  static std::size_t place_of(SampleSource source) {
+    return static_cast<std::size_t>(std::int64_t{source} - kUniformSource);
   }
 
-  std::vector<Drawn> streams_;          ///< the rest is the last
-  std::vector<SampleStream*> sources_;  ///< by place_of() an origin; null for what was not drawn
+  std::vector<Weighted> streams_;         ///< the rest is the last
+  std::vector<SampleStream*> stream_of_;  ///< by place_of(); null for a source without samples
   Rng rng_;
 };
 

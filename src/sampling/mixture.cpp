@@ -22,7 +22,7 @@ class MixtureStream final : public SampleStream {
         component_count_(static_cast<std::uint32_t>(mixture.component_count())),
         rng_(seed) {}
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     const std::size_t component = rng_.index(open_component_count());
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
     const float* mean = mixture_.means.data() + component * joints;
@@ -33,7 +33,7 @@ class MixtureStream final : public SampleStream {
       add_correlated(factor, mean, q);
     }
     for (std::size_t i = 0; i < joints; ++i) q[i] = space_.into_limits(static_cast<int>(i), q[i]);
-    return mixture_.origins.empty() ? 0 : mixture_.origins[component];
+    return mixture_.sources.empty() ? 0 : mixture_.sources[component];
   }
 
  private:

@@ -12,13 +12,13 @@ class UniformStream final : public SampleStream {
   UniformStream(const internal::JointSpace& space, std::uint64_t seed)
       : space_(space), rng_(seed) {}
 
-  Origin next(std::span<float> q) override {
+  SampleSource next(std::span<float> q) override {
     for (int i = 0; i < space_.joint_count(); ++i) {
       const float fraction = static_cast<float>(rng_.next() >> 40) * 0x1.0p-24f;
       q[static_cast<std::size_t>(i)] =
           space_.lower(i) + (space_.upper(i) - space_.lower(i)) * fraction;
     }
-    return kUniformOrigin;
+    return kUniformSource;
   }
 
  private:

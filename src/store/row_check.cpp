@@ -98,10 +98,10 @@ std::optional<std::string> describe_flaw(const Experience& experience,
     return fmt::format("its {} mean values are no multiple of {}", sampler.means.size(), joints);
   }
   const std::size_t components = sampler.means.size() / joints;
-  for (const auto& column : {&sampler.factor_rows, &sampler.origins}) {
+  for (const auto& column : {&sampler.factor_rows, &sampler.sources}) {
     if (!column->empty() && column->size() != components) {
       return fmt::format("it has {} {} for {} components", column->size(),
-                         column == &sampler.origins ? "origins" : "factor rows", components);
+                         column == &sampler.sources ? "origins" : "factor rows", components);
     }
   }
   if (auto flaw = describe_not_finite(sampler.means, "means")) return flaw;

@@ -81,7 +81,7 @@ static_assert(sizeof(float) == 4 && sizeof(double) == 8 && sizeof(int) == 4);
 EncodedRow::EncodedRow(const Experience& experience)
     : blobs_{to_bytes(experience.key), to_bytes(experience.sampler.means),
              to_bytes(experience.sampler.factor_rows), to_bytes(experience.sampler.factors),
-             to_bytes(experience.sampler.origins)} {
+             to_bytes(experience.sampler.sources)} {
   stored_.columns = {experience.kind,
                      blobs_[0],
                      blobs_[1],
@@ -183,7 +183,7 @@ std::optional<std::string> decode_mixture(const RowView& columns, const Experien
   if (!from_bytes(columns.means, sampler.means) ||
       !from_bytes(columns.factor_rows, sampler.factor_rows) ||
       !from_bytes(columns.factors, sampler.factors) ||
-      !from_bytes(columns.origins, sampler.origins)) {
+      !from_bytes(columns.origins, sampler.sources)) {
     return "a column ends in the middle of a number";
   }
   sampler.joint_count = space.joint_count;

@@ -161,7 +161,7 @@ std::string json_of(const Experience& row) {
       R"({{"content":"{}","kind":{},"key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
       to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key),
       table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
-      table_of(sampler.factors, sampler.factor_size()), list_of<int>(sampler.origins),
+      table_of(sampler.factors, sampler.factor_size()), list_of<int>(sampler.sources),
       quoted(provenance.settings), provenance.seed, quoted(provenance.tool),
       quoted(provenance.time));
 }
@@ -191,7 +191,7 @@ Result<Experience> parse_row(std::string_view line) {
   row.sampler.means = fields.table("means", joints);
   row.sampler.factor_rows = fields.list<int>("factor_rows");
   row.sampler.factors = fields.table("factors", triangle);
-  row.sampler.origins = fields.list<int>("origins");
+  row.sampler.sources = fields.list<int>("origins");
   // Without means the factors tell.
   while (triangle_size(joints) < triangle && row.sampler.means.empty()) ++joints;
   row.sampler.joint_count = static_cast<int>(joints);

@@ -128,12 +128,12 @@ TEST_SUITE("unit") {
     const auto source = source_of(scene, retrievals, &start);
     REQUIRE(source->group_count() == 4);
     CHECK(source->first_groups() == 1);
-    const std::vector<Origin> origins = {source->origin(0), source->origin(1), source->origin(2),
-                                         source->origin(3)};
-    CHECK(origins == std::vector<Origin>{6, 6, 5, 5});
+    const std::vector<SampleSource> sources = {source->sample_source(0), source->sample_source(1),
+                                               source->sample_source(2), source->sample_source(3)};
+    CHECK(sources == std::vector<SampleSource>{6, 6, 5, 5});
     // Without a start no pair comes before the others.
     const auto unknown = source_of(scene, retrievals);
-    CHECK(unknown->origin(0) != unknown->origin(1));
+    CHECK(unknown->sample_source(0) != unknown->sample_source(1));
   }
 
   TEST_CASE("all pairs that the start crosses take part from the first draw on") {

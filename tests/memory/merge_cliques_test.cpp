@@ -159,16 +159,16 @@ TEST_SUITE("unit") {
     CHECK(is_same_mixture(merge_cliques(checker, merged), merged));
   }
 
-  TEST_CASE("components join only those that count for the same origin, and keep it") {
+  TEST_CASE("components join only those that count for the same source, and keep it") {
     const CollisionChecker checker = sliding_ball();
     LocalSampler sampler = make_sampler({{1, -1}, {1.2, -1}, {1.1, -0.9}, {1.3, -1.1}});
-    sampler.origins = {4, 2, 4, 2};
+    sampler.sources = {4, 2, 4, 2};
     const LocalSampler merged = merge_cliques(checker, sampler);
-    CHECK(merged.origins == std::vector<Origin>{4, 2});
+    CHECK(merged.sources == std::vector<SampleSource>{4, 2});
     REQUIRE(merged.component_count() == 2);
     CHECK(mean_of(merged, 0)[0] == doctest::Approx(1.05));
     CHECK(mean_of(merged, 1)[0] == doctest::Approx(1.25));
-    CHECK(merge_cliques(checker, make_sampler({{1, -1}})).origins.empty());
+    CHECK(merge_cliques(checker, make_sampler({{1, -1}})).sources.empty());
   }
 
   TEST_CASE("a group whose mean is in contact stays apart") {

@@ -59,21 +59,22 @@ TEST_SUITE("law") {
         retrieve({{shared(a), 0.1, turned}}), retrieve({}),
         retrieve({{shared(b), 0, mirrored}, {shared(a), 0.2, mirrored}, {shared(b), 0.1, turned}})};
     // Whatever they were retrieved for: equally similar ones in the scene's order.
-    const std::vector<std::pair<Origin, Match>> expected_order = {{2, primitives[2].matches[0]},
-                                                                  {0, primitives[0].matches[0]},
-                                                                  {2, primitives[2].matches[2]},
-                                                                  {2, primitives[2].matches[1]}};
+    const std::vector<std::pair<SampleSource, Match>> expected_order = {
+        {2, primitives[2].matches[0]},
+        {0, primitives[0].matches[0]},
+        {2, primitives[2].matches[2]},
+        {2, primitives[2].matches[1]}};
     const GaussianMixture pooled = pooled_of(robot, primitives);
     REQUIRE(pooled.component_count() == 3 + 6 + 3 + 6);
-    REQUIRE(pooled.origins.size() == 18);
+    REQUIRE(pooled.sources.size() == 18);
     int next = 0;
-    for (const auto& [origin, match] : expected_order) {
+    for (const auto& [source, match] : expected_order) {
       const LocalSampler& local = match.experience->sampler;
       for (int j = 0; j < local.component_count(); ++j, ++next) {
         const Configuration expected =
             moved_configuration(find_symmetric_joints(robot), match.to_scene, mean_of(local, j));
         CHECK(robot.distance(mean_of(pooled, next), expected) < 1e-5);
-        CHECK(pooled.origins[static_cast<std::size_t>(next)] == origin);
+        CHECK(pooled.sources[static_cast<std::size_t>(next)] == source);
         CHECK(factor_of(pooled, next) == factor_of(local, j));
       }
     }
@@ -138,7 +139,7 @@ TEST_SUITE("unit") {
     const GaussianMixture still_none =
         pooled_of(robot, std::vector{retrieve({{shared(hopeless), 0, {}}})});
     CHECK(still_none.component_count() == 0);
-    CHECK(still_none.origins.empty());
+    CHECK(still_none.sources.empty());
   }
 
   TEST_CASE("means that leave the limits are dropped with all that belongs to them") {
@@ -164,7 +165,7 @@ TEST_SUITE("unit") {
     CHECK(turned.means == std::vector<float>{0.5f, 1, 1, -2});
     CHECK(factor_of(turned, 0) == std::vector<float>{1, 2, 3});
     CHECK(factor_of(turned, 1).empty());
-    CHECK(turned.origins.size() == 2);
+    CHECK(turned.sources.size() == 2);
     const GaussianMixture mirrored = synthesized({-0.5, true});
     CHECK(mirrored.means == std::vector<float>{0, -1, -0.5f, 2});
     const GaussianMixture back = synthesized({-0.75, false});

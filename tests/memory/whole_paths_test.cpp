@@ -185,7 +185,7 @@ TEST_SUITE("unit") {
     const Configuration start = {0, 0};
     const GaussianMixture mixture =
         kind_named("paths").synthesize({robot, Scene{}, &start, goals}, retrievals);
-    CHECK(mixture.origins == std::vector<Origin>{0, 0, 0, 0, 1, 1});
+    CHECK(mixture.sources == std::vector<SampleSource>{0, 0, 0, 0, 1, 1});
     check_row(mixture, 0, {1, 1});
     check_row(mixture, 2, {0, 1});
     check_row(mixture, 4, {0, 2});
@@ -280,7 +280,7 @@ TEST_SUITE("unit") {
     memory.remember({bent(memory.problem.start, goal, 0.1)});
     const GlSampler gl = memory.recall();
     REQUIRE(gl.primitives.size() == 2);
-    CHECK(gl.mixture->origins == std::vector<Origin>{0, 0, 1, 1});
+    CHECK(gl.mixture->sources == std::vector<SampleSource>{0, 0, 1, 1});
   }
 
   TEST_CASE("an empty memory has nothing to say") {

@@ -116,7 +116,7 @@ class ConstantSampler final : public Sampler {
  private:
   struct Stream final : SampleStream {
     Stream(const std::vector<float>& q, std::atomic<int>& count) : configuration(q), drawn(count) {}
-    Origin next(std::span<float> q) override {
+    SampleSource next(std::span<float> q) override {
       std::copy(configuration.begin(), configuration.end(), q.begin());
       ++drawn;
       return 0;

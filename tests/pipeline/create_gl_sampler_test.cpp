@@ -173,9 +173,9 @@ TEST_SUITE("unit") {
     CHECK(gl.primitives[1].matches[0].experience == gl.primitives[0].matches[0].experience);
     const int stored = database.get(0)->sampler.component_count();
     REQUIRE(gl.mixture->component_count() == 2 * stored);
-    REQUIRE(gl.mixture->origins.size() == static_cast<std::size_t>(2 * stored));
-    CHECK(gl.mixture->origins.front() == 0);
-    CHECK(gl.mixture->origins.back() == 1);
+    REQUIRE(gl.mixture->sources.size() == static_cast<std::size_t>(2 * stored));
+    CHECK(gl.mixture->sources.front() == 0);
+    CHECK(gl.mixture->sources.back() == 1);
   }
 
   TEST_CASE("budgets are shared by all primitives of a scene") {

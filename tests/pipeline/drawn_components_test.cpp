@@ -13,7 +13,7 @@ class Pointers final : public ComponentSource {
  public:
   int group_count() const override { return 2; }
   int component_count(int) const override { return 2; }
-  Origin origin(int group) const override { return group + 3; }
+  SampleSource sample_source(int group) const override { return group + 3; }
   bool make(int group, int component, std::span<float> mean) const override {
     std::ranges::fill(mean, 0.0f);
     mean[0] = static_cast<float>(group) + 0.5f * static_cast<float>(component);
@@ -43,7 +43,7 @@ TEST_SUITE("unit") {
     REQUIRE(made.component_count() == 2);
     CHECK(made.means[0] == 1.5f);
     CHECK(made.means[8] == 0.5f);
-    CHECK(made.origins == std::vector<Origin>{4, 3});
+    CHECK(made.sources == std::vector<SampleSource>{4, 3});
     CHECK(made.factor_rows == std::vector<int>{0, -1});
     CHECK(made.factors == std::vector<float>(36, 0.5f));
   }

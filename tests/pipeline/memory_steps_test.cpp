@@ -80,12 +80,12 @@ TEST_SUITE("unit") {
   TEST_CASE("components whose means are in contact go, with all that belongs to them") {
     const CollisionChecker checker = make_checker(planar8(), make_circle_scene("", {{5, 0, 1}}));
     GaussianMixture mixture = pointing({0, 1, 0.1f, -2, 3});
-    mixture.origins = {0, 1, 2, 3, 4};
+    mixture.sources = {0, 1, 2, 3, 4};
     mixture.factor_rows = {1, 0, -1, -1, 1};
     mixture.factors.assign(2 * 36, 0.5f);
     const GaussianMixture kept = internal::keep_valid_components(checker, mixture);
     CHECK(kept.means == pointing({1, -2, 3}).means);
-    CHECK(kept.origins == std::vector<Origin>{1, 3, 4});
+    CHECK(kept.sources == std::vector<SampleSource>{1, 3, 4});
     CHECK(kept.factor_rows == std::vector<int>{0, -1, 1});
     CHECK(kept.factors == mixture.factors);
     CHECK(kept.joint_count == 8);
@@ -95,7 +95,7 @@ TEST_SUITE("unit") {
     const CollisionChecker checker = make_checker(planar8(), make_circle_scene("", {{5, 0, 1}}));
     const GaussianMixture kept = internal::keep_valid_components(checker, pointing({0, 2}));
     CHECK(kept.means == pointing({2}).means);
-    CHECK(kept.origins.empty());
+    CHECK(kept.sources.empty());
     CHECK(kept.factor_rows.empty());
   }
 
@@ -119,17 +119,17 @@ TEST_SUITE("unit") {
     GaussianMixture more = pointing({3, 4});
     more.factor_rows = {-1, 0};
     more.factors.assign(36, 0.5f);
-    more.origins = {5, 6};
+    more.sources = {5, 6};
     internal::append(all, more);
     internal::append(all, more);
     CHECK(all.means == pointing({1, 2, 3, 4, 3, 4}).means);
     CHECK(all.factor_rows == std::vector<int>{-1, -1, -1, 0, -1, 1});
     CHECK(all.factors.size() == 72);
-    CHECK(all.origins == std::vector<Origin>{0, 0, 5, 6, 5, 6});
+    CHECK(all.sources == std::vector<SampleSource>{0, 0, 5, 6, 5, 6});
     GaussianMixture none;
     internal::append(none, more);
     CHECK(none.means == more.means);
-    CHECK(none.origins == more.origins);
+    CHECK(none.sources == more.sources);
   }
 }
 

@@ -64,7 +64,7 @@ void check_same(const PlanResult& plan, const PlanResult& expected) {
 
 /// Keeps all that it is shown.
 struct Log : PlanObserver {
-  void on_sample(std::span<const float> q, Origin) override {
+  void on_sample(std::span<const float> q, SampleSource) override {
     all.insert(all.end(), q.begin(), q.end());
   }
   void on_edge(std::span<const float> from, std::span<const float> to, int graph) override {

@@ -44,16 +44,16 @@ Result<GaussianMixture> near_start(const internal::MemoryRequest& request,
   return mixture;
 }
 
-std::vector<Origin> draw_origins(SampleStream& stream, int count) {
+std::vector<SampleSource> draw_sources(SampleStream& stream, int count) {
   std::vector<float> q(8);
-  std::vector<Origin> origins;
-  for (int i = 0; i < count; ++i) origins.push_back(stream.next(q));
-  return origins;
+  std::vector<SampleSource> sources;
+  for (int i = 0; i < count; ++i) sources.push_back(stream.next(q));
+  return sources;
 }
 
-bool is_uniform(const std::vector<Origin>& origins) {
-  return std::all_of(origins.begin(), origins.end(),
-                     [](Origin origin) { return origin == kUniformOrigin; });
+bool is_uniform(const std::vector<SampleSource>& sources) {
+  return std::all_of(sources.begin(), sources.end(),
+                     [](SampleSource source) { return source == kUniformSource; });
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ TEST_SUITE("unit") {
     internal::Recollection recollection(query, near_start);
     const auto sampler = recollection.draw_by_kind();
     CHECK(!recollection.failure());
-    CHECK(!is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(!is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(recollection.take().mixture->component_count() == 3);
   }
 
@@ -76,10 +76,10 @@ TEST_SUITE("unit") {
     internal::Recollection recollection(query, near_start);
     const auto sampler = recollection.draw_by_kind();
     const auto first = sampler->start(1), second = sampler->start(2);
-    CHECK(is_uniform(draw_origins(*first, 20)));
-    CHECK(!is_uniform(draw_origins(*first, 50)));
-    CHECK(is_uniform(draw_origins(*second, 20)));
-    CHECK(!is_uniform(draw_origins(*second, 50)));
+    CHECK(is_uniform(draw_sources(*first, 20)));
+    CHECK(!is_uniform(draw_sources(*first, 50)));
+    CHECK(is_uniform(draw_sources(*second, 20)));
+    CHECK(!is_uniform(draw_sources(*second, 50)));
     CHECK(recollection.take().primitives.size() == 1);
   }
 
@@ -93,7 +93,7 @@ TEST_SUITE("unit") {
     const auto sampler = recollection.draw_by_kind();
     REQUIRE(recollection.failure().has_value());
     CHECK(recollection.failure()->message == "the disk is gone");
-    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
   }
 
   TEST_CASE("a failure is none for a stream that has not drawn so far") {
@@ -105,7 +105,7 @@ TEST_SUITE("unit") {
           return fail(ErrorCode::io, "the disk is gone");
         });
     const auto sampler = recollection.draw_by_kind();
-    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(recollection.failure().has_value());
     CHECK(recollection.failure(21).has_value());
     CHECK(!recollection.failure(20).has_value());
@@ -119,7 +119,7 @@ TEST_SUITE("unit") {
     });
     const auto sampler = recollection.draw_by_kind();
     CHECK(!recollection.failure());
-    CHECK(is_uniform(draw_origins(*sampler->start(1), 50)));
+    CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(recollection.take().mixture->component_count() == 0);
   }
 }
@@ -140,10 +140,10 @@ TEST_SUITE("flow") {
         });
     const auto stream = recollection.draw_by_kind()->start(1);
     CHECK(asked == std::vector<std::string_view>{"pairs"});
-    draw_origins(*stream, kind_named("paths").defaults.share.retrieve_after + 1);
+    draw_sources(*stream, kind_named("paths").defaults.share.retrieve_after + 1);
     CHECK(asked == std::vector<std::string_view>{"pairs", "paths"});
-    const auto origins = draw_origins(*stream, 2000);
-    const auto uniform = std::ranges::count(origins, kUniformOrigin);
+    const auto sources = draw_sources(*stream, 2000);
+    const auto uniform = std::ranges::count(sources, kUniformSource);
     CHECK(uniform > 500);
     CHECK(uniform < 700);
     CHECK(recollection.take().mixture->component_count() == 6);

@@ -29,7 +29,7 @@ std::vector<DrawnRow> draw_rows(RunFixture& f, int count, const DrawnRow& newest
   std::vector<DrawnRow> rows;
   for (int i = 0; i < count; ++i) {
     rows.emplace_back(newest.size());
-    CHECK(draws.next(newest, rows.back()) == kUniformOrigin);
+    CHECK(draws.next(newest, rows.back()) == kUniformSource);
   }
   return rows;
 }
@@ -79,7 +79,7 @@ TEST_SUITE("unit") {
     internal::Draws draws(f.run);
     DrawnRow q(3);
     for (std::size_t i = 0; i < 300; ++i) {
-      CHECK(draws.next(DrawnRow{0, 0, 0}, q) == static_cast<Origin>(i % 3));
+      CHECK(draws.next(DrawnRow{0, 0, 0}, q) == static_cast<SampleSource>(i % 3));
       CHECK(Configuration(q.begin(), q.end()) == script[i % 3]);
     }
   }
@@ -99,9 +99,9 @@ TEST_SUITE("unit") {
 
   TEST_CASE("the observer sees each draw as it is returned, once") {
     struct Spy : PlanObserver {
-      std::vector<std::pair<DrawnRow, Origin>> seen;
-      void on_sample(std::span<const float> q, Origin origin) override {
-        seen.emplace_back(DrawnRow(q.begin(), q.end()), origin);
+      std::vector<std::pair<DrawnRow, SampleSource>> seen;
+      void on_sample(std::span<const float> q, SampleSource source) override {
+        seen.emplace_back(DrawnRow(q.begin(), q.end()), source);
       }
     } spy;
     PlanSettings settings = anchored(0.5, 0.1);
@@ -110,9 +110,9 @@ TEST_SUITE("unit") {
     internal::Draws draws(f.run);
     DrawnRow q(3);
     for (std::size_t i = 0; i < 200; ++i) {
-      const Origin origin = draws.next(DrawnRow{0.5, 0.5, 0.5}, q);
+      const SampleSource source = draws.next(DrawnRow{0.5, 0.5, 0.5}, q);
       REQUIRE(spy.seen.size() == i + 1);
-      CHECK(spy.seen.back() == std::pair(q, origin));
+      CHECK(spy.seen.back() == std::pair(q, source));
     }
   }
 

@@ -116,7 +116,7 @@ TEST_SUITE("unit") {
     CHECK(f.batch.sample(0)[2] == 0.5f);
     const auto& reports = f.sampler.log().reports;
     REQUIRE(reports.size() == 1);
-    CHECK(reports.front() == std::pair(Origin{0}, SampleOutcome::rejected));
+    CHECK(reports.front() == std::pair(SampleSource{0}, SampleOutcome::rejected));
   }
 
   TEST_CASE("after many rejections a step starts at any node, wherever its sample is") {

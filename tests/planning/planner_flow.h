@@ -442,7 +442,7 @@ inline void check_samples_lead_the_way(OwnPlanner plan, std::uint64_t limit) {
   }
 }
 
-/// Each report goes to the origin of the latest draw that is not reported yet.
+/// Each report goes to the source of the latest sample that is not reported yet.
 inline void check_reports_every_draw(OwnPlanner plan) {
   const World world = boxed_goal();
   Rng rng(12);
@@ -457,7 +457,7 @@ inline void check_reports_every_draw(OwnPlanner plan) {
   CHECK(result.status == PlanStatus::iteration_limit);
   REQUIRE(sampler.log().reports.size() == script.size());
   for (std::size_t i = 0; i < script.size(); ++i) {
-    CHECK(sampler.log().reports[i].first == static_cast<Origin>(i));
+    CHECK(sampler.log().reports[i].first == static_cast<SampleSource>(i));
   }
   const auto accepted =
       std::count_if(sampler.log().reports.begin(), sampler.log().reports.end(),
@@ -471,8 +471,8 @@ struct Watcher : PlanObserver {
   std::vector<std::vector<float>> samples;
   std::vector<std::pair<Configuration, Configuration>> edges;
   int last_graph = 0;
-  void on_sample(std::span<const float> q, Origin origin) override {
-    CHECK(origin == kUniformOrigin);
+  void on_sample(std::span<const float> q, SampleSource source) override {
+    CHECK(source == kUniformSource);
     samples.emplace_back(q.begin(), q.end());
   }
   void on_edge(std::span<const float> from, std::span<const float> to, int graph) override {

@@ -12,13 +12,13 @@
 
 namespace mneme::test {
 
-/// Replays a script, again from its first configuration after the last one. The origin of each
+/// Replays a script, again from its first configuration after the last one. The source of each
 /// configuration is its place in the script. The log is of the latest stream.
 class ScriptedSampler final : public Sampler {
  public:
   struct Log {
     std::uint64_t drawn = 0;
-    std::vector<std::pair<Origin, SampleOutcome>> reports;
+    std::vector<std::pair<SampleSource, SampleOutcome>> reports;
   };
   using OnDraw = std::function<void(std::uint64_t drawn)>;
 
@@ -35,16 +35,16 @@ class ScriptedSampler final : public Sampler {
   class Stream final : public SampleStream {
    public:
     explicit Stream(const ScriptedSampler& sampler) : sampler_(sampler) {}
-    Origin next(std::span<float> q) override {
+    SampleSource next(std::span<float> q) override {
       const std::size_t place = sampler_.log_->drawn++ % sampler_.script_.size();
       for (std::size_t j = 0; j < q.size(); ++j) {
         q[j] = static_cast<float>(sampler_.script_[place].at(j));
       }
       if (sampler_.on_draw_) sampler_.on_draw_(sampler_.log_->drawn);
-      return static_cast<Origin>(place);
+      return static_cast<SampleSource>(place);
     }
-    void report(Origin origin, SampleOutcome outcome) override {
-      sampler_.log_->reports.emplace_back(origin, outcome);
+    void report(SampleSource source, SampleOutcome outcome) override {
+      sampler_.log_->reports.emplace_back(source, outcome);
     }
 
    private:

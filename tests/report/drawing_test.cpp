@@ -10,11 +10,11 @@
 namespace mneme::internal {
 namespace {
 
-GaussianMixture mixture_of(const std::vector<Origin>& origins) {
+GaussianMixture mixture_of(const std::vector<SampleSource>& sources) {
   GaussianMixture mixture;
   mixture.joint_count = 1;
-  mixture.means.assign(origins.size(), 0);
-  mixture.origins = origins;
+  mixture.means.assign(sources.size(), 0);
+  mixture.sources = sources;
   return mixture;
 }
 
@@ -66,12 +66,12 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("Primitives with few components are seen beside those with many") {
-    std::vector<Origin> origins(1000, 0);
-    origins.insert(origins.end(), 5, 1);
-    const GaussianMixture mixture = mixture_of(origins);
-    std::map<Origin, int> shown;
+    std::vector<SampleSource> sources(1000, 0);
+    sources.insert(sources.end(), 5, 1);
+    const GaussianMixture mixture = mixture_of(sources);
+    std::map<SampleSource, int> shown;
     for (const int component : choose_components(mixture, 20)) {
-      ++shown[mixture.origins[static_cast<std::size_t>(component)]];
+      ++shown[mixture.sources[static_cast<std::size_t>(component)]];
     }
     CHECK(shown[0] == 15);
     CHECK(shown[1] == 5);
@@ -83,14 +83,14 @@ TEST_SUITE("law") {
     Rng rng(5);
     for (int round = 0; round < 200; ++round) {
       CAPTURE(round);
-      std::vector<Origin> origins;
+      std::vector<SampleSource> sources;
       for (std::uint32_t i = rng.index(100); i > 0; --i)
-        origins.push_back(static_cast<int>(rng.index(6)));
+        sources.push_back(static_cast<int>(rng.index(6)));
       const int limit = static_cast<int>(rng.index(80));
-      const std::vector<int> chosen = choose_components(mixture_of(origins), limit);
-      CHECK(static_cast<int>(chosen.size()) == std::min(limit, static_cast<int>(origins.size())));
+      const std::vector<int> chosen = choose_components(mixture_of(sources), limit);
+      CHECK(static_cast<int>(chosen.size()) == std::min(limit, static_cast<int>(sources.size())));
       for (std::size_t i = 1; i < chosen.size(); ++i) CHECK(chosen[i - 1] < chosen[i]);
-      if (!chosen.empty()) CHECK(chosen.back() < static_cast<int>(origins.size()));
+      if (!chosen.empty()) CHECK(chosen.back() < static_cast<int>(sources.size()));
     }
   }
 }

@@ -57,22 +57,22 @@ TEST_SUITE("unit") {
 namespace mneme {
 namespace {
 
-void draw(PlanRecorder& recorder, int count, Origin origin) {
+void draw(PlanRecorder& recorder, int count, SampleSource source) {
   for (int i = 0; i < count; ++i)
-    recorder.on_sample(std::array{static_cast<float>(i), 0.0F}, origin);
+    recorder.on_sample(std::array{static_cast<float>(i), 0.0F}, source);
 }
 
 TEST_SUITE("unit") {
   TEST_CASE("What fits is kept whole, in order, with its source") {
     PlanRecorder recorder({.samples = 4, .edges = 4});
-    draw(recorder, 3, kUniformOrigin);
+    draw(recorder, 3, kUniformSource);
     draw(recorder, 2, 7);
     recorder.on_edge(std::array{1.0F, 2.0F}, std::array{3.0F, 4.0F}, 1);
     REQUIRE(recorder.uniform_samples().entries().size() == 3);
     CHECK(recorder.uniform_samples().entries()[2].q == std::vector<float>{2, 0});
     REQUIRE(recorder.memory_samples().entries().size() == 2);
-    CHECK(recorder.memory_samples().entries()[1].origin == 7);
-    CHECK(recorder.draws() == std::map<Origin, std::uint64_t>{{kUniformOrigin, 3}, {7, 2}});
+    CHECK(recorder.memory_samples().entries()[1].source == 7);
+    CHECK(recorder.draws() == std::map<SampleSource, std::uint64_t>{{kUniformSource, 3}, {7, 2}});
     REQUIRE(recorder.edges().entries().size() == 1);
     CHECK(recorder.edges().entries()[0].graph == 1);
     CHECK(recorder.edges().entries()[0].from == std::vector<float>{1, 2});
@@ -81,7 +81,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("Uniform samples leave those from memory their room") {
     PlanRecorder recorder({.samples = 10});
-    draw(recorder, 10000, kUniformOrigin);
+    draw(recorder, 10000, kUniformSource);
     draw(recorder, 5, 0);
     CHECK(recorder.memory_samples().entries().size() == 5);
   }
@@ -93,7 +93,7 @@ TEST_SUITE("law") {
       for (const int count : {1, 2, 11, 299, 301, 5000, 65537}) {
         INFO("limit ", limit, ", count ", count);
         PlanRecorder recorder({.samples = limit});
-        draw(recorder, count, kUniformOrigin);
+        draw(recorder, count, kUniformSource);
         const auto& kept = recorder.uniform_samples().entries();
         CHECK(recorder.uniform_samples().seen() == static_cast<std::uint64_t>(count));
         CHECK(static_cast<int>(kept.size()) <= limit);
@@ -158,7 +158,7 @@ TEST_SUITE("unit") {
     CHECK(trace.components[0].points.size() == 4);
     CHECK(trace.uniform_draws == 3);
     REQUIRE(trace.samples.size() == 4);
-    CHECK(trace.samples[3].origin == 0);
+    CHECK(trace.samples[3].source == 0);
     CHECK((trace.samples[3].points.back() - 3 * Vec3(std::cos(0.3F), std::sin(0.3F), 0)).norm() <
           1e-6);
     CHECK(trace.edge_count == 2);

@@ -10,7 +10,7 @@
 namespace mneme::test {
 namespace {
 
-/// Groups of components of a robot of three joints: group g has its origin 10 + g and its means at
+/// Groups of components of a robot of three joints: group g has its source 10 + g and its means at
 /// (0, 0, 1 + 0.1 g). Notes what is made.
 class FakeSource final : public ComponentSource {
  public:
@@ -22,7 +22,7 @@ class FakeSource final : public ComponentSource {
   int component_count(int group) const override {
     return sizes_.at(static_cast<std::size_t>(group));
   }
-  Origin origin(int group) const override { return 10 + group; }
+  SampleSource sample_source(int group) const override { return 10 + group; }
   bool make(int group, int component, std::span<float> mean) const override {
     ++made[{group, component}];
     mean[0] = mean[1] = 0;
@@ -46,9 +46,9 @@ Samples draw_components(std::shared_ptr<const FakeSource> source, double sigma, 
   return draw(*make_component_sampler(robot, std::move(source), sigma), 3, seed, count);
 }
 
-std::map<Origin, int> counts(const std::vector<Origin>& origins) {
-  std::map<Origin, int> result;
-  for (const Origin origin : origins) ++result[origin];
+std::map<SampleSource, int> counts(const std::vector<SampleSource>& sources) {
+  std::map<SampleSource, int> result;
+  for (const SampleSource source : sources) ++result[source];
   return result;
 }
 
@@ -75,7 +75,7 @@ TEST_SUITE("unit") {
     const int period = ComponentSource::kDrawsPerGroup;
     const Samples samples = draw_components(source, 0.1, 3 * period);
     const auto part = [&](int begin, int end) {
-      return counts({samples.origins.begin() + begin, samples.origins.begin() + end});
+      return counts({samples.sources.begin() + begin, samples.sources.begin() + end});
     };
     CHECK(part(0, period - 1).size() == 2);
     CHECK(part(0, period - 1).contains(11));
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     const auto source = std::make_shared<FakeSource>(std::vector{2, 1});
     source->silent[{0, 0}] = source->silent[{0, 1}] = true;
     const Samples samples = draw_components(source, 0.1, 50);
-    CHECK(counts(samples.origins) == std::map<Origin, int>{{11, 50}});
+    CHECK(counts(samples.sources) == std::map<SampleSource, int>{{11, 50}});
     CHECK(source->made.size() == 3);
   }
 
@@ -96,7 +96,7 @@ TEST_SUITE("unit") {
     silent->silent[{0, 0}] = silent->silent[{0, 1}] = silent->silent[{2, 0}] = true;
     for (const auto& source : {silent, std::make_shared<FakeSource>(std::vector<int>{})}) {
       const Samples samples = draw_components(source, 0.1, 2000);
-      CHECK(counts(samples.origins) == std::map<Origin, int>{{kUniformOrigin, 2000}});
+      CHECK(counts(samples.sources) == std::map<SampleSource, int>{{kUniformSource, 2000}});
       // The first joint turns all the way, the second from -2 to 1.
       CHECK(chi_square(samples.columns[1], -2, 1, 10) < 30);
     }
@@ -136,7 +136,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("all components of the groups that take part are equally likely") {
     const auto source = std::make_shared<FakeSource>(std::vector{3, 1}, 2);
-    const auto shares = counts(draw_components(source, 0.1, 40000).origins);
+    const auto shares = counts(draw_components(source, 0.1, 40000).sources);
     CHECK(shares.at(10) == doctest::Approx(30000).epsilon(0.03));
   }
 }

@@ -47,7 +47,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("Halton samples say that they are uniform") {
     const auto sampler = make_halton_sampler(all_kinds());
-    for (const Origin origin : draw(*sampler, 3, 1, 100).origins) CHECK(origin == kUniformOrigin);
+    for (const SampleSource source : draw(*sampler, 3, 1, 100).sources)
+      CHECK(source == kUniformSource);
   }
 
   TEST_CASE("samples are the Halton points of the first primes, shifted by a constant") {

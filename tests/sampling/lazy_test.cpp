@@ -13,37 +13,37 @@ struct Log {
   int starts = 0;
   int draws = 0;
   std::vector<std::uint64_t> seeds;
-  std::vector<Origin> reported;
+  std::vector<SampleSource> reported;
 };
 
-/// Gives its origin as every value, and writes down what it is asked.
+/// Gives its source as every value, and writes down what it is asked.
 class LoggedSampler final : public Sampler {
  public:
-  LoggedSampler(Origin origin, Log& log) : origin_(origin), log_(log) {}
+  LoggedSampler(SampleSource source, Log& log) : source_(source), log_(log) {}
 
   std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
     ++log_.starts;
     log_.seeds.push_back(seed);
-    return std::make_unique<Stream>(origin_, log_);
+    return std::make_unique<Stream>(source_, log_);
   }
 
  private:
   class Stream final : public SampleStream {
    public:
-    Stream(Origin origin, Log& log) : origin_(origin), log_(log) {}
-    Origin next(std::span<float> q) override {
+    Stream(SampleSource source, Log& log) : source_(source), log_(log) {}
+    SampleSource next(std::span<float> q) override {
       ++log_.draws;
-      for (float& value : q) value = static_cast<float>(origin_);
-      return origin_;
+      for (float& value : q) value = static_cast<float>(source_);
+      return source_;
     }
-    void report(Origin origin, SampleOutcome) override { log_.reported.push_back(origin); }
+    void report(SampleSource source, SampleOutcome) override { log_.reported.push_back(source); }
 
    private:
-    Origin origin_;
+    SampleSource source_;
     Log& log_;
   };
 
-  Origin origin_;
+  SampleSource source_;
   Log& log_;
 };
 
@@ -66,8 +66,8 @@ TEST_SUITE("unit") {
       const auto sampler = fixture.make(count);
       const Samples samples = draw(*sampler, 2, 1, 20);
       for (int i = 0; i < 20; ++i) {
-        const Origin expected = i < count ? -1 : 5;
-        CHECK(samples.origins[static_cast<std::size_t>(i)] == expected);
+        const SampleSource expected = i < count ? -1 : 5;
+        CHECK(samples.sources[static_cast<std::size_t>(i)] == expected);
         CHECK(samples.columns[1][static_cast<std::size_t>(i)] == expected);
       }
       CHECK(fixture.first.draws == count);
@@ -102,9 +102,9 @@ TEST_SUITE("unit") {
     const auto stream = sampler->start(1);
     std::vector<float> q(2);
     stream->report(stream->next(q), SampleOutcome::extended);
-    CHECK(fixture.first.reported == std::vector<Origin>{-1});
+    CHECK(fixture.first.reported == std::vector<SampleSource>{-1});
     stream->report(stream->next(q), SampleOutcome::rejected);
-    CHECK(fixture.rest.reported == std::vector<Origin>{5});
+    CHECK(fixture.rest.reported == std::vector<SampleSource>{5});
     CHECK(fixture.first.reported.size() == 1);
   }
 
@@ -122,7 +122,7 @@ TEST_SUITE("unit") {
     const auto sampler = make_lazy_sampler(make_uniform_sampler(robot), 1, [&robot] {
       return std::shared_ptr<const Sampler>(make_uniform_sampler(robot));
     });
-    CHECK(draw(*sampler, 3, 1, 1000).origins.back() == kUniformOrigin);
+    CHECK(draw(*sampler, 3, 1, 1000).sources.back() == kUniformSource);
   }
 }
 

@@ -21,24 +21,24 @@ Robot revolute3() {
   return joints_of({JointType::revolute, JointType::revolute, JointType::revolute});
 }
 
-/// Components that their origins tell apart: n of them at distances that sigma does not bridge.
+/// Components that their sources tell apart: n of them at distances that sigma does not bridge.
 GaussianMixture line_of(int components) {
   GaussianMixture mixture;
   mixture.joint_count = 3;
   for (int i = 0; i < components; ++i) {
     const float at = -1.5f + 2.0f * static_cast<float>(i) / static_cast<float>(components);
     mixture.means.insert(mixture.means.end(), {at, -at - 1, 1.2f + at / 10});
-    mixture.origins.push_back(7 * i + 3);
+    mixture.sources.push_back(7 * i + 3);
   }
   return mixture;
 }
 
-/// The samples of one origin.
-Samples of_origin(const Samples& all, Origin origin) {
+/// The samples of one source.
+Samples of_source(const Samples& all, SampleSource source) {
   Samples result;
   result.columns.resize(all.columns.size());
-  for (std::size_t i = 0; i < all.origins.size(); ++i) {
-    if (all.origins[i] != origin) continue;
+  for (std::size_t i = 0; i < all.sources.size(); ++i) {
+    if (all.sources[i] != source) continue;
     for (std::size_t j = 0; j < all.columns.size(); ++j) {
       result.columns[j].push_back(all.columns[j][i]);
     }
@@ -60,18 +60,19 @@ TEST_SUITE("unit") {
     GaussianMixture mixture = line_of(4);
     const Samples samples = draw(*make_sampler(all_kinds(), mixture, 0), 3, 1, 100);
     for (std::size_t i = 0; i < 100; ++i) {
-      const auto component = static_cast<std::size_t>((samples.origins[i] - 3) / 7);
+      const auto component = static_cast<std::size_t>((samples.sources[i] - 3) / 7);
       for (std::size_t j = 0; j < 3; ++j) {
         REQUIRE(samples.columns[j][i] == mixture.means.at(3 * component + j));
       }
     }
   }
 
-  TEST_CASE("without origins, all samples count for source 0") {
+  TEST_CASE("without sources, all samples count for source 0") {
     GaussianMixture mixture = line_of(4);
-    mixture.origins.clear();
-    for (const Origin origin : draw(*make_sampler(all_kinds(), mixture, 0.1), 3, 1, 100).origins) {
-      CHECK(origin == 0);
+    mixture.sources.clear();
+    for (const SampleSource source :
+         draw(*make_sampler(all_kinds(), mixture, 0.1), 3, 1, 100).sources) {
+      CHECK(source == 0);
     }
   }
 
@@ -113,10 +114,10 @@ TEST_SUITE("unit") {
 
   TEST_CASE("with widening, only the first components are drawn from, and all of them in the end") {
     const auto farthest = [](const Widening& widening, int count) {
-      Origin most = 0;
-      for (const Origin origin :
-           draw(*make_sampler(all_kinds(), line_of(50), 0, widening), 3, 31, count).origins) {
-        most = std::max(most, (origin - 3) / 7);
+      SampleSource most = 0;
+      for (const SampleSource source :
+           draw(*make_sampler(all_kinds(), line_of(50), 0, widening), 3, 31, count).sources) {
+        most = std::max(most, (source - 3) / 7);
       }
       return most;
     };
@@ -151,7 +152,7 @@ TEST_SUITE("law") {
     const GaussianMixture mixture = line_of(5);
     const Samples all = draw(*make_sampler(all_kinds(), mixture, kSigma), 3, 21, kCount);
     for (int component = 0; component < 5; ++component) {
-      const Samples samples = of_origin(all, 7 * component + 3);
+      const Samples samples = of_source(all, 7 * component + 3);
       const auto count = static_cast<double>(samples.columns[0].size());
       CAPTURE(component);
       CHECK(std::abs(count - kCount / 5.0) < 5 * std::sqrt(kCount * 0.2 * 0.8));
@@ -208,7 +209,7 @@ TEST_SUITE("law") {
     mixture.factor_rows = {1, -1, 0};
     mixture.factors = {0.02f, 0,     0.03f, 0,      0,     0.04f,   // row 0, diagonal
                        0.1f,  0.05f, 0.07f, -0.08f, 0.03f, 0.06f};  // row 1
-    mixture.origins = {0, 1, 2};
+    mixture.sources = {0, 1, 2};
     const Samples all = draw(*make_sampler(revolute3(), mixture, 0.09), 3, 23, kCount);
     Eigen::Matrix3d factor;
     factor << 0.1, 0, 0, 0.05, 0.07, 0, -0.08, 0.03, 0.06;
@@ -216,7 +217,7 @@ TEST_SUITE("law") {
         factor * factor.transpose(), Eigen::Matrix3d::Identity() * 0.09 * 0.09,
         Eigen::Vector3d(0.02, 0.03, 0.04).cwiseAbs2().asDiagonal()};
     for (int component = 0; component < 3; ++component) {
-      const Samples samples = of_origin(all, component);
+      const Samples samples = of_source(all, component);
       const auto& covariances = expected.at(static_cast<std::size_t>(component));
       for (std::size_t i = 0; i < 3; ++i) {
         const auto row = static_cast<Eigen::Index>(i);

@@ -45,7 +45,7 @@ inline Robot all_kinds() {
 /// Samples as columns, one per joint.
 struct Samples {
   std::vector<std::vector<double>> columns;
-  std::vector<Origin> origins;
+  std::vector<SampleSource> sources;
 };
 
 inline Samples draw(const Sampler& sampler, int joints, std::uint64_t seed, int count) {
@@ -54,7 +54,7 @@ inline Samples draw(const Sampler& sampler, int joints, std::uint64_t seed, int 
   samples.columns.resize(static_cast<std::size_t>(joints));
   std::vector<float> q(static_cast<std::size_t>(joints));
   for (int i = 0; i < count; ++i) {
-    samples.origins.push_back(stream->next(q));
+    samples.sources.push_back(stream->next(q));
     for (std::size_t j = 0; j < q.size(); ++j) samples.columns[j].push_back(q[j]);
   }
   return samples;
@@ -97,7 +97,7 @@ inline void check_seeds(const Sampler& sampler, int joints) {
   const Samples again = draw(sampler, joints, 11, 500);
   const Samples other = draw(sampler, joints, 12, 500);
   CHECK(first.columns == again.columns);
-  CHECK(first.origins == again.origins);
+  CHECK(first.sources == again.sources);
   for (int j = 0; j < joints; ++j) {
     const auto& a = first.columns[static_cast<std::size_t>(j)];
     const auto& b = other.columns[static_cast<std::size_t>(j)];

@@ -27,7 +27,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("uniform samples say that they are uniform") {
     const auto sampler = make_uniform_sampler(all_kinds());
-    for (const Origin origin : draw(*sampler, 3, 1, 100).origins) CHECK(origin == kUniformOrigin);
+    for (const SampleSource source : draw(*sampler, 3, 1, 100).sources)
+      CHECK(source == kUniformSource);
   }
 }
 

@@ -47,7 +47,7 @@ inline Experience random_experience(Rng& rng, int components = 5) {
   }
   for (int i = 0; i < components; ++i) {
     experience.sampler.factor_rows.push_back(i % 2 == 0 ? -1 : 0);
-    experience.sampler.origins.push_back(i);
+    experience.sampler.sources.push_back(i);
   }
   for (int i = 0; i < 6; ++i) {
     experience.sampler.factors.push_back(static_cast<float>(rng.uniform(0, 1)));
@@ -65,7 +65,7 @@ inline std::vector<Experience> random_rows(Rng& rng, int count, int components =
 inline bool is_same_content(const Experience& a, const Experience& b) {
   return a.kind == b.kind && a.key == b.key && a.sampler.joint_count == b.sampler.joint_count &&
          a.sampler.means == b.sampler.means && a.sampler.factor_rows == b.sampler.factor_rows &&
-         a.sampler.factors == b.sampler.factors && a.sampler.origins == b.sampler.origins &&
+         a.sampler.factors == b.sampler.factors && a.sampler.sources == b.sampler.sources &&
          a.provenance.tool == b.provenance.tool && a.provenance.settings == b.provenance.settings &&
          a.provenance.seed == b.provenance.seed && a.provenance.time == b.provenance.time;
 }

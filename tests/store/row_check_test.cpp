@@ -25,7 +25,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 TEST_SUITE("unit") {
   TEST_CASE("a row whose sizes fit and whose numbers are finite is sound") {
     CHECK(flaw_after([](Experience&) {}).empty());
-    CHECK(flaw_after([](Experience& e) { e.sampler.origins.clear(); }).empty());
+    CHECK(flaw_after([](Experience& e) { e.sampler.sources.clear(); }).empty());
     CHECK(flaw_after([](Experience& e) {
             e.sampler.factor_rows.clear();
             e.sampler.factors.clear();
@@ -68,7 +68,7 @@ TEST_SUITE("unit") {
           "its sampler is for 4 joints; expected 3");
     CHECK(flaw_after([](Experience& e) { e.sampler.means.pop_back(); }) ==
           "its 14 mean values are no multiple of 3");
-    CHECK(flaw_after([](Experience& e) { e.sampler.origins.pop_back(); }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler.sources.pop_back(); }) ==
           "it has 4 origins for 5 components");
     CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows.push_back(0); }) ==
           "it has 6 factor rows for 5 components");

@@ -147,8 +147,8 @@ TEST_SUITE("law") {
         [](Experience& e) { e.sampler.means[2] += 1e-6f; },
         [](Experience& e) { e.sampler.factor_rows[0] = -1; },
         [](Experience& e) { e.sampler.factors[0] = 2; },
-        [](Experience& e) { e.sampler.origins[0] = 8; },
-        [](Experience& e) { std::swap(e.sampler.factor_rows, e.sampler.origins); },
+        [](Experience& e) { e.sampler.sources[0] = 8; },
+        [](Experience& e) { std::swap(e.sampler.factor_rows, e.sampler.sources); },
         [](Experience& e) { e.provenance.seed ^= 1; },
         [](Experience& e) { e.provenance.time += " "; },
         [](Experience& e) {
@@ -182,7 +182,7 @@ TEST_SUITE("law") {
     CHECK(hash != hash_after([](Experience& e) { e.sampler.means[0] = -1; }));
     CHECK(hash != hash_after([](Experience& e) { e.sampler.factor_rows.clear(); }));
     CHECK(hash != hash_after([](Experience& e) { e.sampler.factors[1] = 2; }));
-    CHECK(hash != hash_after([](Experience& e) { e.sampler.origins[0] = 0; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler.sources[0] = 0; }));
     CHECK(hash != hash_after([](Experience& e) { e.provenance.settings += "x"; }));
     CHECK(hash != hash_after([](Experience& e) { ++e.provenance.seed; }));
   }
