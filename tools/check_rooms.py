@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks that includes respect src/rooms.txt, which headers are public, the order of includes, and names of types.
+"""Checks that includes respect src/rooms.txt, which headers are public, the order of includes, and names in headers.
 
 usage: check_rooms.py SOURCE_DIRECTORY [--fix]
 
-Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them. Public headers, apps, the Python
+Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them: headers of the rooms that stand behind
+the colon, and of those that these may use. Behind "|" stand the private headers that a room shows to others; each has a
+user there, and all others are its own. --shown counts them. Public headers, apps, the Python
 module, the examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room
 has a test program.
 
@@ -14,7 +16,7 @@ between two such blocks and none within one. --fix brings them into this order. 
 per instruction set, and what stands between #if and #endif keep theirs.
 
 Names: two headers define no type of the same name in the same namespace. No compiler sees both, and the linker takes
-either one's functions for the other's.
+either one's functions for the other's. A constant of a header shares its name with no other constant of src and include.
 """
 import argparse
 import pathlib
@@ -28,6 +30,7 @@ PUBLIC_ONLY = ("include", "apps", "python", "examples", "src/ompl")
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 CONDITION = re.compile(r"^\s*#\s*(if|ifdef|ifndef|endif)\b")
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
+CONSTANT = re.compile(r"^(?:inline |static )*constexpr\s[^=;(){]*?\b(k[A-Z]\w*)\s*(?:\[[^\]]*\]\s*)?[={]", re.MULTILINE)
 TYPE = re.compile(r"^(?:class|struct|enum class) (\w+)(?: final)?(?:\s*:[^;{]*)?\s*\{", re.MULTILINE)
 KERNELS = re.compile(r"HWY_TARGET_INCLUDE|HWY_BEFORE_NAMESPACE|HWY_TARGET_TOGGLE")
 SYSTEM = re.compile(r"[a-z_]+$|(sys|netinet|arpa|bits|linux)/|"
@@ -38,19 +41,21 @@ BLOCKS = ("own header", '"mneme/..."', 'other "..."', "third party <...>", "stan
 
 
 def read_rooms(path):
-    """Returns {room: rooms it may include}, with transitive use expanded."""
-    allowed = {}
+    """Returns {room: rooms it may include}, with transitive use expanded, and {room: headers it shows}."""
+    allowed, shown = {}, {}
     for line in path.read_text().splitlines():
         if not line.strip() or line.startswith("#"):
             continue
-        room, _, uses = line.partition(":")
+        room, _, rest = line.partition(":")
+        uses, _, headers = rest.partition("|")
+        shown[room] = set(headers.split())
         direct = set(uses.split())
         unknown = direct - set(allowed)
         if unknown:
             sys.exit(f"{path}: {room} uses {sorted(unknown)}, which do not stand below it")
         below = EVERYWHERE & set(allowed)
         allowed[room] = {room} | below | direct | {r for d in direct for r in allowed[d]}
-    return allowed
+    return allowed, shown
 
 
 def quoted_includes(lines):
@@ -87,6 +92,26 @@ def check_rooms(name, lines, rooms):
             for number, include, other in used if other is not None and other not in rooms[room]]
 
 
+def private_includes(name, lines, rooms):
+    """(number, room, header) of each private header of another room that this file of src/ includes."""
+    room = room_of_file(name)
+    parts = ((number, pathlib.PurePosixPath(include).parts) for number, include in quoted_includes(lines))
+    return [(number, *part) for number, part in parts if len(part) == 2 and part[0] in rooms and part[0] != room]
+
+
+def check_shown(files, rooms, shown):
+    """Private headers of other rooms that the {name: lines} of src/ include although these do not show them, and headers
+    that are shown to nobody."""
+    used, findings = set(), []
+    for name, lines in files.items():
+        for number, other, header in private_includes(name, lines, rooms):
+            used.add((other, header))
+            if header not in shown[other]:
+                findings.append(f"{name}:{number}: {other}/{header} is private; src/rooms.txt says what {other} shows")
+    return findings + [f"src/rooms.txt: {room} shows {header}, which no other room includes"
+                       for room, headers in shown.items() for header in sorted(headers) if (room, header) not in used]
+
+
 def check_public(root, name, lines):
     """What this file includes besides public headers and those of its own directory."""
     folder = next((folder for folder in PUBLIC_ONLY if name.startswith(folder + "/")), None)
@@ -117,6 +142,16 @@ def check_types(headers):
             around = [space for start, space in opened if start < match.start()]
             places.setdefault((around[-1] if around else "", match[1]), []).append(name)
     return [f"{names[1]}: type {kind} is defined in {names[0]}, too" for (_, kind), names in places.items() if len(names) > 1]
+
+
+def check_constants(texts):
+    """Constants of headers among the {name: text} whose name another file gives to a constant, too."""
+    places = {}
+    for name, text in texts.items():
+        for match in CONSTANT.finditer(text):
+            places.setdefault(match[1], []).append(name)
+    return [f"{names[1]}: constant {constant} is defined in {names[0]}, too" for constant, names in places.items()
+            if len(names) > 1 and any(name.endswith(".h") for name in names)]
 
 
 def block_of(name, kind, include):
@@ -201,22 +236,30 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=pathlib.Path, metavar="SOURCE_DIRECTORY")
     parser.add_argument("--fix", action="store_true", help="bring includes into order")
+    parser.add_argument("--shown", action="store_true", help="count the private headers that rooms show, and end")
     arguments = parser.parse_args()
     root = arguments.root
-    rooms = read_rooms(root / "src/rooms.txt")
+    rooms, shown = read_rooms(root / "src/rooms.txt")
+    if arguments.shown:
+        print(*(f"{room}: {len(headers)}" for room, headers in shown.items() if headers), sep="\n")
+        print(f"in all: {sum(len(headers) for headers in shown.values())}")
+        return 0
     paths = [path for folder in FOLDERS for suffix in ("*.h", "*.cpp") for path in sorted((root / folder).rglob(suffix))]
     findings = check_tests(root, rooms)
-    headers = {}
+    texts = {}
     for path in paths:
         name = path.relative_to(root).as_posix()
         text = path.read_text()
         lines = text.splitlines()
-        if path.suffix == ".h" and name.startswith(("src/", "include/")):
-            headers[name] = text
+        if name.startswith(("src/", "include/")):
+            texts[name] = text
         findings += check_rooms(name, lines, rooms)
         findings += check_public(root, name, lines)
         findings += check_order(path, name, lines, arguments.fix)
-    findings += check_types(headers)
+    sources = {name: text.splitlines() for name, text in texts.items() if name.startswith("src/")}
+    findings += check_shown(sources, rooms, shown)
+    findings += check_types({name: text for name, text in texts.items() if name.endswith(".h")})
+    findings += check_constants(texts)
     print("\n".join(findings) if findings else f"{len(paths)} files respect {len(rooms)} rooms")
     return 1 if findings else 0
 

@@ -35,7 +35,7 @@ namespace HWY_NAMESPACE {
 
 /// So many bodies go through the coarse tests before the finer ones: more would put off contacts of
 /// the tips, fewer would wait for each other.
-constexpr int kBatch = 4;
+constexpr int kLinkBatch = 4;
 /// What passed a coarse test is listed before the finer one.
 constexpr int kListSize = 64;
 template <bool kIsMotion, class Margins = EvenMargins>
@@ -54,8 +54,8 @@ class StateChecker {
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
     pose_frames(robot_, q, poses_);
     margins_.follow(poses_);
-    for (int begin = 0; begin < robot_.moving_count; begin += kBatch) {
-      const int end = std::min(begin + kBatch, robot_.moving_count);
+    for (int begin = 0; begin < robot_.moving_count; begin += kLinkBatch) {
+      const int end = std::min(begin + kLinkBatch, robot_.moving_count);
       for (int i = begin; i < end; ++i) {
         const BodyRow& body = robot_.bodies[i];
         centers_[i] = transform_point(poses_[body.frame], body.ball.center);
@@ -69,8 +69,8 @@ class StateChecker {
  private:
   HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
     for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
-      int near[kBatch];
-      unsigned overlaps[kBatch];
+      int near[kLinkBatch];
+      unsigned overlaps[kLinkBatch];
       int count = 0;
       for (int i = first; i < last; ++i) {
         near[count] = i;

@@ -60,8 +60,8 @@ using Cells = hn::CappedTag<std::int16_t, 2 * kCoarseBlock>;
 using Sums = hn::Repartition<std::int32_t, Cells>;
 using CellsV = hn::Vec<Cells>;
 using SumsV = hn::Vec<Sums>;
-constexpr std::size_t kLanes = hn::MaxLanes(Sums());
-constexpr std::size_t kParts = kCoarseBlock / kLanes;
+constexpr std::size_t kSumLanes = hn::MaxLanes(Sums());
+constexpr std::size_t kParts = kCoarseBlock / kSumLanes;
 /// That are looked at together.
 constexpr std::size_t kMostBlocks = 4;
 
@@ -81,7 +81,7 @@ HWY_INLINE SumsV add_squares(CellsV cells, SumsV total) {
 HWY_INLINE std::uint64_t bits_of(hn::Mask<Sums> mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(Sums(), mask, bytes);
-  return (bytes[0] | std::uint64_t{bytes[1]} << 8) & ((1U << kLanes) - 1);
+  return (bytes[0] | std::uint64_t{bytes[1]} << 8) & ((1U << kSumLanes) - 1);
 }
 
 template <std::size_t kBlocks>
@@ -92,14 +92,14 @@ HWY_INLINE std::uint64_t near_keys_of(const CoarsePair* blocks, std::size_t pair
   for (std::size_t pair = 0; pair < pair_count; ++pair, ++blocks) {
     const CellsV q = pair_of(query, pair);
     for (std::size_t i = 0; i < kBlocks * kParts; ++i) {
-      const std::int16_t* cells = blocks[i / kParts * pair_count].cells + i % kParts * 2 * kLanes;
+      const std::int16_t* cells = blocks[i / kParts * pair_count].cells + i % kParts * 2 * kSumLanes;
       totals[i] = add_squares(hn::Sub(hn::Load(Cells(), cells), q), totals[i]);
     }
   }
   std::uint64_t near = 0;
   for (std::size_t i = 0; i < kBlocks * kParts; ++i) {
     const auto is_far = hn::Gt(totals[i], hn::Set(Sums(), most));
-    near |= bits_of(hn::Not(is_far)) << (i * kLanes);
+    near |= bits_of(hn::Not(is_far)) << (i * kSumLanes);
   }
   return near;
 }
@@ -130,14 +130,14 @@ void box_distances(const CoarsePair* blocks, std::size_t block_count, std::size_
     for (std::size_t pair = 0; pair < pair_count; ++pair, blocks += 2) {
       const CellsV q = pair_of(query, pair);
       for (std::size_t part = 0; part < kParts; ++part) {
-        const std::size_t first = 2 * kLanes * part;
+        const std::size_t first = 2 * kSumLanes * part;
         const CellsV apart = hn::Max(hn::Sub(hn::Load(d, blocks[0].cells + first), q),
                                      hn::Sub(q, hn::Load(d, blocks[1].cells + first)));
         totals[part] = add_squares(hn::Max(hn::Sub(apart, one), hn::Zero(d)), totals[part]);
       }
     }
     for (std::size_t part = 0; part < kParts; ++part) {
-      hn::StoreU(totals[part], Sums(), squared + kLanes * part);
+      hn::StoreU(totals[part], Sums(), squared + kSumLanes * part);
     }
   }
 }

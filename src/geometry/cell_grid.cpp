@@ -60,7 +60,7 @@ struct Range {
 
 /// The cells that know of an octant: where its neighbours are no farther, they know of those.
 Range find_narrowed(const CellGrid& grid, const CellGrid::Index& octant, std::size_t axis) {
-  constexpr int kCells = kGapReach / 2;
+  constexpr int kCells = kMostGapCells / 2;
   const int cell = octant[axis] / 2, is_upper = octant[axis] % 2;
   Range range = {std::max(cell - kCells, 0), std::min(cell + kCells, grid.count[axis] - 1)};
   CellGrid::Index neighbour = octant;
@@ -134,7 +134,7 @@ void occupy(const CellGrid::Index& octant, CellGrid& grid) {
               zs = find_narrowed(grid, octant, 2);
   if (xs.low > xs.high) return;
   std::array<std::uint8_t, kSpareCells> along_x;
-  static_assert(along_x.size() >= kGapReach);
+  static_assert(along_x.size() >= kMostGapCells);
   for (int i = 0; i < kSpareCells; ++i) {
     const int x = xs.low + i;
     along_x[as_index(i)] = x <= xs.high ? squared(distance_along(x, octant[0])) : kWideGap;

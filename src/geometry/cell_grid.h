@@ -14,9 +14,9 @@ namespace mneme::internal {
 
 /// Octants of a cell lie on either side of its middle along each axis. So many of them around an
 /// occupied one know of it.
-inline constexpr int kGapReach = 15;
+inline constexpr int kMostGapCells = 15;
 /// Of cells that know of no occupied octant.
-inline constexpr std::uint8_t kWideGap = kGapReach * kGapReach;
+inline constexpr std::uint8_t kWideGap = kMostGapCells * kMostGapCells;
 
 /// A box along the axes of the parts' frame.
 struct Region {

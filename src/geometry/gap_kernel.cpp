@@ -61,8 +61,8 @@ class Rows {
   }
 
   int count_ = 0;
-  const uint8_t* rows_[2 * kGapReach];
-  uint8_t squared_[2 * kGapReach];
+  const uint8_t* rows_[2 * kMostGapCells];
+  uint8_t squared_[2 * kMostGapCells];
 };
 
 /// Rows of octants, two for each row of cells; rows without any occupied octant are not read.
@@ -74,7 +74,7 @@ struct OctantRows {
   /// Writes the gaps of cells at the row `i` of cells, by all rows of octants within reach.
   HWY_INLINE void narrow_row(int i, uint8_t* to) const {
     Rows near;
-    for (int d = 0; d < kGapReach; ++d) {
+    for (int d = 0; d < kMostGapCells; ++d) {
       for (const int row : {2 * i - d, 2 * i + 1 + d}) {
         if (row < 0 || row >= rows || is_used[row] == 0) continue;
         near.add(data + static_cast<ptrdiff_t>(row) * width, d);
@@ -111,15 +111,15 @@ HWY_INLINE bool spread_layer(const GapRequest& request, int z, uint8_t* rows, ui
 struct PaddedRow {
   uint8_t* data;
 
-  HWY_INLINE PaddedRow(uint8_t* memory, int width) : data(memory + kGapReach) {
-    std::memset(memory, kWideGap, static_cast<size_t>(width + 2 * kGapReach));
+  HWY_INLINE PaddedRow(uint8_t* memory, int width) : data(memory + kMostGapCells) {
+    std::memset(memory, kWideGap, static_cast<size_t>(width + 2 * kMostGapCells));
   }
 };
 
 HWY_INLINE void narrow_along_x(const PaddedRow& lesser, const PaddedRow& greater, int width,
                                uint8_t* to) {
   Rows near;
-  for (int d = 0; d < kGapReach; ++d) {
+  for (int d = 0; d < kMostGapCells; ++d) {
     const bool is_odd = d % 2 == 1;
     const int cells = (d + 1) / 2;
     near.add((is_odd ? greater : lesser).data - cells, d);
@@ -134,8 +134,8 @@ void find_gaps(const GapRequest& request) {
   uint8_t* const layers = request.scratch;
   uint8_t* const rows = layers + static_cast<ptrdiff_t>(2 * depth) * layer;
   uint8_t* const narrowed = rows + 2 * layer;
-  const PaddedRow lesser(narrowed + layer, width), greater(lesser.data + width + kGapReach, width);
-  uint8_t* const is_row_used = greater.data + width + kGapReach;
+  const PaddedRow lesser(narrowed + layer, width), greater(lesser.data + width + kMostGapCells, width);
+  uint8_t* const is_row_used = greater.data + width + kMostGapCells;
   uint8_t* const is_layer_used = is_row_used + 2 * height;
   for (int z = 0; z < 2 * depth; ++z) {
     is_layer_used[z] = spread_layer(request, z, rows, is_row_used);
@@ -175,7 +175,7 @@ std::size_t scratch_size(const GapRequest& request) {
   const auto height = static_cast<std::size_t>(request.count[1]);
   const auto depth = static_cast<std::size_t>(request.count[2]);
   const std::size_t layer = 2 * width * height;
-  return (2 * depth + 3) * layer + 2 * (width + 2 * kGapReach) + 2 * height + 2 * depth;
+  return (2 * depth + 3) * layer + 2 * (width + 2 * kMostGapCells) + 2 * height + 2 * depth;
 }
 
 }  // namespace mneme::internal

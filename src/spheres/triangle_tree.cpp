@@ -9,12 +9,12 @@
 namespace mneme::internal {
 namespace {
 
-constexpr int kLeafSize = 4;
+constexpr int kTrianglesPerLeaf = 4;
 
 }  // namespace
 
 TriangleTree::TriangleTree(TriangleMesh mesh)
-    : mesh_(std::move(mesh)), tree_(boxes_of(mesh_), kLeafSize, Halving::median) {}
+    : mesh_(std::move(mesh)), tree_(boxes_of(mesh_), kTrianglesPerLeaf, Halving::median) {}
 
 double TriangleTree::distance(const Vec3& point, double limit) const {
   const auto distance_to = [&](int i) {

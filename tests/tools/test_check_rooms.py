@@ -81,6 +81,30 @@ def test_a_namespace_has_one_type_of_a_name(tree):
     assert check(tree({"src/robot/a.h": one, "src/scene/b.h": header("internal", "struct Ball;")}))[0] == 0
 
 
+def test_a_constant_of_a_header_has_a_name_of_its_own(tree):
+    def constant(space, value):
+        return f"namespace mneme::{space} {{\n\ninline constexpr double kReach = {value};\n\n}}  // namespace mneme::{space}\n"
+    header = {"src/robot/a.h": constant("internal", 15)}
+    message = (1, "src/scene/b.cpp: constant kReach is defined in src/robot/a.h, too\n")
+    for text in (constant("other", "0.25"), "constexpr int kReach{3};\n", "constexpr float kReach[] = {1, 2};\n"):
+        assert check(tree({**header, "src/scene/b.cpp": text})) == message
+    for text in ("struct A {\n  static constexpr int kReach = 3;\n};\n", "constexpr int kReachOfArm = 3;\n"):
+        assert check(tree({**header, "src/scene/b.cpp": text}))[0] == 0
+    apart = {"src/robot/a.cpp": "constexpr int kTries = 3;\n", "src/scene/b.cpp": "constexpr int kTries = 4;\n"}
+    (tree() / "src/robot/a.h").unlink()
+    assert check(tree(apart))[0] == 0
+
+
+def test_a_private_header_is_shown_or_stays_in_its_room(tree):
+    use = {"src/scene/a.cpp": '#include "robot/tree.h"\n'}
+    assert check(tree(use)) == (1, "src/scene/a.cpp:1: robot/tree.h is private; src/rooms.txt says what robot shows\n")
+    shown = {"src/rooms.txt": ROOMS.replace("robot:", "robot: | tree.h", 1)}
+    assert check(tree({**use, **shown}))[0] == 0
+    assert check(tree(shown), "--shown") == (0, "robot: 1\nin all: 1\n")
+    assert check(tree({**shown, "src/scene/a.cpp": '#include "scene/a.h"\n'})) == (
+        1, "src/rooms.txt: robot shows tree.h, which no other room includes\n")
+
+
 def test_apps_include_their_own_headers_and_public_ones(tree):
     assert check(tree({"apps/a.cpp": '#include "mneme/robot.h"\n\n#include "console.h"\n'}))[0] == 0
 
