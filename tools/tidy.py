@@ -19,8 +19,9 @@ import subprocess
 import sys
 import tempfile
 
+from changed_rooms import changed_rooms, room_of, sources_of
+
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
-UNITY_INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 FINDING = re.compile(r"^(\S+?):\d+:\d+: (?:warning|error): ")
 
 
@@ -38,42 +39,18 @@ def arguments_of(entry):
     return result + ["-Wno-unknown-warning-option"]
 
 
-def room_of(path, root):
-    """The room of a source, or apps; None for tests and what is generated."""
-    try:
-        parts = path.resolve().relative_to(root).parts
-    except ValueError:
-        return None
-    if parts[0] == "src" and len(parts) > 2:
-        return parts[1]
-    return "apps" if parts[0] == "apps" else None
-
-
 def translation_units(root, build):
     """{room: entries of compile_commands.json}"""
     units = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["directory"]) / entry["file"]
-        sources = [path]
-        if "Unity" in path.parts:
-            sources = [pathlib.Path(name) for name in UNITY_INCLUDE.findall(path.read_text())]
+        sources = [source for source in sources_of(entry) if root / "tests" not in source.parents]
         rooms = {room_of(source, root) for source in sources} - {None}
         for room in rooms:
             units.setdefault(room, []).append({**entry, "file": str(path), "arguments": arguments_of(entry)})
     for entry in (entry for entries in units.values() for entry in entries):
         entry.pop("command", None)
     return units
-
-
-def changed_rooms(root):
-    """Rooms with files that differ from HEAD; None outside of git."""
-    done = subprocess.run(["git", "-C", root, "status", "--porcelain", "--untracked-files=all"], capture_output=True,
-                          text=True)
-    if done.returncode != 0:
-        return None
-    names = [pathlib.PurePosixPath(line[3:].split(" -> ")[-1].strip('"')) for line in done.stdout.splitlines()]
-    public = {name.stem for name in names if name.parts[:2] == ("include", "mneme")}
-    return public | {room_of(root / name, root) for name in names if name.suffix in (".h", ".cpp")} - {None}
 
 
 def look_at(root, database, path):
@@ -111,7 +88,7 @@ def main():
         parser.error(f"not compiled in {arguments.build}: {', '.join(sorted(unknown))}")
     rooms = set(arguments.rooms) or set(units)
     if arguments.changed:
-        changed = changed_rooms(arguments.root)
+        changed = changed_rooms(arguments.root, "HEAD")
         if changed is None:
             print("tidy: this is no checkout of git, so that nothing tells what has changed")
             return SKIPPED
