@@ -71,7 +71,7 @@ struct BenchmarkRow {
                                     const SolveResult& result, const CollisionChecker& checker);
 /// "AMD EPYC, 2 cores, Linux 6.1"
 [[nodiscard]] std::string describe_machine();
-/// "mneme 0.1.0, g++ 12.2"
+/// "mneme 0.2.0, g++ 12.2"
 [[nodiscard]] std::string describe_build();
 /// Now, UTC, ISO 8601.
 [[nodiscard]] std::string current_time();

@@ -18,7 +18,7 @@ using LocalSampler = GaussianMixture;
 
 /// Where a row of experience came from.
 struct Provenance {
-  std::string tool;      ///< such as "mneme 0.1.0"
+  std::string tool;      ///< such as "mneme 0.2.0"
   std::string settings;  ///< of the learning, as text
   std::uint64_t seed = 0;
   std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
