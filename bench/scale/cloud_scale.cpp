@@ -46,7 +46,7 @@ struct OnSurface {
     double pick = rng.uniform(0, areas.sum());
     int axis = 0;
     while (axis < 2 && pick > areas[axis]) pick -= areas[axis++];
-    Vec3 p(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    Vec3 p{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
     p[axis] = rng.index(2) == 0 ? -1 : 1;
     return box.pose * Vec3(p.cwiseProduct(box.half_extents));
   }
@@ -60,7 +60,7 @@ struct OnSurface {
     return c.pose * Vec3(r * around + c.length * z * Vec3::UnitZ());
   }
   Vec3 operator()(const Sphere& s) const {
-    return s.center + s.radius * Vec3(rng.normal(), rng.normal(), rng.normal()).normalized();
+    return s.center + s.radius * Vec3{rng.normal(), rng.normal(), rng.normal()}.normalized();
   }
   template <class Other>
   Vec3 operator()(const Other&) const {
@@ -100,7 +100,7 @@ std::vector<CloudPoint> sample(const Scene& scene, std::size_t count, Rng& rng) 
     const auto at = std::ranges::upper_bound(areas, rng.uniform(0, areas.back()));
     const auto i =
         std::min<std::size_t>(static_cast<std::size_t>(at - areas.begin()), shapes.size() - 1);
-    const Vec3 noise(rng.normal(), rng.normal(), rng.normal());
+    const Vec3 noise{rng.normal(), rng.normal(), rng.normal()};
     const Eigen::Vector3f p =
         (std::visit(OnSurface{rng}, *shapes[i]) + kNoise * noise).cast<float>();
     points.push_back({p.x(), p.y(), p.z()});

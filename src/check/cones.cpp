@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <ranges>
 
 namespace mneme::internal {
 namespace {
@@ -40,8 +39,9 @@ bool turns(const Joint& joint) {
 Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
     : up_(constraint.up), angle_(constraint.angle) {
   Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
-  const std::vector<int> joints = joints_to(robot, *robot.find_link(constraint.link));
-  for (const int i : std::views::reverse(joints)) {
+  std::vector<int> joints = joints_to(robot, *robot.find_link(constraint.link));
+  std::reverse(joints.begin(), joints.end());
+  for (const int i : joints) {
     const Joint& joint = robot.joints()[as_index(i)];
     before = before * joint.origin.rotation;
     if (!turns(joint)) continue;

@@ -355,7 +355,7 @@ TEST_SUITE("oracle") {
     for (int k = 0; k < 300; ++k) {
       Scene scene = make_circle_scene("random", {{rng.uniform(-3, 3), rng.uniform(-3, 3), 0.5}});
       Box box;
-      box.pose.translation = Vec3(rng.uniform(-3, 3), rng.uniform(-3, 3), 0);
+      box.pose.translation = Vec3{rng.uniform(-3, 3), rng.uniform(-3, 3), 0};
       box.half_extents = Vec3(0.3, 0.2, 0.1);
       scene.obstacles.push_back({"box", {box}});
       const auto checker = CollisionChecker::make(robot, scene);
@@ -395,7 +395,7 @@ const std::string kArm = R"(<robot name="arm">
 
 Scene random_scene(Rng& rng) {
   const auto point = [&] {
-    return Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    return Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
   };
   const auto size = [&] { return rng.uniform(0.02, 0.3); };
   const Transform pose{rotation_from_rpy(3 * point()), point()};

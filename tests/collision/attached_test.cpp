@@ -29,7 +29,8 @@ AttachedObject random_object(const std::string& name, const Robot& robot, Rng& r
   AttachedObject object{name, robot.links()[link].name, {}};
   const std::uint32_t count = 1 + rng.index(2);
   for (std::uint32_t i = 0; i < count; ++i) {
-    object.shapes.push_back(transformed(random_pose(rng, 0.3), small_shape(rng)));
+    const Shape shape = small_shape(rng);
+    object.shapes.push_back(transformed(random_pose(rng, 0.3), shape));
   }
   if (rng.index(2) == 0) {
     const auto other = rng.index(static_cast<std::uint32_t>(robot.links().size()));

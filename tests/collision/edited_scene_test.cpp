@@ -39,10 +39,11 @@ void edit(Scene& scene, int number, Rng& rng) {
   const std::string name = "added" + std::to_string(number);
   const std::uint32_t kind = rng.index(8);
   if (scene.obstacles.size() < 3 || kind == 0) {
-    const Shape shape = transformed(random_pose(rng, 1.0), random_cloud(rng));
-    REQUIRE(scene.add({name, {shape}}).has_value());
+    const Shape cloud = random_cloud(rng);
+    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.0), cloud)}}).has_value());
   } else if (kind == 1) {
-    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.5), small_box(rng))}}).has_value());
+    const Shape box = small_box(rng);
+    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.5), box)}}).has_value());
   }
   const std::uint32_t count = static_cast<std::uint32_t>(scene.obstacles.size());
   const Obstacle& obstacle = scene.obstacles[rng.index(count)];

@@ -189,7 +189,8 @@ Scene random_scene(const Robot& robot, int count, Rng& rng, const MakeShape& mak
   scene.name = "random";
   for (int attempt = 0; attempt < 1000 && std::ssize(scene.obstacles) < count; ++attempt) {
     const std::string name = "obstacle" + std::to_string(scene.obstacles.size());
-    const Obstacle obstacle{name, {transformed(random_pose(rng, 1.5), make_shape(rng))}};
+    const Shape shape = make_shape(rng);
+    const Obstacle obstacle{name, {transformed(random_pose(rng, 1.5), shape)}};
     if (leaves_fixed_links_alone(robot, Scene{"one", {obstacle}})) {
       scene.obstacles.push_back(obstacle);
     }

@@ -371,7 +371,7 @@ TEST_SUITE("law") {
       for (int k = 0; k < 12; ++k) {
         // Half of the boxes stand upright, so that they give the scene its axes.
         Shape shape = small_shape(rng);
-        const Vec3 place = Vec3(rng.uniform(0.3, 1), rng.uniform(-1, 1), rng.uniform(-0.2, 1));
+        const Vec3 place = Vec3{rng.uniform(0.3, 1), rng.uniform(-1, 1), rng.uniform(-0.2, 1)};
         const Transform pose = k % 2 == 0 ? Transform{Eigen::Matrix3d::Identity(), place}
                                           : Transform{random_pose(rng, 1).rotation, place};
         if (k % 2 == 0) shape = small_box(rng);

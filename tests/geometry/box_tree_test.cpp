@@ -17,7 +17,7 @@ using internal::Halving;
 std::vector<AxisBox> scattered_boxes(int count, Rng& rng) {
   std::vector<AxisBox> boxes;
   for (int i = 0; i < count; ++i) {
-    const Vec3 corner(rng.uniform(-3, 3), rng.uniform(-1, 1), 0);
+    const Vec3 corner{rng.uniform(-3, 3), rng.uniform(-1, 1), 0};
     boxes.push_back({corner, corner + Vec3(0.1, 0.05, 0)});
   }
   return boxes;
@@ -32,7 +32,7 @@ TEST_SUITE("law") {
       const std::vector<AxisBox> boxes = scattered_boxes(count, rng);
       const BoxTree curve(boxes, 4), median(boxes, 4, Halving::median);
       for (int i = 0; i < 200; ++i) {
-        const Vec3 point(rng.uniform(-4, 4), rng.uniform(-2, 2), rng.uniform(-1, 1));
+        const Vec3 point{rng.uniform(-4, 4), rng.uniform(-2, 2), rng.uniform(-1, 1)};
         const auto distance_to = [&](int part) {
           return std::sqrt(distance2(boxes[static_cast<std::size_t>(part)], {point, point}));
         };

@@ -145,7 +145,7 @@ TEST_SUITE("law") {
     Rng rng(61);
     for (const auto make : kMakers) {
       for (int i = 0; i < 20; ++i) {
-        const Shape shape = transformed(random_pose(rng, 1.0), make(rng));
+        const Shape made = make(rng), shape = transformed(random_pose(rng, 1.0), made);
         for (int k = 0; k < 50; ++k) {
           const Vec3 a = random_vector(rng, 1.5), b = k % 2 == 0 ? a : random_vector(rng, 1.5);
           const double expected = std::visit(DistanceByParts{a, b}, shape);
@@ -179,7 +179,7 @@ TEST_SUITE("law") {
     Rng rng(64);
     int apart = 0, touching = 0;
     for (int i = 0; i < 20; ++i) {
-      const Shape mesh = transformed(random_pose(rng, 0.5), random_mesh(rng));
+      const Shape made = random_mesh(rng), mesh = transformed(random_pose(rng, 0.5), made);
       const double radius = std::get<Mesh>(mesh).radius;
       for (int k = 0; k < 20; ++k) {
         const Capsule own{random_vector(rng, 1.2), random_vector(rng, 1.2), 0.05};
@@ -197,7 +197,7 @@ TEST_SUITE("law") {
   TEST_CASE("the oriented box of a compound shape holds all of its parts") {
     Rng rng(65);
     for (int i = 0; i < 30; ++i) {
-      const Shape shape = transformed(random_pose(rng, 1.0), kMakers[i % 3](rng));
+      const Shape made = kMakers[i % 3](rng), shape = transformed(random_pose(rng, 1.0), made);
       const Shape box = std::visit(
           [](const auto& s) -> Shape {
             if constexpr (requires { s.parts; }) return internal::oriented_box(s);

@@ -25,7 +25,7 @@ inline Shape random_cloud(Rng& rng) {
     const Transform pose = random_pose(rng, 0.4);
     for (int i = 0; i < 300; ++i) {
       const Vec3 p =
-          pose * Vec3(rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(-0.002, 0.002));
+          pose * Vec3{rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(-0.002, 0.002)};
       const Eigen::Vector3f f = p.cast<float>();
       points.push_back({f.x(), f.y(), f.z()});
     }

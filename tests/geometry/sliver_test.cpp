@@ -26,8 +26,9 @@ TEST_SUITE("law") {
     for (int i = 0; i < rounds(5000); ++i) {
       const Triangle sliver = random_sliver(rng);
       const double away = std::pow(10, rng.uniform(-17, 0));
-      const Vec3 a = random_point_of(sliver, rng) + random_vector(rng, away);
-      const Vec3 b = random_point_of(sliver, rng) + random_vector(rng, away);
+      Vec3 a = random_point_of(sliver, rng), b = random_point_of(sliver, rng);
+      a += random_vector(rng, away);
+      b += random_vector(rng, away);
       INFO("seed " << kSeed << ", sliver " << i);
       const double of_point = distance_by_sections(a, a, sliver);
       const Vec3 nearest = internal::nearest_on(a, sliver);

@@ -97,7 +97,7 @@ TEST_SUITE("law") {
     Rng rng(3);
     int crossing = 0;
     for (int round = 0; round < 2000; ++round) {
-      const auto point = [&] { return Vec2(rng.uniform(-1, 1), rng.uniform(-1, 1)); };
+      const auto point = [&] { return Vec2{rng.uniform(-1, 1), rng.uniform(-1, 1)}; };
       const Vec2 a = point(), b = point(), c = point(), d = point();
       // The intersection of the lines, by their parameters.
       Eigen::Matrix2d system;

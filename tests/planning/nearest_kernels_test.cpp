@@ -68,7 +68,7 @@ TEST_SUITE("oracle") {
     for (const Isa isa : available_isas()) {
       for (int round = 0; round < 300; ++round) {
         INFO(to_string(isa), ", round ", round);
-        Blocks blocks(1 + static_cast<int>(rng.index(12)), 1 + static_cast<int>(rng.index(9)));
+        Blocks blocks{1 + static_cast<int>(rng.index(12)), 1 + static_cast<int>(rng.index(9))};
         for (float& period : blocks.periods) period = rng.index(2) == 0 ? kTurn : 0;
         const auto value = [&] { return static_cast<float>(rng.uniform(-3.1415, 3.1415)); };
         for (float& entry : blocks.values) entry = value();

@@ -454,7 +454,7 @@ TEST_SUITE("law") {
     for (int round = 0; round < 100; ++round) {
       std::vector<Capsule> shapes;
       const auto point = [&] {
-        return Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+        return Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
       };
       for (std::size_t i = 0; i <= rng.index(5); ++i) {
         shapes.push_back({point(), point(), rng.uniform(0.01, 0.5)});

@@ -54,8 +54,8 @@ TEST_SUITE("law") {
     for (int i = 0; i < 2000; ++i) {
       const double away = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1e-8 : 0.0;
       const double pitch = (i % 2 == 0 ? 0.5 : -0.5) * kPi + away * rng.uniform(-1, 1);
-      const Vec3 rpy(rng.uniform(-kPi, kPi), pitch, rng.uniform(-kPi, kPi));
-      const Transform pose{rotation_from_rpy(rpy), Vec3(rng.uniform(), 0, -rng.uniform())};
+      const Vec3 rpy{rng.uniform(-kPi, kPi), pitch, rng.uniform(-kPi, kPi)};
+      const Transform pose{rotation_from_rpy(rpy), Vec3{rng.uniform(), 0, -rng.uniform()}};
       CAPTURE(rpy.transpose());
       CHECK((reread(pose).rotation - pose.rotation).cwiseAbs().maxCoeff() < 1e-15);
       CHECK(reread(pose).translation == pose.translation);
@@ -80,7 +80,8 @@ Robot::Parts random_parts(Rng& rng) {
   parts.joints[4].type = JointType::prismatic;
   parts.joints[5].type = JointType::fixed;
   parts.joints[4].parent_link = static_cast<int>(rng.index(5));
-  parts.joints[1].mimic = test::follow(4, rng.uniform(-2, 2), rng.uniform());
+  const double offset = rng.uniform(), rate = rng.uniform(-2, 2);
+  parts.joints[1].mimic = test::follow(4, rate, offset);
   for (Joint& joint : parts.joints) {
     joint.origin = random_pose(rng);
     joint.axis = random_vector(rng);

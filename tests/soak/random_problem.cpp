@@ -101,8 +101,8 @@ Configuration bring_close(FclOracle& oracle, Configuration q, Configuration othe
 void bring_ends_close(Problem& problem, double most, Rng& rng) {
   FclOracle oracle(problem.robot, problem.scene);
   for (Configuration* end : {&problem.start, &problem.goals[0]}) {
-    *end =
-        bring_close(oracle, *end, random_configuration(problem.robot, rng), rng.uniform(0, most));
+    const double distance = rng.uniform(0, most);
+    *end = bring_close(oracle, *end, random_configuration(problem.robot, rng), distance);
   }
 }
 

@@ -70,7 +70,7 @@ TEST_SUITE("law") {
       Rng rng(23);
       int inside = 0;
       for (int i = 0; i < 5000; ++i) {
-        const Vec3 share(rng.uniform(), rng.uniform(), rng.uniform());
+        const Vec3 share{rng.uniform(), rng.uniform(), rng.uniform()};
         const Vec3 p = bounds.low + share.cwiseProduct(bounds.high - bounds.low);
         if (!solid.contains(p)) continue;
         ++inside;

@@ -73,7 +73,8 @@ TEST_SUITE("law") {
     std::vector<Element> elements;
     std::vector<Sphere> proposals;
     for (int i = 0; i < 300; ++i) {
-      elements.push_back(point_at(points.uniform(0, 10), points.uniform(0, 10)));
+      const double y = points.uniform(0, 10), x = points.uniform(0, 10);
+    elements.push_back(point_at(x, y));
       proposals.push_back({elements.back().bound.center, points.uniform(0.2, 2)});
     }
     Rng first(2);
