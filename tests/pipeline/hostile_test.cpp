@@ -13,7 +13,7 @@ namespace {
 
 SolveSettings short_settings() {
   SolveSettings settings;
-  settings.plan.timeout_s = 20;
+  settings.plan.timeout_s = 600;  // iterations end it
   settings.plan.max_iterations = 2000;
   return settings;
 }
@@ -56,7 +56,7 @@ TEST_SUITE("unit") {
       for (const PlannerEntry& planner : planners()) {
         SolveSettings settings;
         settings.planner = planner.name;
-        settings.plan.timeout_s = 60;
+        settings.plan.timeout_s = 600;
         CAPTURE(planner.name);
         const SolveResult result = solve_hostile(problem, nullptr, settings);
         CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
@@ -165,7 +165,7 @@ TEST_SUITE("unit") {
     const Scene scene = make_circle_scene("post", {{1.2, 1.2, 0.3}});
     const Problem problem = problem_of(robot, scene, {-0.5, 0}, {2.2, 0});
     SolveSettings settings;
-    settings.plan.timeout_s = 60;
+    settings.plan.timeout_s = 600;
     settings.margin = 0.1;
     const SolveResult result = solve_hostile(problem, nullptr, settings);
     REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
