@@ -58,7 +58,8 @@ struct Error {
   std::string message;
 };
 
-/// A value, or the reason why there is none. The library never throws across its boundary.
+/// A value, or the reason why there is none. The library never throws across its boundary, but for
+/// std::bad_alloc: where memory runs out in a thread of its own, too, the caller gets it.
 template <class T>
 using Result = tl::expected<T, Error>;
 
@@ -164,7 +165,7 @@ enum class Isa { automatic, scalar, sse, avx2, avx512 };
 /// The file of a scene or problem that came with mneme, such as "planar/threaded_b2.yaml".
 [[nodiscard]] Result<std::string> find_scene(const std::string& name);
 
-/// mneme's own version, such as "0.1.0".
+/// mneme's own version, such as "0.2.0".
 [[nodiscard]] std::string_view version();
 
 }  // namespace mneme

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/close_names.h"
-
 #include "mneme/base.h"
+
+#include "base/text.h"
 
 #include <algorithm>
 #include <numeric>

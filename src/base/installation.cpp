@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/installation.h"
-
 #include "mneme/base.h"
+
+#include "base/files.h"
 
 #include <fmt/format.h>
 

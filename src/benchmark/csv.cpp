@@ -6,7 +6,7 @@
 #include "mneme/benchmark.h"
 #include "mneme/report.h"
 
-#include "base/escape_csv.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 

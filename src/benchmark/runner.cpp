@@ -4,7 +4,7 @@
 #include "mneme/benchmark.h"
 #include "mneme/rivals.h"
 
-#include "base/start_threads.h"
+#include "base/threads.h"
 
 #include <fmt/format.h>
 
@@ -95,11 +95,10 @@ class RunQueue {
   }
 
   Result<bool> run() {
-    {
-      const auto others = internal::start_threads(
-          static_cast<std::size_t>(std::max(plan_.jobs, 1) - 1), [this] { work(); });
-      work();
-    }
+    internal::Threads others(static_cast<std::size_t>(std::max(plan_.jobs, 1) - 1),
+                             [this] { work(); });
+    work();
+    others.join();
     if (error_) return tl::unexpected(*error_);
     return !is_cancelled_;
   }

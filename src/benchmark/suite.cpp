@@ -4,7 +4,7 @@
 #include "mneme/benchmark.h"
 #include "mneme/rivals.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "pipeline/settings_input.h"
 #include "scene/input.h"
 #include "scene/yaml.h"

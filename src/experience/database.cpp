@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
-#include "base/utf8.h"
+#include "base/text.h"
 #include "experience/index_file.h"
 #include "store/open_store.h"
 #include "store/row_check.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/index_file.h"
 
-#include "base/installation.h"
+#include "base/files.h"
 #include "store/new_file.h"
 #include "store/open_store.h"
 

@@ -5,7 +5,7 @@
 #include "mneme/instances.h"
 #include "mneme/planning.h"
 
-#include "base/is_set.h"
+#include "base/threads.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

@@ -5,7 +5,7 @@
 #include "mneme/instances.h"
 #include "mneme/learning.h"
 
-#include "base/is_set.h"
+#include "base/threads.h"
 #include "memory/planar_chain.h"
 #include "memory/threaded.h"
 

@@ -3,7 +3,7 @@
 #include "mneme/instances.h"
 
 #include "base/as_index.h"
-#include "base/text_file.h"
+#include "base/files.h"
 #include "geometry/solids.h"
 #include "scene/input.h"
 #include "scene/scene_input.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/learning.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "experience/key_index.h"
 #include "store/row_check.h"
 #include "scene/input.h"

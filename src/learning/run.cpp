@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
 
-#include "base/start_threads.h"
+#include "base/threads.h"
 
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <utility>
 
@@ -59,15 +60,26 @@ class Run {
   };
 
   Result<void> serve_threads() {
-    const auto threads = start_threads(thread_count_, [this] { work(); });
-    if (threads.empty()) return fail(ErrorCode::io, "cannot learn: no thread to be had");
+    const Threads threads(thread_count_, [this] { work(); });
+    if (threads.size() == 0) return fail(ErrorCode::io, "cannot learn: no thread to be had");
     thread_count_ = threads.size();
     const Stop stop(*this);  // before the threads are joined
     return serve();
   }
 
-  /// A thread that learns what was taken.
+  /// A thread; what ends it is thrown by collect(), for whoever waits for its results.
   void work() {
+    try {
+      learn();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      thrown_ = std::current_exception();
+      has_news_.notify_one();
+    }
+  }
+
+  /// Learns what was taken.
+  void learn() {
     std::unique_lock lock(mutex_);
     for (;;) {
       has_tasks_.wait(lock, [this] { return is_over_ || !ready_.empty(); });
@@ -168,7 +180,8 @@ class Run {
   /// Waits for results.
   Result<void> collect(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
-    has_news_.wait_for(lock, patience, [this] { return !finished_.empty(); });
+    has_news_.wait_for(lock, patience, [this] { return !finished_.empty() || thrown_; });
+    if (thrown_) std::rethrow_exception(thrown_);
     for (auto& [task, learned] : std::exchange(finished_, {})) {
       if (!learned) return tl::unexpected(learned.error());
       unsaved_.emplace(task, std::move(*learned));
@@ -210,6 +223,7 @@ class Run {
   std::condition_variable has_news_;
   std::deque<std::size_t> ready_;
   std::vector<std::pair<std::size_t, Result<Learned>>> finished_;
+  std::exception_ptr thrown_;
   bool is_over_ = false;
 };
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory_steps.h"
 
-#include "base/is_set.h"
+#include "base/threads.h"
 #include "pipeline/drawn_components.h"
 #include "pipeline/push_off.h"
 

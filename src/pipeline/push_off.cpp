@@ -3,7 +3,7 @@
 #include "pipeline/push_off.h"
 
 #include "base/as_index.h"
-#include "base/is_set.h"
+#include "base/threads.h"
 #include "path/path_conversion.h"
 #include "path/waypoints.h"
 

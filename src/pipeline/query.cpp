@@ -3,7 +3,7 @@
 #include "pipeline/query.h"
 
 #include "base/check_ranges.h"
-#include "base/is_set.h"
+#include "base/threads.h"
 #include "pipeline/memory_steps.h"
 #include "store/row_check.h"
 

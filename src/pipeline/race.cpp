@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/race.h"
 
-#include "base/start_threads.h"
+#include "base/threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -72,7 +72,7 @@ class Race {
 
   Result<RaceResult> run() {
     run_those_left();
-    threads_.clear();
+    threads_.join();
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
     RaceResult result{**std::move(first.planned), first.draws};
@@ -146,7 +146,7 @@ class Race {
   /// Called by the first search's thread alone.
   void start_others() {
     if (std::exchange(has_started_, true)) return;
-    threads_ = start_threads(entrants_.size() - 1, [this] { run_those_left(); });
+    threads_ = Threads(entrants_.size() - 1, [this] { run_those_left(); });
   }
 
   [[nodiscard]] Entrant& winner() {
@@ -175,7 +175,7 @@ class Race {
   std::atomic<std::uint64_t> best_ = ~std::uint64_t{0};  ///< rank of those that found a path
   std::atomic<std::size_t> next_ = 0;
   bool has_started_ = false;
-  std::vector<std::jthread> threads_;  ///< joined before what they use is gone
+  Threads threads_;  ///< joined before what they use is gone
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/resolved_goals.h"
 
-#include "base/is_set.h"
+#include "base/threads.h"
 
 #include <algorithm>
 #include <iterator>

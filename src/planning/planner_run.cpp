@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/planner_run.h"
 
-#include "base/is_set.h"
+#include "base/threads.h"
 #include "path/path_conversion.h"
 
 #include <algorithm>

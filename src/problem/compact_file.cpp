@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/compact_file.h"
 
-#include "base/close_names.h"
-#include "base/text_file.h"
+#include "base/text.h"
+#include "base/files.h"
 #include "problem/allowed_contacts.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/problem.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "problem/allowed_contacts.h"
 #include "problem/compact_file.h"
 #include "problem/moveit_problem.h"

@@ -3,7 +3,7 @@
 #include "problem/moveit_problem.h"
 
 #include "base/as_index.h"
-#include "base/text_file.h"
+#include "base/files.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"
 #include "problem/constraints.h"

@@ -5,7 +5,7 @@
 #include "mneme/spheres.h"
 
 #include "base/as_index.h"
-#include "base/text_file.h"
+#include "base/files.h"
 #include "check/link_distances.h"
 #include "problem/allowed_contacts.h"
 #include "problem/attached_input.h"

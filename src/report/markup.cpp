@@ -3,7 +3,7 @@
 
 #include "report/markup.h"
 
-#include "base/utf8.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "mneme/base.h"
 #include "mneme/robot.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "robot/srdf.h"
 #include "robot/urdf_reader.h"
 #include "robot/xml_reader.h"

@@ -3,7 +3,7 @@
 
 #include "robot/visuals.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "geometry/mesh_file.h"
 #include "robot/mesh_finder.h"
 #include "robot/urdf_reader.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/cloud_file.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "scene/cloud_records.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 #include "scene/yaml.h"

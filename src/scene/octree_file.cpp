@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/octree_file.h"
 
-#include "base/text_file.h"
+#include "base/files.h"
 #include "geometry/axis_box.h"
 #include "scene/input.h"
 

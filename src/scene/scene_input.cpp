@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/scene_input.h"
 
-#include "base/utf8.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 

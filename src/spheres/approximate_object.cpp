@@ -3,7 +3,7 @@
 #include "mneme/spheres.h"
 
 #include "base/check_ranges.h"
-#include "base/installation.h"
+#include "base/files.h"
 #include "spheres/approximate_robot.h"
 #include "spheres/triangle_mesh.h"
 #include "geometry/shape_flaw.h"

@@ -6,8 +6,8 @@
 
 #include "base/as_index.h"
 #include "base/check_ranges.h"
-#include "base/installation.h"
-#include "base/start_threads.h"
+#include "base/files.h"
+#include "base/threads.h"
 #include "spheres/allowed_pairs.h"
 #include "spheres/approximate_solid.h"
 #include "spheres/triangle_mesh.h"
@@ -159,8 +159,9 @@ void run_parallel(std::size_t count, const Work& work) {
     for (std::size_t i = next++; i < count; i = next++) work(i);
   };
   const std::size_t most = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
-  const auto others = start_threads(std::max<std::size_t>(most, 1) - 1, run);
+  Threads others(std::max<std::size_t>(most, 1) - 1, run);
   run();
+  others.join();
 }
 
 /// Numbers of joints that move by themselves.

@@ -4,7 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/check_ranges.h"
-#include "base/text_file.h"
+#include "base/files.h"
 #include "scene/yaml.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/trajectory.h"
 
-#include "base/escape_csv.h"
+#include "base/text.h"
 #include "scene/yaml.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "base/close_names.h"
+#include "base/text.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/escape_csv.h"
+#include "base/text.h"
 #include "support/support.h"
 
 namespace mneme::test {

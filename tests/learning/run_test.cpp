@@ -5,6 +5,7 @@
 #include "support/support.h"
 
 #include <atomic>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 
@@ -132,6 +133,18 @@ TEST_SUITE("unit") {
     LearnRun run = run_with(2);
     run.on_progress = [](const LearnProgress&) { throw std::runtime_error("enough"); };
     CHECK_THROWS_WITH((void)internal::run_tasks(source, easy_tasks(10), run), "enough");
+  }
+
+  TEST_CASE("memory that runs out in a thread ends the run, not the process") {
+    for (const int jobs : {1, 3}) {
+      ScriptedSource source(10);
+      internal::Tasks tasks = easy_tasks(10);
+      tasks.learn = [](std::size_t task) -> Result<internal::Learned> {
+        if (task == 5) throw std::bad_alloc();
+        return internal::Learned{{Experience()}, {}};
+      };
+      CHECK_THROWS_AS((void)internal::run_tasks(source, tasks, run_with(jobs)), std::bad_alloc);
+    }
   }
 
   TEST_CASE("a run for which there is no thread is an error") {

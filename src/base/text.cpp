@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/utf8.h"
+#include "base/text.h"
 
 #include <utf8.h>
 
@@ -21,15 +21,6 @@ std::optional<std::u32string> decode_utf8(std::string_view text) {
   return utf8::utf8to32(text);
 }
 
-std::optional<std::string> encode_utf8(std::u32string_view points) {
-  if (points.find(U'\0') != points.npos) return std::nullopt;
-  try {
-    return utf8::utf32to8(points);
-  } catch (const utf8::exception&) {
-    return std::nullopt;
-  }
-}
-
 std::string storable_text(std::string_view text) {
   std::string result;
   while (!text.empty()) {
@@ -38,6 +29,17 @@ std::string storable_text(std::string_view text) {
     text.remove_prefix(size == 0 ? 1 : size);
   }
   return result;
+}
+
+std::string escape_csv(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  quoted += '"';
+  return quoted;
 }
 
 }  // namespace mneme::internal

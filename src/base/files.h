@@ -1,13 +1,22 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What is installed where, and where to keep what can be computed again.
+/// Files as text, and directories of what is installed.
 #pragma once
 
+#include "mneme/base.h"
+
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
 namespace mneme::internal {
+
+inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
+
+/// The bytes of the file `path`, which may have at most `max_bytes`.
+[[nodiscard]] Result<std::string> read_text_file(const std::string& path,
+                                                 std::size_t max_bytes = kMaxFileBytes);
 
 /// share/mneme of the prefix that `file` is installed under: the directory that holds the innermost
 /// bin or lib on its path. Empty if there is none, or if the path is relative.

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
+
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+namespace mneme::internal {
+
+struct Threads::Shared {
+  std::function<void()> work;
+  std::mutex mutex;
+  std::exception_ptr thrown;
+};
+
+Threads::Threads(std::size_t count, std::function<void()> work)
+    : shared_(std::make_shared<Shared>()) {
+  shared_->work = std::move(work);
+  threads_.reserve(count);
+  const auto run = [shared = shared_] {
+    try {
+      shared->work();
+    } catch (...) {
+      const std::lock_guard lock(shared->mutex);
+      if (!shared->thrown) shared->thrown = std::current_exception();
+    }
+  };
+  try {
+    while (threads_.size() < count) threads_.emplace_back(run);
+  } catch (const std::system_error&) {  // the system has no more threads
+  }
+}
+
+void Threads::join() {
+  threads_.clear();
+  if (shared_ && shared_->thrown) std::rethrow_exception(std::exchange(shared_->thrown, nullptr));
+}
+
+}  // namespace mneme::internal

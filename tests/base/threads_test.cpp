@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
+#include "support/no_threads.h"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <new>
+
+namespace mneme::test {
+
+TEST_SUITE("unit") {
+  TEST_CASE("as many threads do the work as are asked for") {
+    std::atomic<int> calls = 0;
+    for (const int count : {0, 1, 5}) {
+      calls = 0;
+      const auto size = static_cast<std::size_t>(count);
+      CHECK(internal::Threads(size, [&] { ++calls; }).size() == size);
+      CHECK(calls == count);
+    }
+  }
+
+  TEST_CASE("threads that the system refuses are left out") {
+    std::atomic<int> calls = 0;
+    {
+      const NoThreads none;
+      CHECK(internal::Threads(3, [&] { ++calls; }).size() == 0);
+    }
+    CHECK(internal::Threads(3, [&] { ++calls; }).size() == 3);
+    CHECK(calls == 3);
+  }
+
+  TEST_CASE("what ends a thread is thrown where the threads are joined, once all have ended") {
+    std::atomic<int> calls = 0;
+    internal::Threads threads(3, [&] {
+      if (++calls == 2) throw std::bad_alloc();
+    });
+    CHECK_THROWS_AS(threads.join(), std::bad_alloc);
+    CHECK(calls == 3);
+    CHECK_NOTHROW(threads.join());
+  }
+
+  TEST_CASE("threads that are not joined keep what ended them") {
+    CHECK_NOTHROW(internal::Threads(1, [] { throw std::bad_alloc(); }));
+  }
+}
+
+}  // namespace mneme::test
