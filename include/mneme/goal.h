@@ -87,7 +87,7 @@ class InverseKinematics {
 /// chain that is fixed to it, where that branches or ends.
 [[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
 
-/// Free configurations in regions of poses. Refers to the checker.
+/// Free configurations in regions of poses.
 class PoseGoalSource final : public GoalSource {
  public:
   /// `near`, usually the start, is where the search begins. Errors: those of
@@ -115,13 +115,13 @@ class PoseGoalSource final : public GoalSource {
   };
   PoseGoalSource(const CollisionChecker& checker, Configuration near, const IkSettings& settings,
                  double clearance)
-      : checker_(&checker), near_(std::move(near)), settings_(settings), clearance_(clearance) {}
+      : checker_(checker), near_(std::move(near)), settings_(settings), clearance_(clearance) {}
   [[nodiscard]] std::vector<Configuration> search(const Region& region);
   void keep_new(std::vector<Configuration>& found);
   [[nodiscard]] std::string describe_failure(const Region& region) const;
   [[nodiscard]] std::string describe_blocked(const Region& region) const;
 
-  const CollisionChecker* checker_;
+  CollisionChecker checker_;
   Configuration near_;
   IkSettings settings_;
   double clearance_;

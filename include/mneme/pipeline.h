@@ -9,6 +9,7 @@
 #include "mneme/memory.h"
 #include "mneme/planning.h"
 #include "mneme/problem.h"
+#include "mneme/replay.h"
 #include "mneme/trajectory.h"
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 
 namespace mneme {
 namespace internal {
-class Recollection;
+class MemorySampler;
 }
 
 struct SolveSettings {
@@ -116,11 +117,15 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "that the path depends on their number, but not on timing; not with OMPL's planners");
 }
 
-/// What a problem asks of memory, which is of the robot without what it carries. Refers to it.
-[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
+/// What memory is queried for, with `goals` for the problem's: the robot without attached objects.
+/// Refers to both arguments.
+[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem,
+                                              std::span<const Configuration> goals) {
   const Configuration* start = problem.start.empty() ? nullptr : &problem.start;
-  return {problem.robot.without_attached(), problem.scene, start, problem.goals,
-          problem.constraints};
+  return {problem.robot.without_attached(), problem.scene, start, goals, problem.constraints};
+}
+[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
+  return memory_query(problem, problem.goals);
 }
 
 /// The result of Algorithm 2.
@@ -146,7 +151,7 @@ struct GlSampler {
 /// `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
 /// Errors: those of MemoryKind::decompose; wrong_robot if the database is of another robot; invalid
 /// if a setting is out of range, or if no kind that is asked can learn within a budget.
-[[nodiscard]] Result<GlSampler> create_gl_sampler(const MemoryQuery& query, Database& database,
+[[nodiscard]] Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
                                                   const SolveSettings& settings);
 
 /// Algorithm 1 over Algorithm 2 for a problem, as solve() draws with the sampler that the settings
@@ -160,30 +165,6 @@ struct Remembered {
   int rows = 0;
   double time_s = 0;
   std::string failure;  ///< why nothing could be inserted; the path is found all the same
-};
-
-/// A remembered path that touches something once it is bent to a query's ends.
-struct BlockedPath {
-  std::int64_t row = 0;  ///< of the database
-  double distance = 0;   ///< of its ends from the query's, as SolveSettings::replay
-  double fraction = 0;   ///< of its length, up to the first state that is blocked
-  Configuration state;   ///< that one
-};
-
-/// What became of the known tasks near a query: see SolveSettings::replay.
-struct Replay {
-  std::int64_t row = 0;              ///< whose path the plan is; 0: none, and it was planned
-  double distance = 0;               ///< of its ends from the query's
-  bool is_repaired = false;          ///< led round what touched it
-  std::vector<BlockedPath> blocked;  ///< those that were tried, nearest first
-  /// Of the known task that is nearest among those that were looked at, if none was near enough to
-  /// be tried.
-  std::optional<double> nearest;
-  std::uint64_t keys = 0;        ///< of known tasks that were looked at
-  std::uint64_t iterations = 0;  ///< of searches round what blocks a path
-  double time_s = 0;             ///< 0 if there was no memory to ask
-
-  [[nodiscard]] bool is_hit() const { return row != 0; }
 };
 
 /// A path to be improved, or a shorter one that improving found.
@@ -248,7 +229,7 @@ struct SolveResult {
 struct SamplerEntry {
   std::string_view name;
   std::string_view summary;
-  std::shared_ptr<const Sampler> (*make)(internal::Recollection& recollection) = nullptr;
+  std::shared_ptr<const Sampler> (*make)(internal::MemorySampler& memory) = nullptr;
   bool draws_from_memory = false;   ///< from a database; without one it is uniform
   bool draws_valid_states = false;  ///< for planners that do so: see PlannerEntry
 };

@@ -47,10 +47,10 @@ std::vector<Configuration> PoseGoalSource::more() {
   std::vector<Configuration> found;
   if (calls_++ == 0) {
     for (Region& region : regions_) {
-      region.first = region.kinematics.solve(region.goal, near_, settings_, checker_, clearance_);
+      region.first = region.kinematics.solve(region.goal, near_, settings_, &checker_, clearance_);
       std::ranges::copy(region.first.solutions, std::back_inserter(found));
     }
-    sort_by_distance(checker_->robot(), near_, found);
+    sort_by_distance(checker_.robot(), near_, found);
   } else {
     found = search(regions_[calls_ % regions_.size()]);
   }
@@ -62,13 +62,13 @@ std::vector<Configuration> PoseGoalSource::search(const Region& region) {
   IkSettings settings = settings_;
   settings.seeds = kFurtherSeeds;
   settings.seed = derive_seed(settings_.seed, calls_);
-  return region.kinematics.solve(region.goal, near_, settings, checker_, clearance_).solutions;
+  return region.kinematics.solve(region.goal, near_, settings, &checker_, clearance_).solutions;
 }
 
 void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
   std::erase_if(found, [&](const Configuration& q) {
     const bool is_known = std::ranges::any_of(known_, [&](const Configuration& other) {
-      return checker_->robot().distance(q, other) < settings_.apart;
+      return checker_.robot().distance(q, other) < settings_.apart;
     });
     if (!is_known) known_.push_back(q);
     return is_known;
@@ -134,7 +134,7 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
 
 std::string PoseGoalSource::describe_blocked(const Region& region) const {
   return fmt::format("link '{}' reaches it only in contact with {} ({} seeds tried)",
-                     region.goal.link, describe_commonest(*checker_, region.first.blocked),
+                     region.goal.link, describe_commonest(checker_, region.first.blocked),
                      region.first.seeds);
 }
 

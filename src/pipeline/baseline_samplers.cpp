@@ -16,10 +16,10 @@ namespace {
 /// The kind of memory whose keys are circles.
 constexpr std::string_view kCircles = "pairs";
 
-GaussianMixture pool_matches(const Query& query, std::vector<Match> matches) {
+GaussianMixture pool_matches(const MemoryQuery& query, std::vector<Match> matches) {
   PrimitiveRetrieval retrieval;
   retrieval.matches = std::move(matches);
-  return pool_moved_means(query.query, {&retrieval, 1});
+  return pool_moved_means(query, {&retrieval, 1});
 }
 
 /// Mean over the circles of `a` of the squared distance to the nearest of `b`.
@@ -43,17 +43,17 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
   return one_way_distance(a, b) + one_way_distance(b, a);
 }
 
-Result<GaussianMixture> pool_all(const Query& query) {
+Result<GaussianMixture> pool_all(const Query& query, const MemoryQuery& asked) {
   std::vector<Match> matches;
   return query.database->for_each([&](const auto& row) {
                          matches.push_back({row, 0, {}});
                        })
-      .map([&] { return pool_matches(query, std::move(matches)); });
+      .map([&] { return pool_matches(asked, std::move(matches)); });
 }
 
-Result<GaussianMixture> recall_nearest_scenes(const Query& query) {
+Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQuery& asked) {
   const KindSettings& kind = query.kinds.front();
-  const auto primitives = decompose(query, kind);
+  const auto primitives = decompose(asked, kind);
   if (!primitives) return tl::unexpected(primitives.error());
   if (kind.kind->name != kCircles) {
     return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
@@ -77,7 +77,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query) {
     return a.similarity_error < b.similarity_error;
   });
   matches.resize(std::min(wanted, matches.size()));
-  return pool_matches(query, std::move(matches));
+  return pool_matches(asked, std::move(matches));
 }
 
 }  // namespace mneme::internal

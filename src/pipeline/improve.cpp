@@ -19,19 +19,20 @@ constexpr double kLengthRounding = 1e-9;
 
 class Improvement {
  public:
-  Improvement(const Query& query, const Sampler& sampler, SolveResult& result)
-      : query_(query),
+  Improvement(const ResolvedQuery& resolved, const Sampler& sampler, SolveResult& result)
+      : resolved_(resolved),
+        query_(resolved.query),
         sampler_(sampler),
         best_(result.plan),
         curve_(result.improvements),
-        length_(path_length(query.problem.robot, result.plan.path)) {
+        length_(path_length(resolved.query.problem.robot, result.plan.path)) {
     curve_.push_back({0, length_});
     const auto straight_to = [&](const Configuration& goal) {
-      return query.problem.robot.distance(query.ends.start, goal) * (1 + kLengthRounding);
+      return resolved.checker.robot().distance(resolved.ends.start, goal) * (1 + kLengthRounding);
     };
     // It may be a goal that came while planning.
     shortest_length_ = straight_to(result.plan.path.back());
-    for (const Configuration& goal : query.ends.goals) {
+    for (const Configuration& goal : resolved.ends.goals) {
       shortest_length_ = std::min(shortest_length_, straight_to(goal));
     }
   }
@@ -70,10 +71,10 @@ class Improvement {
       settings.verify = false;
       settings.simplify = true;
       settings.patience = 0;
-      PathFinisher finisher(query_.checker, settings.finish());
+      PathFinisher finisher(resolved_.checker, settings.finish());
       const auto valid_states = query_.sampler.draws_valid_states ? query_.sampler.name : "";
       auto planned = query_.planner.plan(
-          {query_.checker, query_.ends, sampler_, settings, finisher, valid_states});
+          {resolved_.checker, resolved_.ends, sampler_, settings, finisher, valid_states});
       if (!planned || !planned->is_solved()) continue;
       best_.iterations += planned->iterations;
       count({planned->states_checked, planned->motions_checked});
@@ -91,7 +92,7 @@ class Improvement {
     ShortenEffort effort;
     effort.patience = std::max(kPatience, settings.patience);
     CheckCounters counters;
-    shorten(query_.checker, path, settings.seed, effort, nullptr, counters,
+    shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,
             [&] { return is_over(); });
     if (path_length(query_.problem.robot, path) < length_) verify(std::move(path), counters);
     count(counters);
@@ -100,7 +101,7 @@ class Improvement {
   void verify(Path path, CheckCounters& counters) {
     FinishSettings settings = query_.settings.plan.finish();
     settings.simplify = false;
-    PathFinisher finisher(query_.checker, settings);
+    PathFinisher finisher(resolved_.checker, settings);
     const int invalid = finisher(path, counters);
     verification_time_s_ = std::max(verification_time_s_, finisher.verification_time_s());
     const double length = path_length(query_.problem.robot, path);
@@ -118,6 +119,7 @@ class Improvement {
   /// Of seeds: what planners derive from theirs comes before.
   static constexpr std::uint64_t kFirstTask = 1000;
 
+  const ResolvedQuery& resolved_;
   const Query& query_;
   const Sampler& sampler_;
   PlanResult& best_;
@@ -130,10 +132,10 @@ class Improvement {
 
 }  // namespace
 
-void improve(const Query& query, const Sampler& sampler, SolveResult& result) {
-  if (!(query.settings.plan.improve > 0) || !result.plan.is_solved()) return;
+void improve(const ResolvedQuery& resolved, const Sampler& sampler, SolveResult& result) {
+  if (!(resolved.query.settings.plan.improve > 0) || !result.plan.is_solved()) return;
   const Stopwatch stopwatch;
-  Improvement(query, sampler, result).run();
+  Improvement(resolved, sampler, result).run();
   result.improvement_time_s = stopwatch.elapsed_s();
 }
 

@@ -4,12 +4,8 @@
 
 #include "base/threads.h"
 #include "pipeline/drawn_components.h"
-#include "pipeline/push_off.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace mneme::internal {
@@ -17,11 +13,6 @@ namespace {
 
 /// Seconds of the time limit that learning leaves, because an insertion waits for the disk.
 constexpr double kInsertionTime = 0.01;
-
-/// The obstacles of a primitive alone.
-LocalProblem local_problem(const MemoryRequest& request, const LocalPrimitive& primitive) {
-  return local_problems(request.query.scene, {&primitive, 1}).front();
-}
 
 /// In the settings of a row's provenance, of a lesson that its budget cut short.
 constexpr std::string_view kCutShort = " cut short";
@@ -37,12 +28,11 @@ bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
 }
 
 /// Of a lesson: another one than those had that it goes on from.
-std::uint64_t lesson_seed(const MemoryRequest& request, const PrimitiveRetrieval& primitive) {
-  const std::uint64_t seed = request.settings.plan.seed;
+std::uint64_t lesson_seed(std::uint64_t seed, const PrimitiveRetrieval& primitive) {
   return primitive.matches.empty() ? seed : derive_seed(seed, primitive.matches.size());
 }
 
-Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& primitive,
+Result<void> insert_lesson(Database& database, const LocalPrimitive& primitive,
                            LocalSampler sampler, const LearnSettings& settings, std::uint64_t seed,
                            bool is_whole) {
   Experience row;
@@ -53,64 +43,60 @@ Result<void> insert_lesson(const MemoryRequest& request, const LocalPrimitive& p
   if (!is_whole) row.provenance.settings += kCutShort;
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
-  return request.database->insert(std::move(rows)).map([](const auto&) {});
+  return database.insert(std::move(rows)).map([](const auto&) {});
 }
 
 }  // namespace
 
-Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryRequest& request,
+Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryQuery& query,
                                                   const KindSettings& kind) {
-  return kind.kind->decompose(request.query, kind.max_gap)
-      .map([](std::vector<LocalPrimitive> primitives) {
-        std::vector<PrimitiveRetrieval> retrievals;
-        for (LocalPrimitive& primitive : primitives) {
-          retrievals.emplace_back().primitive = std::move(primitive);
-        }
-        return retrievals;
-      });
+  std::vector<PrimitiveRetrieval> retrievals;
+  for (LocalPrimitive& primitive : MNEME_TRY(kind.kind->decompose(query, kind.max_gap))) {
+    retrievals.emplace_back().primitive = std::move(primitive);
+  }
+  return retrievals;
 }
 
-Result<void> retrieve(const MemoryRequest& request, const KindSettings& kind,
+Result<void> retrieve(const Database& database, const KindSettings& kind,
                       PrimitiveRetrieval& primitive) {
-  return find_matches(*request.database, *kind.kind, primitive.primitive, kind.similarity,
-                      kind.max_matches)
-      .map([&](std::vector<Match> matches) { primitive.matches = std::move(matches); });
+  primitive.matches = MNEME_TRY(
+      find_matches(database, *kind.kind, primitive.primitive, kind.similarity, kind.max_matches));
+  return {};
 }
 
-Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
+Result<void> learn(const Query& query, const MemoryQuery& memory_query, const KindSettings& kind,
                    PrimitiveRetrieval& primitive, double& learning_time_s) {
-  const SolveSettings& settings = request.settings;
-  const double rest_s = settings.plan.timeout_s - request.stopwatch.elapsed_s() - kInsertionTime;
-  const double budget_s = std::min(settings.learn_budget_s - learning_time_s, rest_s);
+  const SolveSettings& settings = query.settings;
+  const double budget_s =
+      std::min(settings.learn_budget_s - learning_time_s, query.remaining_s() - kInsertionTime);
   const bool can_learn = kind.kind->no_learning_on_a_miss.empty();
   if (budget_s <= 0 || !can_learn || is_known(primitive, kind)) return {};
   const Stopwatch stopwatch;
   LearnSettings learning = settings.learn;
   if (!learning.resolution) learning.resolution = settings.resolution;
-  const std::uint64_t seed = lesson_seed(request, primitive);
-  auto learned = kind.kind->learn(request.query.robot, local_problem(request, primitive.primitive),
-                                  learning, seed, budget_s, settings.plan.cancel);
-  if (!learned) return tl::unexpected(learned.error());
+  const std::uint64_t seed = lesson_seed(settings.plan.seed, primitive);
+  const LocalProblem lesson = local_problems(memory_query.scene, {&primitive.primitive, 1}).front();
+  LearnResult learned = MNEME_TRY(
+      kind.kind->learn(memory_query.robot, lesson, learning, seed, budget_s, settings.plan.cancel));
   // What a short budget left without a component may be no obstacle with a longer one.
-  Result<void> done;
-  if (learned->sampler.component_count() > 0) {
+  if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;
-    const bool is_whole = learned->time_s < budget_s && !is_set(settings.plan.cancel);
-    done = insert_lesson(request, primitive.primitive, std::move(learned->sampler), learning, seed,
-                         is_whole)
-               .and_then([&] { return retrieve(request, kind, primitive); });
+    const bool is_whole = learned.time_s < budget_s && !is_set(settings.plan.cancel);
+    MNEME_TRY(insert_lesson(*query.database, primitive.primitive, std::move(learned.sampler),
+                            learning, seed, is_whole));
+    MNEME_TRY(retrieve(*query.database, kind, primitive));
   }
   learning_time_s += stopwatch.elapsed_s();
-  return done;
+  return {};
 }
 
-Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
+Recalled synthesize(const MemoryQuery& query, const KindSettings& kind,
                     std::span<const PrimitiveRetrieval> primitives, SampleSource first_source) {
   if (kind.retarget && kind.kind->retarget != nullptr) {
-    auto source = kind.kind->retarget(request.query, primitives, first_source);
+    auto source = kind.kind->retarget(query, primitives, first_source);
     if (source != nullptr) return source;
   }
-  GaussianMixture mixture = kind.kind->synthesize(request.query, primitives);
+  GaussianMixture mixture = kind.kind->synthesize(query, primitives);
   for (SampleSource& source : mixture.sources) source += first_source;
   return mixture;
 }
@@ -162,64 +148,6 @@ GaussianMixture keep_valid_components(const CollisionChecker& checker,
     if (!mixture.sources.empty()) kept.sources.push_back(mixture.sources[i]);
   }
   return kept;
-}
-
-namespace {
-
-constexpr std::string_view kPlannedIn = ", planned in ", kStates = " states";
-
-Result<int> insert_solved(const Query& query, const Path& path, const KindSettings& kind,
-                          std::uint64_t planning_states) {
-  const std::vector<Path> paths = {
-      kind.replay > 0 ? widen(query.checker, path, query.settings.plan.finish()) : path};
-  auto rows = learn_from_paths(query.query, paths, {std::string(kind.kind->name), kind.max_gap});
-  if (!rows) return tl::unexpected(rows.error());
-  for (Experience& row : *rows) {
-    row.provenance = {"mneme " + std::string(version()),
-                      fmt::format("solved problem {}{}{}{}", query.problem.name, kPlannedIn,
-                                  planning_states, kStates),
-                      query.settings.plan.seed,
-                      {}};
-  }
-  if (rows->empty()) return 0;
-  std::vector<bool> is_new;
-  return query.database->insert(std::move(*rows), &is_new).map([&](const auto&) {
-    return static_cast<int>(std::ranges::count(is_new, true));
-  });
-}
-
-}  // namespace
-
-std::optional<std::uint64_t> planning_states(const Experience& row) {
-  const std::string_view text = row.provenance.settings;
-  const std::size_t begin = text.rfind(kPlannedIn);
-  if (begin == std::string_view::npos) return std::nullopt;
-  const char* number = text.data() + begin + kPlannedIn.size();
-  std::uint64_t states = 0;
-  const auto [end, error] = std::from_chars(number, text.data() + text.size(), states);
-  const std::string_view rest(end, text.data() + text.size());
-  return error == std::errc() && rest == kStates ? std::optional(states) : std::nullopt;
-}
-
-Remembered remember(const Query& query, const PlanResult& plan, std::uint64_t planning_states) {
-  Remembered remembered;
-  const std::optional<int> after = query.settings.remember_after;
-  // Paths with OMPL's defaults are not verified: they teach nothing.
-  const bool is_wanted =
-      after && plan.is_solved() && query.database != nullptr &&
-      !query.settings.plan.ompl_defaults &&
-      query.database->earns_row(plan.iterations, static_cast<std::uint64_t>(*after));
-  if (!is_wanted) return remembered;
-  const Stopwatch stopwatch;
-  for (const KindSettings& kind : query.kinds) {
-    if (const auto rows = insert_solved(query, plan.path, kind, planning_states)) {
-      remembered.rows += *rows;
-    } else {
-      remembered.failure = rows.error().message;
-    }
-  }
-  remembered.time_s = stopwatch.elapsed_s();
-  return remembered;
 }
 
 }  // namespace mneme::internal

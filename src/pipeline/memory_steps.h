@@ -1,36 +1,37 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The steps of Algorithm 2 for one kind of memory, and what a solved problem leaves in it.
+/// The steps of Algorithm 2 for one kind of memory.
 #pragma once
 
 #include "pipeline/query.h"
 
-#include <cstdint>
 #include <memory>
-#include <optional>
+#include <span>
 #include <variant>
+#include <vector>
 
 namespace mneme::internal {
 
-/// Line 1: the primitives of the query, nothing known of them yet.
-[[nodiscard]] Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryRequest& request,
+/// Line 1: the primitives of the query, without matches yet.
+[[nodiscard]] Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryQuery& query,
                                                                 const KindSettings& kind);
 
 /// Lines 3 to 5: the stored samplers that are similar.
-[[nodiscard]] Result<void> retrieve(const MemoryRequest& request, const KindSettings& kind,
+[[nodiscard]] Result<void> retrieve(const Database& database, const KindSettings& kind,
                                     PrimitiveRetrieval& primitive);
 
 /// Lines 6 and 7: creates the sampler of a primitive that has no match, inserts it and retrieves
-/// it, within what is left of the budget, which `learning_time_s` counts.
-[[nodiscard]] Result<void> learn(const MemoryRequest& request, const KindSettings& kind,
-                                 PrimitiveRetrieval& primitive, double& learning_time_s);
+/// it, within the rest of the budget; adds the time to `learning_time_s`.
+[[nodiscard]] Result<void> learn(const Query& query, const MemoryQuery& memory_query,
+                                 const KindSettings& kind, PrimitiveRetrieval& primitive,
+                                 double& learning_time_s);
 
 /// What was retrieved: all components at once, or made when they are drawn.
 using Recalled = std::variant<GaussianMixture, std::shared_ptr<const ComponentSource>>;
 
 /// Line 10: one mixture of all that was retrieved. Sources are counted from `first_source`.
-[[nodiscard]] Recalled synthesize(const MemoryRequest& request, const KindSettings& kind,
+[[nodiscard]] Recalled synthesize(const MemoryQuery& query, const KindSettings& kind,
                                   std::span<const PrimitiveRetrieval> primitives,
                                   SampleSource first_source);
 
@@ -44,12 +45,5 @@ void append(GaussianMixture& all, const GaussianMixture& more);
 /// inside an obstacle still has free configurations around it.
 [[nodiscard]] GaussianMixture keep_valid_components(const CollisionChecker& checker,
                                                     const GaussianMixture& mixture);
-
-/// Inserts what the path of a solved problem teaches, if `remember_after` asks for it, and that
-/// planning it has cost `planning_states`, improving not counted.
-[[nodiscard]] Remembered remember(const Query& query, const PlanResult& plan,
-                                  std::uint64_t planning_states);
-/// That of a remembered row; nothing where it does not say.
-[[nodiscard]] std::optional<std::uint64_t> planning_states(const Experience& row);
 
 }  // namespace mneme::internal

@@ -4,7 +4,6 @@
 
 #include "base/check_ranges.h"
 #include "base/threads.h"
-#include "pipeline/memory_steps.h"
 #include "store/row_check.h"
 
 #include <fmt/format.h>
@@ -124,42 +123,26 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
 
 Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Database* database,
                                                  const SolveSettings& settings) {
-  const auto kinds = choose_kinds(robot, database, settings);
-  if (!kinds) return tl::unexpected(kinds.error());
   std::vector<KindSettings> completed;
-  for (const MemoryKind* kind : *kinds) completed.push_back(complete(*kind, settings));
-  return check_budget(settings, completed).map([&] { return std::move(completed); });
+  for (const MemoryKind* kind : MNEME_TRY(choose_kinds(robot, database, settings))) {
+    completed.push_back(complete(*kind, settings));
+  }
+  MNEME_TRY(check_budget(settings, completed));
+  return completed;
 }
 
-/// Whether the kinds handle the problem. Ends that are no configurations are refused later.
-Result<void> check_primitives(const Query& query, const std::vector<KindSettings>& kinds) {
-  const Problem& problem = query.problem;
-  const auto is_wrong = [&](const Configuration& q) {
-    return problem.robot.describe_violation(q, "q").has_value();
-  };
-  if (problem.goals.empty() || is_wrong(problem.start) ||
-      std::ranges::any_of(problem.goals, is_wrong)) {
-    return {};
-  }
-  for (const KindSettings& kind : kinds) {
-    if (auto primitives = decompose(query, kind); !primitives) {
-      return tl::unexpected(primitives.error());
-    }
-  }
-  return {};
-}
-
-bool is_memory_asked(const SamplerEntry& sampler, const SolveSettings& settings) {
+bool is_memory_used(const SamplerEntry& sampler, const SolveSettings& settings) {
   return sampler.draws_from_memory || settings.replay > 0 || settings.remember_after;
 }
 
-/// Only a sampler that asks memory finds out what is missing there.
+/// Only a sampler that queries memory finds out what is missing there.
 Result<void> check_learning(const SamplerEntry& sampler, const SolveSettings& settings) {
   if (settings.learn_budget_s == 0 || sampler.draws_from_memory) return {};
-  return fail(ErrorCode::invalid,
-              fmt::format("setting 'learn-budget': sampler '{}' does not ask memory, expected one "
-                          "that does, such as gl",
-                          sampler.name));
+  return fail(
+      ErrorCode::invalid,
+      fmt::format("setting 'learn-budget': sampler '{}' does not query memory, expected one "
+                  "that does, such as gl",
+                  sampler.name));
 }
 
 Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler,
@@ -186,91 +169,50 @@ Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sam
                           sampler.name, planner.name));
 }
 
+/// Errors: a problem that a kind does not handle. Ends that are no configurations are refused
+/// later.
+Result<void> check_primitives(const Problem& problem, const std::vector<KindSettings>& kinds) {
+  const auto is_wrong = [&](const Configuration& q) {
+    return problem.robot.describe_violation(q, "q").has_value();
+  };
+  if (problem.goals.empty() || is_wrong(problem.start) ||
+      std::ranges::any_of(problem.goals, is_wrong)) {
+    return {};
+  }
+  for (const KindSettings& kind : kinds) {
+    MNEME_TRY(kind.kind->decompose(memory_query(problem, problem.goals), kind.max_gap));
+  }
+  return {};
+}
+
 }  // namespace
 
-bool MemoryRequest::is_over() const {
-  return is_set(settings.plan.cancel) || stopwatch.elapsed_s() >= settings.plan.timeout_s;
-}
-
-Result<MemoryRequest> make_memory_request(const MemoryQuery& query, Database* database,
-                                          const SolveSettings& settings) {
-  MemoryRequest request{query, database, settings, {}, {}};
-  if (auto checked = check_settings(settings); !checked) return tl::unexpected(checked.error());
-  if (database == nullptr) return request;
-  if (auto checked = check_robot(query.robot, *database); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  return complete_kinds(query.robot, database, settings).map([&](auto kinds) {
-    request.kinds = std::move(kinds);
-    return std::move(request);
-  });
-}
-
-namespace {
-
-CheckerSettings checker_settings(const Problem& problem, const SolveSettings& settings) {
+CheckerSettings Query::checker_settings() const {
   return {settings.resolution, settings.margin, settings.isa, problem.constraints};
 }
 
-/// Of a cell in which the ends of the problem are known to be clear, if there is one.
-std::shared_ptr<StaticCell> find_cell(const Problem& problem, const SolveSettings& settings) {
-  auto cell = StaticCell::find(problem.robot, problem.scene, checker_settings(problem, settings));
-  const auto is_clear = [&](const Configuration& q) {
-    return !problem.robot.describe_violation(q, "") && cell->is_clear(q);
-  };
-  const bool is_known =
-      cell != nullptr && is_clear(problem.start) && std::ranges::all_of(problem.goals, is_clear);
-  return is_known ? cell : nullptr;
+bool Query::is_over() const {
+  return is_set(settings.plan.cancel) || stopwatch.elapsed_s() >= settings.plan.timeout_s;
 }
 
-std::shared_ptr<StaticCell> keep_cell(const Problem& problem, const QueryChecker& made) {
-  auto cell = StaticCell::keep(made.checker);
-  if (cell == nullptr || !made.are_ends_clear) return cell;
-  cell->add_clear(problem.start);
-  for (const Configuration& goal : problem.goals) cell->add_clear(goal);
-  return cell;
-}
-
-}  // namespace
-
-Result<QueryChecker> make_query_checker(const Problem& problem, const SolveSettings& settings,
-                                        const std::vector<Configuration>& goals) {
-  return mneme::make_query_checker(problem.robot, problem.scene,
-                                   checker_settings(problem, settings), {problem.start, goals});
+double Query::remaining_s() const {
+  return std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
 }
 
 Result<Query> make_query(const Problem& problem, Database* database,
                          const SolveSettings& settings) {
-  const auto sampler = find_sampler(settings.sampler);
-  if (!sampler) return tl::unexpected(sampler.error());
-  const auto planner = find_planner(settings.planner);
-  if (!planner) return tl::unexpected(planner.error());
-  if (auto checked = check_together(**planner, **sampler, settings, !problem.constraints.empty());
-      !checked) {
-    return tl::unexpected(checked.error());
-  }
-  if (auto checked = check_learning(**sampler, settings); database != nullptr && !checked) {
-    return tl::unexpected(checked.error());
-  }
-  const bool is_asked = is_memory_asked(**sampler, settings);
-  auto request =
-      make_memory_request(memory_query(problem), is_asked ? database : nullptr, settings);
-  if (!request) return tl::unexpected(request.error());
-  const bool are_replayed = database != nullptr && settings.replay > 0;
-  auto cell = are_replayed ? find_cell(problem, settings) : nullptr;
-  auto made = cell != nullptr ? QueryChecker{cell->checker(), {}, true}
-                              : make_query_checker(problem, settings, problem.goals);
-  if (!made) return tl::unexpected(made.error());
-  if (are_replayed && cell == nullptr) cell = keep_cell(problem, *made);
-  return Query{*std::move(request),
-               problem,
-               {problem.start, problem.goals},
-               **planner,
-               **sampler,
-               std::move(made->checker),
-               std::move(made->notes),
-               made->are_ends_clear,
-               std::move(cell)};
+  const SamplerEntry& sampler = *MNEME_TRY(find_sampler(settings.sampler));
+  const PlannerEntry& planner = *MNEME_TRY(find_planner(settings.planner));
+  MNEME_TRY(check_settings(settings));
+  MNEME_TRY(check_together(planner, sampler, settings, !problem.constraints.empty()));
+  Query query{problem, nullptr, settings, planner, sampler, {}, {}};
+  if (database == nullptr) return query;
+  MNEME_TRY(check_learning(sampler, settings));
+  if (!is_memory_used(sampler, settings)) return query;
+  MNEME_TRY(check_robot(problem.robot.without_attached(), *database));
+  query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, settings));
+  query.database = database;
+  return query;
 }
 
 }  // namespace mneme::internal
@@ -278,13 +220,13 @@ Result<Query> make_query(const Problem& problem, Database* database,
 namespace mneme {
 
 Result<void> check_query(const Problem& problem, const SolveSettings& settings) {
-  const auto query = internal::make_query(problem, nullptr, settings);
-  if (!query) return tl::unexpected(query.error());
-  const SamplerEntry& sampler = query->sampler;
-  if (auto checked = internal::check_learning(sampler, settings); !checked) return checked;
-  if (!internal::is_memory_asked(sampler, settings)) return {};
-  return internal::complete_kinds(problem.robot, nullptr, settings)
-      .and_then([&](const auto& kinds) { return internal::check_primitives(*query, kinds); });
+  const internal::Query query = MNEME_TRY(internal::make_query(problem, nullptr, settings));
+  MNEME_TRY(make_query_checker(problem.robot, problem.scene, query.checker_settings(),
+                               {problem.start, problem.goals}));
+  MNEME_TRY(internal::check_learning(query.sampler, settings));
+  if (!internal::is_memory_used(query.sampler, settings)) return {};
+  const auto kinds = MNEME_TRY(internal::complete_kinds(problem.robot, nullptr, settings));
+  return internal::check_primitives(problem, kinds);
 }
 
 }  // namespace mneme

@@ -1,19 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What solve() is asked, completed and checked once: all below trusts it.
+/// What solve() works on: completed and checked once, so that all other code trusts it.
 #pragma once
 
 #include "mneme/pipeline.h"
 
-#include "pipeline/proven_motions.h"
-
-#include <memory>
+#include <span>
 #include <vector>
 
 namespace mneme::internal {
 
-/// A kind of memory in a query, and the settings that count for it.
+/// A kind of memory in a query, and the settings that apply to it.
 struct KindSettings {
   const MemoryKind* kind = nullptr;
   double lambda = 0;
@@ -29,40 +27,25 @@ struct KindSettings {
   double replay = 0;
 };
 
-/// What is asked of memory. Refers to the query and the database.
-struct MemoryRequest {
-  MemoryQuery query;
-  Database* database = nullptr;     ///< null: there is no memory
-  SolveSettings settings;           ///< in range
-  std::vector<KindSettings> kinds;  ///< empty without a database
-  Stopwatch stopwatch;              ///< of the call
-
-  /// The time limit is reached, or the call is cancelled.
-  [[nodiscard]] bool is_over() const;
-};
-/// Errors: a setting out of range; an unknown kind; a database of another robot; a budget for
-/// learning that no kind can use.
-[[nodiscard]] Result<MemoryRequest> make_memory_request(const MemoryQuery& query,
-                                                        Database* database,
-                                                        const SolveSettings& settings);
-
-/// A problem to be solved. Refers to the problem and the database.
-struct Query : MemoryRequest {
+/// Problem, database and settings. Immutable; refers to problem, database, planner and sampler.
+struct Query {
   const Problem& problem;
-  PlanQuery ends;
+  Database* database = nullptr;  ///< null: memory is not queried
+  SolveSettings settings;        ///< in range
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
-  CollisionChecker checker;
-  std::vector<std::string> notes;              ///< for people, about the checker
-  bool are_ends_clear = false;                 ///< of the checker, as it was made
-  std::shared_ptr<StaticCell> cell = nullptr;  ///< the checker's, where tasks are replayed
+  std::vector<KindSettings> kinds;  ///< empty without a database
+  Stopwatch stopwatch;              ///< started by make_query()
+
+  [[nodiscard]] CheckerSettings checker_settings() const;
+  /// True once the time limit is reached or the call is cancelled.
+  [[nodiscard]] bool is_over() const;
+  /// Seconds left of the time limit, at least 0.
+  [[nodiscard]] double remaining_s() const;
 };
-/// The checker for a problem with these settings and `goals`, its own or others.
-[[nodiscard]] Result<QueryChecker> make_query_checker(const Problem& problem,
-                                                      const SolveSettings& settings,
-                                                      const std::vector<Configuration>& goals);
-/// Errors besides: an unknown planner or sampler, or two that do not go together; a budget for
-/// learning with a sampler that does not ask memory; a scene that cannot be checked.
+
+/// Errors: a setting out of range; an unknown planner, sampler or kind of memory, or a combination
+/// that does not work; a database of another robot; a budget for learning that nothing can use.
 [[nodiscard]] Result<Query> make_query(const Problem& problem, Database* database,
                                        const SolveSettings& settings);
 

@@ -55,19 +55,19 @@ class CountingSampler final : public Sampler {
 
 Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
                           const PlanSettings& settings, SearchLimit* limit) {
-  const Query& query = task.query;
-  std::optional<PoseGoalSource> further_goals;
-  if (task.further_goals != nullptr) further_goals = *task.further_goals;
-  PathFinisher shorten_and_verify(query.checker, settings.finish());
+  const ResolvedQuery& resolved = task.resolved;
+  const Query& query = resolved.query;
+  std::optional<PoseGoalSource> further_goals = resolved.further_goals;
+  PathFinisher shorten_and_verify(resolved.checker, settings.finish());
   const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
-  return query.planner.plan({query.checker, query.ends, sampler, settings, shorten_and_verify,
+  return query.planner.plan({resolved.checker, resolved.ends, sampler, settings, shorten_and_verify,
                              valid_states, further_goals ? &*further_goals : nullptr, limit});
 }
 
 class Race {
  public:
   explicit Race(const RaceTask& task) : task_(task) {
-    for (int i = 0; i < task.query.settings.threads; ++i) entrants_.emplace_back(*this, i);
+    for (int i = 0; i < task.resolved.query.settings.threads; ++i) entrants_.emplace_back(*this, i);
   }
 
   Result<RaceResult> run() {
@@ -76,7 +76,7 @@ class Race {
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
     RaceResult result{**std::move(first.planned), first.draws};
-    if (task_.settings.observer != nullptr) show(first);
+    if (plan_settings().observer != nullptr) show(first);
     return result;
   }
 
@@ -109,11 +109,14 @@ class Race {
     Race& race_;
   };
 
+  [[nodiscard]] const PlanSettings& plan_settings() const {
+    return task_.resolved.query.settings.plan;
+  }
   [[nodiscard]] PlanSettings settings_of(int index) const {
-    PlanSettings settings = task_.settings;
+    PlanSettings settings = plan_settings();
     const auto count = static_cast<std::uint64_t>(entrants_.size());
     settings.max_nodes = std::max(settings.max_nodes / count, std::uint64_t{1});
-    settings.timeout_s = std::max(0.0, settings.timeout_s - stopwatch_.elapsed_s());
+    settings.timeout_s = task_.resolved.query.remaining_s();
     settings.observer = nullptr;
     if (index > 0) {
       // The first one leaves walks for hard problems; those that race it bet on one.
@@ -164,13 +167,13 @@ class Race {
 
   void show(const Entrant& entrant) const {
     PlanSettings settings = settings_of(entrant.index);
-    settings.timeout_s = task_.settings.timeout_s;
-    settings.observer = task_.settings.observer;
+    settings.timeout_s = timeout_s_;
+    settings.observer = plan_settings().observer;
     static_cast<void>(search(task_, task_.sampler, settings, nullptr));
   }
 
   const RaceTask& task_;
-  Stopwatch stopwatch_;
+  double timeout_s_ = task_.resolved.query.remaining_s();
   std::deque<Entrant> entrants_;
   std::atomic<std::uint64_t> best_ = ~std::uint64_t{0};  ///< rank of those that found a path
   std::atomic<std::size_t> next_ = 0;
@@ -181,8 +184,10 @@ class Race {
 }  // namespace
 
 Result<RaceResult> race(const RaceTask& task) {
-  if (task.query.settings.threads > 1) return Race(task).run();
-  return search(task, task.sampler, task.settings, nullptr).map([](PlanResult plan) {
+  if (task.resolved.query.settings.threads > 1) return Race(task).run();
+  PlanSettings settings = task.resolved.query.settings.plan;
+  settings.timeout_s = task.resolved.query.remaining_s();
+  return search(task, task.sampler, settings, nullptr).map([](PlanResult plan) {
     return RaceResult{std::move(plan)};
   });
 }

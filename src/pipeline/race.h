@@ -4,19 +4,17 @@
 /// Searches of one query at once, each from a seed of its own.
 #pragma once
 
-#include "pipeline/query.h"
+#include "pipeline/resolve_goals.h"
 
 #include <cstdint>
 #include <limits>
 
 namespace mneme::internal {
 
-/// What is searched. Refers to all of it.
+/// What is searched. Refers to both.
 struct RaceTask {
-  const Query& query;
+  const ResolvedQuery& resolved;
   const Sampler& sampler;
-  const PlanSettings& settings;         ///< of the search whose seed is the query's
-  const PoseGoalSource* further_goals;  ///< each search has a copy; may be null
 };
 
 struct RaceResult {

@@ -4,7 +4,7 @@
 
 #include "pipeline/baseline_samplers.h"
 #include "pipeline/cvae_sampler.h"
-#include "pipeline/recollection.h"
+#include "pipeline/memory_sampler.h"
 
 #include <algorithm>
 #include <array>
@@ -12,30 +12,30 @@
 namespace mneme {
 namespace {
 
-using internal::Recollection;
+using internal::MemorySampler;
 using SharedSampler = std::shared_ptr<const Sampler>;
 
-SharedSampler uniform_source(Recollection& recollection) {
-  return make_uniform_sampler(recollection.query().problem.robot);
+SharedSampler uniform_source(MemorySampler& memory) {
+  return make_uniform_sampler(memory.query().problem.robot);
 }
 
-SharedSampler halton_source(Recollection& recollection) {
-  return make_halton_sampler(recollection.query().problem.robot);
+SharedSampler halton_source(MemorySampler& memory) {
+  return make_halton_sampler(memory.query().problem.robot);
 }
 
-SharedSampler gl(Recollection& recollection) { return recollection.draw_by_kind(); }
+SharedSampler gl(MemorySampler& memory) { return memory.draw_by_kind(); }
 
-SharedSampler pooled(Recollection& recollection) {
-  return recollection.draw_mixture([&query = recollection.query()] { return pool_all(query); });
+SharedSampler pooled(MemorySampler& memory) {
+  return memory.draw_mixture([&memory] { return pool_all(memory.query(), memory.asked()); });
 }
 
-SharedSampler nearest_scenes(Recollection& recollection) {
-  return recollection.draw_mixture(
-      [&query = recollection.query()] { return recall_nearest_scenes(query); });
+SharedSampler nearest_scenes(MemorySampler& memory) {
+  return memory.draw_mixture(
+      [&memory] { return recall_nearest_scenes(memory.query(), memory.asked()); });
 }
 
-SharedSampler cvae(Recollection& recollection) {
-  return recollection.draw_from([&query = recollection.query()]() -> Result<SharedSampler> {
+SharedSampler cvae(MemorySampler& memory) {
+  return memory.draw_from([&query = memory.query()]() -> Result<SharedSampler> {
     const auto weights = internal::load_cvae(internal::cvae_path(*query.database));
     if (!weights) return tl::unexpected(weights.error());
     return internal::make_cvae_sampler(query.problem.robot, query.problem.scene, *weights);

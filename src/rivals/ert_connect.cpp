@@ -8,7 +8,7 @@
 
 #include "path/waypoints.h"
 #include "pipeline/memory_steps.h"
-#include "pipeline/resolved_goals.h"
+#include "pipeline/resolve_goals.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
 #include "rivals/solvers.h"
@@ -233,12 +233,12 @@ struct PriorRows {
 };
 
 /// Retrieval takes those that lead the other way, too.
-void turn_round(const Query& query, PriorRows& path) {
-  const Robot& robot = query.problem.robot;
+void turn_round(const ResolvedQuery& resolved, PriorRows& path) {
+  const Robot& robot = resolved.checker.robot();
   const auto joints = static_cast<std::ptrdiff_t>(robot.joint_count());
   const Configuration first(path.rows.begin(), path.rows.begin() + joints);
   const Configuration last(path.rows.end() - joints, path.rows.end());
-  const Configuration &start = query.ends.start, &goal = query.ends.goals[path.goal];
+  const Configuration &start = resolved.ends.start, &goal = resolved.ends.goals[path.goal];
   const bool is_forward = robot.distance(first, start) + robot.distance(last, goal) <=
                           robot.distance(last, start) + robot.distance(first, goal);
   if (is_forward) return;
@@ -249,40 +249,41 @@ void turn_round(const Query& query, PriorRows& path) {
   path.rows = std::move(turned);
 }
 
-Result<PriorRows> find_most_similar(const Query& query) {
+Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
+  const Query& query = resolved.query;
+  const MemoryQuery asked = memory_query(query.problem, resolved.ends.goals);
   PriorRows found;
   double least = std::numeric_limits<double>::infinity();
   for (const KindSettings& kind : query.kinds) {
     if (kind.kind->bend == nullptr) continue;
-    const auto primitives = decompose(query, kind);
-    if (!primitives) return tl::unexpected(primitives.error());
-    for (std::size_t i = 0; i < primitives->size(); ++i) {
-      const auto matches = find_matches(*query.database, *kind.kind, (*primitives)[i].primitive,
-                                        std::numeric_limits<double>::infinity(), 1);
-      if (!matches) return tl::unexpected(matches.error());
-      if (matches->empty() || matches->front().similarity_error >= least) continue;
-      const Match& match = matches->front();
+    const auto primitives = MNEME_TRY(decompose(asked, kind));
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const auto matches =
+          MNEME_TRY(find_matches(*query.database, *kind.kind, primitives[i].primitive,
+                                 std::numeric_limits<double>::infinity(), 1));
+      if (matches.empty() || matches.front().similarity_error >= least) continue;
+      const Match& match = matches.front();
       least = match.similarity_error;
       found = {match.experience->sampler.means, i};
     }
   }
   if (!found.rows.empty()) {
-    turn_round(query, found);
+    turn_round(resolved, found);
     return found;
   }
-  for (const Configuration* q : {&query.ends.start, &query.ends.goals.front()}) {
+  for (const Configuration* q : {&resolved.ends.start, &resolved.ends.goals.front()}) {
     found.rows.insert(found.rows.end(), q->begin(), q->end());
   }
   return found;
 }
 
-PlanResult plan(const Query& query, const PriorRows& path) {
-  PlanSettings settings = query.settings.plan;
-  settings.timeout_s = std::max(0.0, settings.timeout_s - query.stopwatch.elapsed_s());
-  PathFinisher finisher(query.checker, settings.finish());
-  const Robot& robot = query.problem.robot;
+PlanResult plan(const ResolvedQuery& resolved, const PriorRows& path) {
+  PlanSettings settings = resolved.query.settings.plan;
+  settings.timeout_s = resolved.query.remaining_s();
+  PathFinisher finisher(resolved.checker, settings.finish());
+  const Robot& robot = resolved.checker.robot();
   const auto sampler = make_uniform_sampler(robot);
-  PlannerRun run({query.checker, query.ends, *sampler, settings, finisher});
+  PlannerRun run({resolved.checker, resolved.ends, *sampler, settings, finisher});
   PriorPath prior(robot, path.rows, run.start(), run.goals()[path.goal]);
   return ErtConnect(run, std::move(prior), path.goal).solve();
 }
@@ -292,26 +293,18 @@ PlanResult plan(const Query& query, const PriorRows& path) {
 Result<SolveResult> solve_by_ert_connect(const Problem& problem, Database* database,
                                          const SolveSettings& settings) {
   const Stopwatch stopwatch;
-  auto query = make_query(problem, database, with_own_planner(settings));
-  if (!query) return tl::unexpected(query.error());
-  SolveResult result;
-  auto goals = resolve_goals(*query);
-  if (!goals) return tl::unexpected(goals.error());
-  if (goals->refused) {
-    result.plan = *std::move(goals->refused);
+  const Query query = MNEME_TRY(make_query(problem, database, with_own_planner(settings)));
+  const ResolvedQuery resolved = MNEME_TRY(resolve_goals(query));
+  SolveResult result = describe(resolved);
+  if (resolved.refusal) {
+    result.plan = *resolved.refusal;
   } else {
     const Stopwatch retrieval;
-    const auto path = find_most_similar(*query);
-    if (!path) return tl::unexpected(path.error());
+    const PriorRows path = MNEME_TRY(find_most_similar(resolved));
     result.gl.retrieval_time_s = retrieval.elapsed_s();
-    result.plan = plan(*query, *path);
+    result.plan = plan(resolved, path);
     result.plan.planning_time_s += result.gl.retrieval_time_s;
   }
-  result.goals = query->ends.goals;
-  result.notes = query->notes;
-  if (!query->notes.empty()) result.scene = query->checker.scene();
-  result.seed = settings.plan.seed;
-  result.isa = query->checker.isa();
   result.total_time_s = stopwatch.elapsed_s();
   return result;
 }

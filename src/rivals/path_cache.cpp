@@ -37,19 +37,20 @@ Path stored_path(const MemoryQuery& query, const Configuration& goal, const Expe
 }
 
 /// The rows whose ends are as near as KindSettings::replay says; not those that lead the other way.
-Result<std::vector<Entry>> look_up(const MemoryRequest& request) {
+Result<std::vector<Entry>> look_up(const Query& query) {
+  const MemoryQuery asked = memory_query(query.problem);
   std::vector<Entry> entries;
-  for (const KindSettings& kind : request.kinds) {
+  for (const KindSettings& kind : query.kinds) {
     if (!(kind.replay > 0)) continue;
-    const auto primitives = decompose(request, kind);
+    const auto primitives = decompose(asked, kind);
     if (!primitives) return tl::unexpected(primitives.error());
     for (std::size_t i = 0; i < primitives->size(); ++i) {
-      const auto rows = request.database->find(
+      const auto rows = query.database->find(
           kind.kind->version, {&(*primitives)[i].primitive.key, 1}, kind.replay * kind.replay, 0);
       if (!rows) return tl::unexpected(rows.error());
       for (const KeyMatch& row : *rows) {
         entries.push_back({row.experience->id, row.similarity_error, 0,
-                           stored_path(request.query, request.query.goals[i], *row.experience)});
+                           stored_path(asked, asked.goals[i], *row.experience)});
       }
     }
   }
@@ -90,30 +91,29 @@ Result<SolveResult> fetch(const Problem& problem, Database* database, const Solv
                           Rank rank, bool looks_at_scene) {
   const Stopwatch stopwatch;
   const SolveSettings settings = with_own_planner(given);
-  const auto request = make_memory_request(memory_query(problem), database, settings);
-  if (!request) return tl::unexpected(request.error());
-  auto entries = look_up(*request);
-  if (!entries) return tl::unexpected(entries.error());
+  const Query query = MNEME_TRY(make_query(problem, database, settings));
+  auto entries = MNEME_TRY(look_up(query));
   const Stopwatch ranking;
-  if (rank == Rank::fastest && entries->size() > 1) add_durations(problem.robot, *entries);
+  if (rank == Rank::fastest && entries.size() > 1) add_durations(problem.robot, entries);
   const double ranking_s = ranking.elapsed_s();
-  std::ranges::stable_sort(*entries, {},
+  std::ranges::stable_sort(entries, {},
                            rank == Rank::fastest ? &Entry::duration_s : &Entry::similarity_error);
   double tables_s = 0;
   std::optional<CollisionChecker> checker;
   if (looks_at_scene) {
     const Stopwatch making;
-    auto made = make_query_checker(problem, settings, problem.goals);
-    if (!made) return tl::unexpected(made.error());
-    checker.emplace(std::move(made->checker));
+    checker.emplace(
+        MNEME_TRY(make_query_checker(problem.robot, problem.scene, query.checker_settings(),
+                                     {problem.start, problem.goals}))
+            .checker);
     tables_s = making.elapsed_s();
   }
   SolveResult result;
-  const auto found = std::ranges::find_if(*entries, [&](const Entry& entry) {
+  const auto found = std::ranges::find_if(entries, [&](const Entry& entry) {
     return !checker || is_free(*checker, entry.path, result.plan);
   });
   const double total_s = stopwatch.elapsed_s() - ranking_s;
-  if (found == entries->end()) return plan_instead(problem, settings, total_s);
+  if (found == entries.end()) return plan_instead(problem, settings, total_s);
   result.plan.status = PlanStatus::solved;
   result.plan.path = std::move(found->path);
   result.plan.planning_time_s = total_s - tables_s - result.plan.verification_time_s;

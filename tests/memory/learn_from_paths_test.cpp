@@ -223,7 +223,7 @@ TEST_SUITE("flow") {
     for (const Symmetry& motion : {Symmetry{}, Symmetry{1.1, false, 0.15}, {-1.7, false, -0.2}}) {
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
       const CollisionChecker there = checker_of(scene);
-      const auto gl = create_gl_sampler({robot, scene}, database, settings);
+      const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
       REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
       CHECK(gl->mixture->component_count() == components);
       int touching = 0;
@@ -261,7 +261,7 @@ TEST_SUITE("flow") {
         }
       }
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
-      const auto gl = create_gl_sampler({robot, scene}, database, settings);
+      const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
       REQUIRE(gl.has_value());
       CHECK(gl->mixture->component_count() == expected);
       CHECK(expected > 0);

@@ -54,7 +54,7 @@ struct PathMemory {
   [[nodiscard]] GlSampler recall(const SolveSettings& settings = {}) {
     SolveSettings of_paths = settings;
     of_paths.memory.kind = "paths";
-    return create_gl_sampler(memory_query(problem), database, of_paths).value();
+    return create_gl_sampler(problem, database, of_paths).value();
   }
 };
 
@@ -324,7 +324,7 @@ TEST_SUITE("flow") {
     SolveSettings of_paths;
     of_paths.memory.kind = "paths";
     const auto gl =
-        create_gl_sampler({memory.problem.robot, memory.problem.scene}, memory.database, of_paths);
+        create_gl_sampler({"", memory.problem.robot, "", memory.problem.scene, {}, {}, {}}, memory.database, of_paths);
     REQUIRE_FALSE(gl.has_value());
     CHECK(gl.error().code == ErrorCode::invalid);
     CHECK(gl.error().message.find("start and goal") != std::string::npos);

@@ -122,7 +122,7 @@ TEST_SUITE("unit") {
     LearnedScene world;
     SolveSettings settings;
     settings.drop_invalid_means = false;
-    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
+    const auto gl = create_gl_sampler(world.problem, world.database, settings);
     REQUIRE(gl.has_value());
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     for (const double lambda : {0.0, 0.5, 1.0}) {
@@ -144,7 +144,7 @@ TEST_SUITE("unit") {
     settings.lambda = 1;
     settings.retrieve_after = 100;
     settings.drop_invalid_means = false;
-    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
+    const auto gl = create_gl_sampler(world.problem, world.database, settings);
     const Problem scene_alone{"", world.problem.robot, "", world.problem.scene, {}, {}, {}};
     const auto allocator = mneme::ompl::gl_sampler_allocator(scene_alone, world.database, settings);
     REQUIRE(allocator.has_value());
@@ -164,7 +164,7 @@ TEST_SUITE("unit") {
     settings.lambda = 1;
     settings.sigma = 1e-4;
     settings.margin = 0.01;
-    const auto gl = create_gl_sampler(memory_query(world.problem), world.database, settings);
+    const auto gl = create_gl_sampler(world.problem, world.database, settings);
     REQUIRE(gl.has_value());
     const auto careful = CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin});
     REQUIRE(careful.has_value());

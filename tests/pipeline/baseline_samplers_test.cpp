@@ -27,8 +27,8 @@ TEST_SUITE("unit") {
     TwoRows memory;
     REQUIRE(memory.components(0) > 0);
     const Problem problem = memory.problem({});
-    const GaussianMixture pooled =
-        *internal::pool_all(*internal::make_query(problem, &memory.database, {}));
+    const GaussianMixture pooled = *internal::pool_all(
+        *internal::make_query(problem, &memory.database, {}), memory_query(problem));
     CHECK(pooled.component_count() == memory.components(0) + memory.components(1));
     CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler, 0)) <
           1e-5);
@@ -43,7 +43,7 @@ TEST_SUITE("unit") {
         const Scene scene = make_scene(moved_key({rotation, false}, memory.keys[row]));
         const Problem problem = memory.problem(scene);
         const auto mixture = internal::recall_nearest_scenes(
-            *internal::make_query(problem, &memory.database, settings));
+            *internal::make_query(problem, &memory.database, settings), memory_query(problem));
         REQUIRE(mixture.has_value());
         const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler;
         REQUIRE(mixture->component_count() == learned.component_count());
@@ -58,13 +58,14 @@ TEST_SUITE("unit") {
     TwoRows memory;
     const SolveSettings settings;
     const Problem nothing = memory.problem({});
-    const auto empty =
-        internal::recall_nearest_scenes(*internal::make_query(nothing, &memory.database, {}));
+    const auto empty = internal::recall_nearest_scenes(
+        *internal::make_query(nothing, &memory.database, {}), memory_query(nothing));
     REQUIRE(empty.has_value());
     CHECK(empty->component_count() == 0);
     const Scene box{"box", {{"box", {Box{{}, {0.1, 0.1, 0.1}}}}}};
     const Problem boxed = memory.problem(box);
-    CHECK(!internal::recall_nearest_scenes(*internal::make_query(boxed, &memory.database, {})));
+    CHECK(!internal::recall_nearest_scenes(*internal::make_query(boxed, &memory.database, {}),
+                                           memory_query(boxed)));
   }
 }
 

@@ -11,7 +11,7 @@ GlSampler create(const Robot& robot, const Scene& scene, Database& database,
                  SolveSettings settings) {
   // Components are counted here: what cannot be fitted would be missing.
   settings.retarget = false;
-  auto gl = create_gl_sampler({robot, scene}, database, settings);
+  auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
   REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
   REQUIRE(gl->mixture != nullptr);
   return std::move(*gl);
@@ -111,7 +111,7 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, keys_near(near_pair(), 4, 0.2, 1));
     const Scene scene = make_scene(near_pair());
-    const auto fitted = create_gl_sampler({robot, scene}, database, {});
+    const auto fitted = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {});
     REQUIRE(fitted.has_value());
     const GlSampler moved = create(robot, scene, database, {});
     CHECK(fitted->mixture->component_count() > 0.5 * moved.mixture->component_count());
@@ -203,8 +203,9 @@ TEST_SUITE("unit") {
     SolveSettings wrong;
     wrong.sigma = -1.0;
     const Problem problem{"", robot, "", make_scene(near_pair()), Configuration(8), {}, {}};
-    for (const auto& gl : {create_gl_sampler({robot, problem.scene}, database, wrong),
-                           create_gl_sampler(memory_query(problem), database, wrong)}) {
+    for (const auto& gl :
+         {create_gl_sampler({"", robot, "", problem.scene, {}, {}, {}}, database, wrong),
+          create_gl_sampler(problem, database, wrong)}) {
       REQUIRE(!gl.has_value());
       CHECK(gl.error().code == ErrorCode::invalid);
       CHECK(gl.error().message.find("'sigma'") != std::string::npos);
@@ -220,7 +221,7 @@ TEST_SUITE("unit") {
     settings.memory.kind = "body_pairs";
     settings.memory.max_gap = 5;
     const Scene scene = make_scene(near_pair());
-    const auto refused = create_gl_sampler({robot, scene}, database, settings);
+    const auto refused = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().message.find("does not learn on a miss") != std::string::npos);
     settings.learn_budget_s = 0;
@@ -302,7 +303,7 @@ TEST_SUITE("unit") {
     auto database = Database::inspect(directory / "a.db");
     REQUIRE(database.has_value());
     const Scene scene = make_scene(near_pair());
-    const auto gl = create_gl_sampler({robot, scene}, *database, {});
+    const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, *database, {});
     REQUIRE(!gl.has_value());
     CHECK(gl.error().code == ErrorCode::wrong_robot);
     for (const std::string& part :
@@ -326,13 +327,13 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     const Scene scene{"", {{"crate", {Box{}}}}};
-    const auto gl = create_gl_sampler({robot, scene}, database, {});
+    const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {});
     REQUIRE(!gl.has_value());
     CHECK(gl.error().message.find("'crate'") != std::string::npos);
     SolveSettings unknown;
     unknown.memory.kind = "triples";
     const Scene pair = make_scene(near_pair());
-    const auto refused = create_gl_sampler({robot, pair}, database, unknown);
+    const auto refused = create_gl_sampler({"", robot, "", pair, {}, {}, {}}, database, unknown);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().message.find("triples") != std::string::npos);
   }

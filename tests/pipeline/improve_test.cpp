@@ -88,7 +88,9 @@ TEST_SUITE("unit") {
     SolveResult result;
     result.plan.status = PlanStatus::solved;
     result.plan.path = {{0, 0}, {0.5, 0}, {0.5, 0.5}};
-    internal::improve(*query, *make_uniform_sampler(arm), result);
+    const auto resolved = internal::resolve_goals(*query);
+    REQUIRE(resolved.has_value());
+    internal::improve(*resolved, *make_uniform_sampler(arm), result);
     CHECK(path_length(arm, result.plan.path) < 0.71);
   }
 

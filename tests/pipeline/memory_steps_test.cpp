@@ -38,17 +38,20 @@ struct BudgetedQueries {
   PrimitiveRetrieval ask(bool is_cut_short) {
     SolveSettings settings;
     settings.learn_budget_s = 60;
-    auto request = internal::make_memory_request({robot, scene}, &database, settings);
-    REQUIRE(request.has_value());
-    MemoryKind kind = *request->kinds.front().kind;
+    const Problem problem{"", robot, "", scene, {}, {}, {}};
+    const auto query = internal::make_query(problem, &database, settings);
+    REQUIRE(query.has_value());
+    const MemoryQuery asked = memory_query(problem);
+    internal::KindSettings kind_settings = query->kinds.front();
+    MemoryKind kind = *kind_settings.kind;
     kind.learn = is_cut_short ? learn_at_once<true> : learn_at_once<false>;
-    request->kinds.front().kind = &kind;
-    auto found = internal::decompose(*request, request->kinds.front());
+    kind_settings.kind = &kind;
+    auto found = internal::decompose(asked, kind_settings);
     REQUIRE(found.has_value());
     double learning_time_s = 0;
-    REQUIRE(internal::retrieve(*request, request->kinds.front(), found->front()).has_value());
-    REQUIRE(internal::learn(*request, request->kinds.front(), found->front(), learning_time_s)
-                .has_value());
+    REQUIRE(internal::retrieve(database, kind_settings, found->front()).has_value());
+    REQUIRE(
+        internal::learn(*query, asked, kind_settings, found->front(), learning_time_s).has_value());
     return found->front();
   }
 };

@@ -12,7 +12,7 @@ namespace mneme::test {
 namespace {
 
 using internal::KindSettings;
-using internal::MemoryRequest;
+using internal::Query;
 
 Database open_of(const std::string& path, const Robot& robot) {
   auto database = Database::open(path, make_space(robot), OpenMode::create);
@@ -20,10 +20,17 @@ Database open_of(const std::string& path, const Robot& robot) {
   return std::move(*database);
 }
 
-Result<MemoryRequest> request(const Robot& robot, Database* database,
-                              const SolveSettings& settings = {}) {
-  static const Scene scene;
-  return internal::make_memory_request({robot, scene}, database, settings);
+/// Settings and kinds for the robot; its problem is gone.
+struct Completed {
+  SolveSettings settings;
+  std::vector<KindSettings> kinds;
+};
+Result<Completed> request(const Robot& robot, Database* database,
+                          const SolveSettings& settings = {}) {
+  const Problem problem{"", robot, "", {}, {}, {}, {}};
+  return internal::make_query(problem, database, settings).map([](const Query& query) {
+    return Completed{query.settings, query.kinds};
+  });
 }
 
 /// What counts for the first kind of memory that an empty database of the robot is asked for.
@@ -230,7 +237,7 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("a budget for learning needs a sampler that asks memory") {
+  TEST_CASE("a budget for learning needs a sampler that queries memory") {
     const TemporaryDirectory directory;
     const Problem problem = one_post();
     Database database = open_of(directory / "m.db", problem.robot);
@@ -241,9 +248,10 @@ TEST_SUITE("unit") {
     const auto refused = internal::make_query(problem, &database, settings);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::invalid);
-    CHECK(refused.error().message ==
-          "setting 'learn-budget': sampler 'uniform' does not ask memory, expected one that does, "
-          "such as gl");
+    CHECK(
+        refused.error().message ==
+        "setting 'learn-budget': sampler 'uniform' does not query memory, expected one that does, "
+        "such as gl");
     CHECK(internal::make_query(problem, nullptr, settings).has_value());
   }
 
@@ -264,7 +272,7 @@ TEST_SUITE("unit") {
     settings.memory.kind = "paths";
     refuses("does not learn on a miss");
     settings.sampler = "uniform";
-    refuses("does not ask memory");
+    refuses("does not query memory");
     settings.sampler = "nobody";
     refuses("unknown sampler");
     settings = {};
@@ -350,18 +358,21 @@ TEST_SUITE("unit") {
     settings.isa = Isa::scalar;
     const auto query = internal::make_query(problem, nullptr, settings);
     REQUIRE(query.has_value());
-    CHECK(query->checker.resolution() == 0.125);
-    CHECK(query->checker.isa() == Isa::scalar);
-    CHECK(query->checker.is_valid(problem.start));
+    const auto checker = internal::resolve_goals(*query)->checker;
+    CHECK(checker.resolution() == 0.125);
+    CHECK(checker.isa() == Isa::scalar);
+    CHECK(checker.is_valid(problem.start));
     settings.margin = 10;
     const auto wary = internal::make_query(problem, nullptr, settings);
     REQUIRE(wary.has_value());
-    CHECK_FALSE(wary->checker.is_valid(problem.start));
+    const auto refused = internal::resolve_goals(*wary);
+    REQUIRE((refused.has_value() && refused->refusal));
+    CHECK(refused->refusal->status == PlanStatus::invalid_start);
     settings.margin = -1;
     CHECK(refusal(settings).message.find("'margin'") != std::string::npos);
   }
 
-  TEST_CASE("only samplers of memory ask the database") {
+  TEST_CASE("only samplers of memory use the database") {
     const TemporaryDirectory directory;
     const Problem problem = one_post();
     Database foreign = open_of(directory / "a.db", lifting_arm());

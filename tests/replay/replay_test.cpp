@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/memory_steps.h"
-#include "pipeline/push_off.h"
+#include "replay/replay.h"
+#include "replay/push_off.h"
 #include "support/deformation.h"
 #include "support/planar_memory.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/proven_motions.h"
+#include "replay/proven_motions.h"
 #include "planning/small_worlds.h"
 #include "support/planar_memory.h"
 

@@ -1,36 +1,37 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/recollection.h"
+#include "pipeline/memory_sampler.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace mneme::internal {
 
-std::shared_ptr<const Sampler> Recollection::draw_by_kind() {
+std::shared_ptr<const Sampler> MemorySampler::draw_by_kind() {
   std::vector<Source> sources;
-  for (const KindSettings& kind : query_.kinds) {
-    sources.push_back({kind.lambda, kind.least_lambda, kind.retrieve_after, [this, &kind] {
-                         return recall_(query_, kind, gl_).map([&](Recalled recalled) {
-                           return sample(kind, std::move(recalled));
-                         });
-                       }});
+  for (const KindSettings& kind : query().kinds) {
+    sources.push_back(
+        {kind.lambda, kind.least_lambda, kind.retrieve_after, [this, &kind] {
+           return recall_(query(), memory_query_, kind, gl_).map([&](Recalled recalled) {
+             return sample(kind, std::move(recalled));
+           });
+         }});
   }
   return draw(std::move(sources));
 }
 
-std::shared_ptr<const Sampler> Recollection::draw_mixture(
+std::shared_ptr<const Sampler> MemorySampler::draw_mixture(
     std::function<Result<GaussianMixture>()> recall) {
   return draw_from([this, recall = std::move(recall)]() {
     return recall().map(
-        [&](GaussianMixture mixture) { return sample(query_.kinds.front(), std::move(mixture)); });
+        [&](GaussianMixture mixture) { return sample(query().kinds.front(), std::move(mixture)); });
   });
 }
 
-std::shared_ptr<const Sampler> Recollection::draw_from(
+std::shared_ptr<const Sampler> MemorySampler::draw_from(
     std::function<Result<std::shared_ptr<const Sampler>>()> make) {
-  if (query_.kinds.empty()) return draw({});
-  const KindSettings& kind = query_.kinds.front();
+  if (query().kinds.empty()) return draw({});
+  const KindSettings& kind = query().kinds.front();
   return draw(
       {{kind.lambda, kind.least_lambda, kind.retrieve_after, [this, make = std::move(make)] {
           const Stopwatch stopwatch;
@@ -40,13 +41,17 @@ std::shared_ptr<const Sampler> Recollection::draw_from(
         }}});
 }
 
-std::shared_ptr<const Sampler> Recollection::draw(std::vector<Source> sources) {
+std::shared_ptr<const Sampler> MemorySampler::draw(std::vector<Source> sources) {
   sources_ = std::move(sources);
   std::ranges::stable_sort(sources_, {}, &Source::after);
+  retrieve_after_ = sources_.empty() ? 0 : sources_.front().after;
+  if (timing_ == Timing::at_once) {
+    for (Source& source : sources_) source.after = 0;
+  }
   return drawn_after(0);
 }
 
-std::shared_ptr<const Sampler> Recollection::drawn_after(int samples) {
+std::shared_ptr<const Sampler> MemorySampler::drawn_after(int samples) {
   const std::lock_guard lock(mutex_);
   const auto known = std::ranges::find(stages_, samples, [](const auto& s) { return s.first; });
   if (known != stages_.end()) return known->second;
@@ -62,8 +67,8 @@ std::shared_ptr<const Sampler> Recollection::drawn_after(int samples) {
 }
 
 /// Each source gets its lambda; several share, so that uniform samples keep their part.
-std::shared_ptr<const Sampler> Recollection::mixed() const {
-  std::shared_ptr<const Sampler> uniform = make_uniform_sampler(query_.problem.robot);
+std::shared_ptr<const Sampler> MemorySampler::mixed() const {
+  std::shared_ptr<const Sampler> uniform = make_uniform_sampler(query().problem.robot);
   if (samplers_.empty()) return uniform;
   std::vector<MixedSource> shares = samplers_;
   for (MixedSource& share : shares) {
@@ -73,7 +78,7 @@ std::shared_ptr<const Sampler> Recollection::mixed() const {
   return make_mixed_sampler(std::move(shares), std::move(uniform));
 }
 
-void Recollection::ask(const Source& source) {
+void MemorySampler::ask(const Source& source) {
   marks_.push_back({source.after, gl_.primitives.size(), drawn_.size(), gl_.mixture});
   auto sampler = source.ask();
   if (!sampler) {
@@ -83,13 +88,22 @@ void Recollection::ask(const Source& source) {
   }
 }
 
-std::optional<Error> Recollection::failure(std::uint64_t draws) const {
-  const auto failed = std::ranges::find_if(
-      marks_, [&](const Mark& mark) { return mark.failure && mark.is_within(draws); });
-  return failed == marks_.end() ? std::nullopt : failed->failure;
+Result<std::shared_ptr<const Sampler>> MemorySampler::make() {
+  const Stopwatch stopwatch;
+  auto sampler = query().sampler.make(*this);
+  time_s_ = stopwatch.elapsed_s();
+  MNEME_TRY(check());
+  return sampler;
 }
 
-GlSampler Recollection::take(std::uint64_t draws) {
+Result<void> MemorySampler::check(std::uint64_t draws) const {
+  const auto failed = std::ranges::find_if(
+      marks_, [&](const Mark& mark) { return mark.failure && mark.is_within(draws); });
+  if (failed != marks_.end()) return tl::unexpected(*failed->failure);
+  return {};
+}
+
+GlSampler MemorySampler::take(std::uint64_t draws) {
   const auto too_late =
       std::ranges::find_if(marks_, [&](const Mark& mark) { return !mark.is_within(draws); });
   if (too_late != marks_.end()) {
@@ -102,19 +116,19 @@ GlSampler Recollection::take(std::uint64_t draws) {
   return std::move(gl_);
 }
 
-void Recollection::add_to_found(const GaussianMixture& mixture) {
+void MemorySampler::add_to_found(const GaussianMixture& mixture) {
   GaussianMixture all = gl_.mixture == nullptr ? GaussianMixture{} : *gl_.mixture;
   append(all, mixture);
   gl_.mixture = std::make_shared<const GaussianMixture>(std::move(all));
 }
 
-std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind, Recalled recalled) {
+std::shared_ptr<const Sampler> MemorySampler::sample(const KindSettings& kind, Recalled recalled) {
   if (auto* mixture = std::get_if<GaussianMixture>(&recalled)) {
     return sample_mixture(kind, std::move(*mixture));
   }
-  const Robot& robot = query_.problem.robot;
+  const Robot& robot = query().problem.robot;
   std::optional<CollisionChecker> checker;
-  if (kind.drop_invalid_means) checker = query_.checker;
+  if (kind.drop_invalid_means) checker = resolved_.checker;
   drawn_.push_back(std::make_shared<const DrawnComponents>(
       std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled)), robot.joint_count(),
       std::move(checker)));
@@ -122,9 +136,9 @@ std::shared_ptr<const Sampler> Recollection::sample(const KindSettings& kind, Re
   return make_component_sampler(robot, drawn_.back(), kind.sigma);
 }
 
-std::shared_ptr<const Sampler> Recollection::sample_mixture(const KindSettings& kind,
-                                                            GaussianMixture mixture) {
-  if (kind.drop_invalid_means) mixture = keep_valid_components(query_.checker, mixture);
+std::shared_ptr<const Sampler> MemorySampler::sample_mixture(const KindSettings& kind,
+                                                             GaussianMixture mixture) {
+  if (kind.drop_invalid_means) mixture = keep_valid_components(resolved_.checker, mixture);
   auto own = std::make_shared<const GaussianMixture>(std::move(mixture));
   if (gl_.mixture == nullptr) {
     gl_.mixture = own;
@@ -132,7 +146,7 @@ std::shared_ptr<const Sampler> Recollection::sample_mixture(const KindSettings& 
     add_to_found(*own);
   }
   if (own->component_count() == 0) return nullptr;
-  return make_mixture_sampler(query_.problem.robot, std::move(own), kind.sigma, kind.widening);
+  return make_mixture_sampler(query().problem.robot, std::move(own), kind.sigma, kind.widening);
 }
 
 }  // namespace mneme::internal

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/recollection.h"
+#include "pipeline/memory_sampler.h"
 #include "support/kinds.h"
 #include "support/planar_memory.h"
 
@@ -31,15 +31,20 @@ struct MemoryFixture {
   }
 };
 
+internal::ResolvedQuery resolved(const internal::Query& query) {
+  auto resolved = internal::resolve_goals(query);
+  REQUIRE(resolved.has_value());
+  return *std::move(resolved);
+}
+
 /// Three components of the start's neighbourhood, as if memory had them.
-Result<GaussianMixture> near_start(const internal::MemoryRequest& request,
+Result<GaussianMixture> near_start(const internal::Query&, const MemoryQuery& asked,
                                    const internal::KindSettings&, GlSampler& gl) {
   gl.primitives.emplace_back();
   GaussianMixture mixture;
   mixture.joint_count = 8;
   for (int i = 0; i < 3; ++i) {
-    mixture.means.insert(mixture.means.end(), request.query.start->begin(),
-                         request.query.start->end());
+    mixture.means.insert(mixture.means.end(), asked.start->begin(), asked.start->end());
   }
   return mixture;
 }
@@ -59,40 +64,43 @@ bool is_uniform(const std::vector<SampleSource>& sources) {
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("memory is asked at once where no iterations come before it") {
+  TEST_CASE("memory is queried at once where no iterations come before it") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(query, near_start);
-    const auto sampler = recollection.draw_by_kind();
-    CHECK(!recollection.failure());
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(goals, near_start);
+    const auto sampler = memory.draw_by_kind();
+    CHECK(memory.check().has_value());
     CHECK(!is_uniform(draw_sources(*sampler->start(1), 50)));
-    CHECK(recollection.take().mixture->component_count() == 3);
+    CHECK(memory.take().mixture->component_count() == 3);
   }
 
-  TEST_CASE("memory is asked after the iterations that come before it, by one stream for all") {
+  TEST_CASE("memory is queried after the iterations that come before it, by one stream for all") {
     MemoryFixture fixture;
     fixture.settings.retrieve_after = 20;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(query, near_start);
-    const auto sampler = recollection.draw_by_kind();
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(goals, near_start);
+    const auto sampler = memory.draw_by_kind();
     const auto first = sampler->start(1), second = sampler->start(2);
     CHECK(is_uniform(draw_sources(*first, 20)));
     CHECK(!is_uniform(draw_sources(*first, 50)));
     CHECK(is_uniform(draw_sources(*second, 20)));
     CHECK(!is_uniform(draw_sources(*second, 50)));
-    CHECK(recollection.take().primitives.size() == 1);
+    CHECK(memory.take().primitives.size() == 1);
   }
 
-  TEST_CASE("memory that cannot be asked is a failure, and samples are uniform") {
+  TEST_CASE("memory that cannot be queried is a failure, and samples are uniform") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(
-        query, [](const auto&, const auto&, auto&) -> Result<GaussianMixture> {
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(
+        goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
         });
-    const auto sampler = recollection.draw_by_kind();
-    REQUIRE(recollection.failure().has_value());
-    CHECK(recollection.failure()->message == "the disk is gone");
+    const auto sampler = memory.draw_by_kind();
+    REQUIRE(!memory.check().has_value());
+    CHECK(memory.check().error().message == "the disk is gone");
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
   }
 
@@ -100,32 +108,34 @@ TEST_SUITE("unit") {
     MemoryFixture fixture;
     fixture.settings.retrieve_after = 20;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(
-        query, [](const auto&, const auto&, auto&) -> Result<GaussianMixture> {
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(
+        goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
         });
-    const auto sampler = recollection.draw_by_kind();
+    const auto sampler = memory.draw_by_kind();
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
-    CHECK(recollection.failure().has_value());
-    CHECK(recollection.failure(21).has_value());
-    CHECK(!recollection.failure(20).has_value());
+    CHECK(!memory.check().has_value());
+    CHECK(!memory.check(21).has_value());
+    CHECK(memory.check(20).has_value());
   }
 
   TEST_CASE("memory with nothing to say leaves uniform samples") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    internal::Recollection recollection(query, [](const auto&, const auto&, auto&) {
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(goals, [](const auto&, const auto&, const auto&, auto&) {
       return GaussianMixture{8, {}, {}, {}, {}};
     });
-    const auto sampler = recollection.draw_by_kind();
-    CHECK(!recollection.failure());
+    const auto sampler = memory.draw_by_kind();
+    CHECK(memory.check().has_value());
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
-    CHECK(recollection.take().mixture->component_count() == 0);
+    CHECK(memory.take().mixture->component_count() == 0);
   }
 }
 
 TEST_SUITE("flow") {
-  TEST_CASE("a database of several kinds is asked for each, when its time has come") {
+  TEST_CASE("a database of several kinds is queried for each, when its time has come") {
     MemoryFixture fixture;
     const Path path = {fixture.problem.start, Configuration(8, 0.0), fixture.problem.goals[0]};
     REQUIRE(
@@ -133,12 +143,13 @@ TEST_SUITE("flow") {
     const internal::Query query = fixture.query();
     REQUIRE(query.kinds.size() == 2);
     std::vector<std::string_view> asked;
-    internal::Recollection recollection(
-        query, [&](const auto& request, const internal::KindSettings& kind, GlSampler& gl) {
-          asked.push_back(kind.kind->name);
-          return near_start(request, kind, gl);
-        });
-    const auto stream = recollection.draw_by_kind()->start(1);
+    const internal::ResolvedQuery goals = resolved(query);
+    internal::MemorySampler memory(goals, [&](const auto& query, const auto& memory_query,
+                                              const internal::KindSettings& kind, GlSampler& gl) {
+      asked.push_back(kind.kind->name);
+      return near_start(query, memory_query, kind, gl);
+    });
+    const auto stream = memory.draw_by_kind()->start(1);
     CHECK(asked == std::vector<std::string_view>{"pairs"});
     draw_sources(*stream, kind_named("paths").defaults.share.retrieve_after + 1);
     CHECK(asked == std::vector<std::string_view>{"pairs", "paths"});
@@ -146,7 +157,7 @@ TEST_SUITE("flow") {
     const auto uniform = std::ranges::count(sources, kUniformSource);
     CHECK(uniform > 500);
     CHECK(uniform < 700);
-    CHECK(recollection.take().mixture->component_count() == 6);
+    CHECK(memory.take().mixture->component_count() == 6);
   }
 
   TEST_CASE("a plan draws from all kinds that its database holds") {

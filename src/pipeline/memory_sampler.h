@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What one query draws from memory, asked when the planner has drawn for long enough without.
+/// The sampler of one query that uses memory: retrieves when the planner has sampled long enough
+/// without.
 #pragma once
 
 #include "pipeline/drawn_components.h"
 #include "pipeline/memory_steps.h"
+#include "pipeline/resolve_goals.h"
 
 #include <cstdint>
 #include <functional>
@@ -18,11 +20,11 @@
 namespace mneme::internal {
 
 /// Algorithm 2 for one kind of memory: its components for the query, and in `gl` what it found.
-using Recall =
-    std::function<Result<Recalled>(const MemoryRequest&, const KindSettings&, GlSampler&)>;
+using Recall = std::function<Result<Recalled>(const Query&, const MemoryQuery&, const KindSettings&,
+                                              GlSampler&)>;
 
 /// Asks memory, once only, whichever of the sampler's streams asks first and from whichever thread.
-class Recollection {
+class MemorySampler {
  public:
   /// One of the samplers that are mixed with uniform samples.
   struct Source {
@@ -33,10 +35,19 @@ class Recollection {
     std::function<Result<std::shared_ptr<const Sampler>>()> ask;
   };
 
-  /// Refers to the query.
-  Recollection(const Query& query, Recall recall) : query_(query), recall_(std::move(recall)) {}
+  /// When a sampler queries memory: after `retrieve_after` samples, or as soon as it is made. Only
+  /// the latter's samplers may outlive this.
+  enum class Timing { lazy, at_once };
 
-  [[nodiscard]] const Query& query() const { return query_; }
+  /// Refers to the query.
+  MemorySampler(const ResolvedQuery& resolved, Recall recall, Timing timing = Timing::lazy)
+      : resolved_(resolved),
+        memory_query_(memory_query(resolved.query.problem, resolved.ends.goals)),
+        recall_(std::move(recall)),
+        timing_(timing) {}
+
+  [[nodiscard]] const Query& query() const { return resolved_.query; }
+  [[nodiscard]] const MemoryQuery& asked() const { return memory_query_; }
 
   /// Algorithm 1 over `recall` for each kind of memory of the query. Refers to this.
   [[nodiscard]] std::shared_ptr<const Sampler> draw_by_kind();
@@ -47,9 +58,15 @@ class Recollection {
   [[nodiscard]] std::shared_ptr<const Sampler> draw_from(
       std::function<Result<std::shared_ptr<const Sampler>>()> make);
 
-  /// Why memory could not be asked for a stream that has drawn so often; others may have asked for
+  /// The query's sampler. Error: memory that is queried at once fails.
+  [[nodiscard]] Result<std::shared_ptr<const Sampler>> make();
+  /// Error: memory failed before some stream had sampled `draws` times; others may have sampled
   /// more.
-  [[nodiscard]] std::optional<Error> failure(std::uint64_t draws = kAny) const;
+  [[nodiscard]] Result<void> check(std::uint64_t draws = kAny) const;
+  [[nodiscard]] double time_s() const { return time_s_; }  ///< of make()
+  /// The least number of samples before the settings want a source of the sampler to be queried; 0
+  /// without a source.
+  [[nodiscard]] int retrieve_after() const { return retrieve_after_; }
   /// What was found for such a stream; with the components that any stream has drawn from until now
   /// where they are made then.
   [[nodiscard]] GlSampler take(std::uint64_t draws = kAny);
@@ -81,8 +98,12 @@ class Recollection {
                                                               GaussianMixture mixture);
   void add_to_found(const GaussianMixture& mixture);
 
-  const Query& query_;
+  const ResolvedQuery& resolved_;
+  MemoryQuery memory_query_;
   Recall recall_;
+  Timing timing_;
+  int retrieve_after_ = 0;
+  double time_s_ = 0;
   std::vector<Source> sources_;  ///< those that are asked first, first
   std::mutex mutex_;
   std::size_t asked_ = 0;

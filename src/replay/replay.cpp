@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/replay.h"
+#include "replay/replay.h"
 
+#include "base/threads.h"
 #include "path/path_conversion.h"
 #include "path/waypoints.h"
-#include "pipeline/memory_steps.h"
-#include "pipeline/proven_motions.h"
-#include "pipeline/push_off.h"
+#include "replay/push_off.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -51,7 +51,6 @@ constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
 
 /// A remembered path near the query.
 struct Known {
-  const MemoryKind* kind;
   const Configuration* goal;
   Match match;
 
@@ -76,37 +75,40 @@ struct Block {
 
 class Replayer {
  public:
-  Replayer(const Query& query, Replay& told)
-      : query_(query),
-        told_(told),
-        verifier_(query.checker, verification()),
-        way_(query.problem.robot) {}
+  Replayer(const ReplayTask& task, Replay& report)
+      : task_(task),
+        report_(report),
+        verifier_(task.checker, verification()),
+        way_(task.checker.robot()) {}
 
   PlanResult run() {
     Result<std::vector<Known>> known = find();
     // What is wrong with the memory, the search will say.
     if (known) replay(*known);
-    told_.time_s = stopwatch_.elapsed_s();
+    report_.time_s = stopwatch_.elapsed_s();
     result_.states_checked = counters_.states;
     result_.motions_checked = counters_.motions;
     result_.planning_time_s =
-        told_.time_s - result_.simplification_time_s - result_.verification_time_s;
+        report_.time_s - result_.simplification_time_s - result_.verification_time_s;
     return std::move(result_);
   }
 
  private:
   /// Nothing has looked at a remembered path before.
   [[nodiscard]] Verification verification() const {
-    const Verification wanted = query_.settings.plan.verification();
+    const Verification wanted = task_.settings.verification();
     return wanted == Verification::none ? Verification::states : wanted;
   }
   [[nodiscard]] std::uint64_t states_left() const {
     return states_limit_ - std::min(states_limit_, counters_.states);
   }
-  [[nodiscard]] bool must_stop() const { return states_left() == 0 || query_.is_over(); }
+  [[nodiscard]] bool is_over() const {
+    return is_set(task_.settings.cancel) || stopwatch_.elapsed_s() >= task_.settings.timeout_s;
+  }
+  [[nodiscard]] bool must_stop() const { return states_left() == 0 || is_over(); }
 
   Result<std::vector<Known>> find();
-  Result<std::vector<Known>> find(const KindSettings& kind, double distance, std::size_t count);
+  Result<std::vector<Known>> find(double distance, std::size_t count);
   void replay(const std::vector<Known>& known);
   [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
   [[nodiscard]] bool prove(std::span<const float> from, std::span<const float> to, MotionEnds ends);
@@ -123,8 +125,8 @@ class Replayer {
   [[nodiscard]] Configuration at(float way) const;
   void take(Path path, const Known& known);
 
-  const Query& query_;
-  Replay& told_;
+  const ReplayTask& task_;
+  Replay& report_;
   MotionVerifier verifier_;
   ProvenMotions* proven_ = nullptr;       ///< of the query's cell, if it has one
   std::shared_ptr<ProvenMotions> links_;  ///< those on which links keep apart; may be null
@@ -135,43 +137,32 @@ class Replayer {
   Stopwatch stopwatch_;
 };
 
-/// The nearest first. Goals share the keys that may be looked at.
-Result<std::vector<Known>> Replayer::find(const KindSettings& kind, double distance,
-                                          std::size_t count) {
-  const auto primitives = decompose(query_, kind);
-  if (!primitives) return tl::unexpected(primitives.error());
+/// The nearest known tasks, nearest first. Goals share the keys that may be compared.
+Result<std::vector<Known>> Replayer::find(double distance, std::size_t count) {
+  const auto primitives = MNEME_TRY(task_.kind.decompose(task_.memory_query, task_.max_gap));
   std::vector<Known> known;
-  const auto goals = static_cast<std::int64_t>(primitives->size());
-  for (std::size_t i = 0; i < primitives->size(); ++i) {
+  const auto goals = static_cast<std::int64_t>(primitives.size());
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
     const std::int64_t keys = std::max(kMostKeys / goals, std::int64_t{1});
     std::int64_t keys_left = keys;
-    auto matches = find_matches(*query_.database, *kind.kind, (*primitives)[i].primitive,
-                                distance * distance, static_cast<int>(count), &keys_left);
-    if (!matches) return tl::unexpected(matches.error());
-    told_.keys += static_cast<std::uint64_t>(keys - keys_left);
-    for (Match& match : *matches) {
-      known.push_back({kind.kind, &query_.ends.goals[i], std::move(match)});
-    }
+    auto matches =
+        MNEME_TRY(find_matches(task_.database, task_.kind, primitives[i], distance * distance,
+                               static_cast<int>(count), &keys_left));
+    report_.keys += static_cast<std::uint64_t>(keys - keys_left);
+    for (Match& match : matches) known.push_back({&task_.ends.goals[i], std::move(match)});
   }
   std::ranges::stable_sort(known, {}, &Known::distance);
   if (known.size() > count) known.resize(count);
   return known;
 }
 
-/// Those that are tried.
+/// The tasks that are tried.
 Result<std::vector<Known>> Replayer::find() {
-  std::vector<Known> all;
-  for (const KindSettings& kind : query_.kinds) {
-    if (!(kind.replay > 0)) continue;
-    auto known = find(kind, kind.replay, kMostPaths);
-    if (!known) return known;
-    std::ranges::move(*known, std::back_inserter(all));
-    if (!all.empty()) continue;
-    known = find(kind, kAnyDistance, 1);
-    if (!known) return known;
-    if (!known->empty()) told_.nearest = known->front().distance();
-  }
-  return all;
+  auto known = MNEME_TRY(find(task_.distance, kMostPaths));
+  if (!known.empty()) return known;
+  const auto far = MNEME_TRY(find(kAnyDistance, 1));
+  if (!far.empty()) report_.nearest = far.front().distance();
+  return known;
 }
 
 void Replayer::replay(const std::vector<Known>& known) {
@@ -183,17 +174,17 @@ void Replayer::replay(const std::vector<Known>& known) {
   };
   std::optional<Blocked> least;
   if (!known.empty()) {
-    if (query_.cell != nullptr) proven_ = &query_.cell->motions(verification());
-    links_ = ProvenMotions::of_links(query_.checker, verification());
+    if (task_.cell != nullptr) proven_ = &task_.cell->motions(verification());
+    links_ = ProvenMotions::of_links(task_.checker, verification());
   }
   for (const Known& task : known) {
-    Draft draft(task.kind->bend(query_.query, *task.goal, *task.match.experience));
-    if (draft.path.empty() || query_.is_over()) continue;
+    Draft draft(task_.kind.bend(task_.memory_query, *task.goal, *task.match.experience));
+    if (draft.path.empty() || is_over()) continue;
     if (verify(draft, {true, true})) return take(std::move(draft.path), task);
     std::vector<Block> blocks = find_blocks(draft);
     const float first = blocks.front().first;
     const float share = way_.length() > 0 ? first / way_.length() : 0;
-    told_.blocked.push_back({task.match.experience->id, task.distance(), share, at(first)});
+    report_.blocked.push_back({task.match.experience->id, task.distance(), share, at(first)});
     float length = 0;
     for (const Block& block : blocks) length += block.last - block.first;
     if (least && least->length <= length) continue;
@@ -202,7 +193,7 @@ void Replayer::replay(const std::vector<Known>& known) {
   if (!least) return;
   limit_repair(*least->known->match.experience);
   if (!repair(least->draft, least->blocks)) return;
-  told_.is_repaired = true;
+  report_.is_repaired = true;
   take(std::move(least->draft.path), *least->known);
 }
 
@@ -256,7 +247,7 @@ std::vector<Block> Replayer::find_blocks(const Draft& draft) {
 void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
   const auto joints = static_cast<std::size_t>(way_.joint_count());
   const float begin = way_.way_to(motion), length = way_.way_to(motion + 1) - begin;
-  const auto parts = static_cast<std::size_t>(length / query_.checker.resolution()) + 1;
+  const auto parts = static_cast<std::size_t>(length / task_.checker.resolution()) + 1;
   const float step = length / static_cast<float>(parts);
   std::vector<float> states((parts + 1) * joints);
   for (std::size_t i = 0; i <= parts; ++i) {
@@ -265,7 +256,7 @@ void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
   }
   std::vector<std::uint8_t> is_valid(parts + 1);
   counters_.states += is_valid.size();
-  query_.checker.check_states(states, is_valid);
+  task_.checker.check_states(states, is_valid);
   const std::size_t before = blocks.size();
   for (std::size_t i = 0; i <= parts; ++i) {
     const float way = begin + step * static_cast<float>(i);
@@ -277,7 +268,7 @@ void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
 Configuration Replayer::at(float way) const {
   std::vector<float> q(static_cast<std::size_t>(way_.joint_count()));
   way_.write(way_.locate(way), q.data());
-  return query_.problem.robot.normalized(Configuration(q.begin(), q.end()));
+  return task_.checker.robot().normalized(Configuration(q.begin(), q.end()));
 }
 
 void Replayer::limit_repair(const Experience& row) {
@@ -306,7 +297,7 @@ bool Replayer::repair(Draft& draft, const std::vector<Block>& blocks) {
 /// round.
 Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
   if (must_stop()) return Draft({});
-  Draft pushed(push_off(query_.checker, blocked, counters_));
+  Draft pushed(push_off(task_.checker, blocked, counters_));
   if (!pushed.path.empty() && verify(pushed, ends)) return pushed;
   Path round = plan_round(blocked.front(), blocked.back());
   return Draft(is_near(round, blocked) ? std::move(round) : Path());
@@ -315,24 +306,24 @@ Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
 /// Shortened a little.
 Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
   const std::uint64_t left =
-      std::min(kLocalIterations - told_.iterations, states_left() / kStatesPerIteration);
+      std::min(kLocalIterations - report_.iterations, states_left() / kStatesPerIteration);
   if (left == 0) return {};
-  PlanSettings settings = query_.settings.plan;
+  PlanSettings settings = task_.settings;
   settings.seed = derive_seed(settings.seed, kReplayTask);
-  settings.timeout_s = std::max(0.0, settings.timeout_s - query_.stopwatch.elapsed_s());
+  settings.timeout_s = std::max(0.0, settings.timeout_s - stopwatch_.elapsed_s());
   settings.max_iterations = std::min(left, settings.max_iterations.value_or(left));
   settings.walk_after = 0;
   settings.simplify = settings.verify = false;
   settings.observer = nullptr;
-  const auto sampler = make_uniform_sampler(query_.problem.robot);
-  PlanResult local = plan_with(rrt_connect, query_.checker, {from, {to}}, *sampler, settings);
-  told_.iterations += local.iterations;
+  const auto sampler = make_uniform_sampler(task_.checker.robot());
+  PlanResult local = plan_with(rrt_connect, task_.checker, {from, {to}}, *sampler, settings);
+  report_.iterations += local.iterations;
   result_.iterations += local.iterations;
   counters_.states += local.states_checked;
   counters_.motions += local.motions_checked;
   if (!local.is_solved()) return {};
   const Stopwatch stopwatch;
-  shorten(query_.checker, local.path, settings.seed, {kRepairPatience}, nullptr, counters_,
+  shorten(task_.checker, local.path, settings.seed, {kRepairPatience}, nullptr, counters_,
           [this] { return must_stop(); });
   result_.simplification_time_s += stopwatch.elapsed_s();
   return std::move(local.path);
@@ -354,7 +345,7 @@ std::vector<float> spread(const Robot& robot, const Path& path) {
 
 bool Replayer::is_near(const Path& round, const Path& blocked) const {
   if (round.empty()) return false;
-  const Robot& robot = query_.problem.robot;
+  const Robot& robot = task_.checker.robot();
   const auto joints = static_cast<std::size_t>(robot.joint_count());
   const std::vector<float> states = spread(robot, round), others = spread(robot, blocked);
   for (std::size_t i = 0; i < states.size(); i += joints) {
@@ -397,16 +388,23 @@ void Replayer::splice(Draft& draft, const Block& part, const Draft& between) con
 void Replayer::take(Path path, const Known& known) {
   result_.status = PlanStatus::solved;
   result_.path = std::move(path);
-  told_.row = known.match.experience->id;
-  told_.distance = known.distance();
+  report_.row = known.match.experience->id;
+  report_.distance = known.distance();
 }
 
 }  // namespace
 
-PlanResult replay(const Query& query, Replay& told) {
-  const auto replays = [](const KindSettings& kind) { return kind.replay > 0; };
-  if (query.settings.plan.timeout_s <= 0 || std::ranges::none_of(query.kinds, replays)) return {};
-  return Replayer(query, told).run();
+std::optional<std::uint64_t> planning_states(const Experience& row) {
+  const std::string_view text = row.provenance.settings;
+  const std::size_t begin = text.rfind(kPlannedIn);
+  if (begin == std::string_view::npos) return std::nullopt;
+  const char* number = text.data() + begin + kPlannedIn.size();
+  std::uint64_t states = 0;
+  const auto [end, error] = std::from_chars(number, text.data() + text.size(), states);
+  const std::string_view rest(end, text.data() + text.size());
+  return error == std::errc() && rest == kStates ? std::optional(states) : std::nullopt;
 }
+
+PlanResult replay(const ReplayTask& task, Replay& report) { return Replayer(task, report).run(); }
 
 }  // namespace mneme::internal

@@ -4,7 +4,7 @@
 /// What this process has proven of motions, and the cells that it has proven it in.
 #pragma once
 
-#include "mneme/path.h"
+#include "mneme/planning.h"
 
 #include <cstddef>
 #include <memory>
@@ -49,12 +49,12 @@ class StaticCell {
  public:
   explicit StaticCell(const CollisionChecker& checker);
 
-  /// That which is kept of the robot, the scene and the settings; may be null.
+  /// The cell that is kept for this robot, scene and settings; null if there is none.
   [[nodiscard]] static std::shared_ptr<StaticCell> find(const Robot& robot, const Scene& scene,
                                                         const CheckerSettings& settings);
-  /// That of the checker, which is kept from now on: the few that were asked for last are. Null for
-  /// one with constraints, and for one with points, meshes or octrees, which are edited in place
-  /// while nothing else holds them.
+  /// The checker's cell, kept from now on with the few others that were used last. Null for a
+  /// checker with constraints, and for one with points, meshes or octrees, which are edited in
+  /// place while nothing else holds them.
   [[nodiscard]] static std::shared_ptr<StaticCell> keep(const CollisionChecker& checker);
 
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
@@ -62,14 +62,24 @@ class StaticCell {
   [[nodiscard]] ProvenMotions& motions(Verification verification) {
     return verification == Verification::states ? by_states_ : by_motions_;
   }
-  /// Whether it is known that a configuration of the robot touches nothing.
-  [[nodiscard]] bool is_clear(const Configuration& q) const;
-  void add_clear(const Configuration& q);
+  /// True if start and goals are known to be configurations that touch nothing.
+  [[nodiscard]] bool are_clear(const PlanQuery& ends) const;
+  void add_clear(const PlanQuery& ends);
 
  private:
   CollisionChecker checker_;
   ProvenMotions by_states_, by_motions_;
   ProvenMotions clear_;  ///< from a state to itself
 };
+
+/// A checker for the motions between `ends`, and its cell.
+struct CellChecker {
+  QueryChecker checked;
+  std::shared_ptr<StaticCell> cell;  ///< null if nothing is kept
+};
+/// make_query_checker(), or the checker of the kept cell in which both ends are known to be clear.
+[[nodiscard]] Result<CellChecker> find_or_make_checker(const Robot& robot, const Scene& scene,
+                                                       const CheckerSettings& settings,
+                                                       const PlanQuery& ends);
 
 }  // namespace mneme::internal

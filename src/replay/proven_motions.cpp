@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/proven_motions.h"
+#include "replay/proven_motions.h"
 
 #include "geometry/solids.h"
 #include "path/path_conversion.h"
@@ -150,14 +150,35 @@ std::shared_ptr<StaticCell> StaticCell::keep(const CollisionChecker& checker) {
   return cell != nullptr ? cell : cells().keep(std::make_shared<StaticCell>(checker));
 }
 
-bool StaticCell::is_clear(const Configuration& q) const {
-  const std::vector<float> row = to_row(checker_.robot(), q);
-  return clear_.contain(row, row, {});
+bool StaticCell::are_clear(const PlanQuery& ends) const {
+  const Robot& robot = checker_.robot();
+  const auto is_clear = [&](const Configuration& q) {
+    if (robot.describe_violation(q, "")) return false;
+    const std::vector<float> row = to_row(robot, q);
+    return clear_.contain(row, row, {});
+  };
+  return is_clear(ends.start) && std::ranges::all_of(ends.goals, is_clear);
 }
 
-void StaticCell::add_clear(const Configuration& q) {
-  const std::vector<float> row = to_row(checker_.robot(), q);
-  clear_.add(row, row, {});
+void StaticCell::add_clear(const PlanQuery& ends) {
+  const auto add = [&](const Configuration& q) {
+    const std::vector<float> row = to_row(checker_.robot(), q);
+    clear_.add(row, row, {});
+  };
+  add(ends.start);
+  std::ranges::for_each(ends.goals, add);
+}
+
+Result<CellChecker> find_or_make_checker(const Robot& robot, const Scene& scene,
+                                         const CheckerSettings& settings, const PlanQuery& ends) {
+  auto known = StaticCell::find(robot, scene, settings);
+  if (known != nullptr && known->are_clear(ends)) {
+    return CellChecker{{known->checker(), {}, true}, known};
+  }
+  QueryChecker made = MNEME_TRY(make_query_checker(robot, scene, settings, ends));
+  auto cell = StaticCell::keep(made.checker);
+  if (cell != nullptr && made.are_ends_clear) cell->add_clear(ends);
+  return CellChecker{std::move(made), std::move(cell)};
 }
 
 }  // namespace mneme::internal

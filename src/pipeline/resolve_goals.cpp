@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/resolve_goals.h"
+
+#include "base/threads.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+Result<CellChecker> make_checker(const Query& query) {
+  const Problem& problem = query.problem;
+  const PlanQuery ends{problem.start, problem.goals};
+  if (query.database != nullptr && query.settings.replay > 0) {
+    return find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends);
+  }
+  return make_query_checker(problem.robot, problem.scene, query.checker_settings(), ends)
+      .map([](QueryChecker made) {
+        return CellChecker{std::move(made), nullptr};
+      });
+}
+
+IkSettings ik_settings(const Query& query) {
+  IkSettings settings = query.settings.ik;
+  settings.seed = query.settings.plan.seed;
+  settings.is_over = [&query] { return query.is_over(); };
+  return settings;
+}
+
+Result<PoseGoalSource> make_source(const Query& query, const CollisionChecker& checker) {
+  return PoseGoalSource::make(checker, query.problem.pose_goals, query.problem.start,
+                              ik_settings(query), kVerificationMargin);
+}
+
+/// A checker that judges by exact geometry what else only spheres touch at some configuration for a
+/// pose; nothing if there is no such configuration.
+Result<std::optional<QueryChecker>> find_exact_checker(const Query& query,
+                                                       const QueryChecker& checked) {
+  constexpr int kMostSolutions = 64;
+  const Problem& problem = query.problem;
+  IkSettings settings = ik_settings(query);
+  settings.solutions = std::max(settings.solutions, kMostSolutions);
+  for (const PoseGoal& goal : problem.pose_goals) {
+    if (query.is_over()) return std::nullopt;
+    const auto kinematics =
+        MNEME_TRY(InverseKinematics::make(problem.robot, goal.link, checked.checker.isa()));
+    const IkResult reached = kinematics.solve(goal, problem.start, settings);
+    for (const Configuration& q : reached.solutions) {
+      if (query.is_over()) return std::nullopt;
+      QueryChecker made = MNEME_TRY(make_query_checker(
+          problem.robot, problem.scene, query.checker_settings(), {problem.start, {q}}));
+      if (made.notes.size() > checked.notes.size()) return made;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Configurations for the problem's poses, among the ends of `resolved`.
+Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& ends,
+                           std::optional<PoseGoalSource>& further_goals) {
+  further_goals = MNEME_TRY(make_source(query, made.checked.checker));
+  std::vector<Configuration> found = further_goals->more();
+  if (found.empty() && ends.goals.empty()) {
+    if (auto exact = MNEME_TRY(find_exact_checker(query, made.checked))) {
+      made = {*std::move(exact), nullptr};
+      further_goals = MNEME_TRY(make_source(query, made.checked.checker));
+      found = further_goals->more();
+    }
+  }
+  std::ranges::move(found, std::back_inserter(ends.goals));
+  return {};
+}
+
+/// Why nothing was found for the poses.
+void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
+  const Query& query = resolved.query;
+  if (!query.is_over()) {
+    refusal.message = resolved.further_goals->describe_failure();
+  } else if (is_set(query.settings.plan.cancel)) {
+    refusal.status = PlanStatus::cancelled;
+    refusal.message = "cancelled";
+  } else {
+    refusal.status = PlanStatus::timeout;
+    refusal.message = "no configuration for the poses of the goal within the time limit";
+  }
+}
+
+}  // namespace
+
+Result<ResolvedQuery> resolve_goals(const Query& query) {
+  const Problem& problem = query.problem;
+  CellChecker made = MNEME_TRY(make_checker(query));
+  PlanQuery ends{problem.start, problem.goals};
+  std::optional<PoseGoalSource> further_goals;
+  const bool has_start = !problem.robot.describe_violation(problem.start, "start");
+  if (!problem.pose_goals.empty() && has_start) {
+    MNEME_TRY(resolve_poses(query, made, ends, further_goals));
+  }
+  const bool are_ends_clear = made.checked.are_ends_clear && problem.pose_goals.empty();
+  const bool has_exact_pairs = !made.checked.notes.empty();
+  ResolvedQuery resolved{query,
+                         std::move(ends),
+                         std::move(made.checked.checker),
+                         std::move(made.cell),
+                         std::move(further_goals),
+                         std::move(made.checked.notes),
+                         has_exact_pairs,
+                         {}};
+  const auto add_notes = [&](std::vector<std::string> notes) {
+    std::ranges::move(notes, std::back_inserter(resolved.notes));
+  };
+  const bool has_poses = resolved.further_goals.has_value();
+  // Without any goal the refusal says it.
+  if (has_poses && !resolved.ends.goals.empty()) {
+    add_notes(resolved.further_goals->describe_unreached());
+  }
+  if (!are_ends_clear) add_notes(drop_goals_in_contact(resolved.checker, resolved.ends.goals));
+  resolved.refusal = refuse_query(resolved.checker, resolved.ends, are_ends_clear);
+  if (has_poses && resolved.refusal && resolved.ends.goals.empty() &&
+      resolved.refusal->status == PlanStatus::invalid_goal) {
+    explain_missing_goals(resolved, *resolved.refusal);
+  }
+  return resolved;
+}
+
+SolveResult describe(const ResolvedQuery& resolved) {
+  SolveResult result;
+  result.goals = resolved.ends.goals;
+  result.notes = resolved.notes;
+  if (resolved.has_exact_pairs) result.scene = resolved.checker.scene();
+  result.planner = resolved.query.planner.name;
+  result.sampler = resolved.query.sampler.name;
+  result.seed = resolved.query.settings.plan.seed;
+  result.isa = resolved.checker.isa();
+  return result;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// From the goals of a problem to configurations that a planner can be given.
+#pragma once
+
+#include "pipeline/query.h"
+#include "replay/proven_motions.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// A query with its goals as configurations, and the checker for the motions between the ends.
+/// Immutable; refers to the query.
+struct ResolvedQuery {
+  const Query& query;
+  PlanQuery ends;
+  CollisionChecker checker;
+  std::shared_ptr<StaticCell> cell;  ///< the checker's, where tasks are replayed; may be null
+  /// Source of further goals, if the problem has poses.
+  std::optional<PoseGoalSource> further_goals;
+  /// For people: pairs that are checked by exact geometry, goals that were left out.
+  std::vector<std::string> notes;
+  bool has_exact_pairs = false;  ///< pairs that are checked by exact geometry: in checker.scene()
+  std::optional<PlanResult> refusal;  ///< why start and goals cannot be planned between
+};
+
+/// Makes the checker, finds configurations for the problem's poses within the time limit, drops
+/// goals in contact, and checks the ends. Errors: a scene that cannot be checked; those of
+/// PoseGoalSource::make().
+[[nodiscard]] Result<ResolvedQuery> resolve_goals(const Query& query);
+/// A result without a plan yet: what the query says of itself.
+[[nodiscard]] SolveResult describe(const ResolvedQuery& resolved);
+
+}  // namespace mneme::internal
