@@ -101,7 +101,7 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   } else {
     MemorySampler memory(resolved, recall);
     const auto sampler = MNEME_TRY(memory.make());
-    RaceResult planned = MNEME_TRY(race({resolved, *sampler}));
+    RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler}));
     MNEME_TRY(memory.check(planned.draws));
     const std::uint64_t planning_states = planned.plan.states_checked;
     result.plan = std::move(planned.plan);

@@ -147,7 +147,7 @@ TEST_SUITE("flow") {
     internal::MemorySampler memory(goals, [&](const auto& query, const auto& memory_query,
                                               const internal::KindSettings& kind, GlSampler& gl) {
       asked.push_back(kind.kind->name);
-      return near_start(query, memory_query, kind, gl);
+      return near_start(asked_query, memory_query, kind, gl);
     });
     const auto stream = memory.draw_by_kind()->start(1);
     CHECK(asked == std::vector<std::string_view>{"pairs"});
