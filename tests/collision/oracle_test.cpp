@@ -240,7 +240,9 @@ TEST_SUITE("oracle") {
     for (const auto& [spheres, capsules] :
          {std::pair{700, 30}, {600, 0}, {0, 90}, {40, 10}, {20, 2}, {4, 1}}) {
       const Robot robot = scattered_robot(rng, spheres, capsules);
-      INFO("seed 209, " << spheres << " spheres and " << capsules << " capsules a link");
+      const std::string link =
+          fmt::format("{} spheres and {} capsules a link, seed 209", spheres, capsules);
+      CAPTURE(link);
       const int count = spheres > 100 ? 300 : 1000;
       compare_with_contacts(robot, Scene{}, 0, random_states(robot, count, rng), tally);
     }

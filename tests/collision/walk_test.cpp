@@ -117,7 +117,8 @@ CollisionChecker cluttered(const Robot& robot, int count, Rng& rng,
 
 TEST_SUITE("unit") {
   TEST_CASE("the tip goes by the length of the step towards the next point of its limb") {
-    for (const auto& [name, robot, bent] : walking_robots()) {
+    for (const auto& [kind, robot, bent] : walking_robots()) {
+      const auto& name = kind;
       const auto count = require_checker(robot, {}).limbs().size();
       for (std::size_t limb = 0; limb < count; ++limb) {
         INFO(name, ", limb ", limb);
@@ -157,7 +158,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a step of length 0 away from obstacles stays where it is") {
-    for (const auto& [name, robot, bent] : walking_robots()) {
+    for (const auto& [kind, robot, bent] : walking_robots()) {
+      const auto& name = kind;
       INFO(name);
       OwnedStep step(robot, 2);
       step.clearance = 0.1f;
@@ -328,7 +330,8 @@ TEST_SUITE("unit") {
 
 TEST_SUITE("law") {
   TEST_CASE("candidates lie within the limits, wherever a step begins") {
-    for (const auto& [name, robot, bent] : walking_robots()) {
+    for (const auto& [kind, robot, bent] : walking_robots()) {
+      const auto& name = kind;
       INFO(name);
       Rng rng(11);
       const CollisionChecker checker = cluttered(robot, 20, rng);

@@ -6,6 +6,8 @@
 #include "support/isas.h"
 #include "support/planar_memory.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -54,7 +56,7 @@ TEST_SUITE("law") {
           std::pair("ur5", "tool0")}) {
       const Robot robot = shipped_robot(name);
       for (const Isa isa : available_isas()) {
-        CAPTURE(name);
+        CAPTURE(robot.name());
         CAPTURE(to_string(isa));
         CHECK(count_reached(robot, link, 200, isa) >= 199);
       }

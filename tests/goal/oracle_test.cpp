@@ -22,8 +22,8 @@ TEST_SUITE("oracle") {
     for (const auto& [name, link] :
          {std::pair("panda", "panda_hand"), std::pair("fetch", "gripper_link"),
           std::pair("ur5", "tool0")}) {
-      CAPTURE(name);
       const Robot robot = shipped_robot(name);
+      CAPTURE(robot.name());
       const KdlChain kdl(robot, link);
       KDL::ChainFkSolverPos_recursive forward(kdl.chain);
       KDL::ChainIkSolverPos_LMA peer(kdl.chain, 1e-5, 200);

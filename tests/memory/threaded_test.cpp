@@ -86,7 +86,8 @@ TEST_SUITE("law") {
           CHECK(first_crossing_link(robot, key, *q) == link);
         }
       }
-      INFO(found, " of ", asked, " with limits ", lower, " to ", upper);
+      CAPTURE(robot.group_joint(1).lower);
+      CAPTURE(asked);
       CHECK(found > asked / 3);
     }
   }

@@ -42,7 +42,7 @@ TEST_SUITE("unit") {
         {"1", 1}, {"1.", 1}, {".5", 0.5}, {"-2e-3", -2e-3}, {"+3.25", 3.25}, {"  7\n", 7}};
     for (const auto& [text, expected] : cases) {
       Fixture f(text);
-      CAPTURE(text);
+      CAPTURE(f.text);
       CHECK(f.reader.number(*f.root, "a") == expected);
       CHECK_FALSE(f.reader.fault());
     }

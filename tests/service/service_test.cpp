@@ -34,7 +34,9 @@ TEST_SUITE("flow") {
     const auto result = solve(*problem, nullptr, settings);
     CHECK(reply.body["path"].get<Path>() == result->plan.path);
     Json keys = Json::parse(to_json(*problem, *result, 0));
-    for (const auto& [key, value] : keys.items()) CHECK_MESSAGE(reply.body.contains(key), key);
+    for (const auto& item : keys.items()) {
+      CHECK_MESSAGE(reply.body.contains(item.key()), item.key());
+    }
     CHECK(reply.body.size() == keys.size());
   }
 

@@ -25,7 +25,7 @@ TEST_SUITE("unit") {
       const bool is_short = length * acceleration < velocity * velocity;
       const double expected = is_short ? 2 * std::sqrt(length / acceleration)
                                        : length / velocity + velocity / acceleration;
-      CAPTURE(length);
+      CAPTURE(expected);
       CHECK(motion.duration_s() == doctest::Approx(expected));
       CHECK(motion.at(expected / 2).position[0] == doctest::Approx(0.5 + length / 2));
       CHECK(motion.at(expected / 2 * (1 - 1e-9)).velocity[0] ==
