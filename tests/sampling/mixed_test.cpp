@@ -114,7 +114,7 @@ TEST_SUITE("unit") {
     const auto log = std::make_shared<Recorder::Log>();
     const auto sampler = make_mixed_sampler(0.5, std::make_shared<Recorder>(1, log),
                                             std::make_shared<Recorder>(2, log));
-    for (std::uint64_t seed = 0; seed < 100; ++seed) sampler->start(seed);
+    for (std::uint64_t seed = 0; seed < 100; ++seed) (void)sampler->start(seed);
     CHECK(std::set(log->seeds.begin(), log->seeds.end()).size() == 200);
   }
 
