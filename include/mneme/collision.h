@@ -50,7 +50,7 @@ struct SweepDetail {
   /// Metres to obstacles, beyond the checker's margin, and between links; >= 0, with points, meshes
   /// and octrees as in MotionDetail.
   double margin = 0;
-  /// At the ends that are set, this margin is 0; it grows by 1/500 of the way that a link goes, so
+  /// At the ends that are set, this margin is 0; it grows by 1/500 of a link's arc length, so
   /// that what lies close to contact may still leave or reach it.
   bool is_from_start = false, is_to_goal = false;
   /// Links are known to keep apart on this motion: only obstacles are looked at.
@@ -150,8 +150,8 @@ class CollisionChecker {
   bool project(std::span<float> q) const;
   /// Metres that a point of the robot, or one seen from another link, moves at most where joints
   /// move by `delta` from anywhere between the configurations `from` and `to`.
-  [[nodiscard]] double longest_way(std::span<const float> from, std::span<const float> to,
-                                   std::span<const float> delta) const;
+  [[nodiscard]] double displacement_bound(std::span<const float> from, std::span<const float> to,
+                                          std::span<const float> delta) const;
 
   /// Takes a step from the configuration `from`, or from as many as there are jitters, row by row:
   /// writes a candidate per jitter, a row each, within the limits. Candidates may be in contact all

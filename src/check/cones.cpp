@@ -94,7 +94,7 @@ bool Cone::contains_motion(const float* from, const float* delta, double slack) 
   const double allowed = angle_ - kTiltMargin - slack;
   if (allowed >= std::numbers::pi) return true;
   if (allowed < 0) return false;
-  const double least = std::cos(allowed), way = longest_turn(delta);
+  const double least = std::cos(allowed), longest = longest_turn(delta);
   struct Stretch {
     double begin, end, above_begin, above_end;
   };
@@ -104,7 +104,7 @@ bool Cone::contains_motion(const float* from, const float* delta, double slack) 
     const Stretch s = rest.back();
     rest.pop_back();
     if (s.above_begin < 0 || s.above_end < 0) return false;
-    const double turn = way * (s.end - s.begin), bend = 0.5 * turn * turn;
+    const double turn = longest * (s.end - s.begin), bend = 0.5 * turn * turn;
     const double excess = s.above_begin + bend - s.above_end;
     const bool has_inner_least = excess > 0 && excess < 2 * bend;
     if (!has_inner_least || 4 * bend * s.above_begin >= excess * excess) continue;

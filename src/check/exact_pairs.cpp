@@ -77,21 +77,21 @@ bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> 
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * delta[j];
     return q;
   };
-  std::vector<double> ways;
+  std::vector<double> bounds;
   std::vector<Stretch> open;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    ways.push_back(longest_way(pairs_[i], begin, at(1)));
+    bounds.push_back(displacement_bound(pairs_[i], begin, at(1)));
     open.push_back({i});
   }
   // Long stretches of all pairs come before short ones of any: so contact is found early.
   for (std::size_t next = 0; next < open.size(); ++next) {
     const auto [i, first, last] = open[next];
-    const double middle = 0.5 * (first + last), half = 0.5 * (last - first) * ways[i];
+    const double middle = 0.5 * (first + last), half = 0.5 * (last - first) * bounds[i];
     const double margin = pairs_[i].margin + extra;
     const double room = this->room(pose(at(middle)), pairs_[i], margin, half + kLeastRoom);
     if (!(room >= kLeastRoom)) return false;
     if (room >= half) continue;
-    const double known = room / ways[i];
+    const double known = room / bounds[i];
     open.push_back({i, middle + known, last});
     open.push_back({i, first, middle - known});
   }
@@ -99,38 +99,38 @@ bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> 
 }
 
 /// Metres that a pair comes closer at most on the straight motion.
-double ExactPairs::longest_way(const Pair& pair, const Configuration& from,
-                               const Configuration& to) const {
+double ExactPairs::displacement_bound(const Pair& pair, const Configuration& from,
+                                      const Configuration& to) const {
   const std::vector<double> first = joint_values(robot_.joints(), robot_.group(), from);
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
   std::vector<int> own = joints_to(robot_, pair.link);
-  if (pair.shape) return longest_way(pair.link, own, first, last);
+  if (pair.shape) return displacement_bound(pair.link, own, first, last);
   // What carries both does not matter.
   std::vector<int> others = joints_to(robot_, pair.links.second);
   while (!own.empty() && !others.empty() && own.back() == others.back()) {
     own.pop_back();
     others.pop_back();
   }
-  return longest_way(pair.link, own, first, last) +
-         longest_way(pair.links.second, others, first, last);
+  return displacement_bound(pair.link, own, first, last) +
+         displacement_bound(pair.links.second, others, first, last);
 }
 
 /// Metres that a point of the link moves at most by these joints, which carry it one after the
 /// other. One that turns moves it along an arc about its axis, which is no farther away than what
 /// is between is long.
-double ExactPairs::longest_way(int link, std::span<const int> joints,
-                               const std::vector<double>& from,
-                               const std::vector<double>& to) const {
-  double way = 0, reach = links_.reach(link);
+double ExactPairs::displacement_bound(int link, std::span<const int> joints,
+                                      const std::vector<double>& from,
+                                      const std::vector<double>& to) const {
+  double bound = 0, reach = links_.reach(link);
   for (const int i : joints) {
     const Joint& joint = robot_.joints()[as_index(i)];
     const double a = from[as_index(i)], b = to[as_index(i)];
     const bool slides = joint.type == JointType::prismatic;
-    way += std::abs(b - a) * (slides ? 1 : reach);
+    bound += std::abs(b - a) * (slides ? 1 : reach);
     if (slides) reach += std::max(std::abs(a), std::abs(b));
     reach += joint.origin.translation.norm();
   }
-  return way;
+  return bound;
 }
 
 }  // namespace mneme::internal

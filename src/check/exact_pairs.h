@@ -46,11 +46,11 @@ class ExactPairs {
   [[nodiscard]] double room(const PosedLinks& posed, const Pair& pair, double margin,
                             double most) const;
   [[nodiscard]] PosedLinks pose(const Configuration& q) const;
-  [[nodiscard]] double longest_way(const Pair& pair, const Configuration& from,
-                                   const Configuration& to) const;
-  [[nodiscard]] double longest_way(int link, std::span<const int> joints,
-                                   const std::vector<double>& from,
-                                   const std::vector<double>& to) const;
+  [[nodiscard]] double displacement_bound(const Pair& pair, const Configuration& from,
+                                          const Configuration& to) const;
+  [[nodiscard]] double displacement_bound(int link, std::span<const int> joints,
+                                          const std::vector<double>& from,
+                                          const std::vector<double>& to) const;
 
   Robot robot_;
   const LinkDistances& links_;

@@ -71,17 +71,17 @@ constexpr double kMostStates = 1e9;
 constexpr float kFirstSweep = 0.02f, kFirstPlanarSweep = 0.04f;
 /// Metres that a link moves around the last states that are looked at, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
-constexpr float kMostParts = 1e6f;
+constexpr float kMostIntervals = 1e6f;
 constexpr float kLeastShare = 1e-6f;
 
 /// How far a motion moves each of what `reaches` has a row for.
-std::vector<float> ways_of(std::span<const float> reaches, std::span<const float> delta) {
-  std::vector<float> ways(reaches.size() / delta.size(), 0.0f);
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+std::vector<float> displacements_of(std::span<const float> reaches, std::span<const float> delta) {
+  std::vector<float> moved(reaches.size() / delta.size(), 0.0f);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
     const float* row = reaches.data() + i * delta.size();
-    for (std::size_t j = 0; j < delta.size(); ++j) ways[i] += row[j] * std::abs(delta[j]);
+    for (std::size_t j = 0; j < delta.size(); ++j) moved[i] += row[j] * std::abs(delta[j]);
   }
-  return ways;
+  return moved;
 }
 
 float largest(std::span<const float> values) {
@@ -89,7 +89,7 @@ float largest(std::span<const float> values) {
 }
 
 /// Metres.
-struct Ways {
+struct Displacements {
   std::vector<float> bodies;  ///< how far a motion moves each of them at most
   std::vector<float> pairs;   ///< how much closer it brings those of each pair at most
   float longest = 0;
@@ -151,14 +151,16 @@ struct CollisionChecker::Tables {
     return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
   }
 
-  [[nodiscard]] static Ways find_ways(const internal::RobotTables& tables,
-                                      std::span<const float> from, std::span<const float> to,
-                                      std::span<const float> delta) {
+  [[nodiscard]] static Displacements find_displacements(const internal::RobotTables& tables,
+                                                        std::span<const float> from,
+                                                        std::span<const float> to,
+                                                        std::span<const float> delta) {
     const auto with = [&](const internal::Reaches& reaches) {
-      Ways ways{ways_of(reaches.bodies, delta), ways_of(reaches.pairs, delta)};
-      ways.longest = std::max(largest(ways.bodies), largest(ways.pairs));
-      ways.farthest_reach = largest(reaches.bodies);
-      return ways;
+      Displacements moved{displacements_of(reaches.bodies, delta),
+                          displacements_of(reaches.pairs, delta)};
+      moved.longest = std::max(largest(moved.bodies), largest(moved.pairs));
+      moved.farthest_reach = largest(reaches.bodies);
+      return moved;
     };
     return tables.has_far_slides ? with(internal::find_reaches(tables, from, to))
                                  : with(tables.reaches);
@@ -169,27 +171,27 @@ struct CollisionChecker::Tables {
                                    std::uint64_t& states_checked) const {
     FloatConfiguration end;
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-    Ways ways = find_ways(*of.robot, from, {end.data(), from.size()}, delta);
-    if (!(ways.longest > 0)) return true;
+    Displacements moved = find_displacements(*of.robot, from, {end.data(), from.size()}, delta);
+    if (!(moved.longest > 0)) return true;
     // Pairs that come no closer are not looked at.
-    if (detail.are_links_apart) std::ranges::fill(ways.pairs, 0.0f);
+    if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
     const auto extra = static_cast<float>(detail.margin);
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
-    const float first = share * ways.farthest_reach;
-    const float parts = std::clamp(0.5f * ways.longest / first, 1.0f, kMostParts);
+    const float first = share * moved.farthest_reach;
+    const float intervals = std::clamp(0.5f * moved.longest / first, 1.0f, kMostIntervals);
     // Next to an exempt end there is hardly any margin.
     const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
     const float finest = keeps_margin ? std::max(0.5f * extra, kFinestSweep) : kFinestSweep;
     const internal::SweptMotion motion{from.data(),
                                        delta.data(),
-                                       ways.bodies.data(),
-                                       ways.pairs.data(),
+                                       moved.bodies.data(),
+                                       moved.pairs.data(),
                                        margin,
                                        extra,
                                        detail.is_from_start,
                                        detail.is_to_goal,
-                                       static_cast<int>(parts),
-                                       std::max(finest / ways.longest, kLeastShare / parts)};
+                                       static_cast<int>(intervals),
+                                       std::max(finest / moved.longest, kLeastShare / intervals)};
     return kernels->is_sweep_free(*of.robot, of.scene, motion, states_checked);
   }
 };
@@ -365,9 +367,9 @@ bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<
 
 bool CollisionChecker::project(std::span<float> q) const { return tables_->cones.project(q); }
 
-double CollisionChecker::longest_way(std::span<const float> from, std::span<const float> to,
-                                     std::span<const float> delta) const {
-  return Tables::find_ways(tables_->checked_robot->tables, from, to, delta).longest;
+double CollisionChecker::displacement_bound(std::span<const float> from, std::span<const float> to,
+                                            std::span<const float> delta) const {
+  return Tables::find_displacements(tables_->checked_robot->tables, from, to, delta).longest;
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

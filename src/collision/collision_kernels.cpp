@@ -161,7 +161,7 @@ bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const Swe
     checker.check(q, verdict);
     hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, hits);
   };
-  for (IntervalStack stack((motion.parts + kLanes - 1) / kLanes); !stack.is_empty();) {
+  for (IntervalStack stack((motion.intervals + kLanes - 1) / kLanes); !stack.is_empty();) {
     const int count = stack.pop(middles, halves);
     const V middle = hn::Load(d, middles);
     for (int j = 0; j < robot.joint_count; ++j) {

@@ -25,17 +25,17 @@ struct MotionChain {
 struct SweptMotion {
   const float* from = nullptr;
   const float* delta = nullptr;
-  /// Metres that points of each moving body go at most along the motion, and by which each pair of
-  /// bodies comes closer at most. What does not move is not looked at.
-  const float* body_ways = nullptr;
-  const float* pair_ways = nullptr;
+  /// Displacement bounds, metres: of the points of each moving body along the motion, and by how
+  /// much each pair of bodies comes closer. What does not move is not checked.
+  const float* body_displacements = nullptr;
+  const float* pair_displacements = nullptr;
   float obstacle_margin = 0;  ///< metres to obstacles
   float margin = 0;           ///< metres to obstacles, too, and between bodies
-  /// There, `margin` is 0; a body's grows by this share of the way that it goes.
+  /// There, `margin` is 0; a body's grows by this share of its arc length.
   bool is_from_start = false, is_to_goal = false;
   static constexpr float kMarginGrowth = 0.002f;
-  int parts = 1;         ///< equal ones, looked at first; at least 1
-  float least_half = 0;  ///< of an interval; 1 is the motion. At least 2^-31 of half a part
+  int intervals = 1;     ///< equal ones, checked first; at least 1
+  float least_half = 0;  ///< of an interval; 1 is the motion. At least 2^-31 of half a first one
 };
 
 struct CollisionKernels {

@@ -3,9 +3,10 @@
 
 // Whether balls and capsules, one per lane, touch one of many small parts.
 //
-// Configurations of a motion lie far apart, and so do their balls: each lane has a way of its own
-// through any tree. So a grid answers first, for all lanes at once, by the gap that each cell knows
-// to the nearest part; only lanes that this leaves open look at parts, a vector of them at a time.
+// Configurations of a motion lie far apart, and so do their balls: each lane has a path of its own
+// through any tree. So a grid answers first, for all lanes at once, by the clearance that each
+// voxel knows to the nearest part; only lanes that this leaves open look at parts, a vector of them
+// at a time.
 #if defined(MNEME_COLLISION_COMPOUND_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_COMPOUND_INL_H_
 #undef MNEME_COLLISION_COMPOUND_INL_H_
@@ -27,8 +28,8 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// Metres; more than rounding can make a gap too wide.
-HWY_INLINE float gap_tolerance(const CellGrid& grid) { return 1e-5f + 2e-4f * grid.cell; }
+/// Metres; more than rounding can make a clearance too wide.
+HWY_INLINE float clearance_tolerance(const VoxelGrid& grid) { return 1e-5f + 2e-4f * grid.edge; }
 
 HWY_INLINE V3 into_compound(const CompoundRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
@@ -47,43 +48,45 @@ HWY_INLINE Indices gather_bytes(const uint8_t* bytes, Indices indices) {
 }
 
 /// A bit for each lane in which a part may be closer to `p` than `reach`: it is no closer to the
-/// point of the grid that is nearest to `p` than the gap of a cell, less the way to its centre.
-HWY_INLINE unsigned find_near(const CellGrid& grid, const V3& p, V reach) {
+/// point of the grid that is nearest to `p` than the clearance of a voxel, less the distance to its
+/// centre.
+HWY_INLINE unsigned find_near(const VoxelGrid& grid, const V3& p, V reach) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   using VI = hn::Vec<decltype(di)>;
-  const auto cell_of = [&](V x, int axis, V& beyond, V& from_center) -> VI {
+  const auto voxel_of = [&](V x, int axis, V& beyond, V& from_center) -> VI {
     const V from_origin = hn::Sub(x, splat(grid.origin[axis]));
-    const V most = splat(grid.cell * static_cast<float>(grid.count[axis]));
+    const V most = splat(grid.edge * static_cast<float>(grid.count[axis]));
     const V inside = hn::Min(hn::Max(from_origin, hn::Zero(d)), most);
     beyond = hn::Sub(from_origin, inside);
     // What is not a number must not lead out of the grid either.
-    const VI cell =
+    const VI voxel =
         hn::Min(hn::Max(hn::ConvertTo(di, hn::Mul(inside, splat(grid.per_metre))), hn::Zero(di)),
                 hn::Set(di, grid.count[axis] - 1));
     from_center =
-        hn::NegMulAdd(hn::Add(hn::ConvertTo(d, cell), splat(0.5f)), splat(grid.cell), inside);
-    return cell;
+        hn::NegMulAdd(hn::Add(hn::ConvertTo(d, voxel), splat(0.5f)), splat(grid.edge), inside);
+    return voxel;
   };
   V3 beyond, from_center;
-  const VI x = cell_of(p.x, 0, beyond.x, from_center.x),
-           y = cell_of(p.y, 1, beyond.y, from_center.y),
-           z = cell_of(p.z, 2, beyond.z, from_center.z);
+  const VI x = voxel_of(p.x, 0, beyond.x, from_center.x),
+           y = voxel_of(p.y, 1, beyond.y, from_center.y),
+           z = voxel_of(p.z, 2, beyond.z, from_center.z);
   const VI row = hn::Add(hn::Mul(z, hn::Set(di, grid.count[1])), y);
   const VI slot = hn::Add(hn::Mul(row, hn::Set(di, grid.count[0])), x);
-  const float octant = 0.5f * grid.cell;
-  const V gap2 =
-      hn::Mul(hn::ConvertTo(d, gather_bytes(grid.gaps.data(), slot)), splat(octant * octant));
-  const V wanted = hn::Add(reach, splat(gap_tolerance(grid)));
-  // What is left of the reach within the grid; the square of its sum with the way to the centre.
+  const float octant = 0.5f * grid.edge;
+  const V clearance2 =
+      hn::Mul(hn::ConvertTo(d, gather_bytes(grid.clearances.data(), slot)), splat(octant * octant));
+  const V wanted = hn::Add(reach, splat(clearance_tolerance(grid)));
+  // What is left of the reach within the grid; the square of its sum with the distance to the
+  // centre.
   const V left2 =
       hn::NegMulAdd(beyond.x, beyond.x,
                     hn::NegMulAdd(beyond.y, beyond.y,
                                   hn::NegMulAdd(beyond.z, beyond.z, hn::Mul(wanted, wanted))));
-  const V way2 = squared_norm(from_center);
-  const V product = hn::Sqrt(hn::Max(hn::Mul(left2, way2), hn::Zero(d)));
-  const V sum2 = hn::Add(hn::Add(left2, way2), hn::Add(product, product));
-  return bits_of(hn::And(hn::Gt(left2, hn::Zero(d)), hn::Lt(gap2, sum2)));
+  const V off2 = squared_norm(from_center);
+  const V product = hn::Sqrt(hn::Max(hn::Mul(left2, off2), hn::Zero(d)));
+  const V sum2 = hn::Add(hn::Add(left2, off2), hn::Add(product, product));
+  return bits_of(hn::And(hn::Gt(left2, hn::Zero(d)), hn::Lt(clearance2, sum2)));
 }
 
 /// A ball, or a capsule: what is within `reach` of the segment from `a` along `u`.
@@ -93,12 +96,12 @@ struct Probe {
   float reach;
 };
 
-/// True if nothing is within `reach` of `p`, as a cell shows that lies farther from all parts: the
+/// True if nothing is within `reach` of `p`, as a voxel shows that lies farther from all parts: the
 /// larger an empty ball is, the less it matters how far from its centre, and sideways, `p` is.
-HWY_INLINE bool is_clear_beyond(const CellGrid& grid, const float* p, float reach) {
-  constexpr float kCellsAway = 3;
+HWY_INLINE bool is_clear_beyond(const VoxelGrid& grid, const float* p, float reach) {
+  constexpr float kVoxelsAway = 3;
   const ptrdiff_t strides[3] = {1, grid.count[0], ptrdiff_t{grid.count[0]} * grid.count[1]};
-  float from[3];  // in cells
+  float from[3];  // in voxels
   ptrdiff_t slot = 0;
   for (int axis = 0; axis < 3; ++axis) {
     from[axis] = (p[axis] - grid.origin[axis]) * grid.per_metre;
@@ -107,22 +110,22 @@ HWY_INLINE bool is_clear_beyond(const CellGrid& grid, const float* p, float reac
   }
   float away[3], norm2 = 1e-9f;
   for (int axis = 0; axis < 3; ++axis) {
-    const uint8_t* const gap = grid.gaps.data() + slot;
-    away[axis] = static_cast<float>(gap[strides[axis]] - gap[-strides[axis]]);
+    const uint8_t* const clearance = grid.clearances.data() + slot;
+    away[axis] = static_cast<float>(clearance[strides[axis]] - clearance[-strides[axis]]);
     norm2 += away[axis] * away[axis];
   }
-  float way2 = 0;
+  float off2 = 0;
   slot = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const float there = from[axis] + kCellsAway / std::sqrt(norm2) * away[axis];
+    const float there = from[axis] + kVoxelsAway / std::sqrt(norm2) * away[axis];
     if (!(there >= 0 && there < static_cast<float>(grid.count[axis]))) return false;
-    const auto cell = static_cast<ptrdiff_t>(there);
-    const float way = static_cast<float>(cell) + 0.5f - from[axis];
-    way2 += way * way;
-    slot += strides[axis] * cell;
+    const auto voxel = static_cast<ptrdiff_t>(there);
+    const float off = static_cast<float>(voxel) + 0.5f - from[axis];
+    off2 += off * off;
+    slot += strides[axis] * voxel;
   }
-  const float wanted = (reach + gap_tolerance(grid)) * grid.per_metre + std::sqrt(way2);
-  return 0.25f * static_cast<float>(grid.gaps[static_cast<size_t>(slot)]) >= wanted * wanted;
+  const float wanted = (reach + clearance_tolerance(grid)) * grid.per_metre + std::sqrt(off2);
+  return 0.25f * static_cast<float>(grid.clearances[static_cast<size_t>(slot)]) >= wanted * wanted;
 }
 
 /// Some points at once: no wider than a block.
@@ -151,21 +154,21 @@ HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
   return false;
 }
 
-/// Cells of an axis that a ball reaches, and how far they are from its centre.
-struct CellRange {
+/// Voxels of an axis that a ball reaches, and how far they are from its centre.
+struct VoxelRange {
   int first = 0, last = 0;
-  float center = 0;  ///< in cells
+  float center = 0;  ///< in voxels
 
-  HWY_INLINE CellRange(const CellGrid& grid, int axis, float x, float reach) {
+  HWY_INLINE VoxelRange(const VoxelGrid& grid, int axis, float x, float reach) {
     const float most = static_cast<float>(grid.count[axis]);
-    const auto in_cells = [&](float value) {
+    const auto in_voxels = [&](float value) {
       return std::min(std::max((value - grid.origin[axis]) * grid.per_metre, -2.0f), most + 1.0f);
     };
     center = (x - grid.origin[axis]) * grid.per_metre;
-    first = std::max(static_cast<int>(std::floor(in_cells(x - reach))), 0);
-    last = std::min(static_cast<int>(std::floor(in_cells(x + reach))), grid.count[axis] - 1);
+    first = std::max(static_cast<int>(std::floor(in_voxels(x - reach))), 0);
+    last = std::min(static_cast<int>(std::floor(in_voxels(x + reach))), grid.count[axis] - 1);
   }
-  /// Squared distance of a cell from the centre, in cells.
+  /// Squared distance of a voxel from the centre, in voxels.
   [[nodiscard]] HWY_INLINE float distance2(int i) const {
     const float below = static_cast<float>(i) - center, above = center - static_cast<float>(i + 1);
     const float beyond = std::max(std::max(below, above), 0.0f);
@@ -173,39 +176,40 @@ struct CellRange {
   }
 };
 
-/// True if a point of a cell is within the probe's reach.
-HWY_INLINE bool touches_cell(const PointGrid& grid, size_t cell, const Probe& probe) {
-  for (int b = grid.first_block[cell]; b >= 0; b = grid.blocks[static_cast<size_t>(b)].next) {
+/// True if a point of a voxel is within the probe's reach.
+HWY_INLINE bool touches_voxel(const PointGrid& grid, size_t voxel, const Probe& probe) {
+  for (int b = grid.first_block[voxel]; b >= 0; b = grid.blocks[static_cast<size_t>(b)].next) {
     if (touches(probe, grid.blocks[static_cast<size_t>(b)])) return true;
   }
   return false;
 }
 
-/// True if a point in one of the cells within `ball_reach` of `center` is within the probe's reach.
+/// True if a point in one of the voxels within `ball_reach` of `center` is within the probe's
+/// reach.
 HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float ball_reach,
                                const Probe& probe) {
-  const CellGrid& cells = grid.cells;
-  const float reach = ball_reach + gap_tolerance(cells);
-  const CellRange xs(cells, 0, center[0], reach), ys(cells, 1, center[1], reach),
-      zs(cells, 2, center[2], reach);
-  const float reach2 = reach * reach * cells.per_metre * cells.per_metre;
+  const VoxelGrid& voxels = grid.voxels;
+  const float reach = ball_reach + clearance_tolerance(voxels);
+  const VoxelRange xs(voxels, 0, center[0], reach), ys(voxels, 1, center[1], reach),
+      zs(voxels, 2, center[2], reach);
+  const float reach2 = reach * reach * voxels.per_metre * voxels.per_metre;
   // From the middle up, then from below: what touches mostly does so in the middle.
   const int layers = zs.last - zs.first + 1;
   for (int k = 0; k < layers; ++k) {
     const int z = zs.first + (k + layers / 2) % layers;
     const float z2 = zs.distance2(z);
-    // As many cells of a row at once as a word has bytes: hardly any has parts.
+    // As many voxels of a row at once as a word has bytes: hardly any has parts.
     for (int x = xs.first; x <= xs.last; x += 8) {
       const int beyond = 8 * std::max(x + 7 - xs.last, 0);
       for (int y = ys.first; y <= ys.last; ++y) {
-        const size_t first = cells.slot({x, y, z});
+        const size_t first = voxels.slot({x, y, z});
         uint64_t word;
-        std::memcpy(&word, cells.octants.data() + first, sizeof word);
+        std::memcpy(&word, voxels.octants.data() + first, sizeof word);
         for (word = word << beyond >> beyond; word != 0;) {
           const int i = __builtin_ctzll(word) / 8;
           word &= ~(uint64_t{0xff} << (8 * i));
           if (z2 + ys.distance2(y) + xs.distance2(x + i) < reach2 &&
-              touches_cell(grid, first + static_cast<size_t>(i), probe)) {
+              touches_voxel(grid, first + static_cast<size_t>(i), probe)) {
             return true;
           }
         }
@@ -215,14 +219,14 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
   return false;
 }
 
-/// A capsule is looked at in stretches as long as two cells.
+/// A capsule is looked at in stretches as long as two voxels.
 static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
   if (probe.inverse_length2 == 0) {
-    return !is_clear_beyond(grid.cells, probe.a, probe.reach) &&
+    return !is_clear_beyond(grid.voxels, probe.a, probe.reach) &&
            touches_around(grid, probe.a, probe.reach, probe);
   }
   const float length = 1 / std::sqrt(probe.inverse_length2);
-  const int stretches = std::max(1, static_cast<int>(length / (2 * grid.cells.cell)));
+  const int stretches = std::max(1, static_cast<int>(length / (2 * grid.voxels.edge)));
   const float half = 0.5f / static_cast<float>(stretches);
   for (int i = 0; i < stretches; ++i) {
     const float t = static_cast<float>(2 * i + 1) * half;
@@ -327,9 +331,9 @@ HWY_INLINE bool touches_block(const Probe& probe, const Block& block) {
 HWY_INLINE float distance2_to_node(const PartNode& node, const float* low, const float* high) {
   float sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const float gap =
+    const float clearance =
         std::max(std::max(node.low[axis] - high[axis], low[axis] - node.high[axis]), 0.0f);
-    sum += gap * gap;
+    sum += clearance * clearance;
   }
   return sum;
 }
@@ -406,7 +410,7 @@ HWY_INLINE unsigned find_touches(const CompoundRow& row, unsigned near,
 /// For the lanes of `open`, and balls of radius `reach` about `p`, in the frame of the parts.
 template <bool kIsMotion>
 HWY_INLINE unsigned find_ball_touches(const CompoundRow& row, const V3& p, V reach, unsigned open) {
-  const unsigned near = open & find_near(*row.cells, p, reach);
+  const unsigned near = open & find_near(*row.voxels, p, reach);
   if (near == 0) return 0;
   const LanePoints points(p, reach);
   return find_touches<kIsMotion>(row, near, [&](int lane) {
@@ -420,7 +424,7 @@ HWY_INLINE unsigned find_capsule_touches(const CompoundRow& row, const V3& a, co
                                          float inverse_length2, V reach, unsigned open) {
   const float half = inverse_length2 > 0 ? 0.5f / std::sqrt(inverse_length2) : 0.0f;
   const V3 middle = mul_add(splat(0.5f), u, a);
-  const unsigned near = open & find_near(*row.cells, middle, hn::Add(reach, splat(half)));
+  const unsigned near = open & find_near(*row.voxels, middle, hn::Add(reach, splat(half)));
   if (near == 0) return 0;
   const LanePoints from(a, reach), along(u, reach);
   return find_touches<kIsMotion>(row, near, [&](int lane) {

@@ -47,9 +47,10 @@ class EvenMargins {
 };
 
 /// What a motion of constant joint speeds sweeps in the intervals around its states. Within half an
-/// interval h, no point of a body moves farther than h times the body's way, nor than h v + h^2 a/2
-/// with its speed v at the state and its acceleration. That is the sum of |q_i' q_j'| |z_i x (z_j x
-/// r_j)| over pairs of joints, i the nearer to the root: no more than a = 2 way times all turns.
+/// interval h, no point of a body moves farther than h times the bound of its displacement, nor
+/// than h v + h^2 a/2 with its speed v at the state and its acceleration. That is the sum of |q_i'
+/// q_j'| |z_i x (z_j x r_j)| over pairs of joints, i the nearer to the root: no more than a = 2
+/// bound times all turns.
 class SweptMargins {
  public:
   HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
@@ -70,8 +71,12 @@ class SweptMargins {
                          motion_.is_to_goal ? hn::Sub(splat(1.0f), middle) : never);
   }
 
-  [[nodiscard]] HWY_INLINE bool moves_body(int i) const { return motion_.body_ways[i] > 0; }
-  [[nodiscard]] HWY_INLINE bool moves_pair(int i) const { return motion_.pair_ways[i] > 0; }
+  [[nodiscard]] HWY_INLINE bool moves_body(int i) const {
+    return motion_.body_displacements[i] > 0;
+  }
+  [[nodiscard]] HWY_INLINE bool moves_pair(int i) const {
+    return motion_.pair_displacements[i] > 0;
+  }
   /// Moves frames with the poses of the state. Only then the margins below can be asked for.
   HWY_INLINE void follow(const Pose* poses) const {
     poses_ = poses;
@@ -79,8 +84,8 @@ class SweptMargins {
       const FrameRow& frame = robot_.frames[i];
       const Twist& parent = twists_[frame.parent];
       const V3 arm = poses[i + 1].origin - poses[frame.parent].origin;
-      Twist twist{parent.turn, parent.way + cross(parent.turn, arm)};
-      V3& moved = frame.is_prismatic ? twist.way : twist.turn;
+      Twist twist{parent.turn, parent.speed + cross(parent.turn, arm)};
+      V3& moved = frame.is_prismatic ? twist.speed : twist.turn;
       moved = mul_add(splat(frame.multiplier * motion_.delta[frame.joint]), poses[i + 1].axes[2],
                       moved);
       twists_[i + 1] = twist;
@@ -88,49 +93,50 @@ class SweptMargins {
   }
 
   [[nodiscard]] HWY_INLINE V of_body(int i, const V3& center) const {
-    return sum(motion_.obstacle_margin, inflation(motion_.body_ways[i], speed_of(i, 0, center)));
+    return sum(motion_.obstacle_margin,
+               inflation(motion_.body_displacements[i], speed_of(i, 0, center)));
   }
   [[nodiscard]] HWY_INLINE float widest_of_body(int i) const {
-    return motion_.obstacle_margin + motion_.margin + widest_ * motion_.body_ways[i];
+    return motion_.obstacle_margin + motion_.margin + widest_ * motion_.body_displacements[i];
   }
   [[nodiscard]] HWY_INLINE V of_pair(int i, const V3* centers) const {
     const BodyPairRow& pair = robot_.body_pairs[i];
     const V first = speed_of(pair.first, pair.ancestor, centers[pair.first]);
     const V second = speed_of(pair.second, pair.ancestor, centers[pair.second]);
-    return inflation(motion_.pair_ways[i], hn::Add(first, second));
+    return inflation(motion_.pair_displacements[i], hn::Add(first, second));
   }
   [[nodiscard]] HWY_INLINE V reach2(const BodyPairRow& pair, int i) const {
     const float radii =
         robot_.bodies[pair.first].ball.radius + robot_.bodies[pair.second].ball.radius;
-    const float way = motion_.pair_ways[i];
-    return squared(sum(radii, inflation(way, splat(way))));
+    const float bound = motion_.pair_displacements[i];
+    return squared(sum(radii, inflation(bound, splat(bound))));
   }
 
  private:
   /// Metres per motion at the state, and radians.
   struct Twist {
-    V3 turn, way;
+    V3 turn, speed;
   };
 
   /// Of a body's points at most, as seen from a frame.
   [[nodiscard]] HWY_INLINE V speed_of(int i, int observer, const V3& center) const {
     const BodyRow& body = robot_.bodies[i];
     const Twist &own = twists_[body.frame], &other = twists_[observer];
-    const V3 way = own.way + cross(own.turn, center - poses_[body.frame].origin) - other.way -
-                   cross(other.turn, center - poses_[observer].origin);
+    const V3 speed = own.speed + cross(own.turn, center - poses_[body.frame].origin) - other.speed -
+                     cross(other.turn, center - poses_[observer].origin);
     const V turn = hn::Sqrt(squared_norm(own.turn - other.turn));
-    return hn::MulAdd(turn, splat(body.ball.radius), hn::Sqrt(squared_norm(way)));
+    return hn::MulAdd(turn, splat(body.ball.radius), hn::Sqrt(squared_norm(speed)));
   }
 
-  /// For what goes `way` at most along the motion, at the rate `speed` at the state.
-  [[nodiscard]] HWY_INLINE V inflation(float way, V speed) const {
-    const V grown = hn::Mul(splat(SweptMotion::kMarginGrowth * way), since_end_);
-    const V bent = hn::MulAdd(half_, splat(turns_ * way), splat(kRounding * way));
-    const V rate = hn::Min(hn::Add(speed, bent), splat(way));
+  /// For what moves by at most `bound` along the motion, at the rate `speed` at the state.
+  [[nodiscard]] HWY_INLINE V inflation(float bound, V speed) const {
+    const V grown = hn::Mul(splat(SweptMotion::kMarginGrowth * bound), since_end_);
+    const V bent = hn::MulAdd(half_, splat(turns_ * bound), splat(kRounding * bound));
+    const V rate = hn::Min(hn::Add(speed, bent), splat(bound));
     return hn::MulAdd(half_, rate, hn::Min(splat(motion_.margin), grown));
   }
 
-  /// More than single precision loses, relative to the way.
+  /// More than single precision loses, relative to the bound.
   static constexpr float kRounding = 1e-5f;
 
   const RobotTables& robot_;

@@ -126,7 +126,7 @@ class StateChecker {
     if (row.kind != ObstacleKind::compound) return true;
     const CompoundRow& compound = scene_.compounds[row.compound];
     const V3 p = into_compound(compound, center);
-    return (find_near(*compound.cells, p, lanes_of(sum(row.rounding, reach))) &
+    return (find_near(*compound.voxels, p, lanes_of(sum(row.rounding, reach))) &
             ~bits_of(verdict.hit)) != 0;
   }
 
@@ -218,7 +218,7 @@ class StateChecker {
     const CompoundRow& compound = scene_.compounds[row.compound];
     const V3 center = into_compound(compound, transform_point(pose, group.ball.center));
     const V around = lanes_of(sum(group.ball.radius, extra));
-    unsigned open = find_near(*compound.cells, center, around) & ~bits_of(known);
+    unsigned open = find_near(*compound.voxels, center, around) & ~bits_of(known);
     unsigned hits = 0;
     for (int i = group.begin; open != 0 && i < group.begin + kGroupSize; ++i) {
       const Ball& ball = robot_.spheres[i];

@@ -10,8 +10,8 @@
 
 namespace mneme::internal {
 
-Vec3 middle_of(const CellGrid& cells) {
-  return {cells.middle[0], cells.middle[1], cells.middle[2]};
+Vec3 middle_of(const VoxelGrid& voxels) {
+  return {voxels.middle[0], voxels.middle[1], voxels.middle[2]};
 }
 
 namespace {
@@ -32,7 +32,7 @@ bool contains(const Region& outer, const Region& inner) {
   return outer.contains(inner.low) && outer.contains(inner.high);
 }
 
-/// Points that are replaced may go a little farther; there are cells for them (kRim).
+/// Points that are replaced may go a little farther; there are voxels for them (kRim).
 Region with_rim(Region region) {
   constexpr float kRimMetres = 0.05f;
   for (float& low : region.low) low -= kRimMetres;
@@ -58,7 +58,7 @@ std::vector<Part> parts_of_leaf(const BoxTree& tree, const BoxTree::Node& leaf,
 Vec3 single_normal_of(const Triangle& t) { return normal_of(t, 1e-10); }
 
 void add_block(const std::vector<Triangle>& parts, PartTree& tree) {
-  const Vec3 middle = middle_of(tree.cells);
+  const Vec3 middle = middle_of(tree.voxels);
   TriangleBlock block;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Triangle& t = parts[i];
@@ -74,7 +74,7 @@ void add_block(const std::vector<Triangle>& parts, PartTree& tree) {
 }
 
 void add_block(const std::vector<Cube>& parts, PartTree& tree) {
-  const Vec3 middle = middle_of(tree.cells);
+  const Vec3 middle = middle_of(tree.voxels);
   CubeBlock block;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -89,7 +89,7 @@ template <class Part>
 void add_nodes(const std::vector<Part>& list, PartTree& result) {
   const BoxTree tree(boxes_of(list), kPartsPerLeaf);
   for (const BoxTree::Node& node : tree.nodes()) {
-    const Region box = region_of(node.box, middle_of(result.cells));
+    const Region box = region_of(node.box, middle_of(result.voxels));
     PartNode& row = result.nodes.emplace_back();
     std::copy(box.low.begin(), box.low.end(), row.low);
     std::copy(box.high.begin(), box.high.end(), row.high);
@@ -115,10 +115,10 @@ bool is_beside(const Cube&, const Vec3&, double) { return false; }
 
 /// Calls `visit(index)` for all from `low` to `high`.
 template <class Visit>
-void visit_range(const CellGrid::Index& low, const CellGrid::Index& high, const Visit& visit) {
+void visit_range(const VoxelGrid::Index& low, const VoxelGrid::Index& high, const Visit& visit) {
   for (int z = low[2]; z <= high[2]; ++z) {
     for (int y = low[1]; y <= high[1]; ++y) {
-      for (int x = low[0]; x <= high[0]; ++x) visit(CellGrid::Index{x, y, z});
+      for (int x = low[0]; x <= high[0]; ++x) visit(VoxelGrid::Index{x, y, z});
     }
   }
 }
@@ -128,7 +128,7 @@ void visit_range(const CellGrid::Index& low, const CellGrid::Index& high, const 
 template <class Part>
 class Marker {
  public:
-  Marker(const Part& part, CellGrid& grid)
+  Marker(const Part& part, VoxelGrid& grid)
       : part_(part),
         grid_(grid),
         origin_(middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2])) {
@@ -146,43 +146,43 @@ class Marker {
       longest = std::max(longest, high_[axis] - low_[axis]);
     }
     is_full_ = longest < 2 || fills_its_box(part_);
-    int level = kCellLevel;
+    int level = kVoxelLevel;
     while (longest >> level != 0) ++level;
     visit_range(shifted(low_, level), shifted(high_, level),
-                [&](const CellGrid::Index& cube) { mark(cube, level); });
+                [&](const VoxelGrid::Index& cube) { mark(cube, level); });
   }
 
  private:
-  static constexpr int kCellLevel = 1;
+  static constexpr int kVoxelLevel = 1;
 
-  static CellGrid::Index shifted(const CellGrid::Index& octant, int level) {
+  static VoxelGrid::Index shifted(const VoxelGrid::Index& octant, int level) {
     return {octant[0] >> level, octant[1] >> level, octant[2] >> level};
   }
 
-  void mark(const CellGrid::Index& cube, int level) {
+  void mark(const VoxelGrid::Index& cube, int level) {
     if (is_marked(cube, level) || !is_near(cube, level)) return;
     if (level == 0) {
-      grid_.octants[grid_.slot_of(cube)] |= CellGrid::bit_of(cube);
+      grid_.octants[grid_.slot_of(cube)] |= VoxelGrid::bit_of(cube);
       return;
     }
-    CellGrid::Index first, last;
+    VoxelGrid::Index first, last;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       first[axis] = std::max(low_[axis] >> (level - 1), 2 * cube[axis]);
       last[axis] = std::min(high_[axis] >> (level - 1), 2 * cube[axis] + 1);
     }
-    visit_range(first, last, [&](const CellGrid::Index& eighth) { mark(eighth, level - 1); });
+    visit_range(first, last, [&](const VoxelGrid::Index& eighth) { mark(eighth, level - 1); });
   }
 
   /// All of it.
-  [[nodiscard]] bool is_marked(const CellGrid::Index& cube, int level) const {
-    if (level > kCellLevel) return false;
-    if (level == kCellLevel) return grid_.octants[grid_.slot(cube)] == 0xff;
-    return (grid_.octants[grid_.slot_of(cube)] & CellGrid::bit_of(cube)) != 0;
+  [[nodiscard]] bool is_marked(const VoxelGrid::Index& cube, int level) const {
+    if (level > kVoxelLevel) return false;
+    if (level == kVoxelLevel) return grid_.octants[grid_.slot(cube)] == 0xff;
+    return (grid_.octants[grid_.slot_of(cube)] & VoxelGrid::bit_of(cube)) != 0;
   }
 
-  [[nodiscard]] bool is_near(const CellGrid::Index& cube, int level) const {
+  [[nodiscard]] bool is_near(const VoxelGrid::Index& cube, int level) const {
     if (is_full_) return true;
-    const double half = 0.25 * grid_.cell * (1 << level);
+    const double half = 0.25 * grid_.edge * (1 << level);
     const Vec3 center = origin_ + half * Vec3(2 * cube[0] + 1, 2 * cube[1] + 1, 2 * cube[2] + 1);
     const double slack = half * (1 + 1e-4);
     return !is_beside(part_, center, slack) &&
@@ -190,17 +190,17 @@ class Marker {
   }
 
   const Part& part_;
-  CellGrid& grid_;
-  Vec3 origin_;                     ///< of the parts' frame
-  CellGrid::Index low_{}, high_{};  ///< octants of the part's box
-  bool is_full_ = false;            ///< it runs through all of its box, or nearly so
+  VoxelGrid& grid_;
+  Vec3 origin_;                      ///< of the parts' frame
+  VoxelGrid::Index low_{}, high_{};  ///< octants of the part's box
+  bool is_full_ = false;             ///< it runs through all of its box, or nearly so
 };
 
 template <class Part>
 PartTree make_part_tree(const std::vector<Part>& list, const Region& region, const Middle& middle) {
-  PartTree tree{make_cell_grid(region, middle), region, {}, {}, {}};
-  for (const Part& part : list) Marker<Part>(part, tree.cells).mark();
-  find_gaps(tree.cells);
+  PartTree tree{make_voxel_grid(region, middle), region, {}, {}, {}};
+  for (const Part& part : list) Marker<Part>(part, tree.voxels).mark();
+  find_clearances(tree.voxels);
   add_nodes(list, tree);
   return tree;
 }
@@ -208,7 +208,7 @@ PartTree make_part_tree(const std::vector<Part>& list, const Region& region, con
 template <class Grid, class Part, class Make>
 std::shared_ptr<const Grid> share(const Parts<Part>& parts, const AxisBox& box, const Make& make) {
   const auto is_good = [&](const Grid& kept) {
-    return contains(kept.region, region_of(box, middle_of(kept.cells)));
+    return contains(kept.region, region_of(box, middle_of(kept.voxels)));
   };
   return PartsAccess::grid<Grid>(parts, is_good, [&] {
     const Vec3 middle = 0.5 * (box.low + box.high);

@@ -14,7 +14,7 @@
 namespace mneme::internal {
 
 /// Of the parts' frame, the point that the coordinates in a grid or tree are relative to.
-[[nodiscard]] Vec3 middle_of(const CellGrid& cells);
+[[nodiscard]] Vec3 middle_of(const VoxelGrid& voxels);
 
 /// `box`, in the parts' frame, holds all that will be asked for. One that was made for a larger box
 /// is as good.

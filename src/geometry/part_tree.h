@@ -4,7 +4,7 @@
 /// Triangles or cubes as the kernels read them: a tree of boxes whose leaves are vectors.
 #pragma once
 
-#include "geometry/cell_grid.h"
+#include "geometry/voxel_grid.h"
 
 #include <vector>
 
@@ -31,10 +31,10 @@ struct CubeBlock {
   float half_extent[kPartsPerLeaf];
 };
 
-/// Relative to the middle of the cells.
+/// Relative to the middle of the voxels.
 struct PartTree {
-  CellGrid cells;
-  Region region;  ///< parts outside of it are left out of the cells
+  VoxelGrid voxels;
+  Region region;  ///< parts outside of it are left out of the voxels
   std::vector<PartNode> nodes;
   std::vector<TriangleBlock> triangles;  ///< either these
   std::vector<CubeBlock> cubes;          ///< or these

@@ -28,11 +28,11 @@ void put(const Point3& p, int place, PointBlock& block) {
   block.z[place] = p[2];
 }
 
-/// Calls `visit(block, place)` for the places of a cell until it returns true, and says whether it
+/// Calls `visit(block, place)` for the places of a voxel until it returns true, and says whether it
 /// did.
 template <class Visit>
-bool visit_places(PointGrid& grid, std::size_t cell, const Visit& visit) {
-  for (int b = grid.first_block[cell]; b >= 0; b = grid.blocks[as_index(b)].next) {
+bool visit_places(PointGrid& grid, std::size_t voxel, const Visit& visit) {
+  for (int b = grid.first_block[voxel]; b >= 0; b = grid.blocks[as_index(b)].next) {
     for (int i = 0; i < kPointsPerBlock; ++i) {
       if (visit(grid.blocks[as_index(b)], i)) return true;
     }
@@ -43,13 +43,13 @@ bool visit_places(PointGrid& grid, std::size_t cell, const Visit& visit) {
 /// A point within the grid, relative to its middle, and where it belongs.
 struct Placed {
   Point3 p;
-  CellGrid::Index octant;
-  std::size_t cell;
+  VoxelGrid::Index octant;
+  std::size_t voxel;
 };
 
 void take_out(const Placed& placed, PointGrid& grid) {
   const Point3& p = placed.p;
-  visit_places(grid, placed.cell, [&](PointBlock& block, int place) {
+  visit_places(grid, placed.voxel, [&](PointBlock& block, int place) {
     const bool is_it = block.x[place] == p[0] && block.y[place] == p[1] && block.z[place] == p[2];
     if (is_it) put({kNowhere, kNowhere, kNowhere}, place, block);
     return is_it;
@@ -57,43 +57,42 @@ void take_out(const Placed& placed, PointGrid& grid) {
 }
 
 void put_in(const Placed& placed, PointGrid& grid) {
-  occupy(placed.octant, grid.cells);
-  const bool has_place = visit_places(grid, placed.cell, [&](PointBlock& block, int place) {
+  occupy(placed.octant, grid.voxels);
+  const bool has_place = visit_places(grid, placed.voxel, [&](PointBlock& block, int place) {
     if (block.x[place] != kNowhere) return false;
     put(placed.p, place, block);
     return true;
   });
   if (has_place) return;
   grid.blocks.push_back(empty_block());
-  grid.blocks.back().next = grid.first_block[placed.cell];
+  grid.blocks.back().next = grid.first_block[placed.voxel];
   put(placed.p, 0, grid.blocks.back());
-  grid.first_block[placed.cell] = static_cast<int>(grid.blocks.size()) - 1;
+  grid.first_block[placed.voxel] = static_cast<int>(grid.blocks.size()) - 1;
 }
 
 /// Calls `visit(placed)` for the points within the region. False if one of them lies outside of the
-/// cells, and is not visited. Neighbours in a cloud may be anywhere in memory: `fetch(cell)` says
+/// voxels, and is not visited. Neighbours in a cloud may be anywhere in memory: `fetch(voxel)` says
 /// early what will be read.
 template <class Fetch, class Visit>
-bool visit_points(PointSpan points, const PointGrid& grid, const Fetch& fetch,
-                  const Visit& visit) {
+bool visit_points(PointSpan points, const PointGrid& grid, const Fetch& fetch, const Visit& visit) {
   constexpr std::size_t kAhead = 32;
   std::array<Placed, kAhead> batch;
   bool are_all_inside = true;
   for (std::size_t first = 0; first < points.size(); first += kAhead) {
     std::size_t count = 0;
     for (const Point3& point : points.subspan(first, std::min(kAhead, points.size() - first))) {
-      const Point3 p = relative_to(grid.cells.middle, point);
+      const Point3 p = relative_to(grid.voxels.middle, point);
       if (!grid.region.contains(p)) continue;
-      const CellGrid::Index octant = grid.cells.octant_of(p);
-      if (!grid.cells.contains(octant)) {
+      const VoxelGrid::Index octant = grid.voxels.octant_of(p);
+      if (!grid.voxels.contains(octant)) {
         are_all_inside = false;
         continue;
       }
-      batch[count] = {p, octant, grid.cells.slot_of(octant)};
-      __builtin_prefetch(&grid.first_block[batch[count].cell]);
+      batch[count] = {p, octant, grid.voxels.slot_of(octant)};
+      __builtin_prefetch(&grid.first_block[batch[count].voxel]);
       ++count;
     }
-    for (std::size_t i = 0; i < count; ++i) fetch(batch[i].cell);
+    for (std::size_t i = 0; i < count; ++i) fetch(batch[i].voxel);
     for (std::size_t i = 0; i < count; ++i) visit(batch[i]);
   }
   return are_all_inside;
@@ -122,7 +121,7 @@ Region region_around(PointSpan points, const Region& region, const Middle& middl
   return is_empty ? Region{region.low, region.low} : box;
 }
 
-/// Of each cell, from the number of its points to the place after the last of them.
+/// Of each voxel, from the number of its points to the place after the last of them.
 void lay_out_blocks(PointGrid& grid) {
   const auto blocks_of = [](int points) {
     return (points + kPointsPerBlock - 1) / kPointsPerBlock;
@@ -147,41 +146,41 @@ PointGrid make_point_grid(PointSpan points, const Region& region, const Middle& 
   auto pages =
       std::make_shared<std::pmr::monotonic_buffer_resource>(40 * points.size(), large_pages());
   PointGrid grid{pages,
-                 make_cell_grid(region_around(points, region, middle), middle, pages.get()),
+                 make_voxel_grid(region_around(points, region, middle), middle, pages.get()),
                  std::pmr::vector<int>(pages.get()),
                  std::pmr::vector<PointBlock>(pages.get()),
                  region,
                  points.size(),
                  0};
-  grid.first_block.resize(grid.cells.size(), 0);
+  grid.first_block.resize(grid.voxels.size(), 0);
   visit_points(
-      points, grid, [&](std::size_t cell) { __builtin_prefetch(&grid.cells.octants[cell], 1); },
+      points, grid, [&](std::size_t voxel) { __builtin_prefetch(&grid.voxels.octants[voxel], 1); },
       [&](const Placed& placed) {
-        ++grid.first_block[placed.cell];
-        grid.cells.octants[placed.cell] |= CellGrid::bit_of(placed.octant);
+        ++grid.first_block[placed.voxel];
+        grid.voxels.octants[placed.voxel] |= VoxelGrid::bit_of(placed.octant);
       });
   lay_out_blocks(grid);
   visit_points(
       points, grid,
-      [&](std::size_t cell) {
-        fetch_block(&grid.blocks[as_index((grid.first_block[cell] - 1) / kPointsPerBlock)]);
+      [&](std::size_t voxel) {
+        fetch_block(&grid.blocks[as_index((grid.first_block[voxel] - 1) / kPointsPerBlock)]);
       },
       [&](const Placed& placed) {
-        const int place = --grid.first_block[placed.cell];
+        const int place = --grid.first_block[placed.voxel];
         put(placed.p, place % kPointsPerBlock, grid.blocks[as_index(place / kPointsPerBlock)]);
       });
   for (int& first : grid.first_block) first = first < 0 ? -1 : first / kPointsPerBlock;
-  find_gaps(grid.cells);
+  find_clearances(grid.voxels);
   return grid;
 }
 
 bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
-  // Cells that are empty by now still narrow the gaps around them.
+  // Voxels that are empty by now still narrow the clearances around them.
   grid.replaced += after.size();
   if (grid.replaced > grid.size) return false;
-  const auto fetch = [&](std::size_t cell) {
-    __builtin_prefetch(&grid.cells.octants[cell], 1);
-    if (grid.first_block[cell] >= 0) fetch_block(&grid.blocks[as_index(grid.first_block[cell])]);
+  const auto fetch = [&](std::size_t voxel) {
+    __builtin_prefetch(&grid.voxels.octants[voxel], 1);
+    if (grid.first_block[voxel] >= 0) fetch_block(&grid.blocks[as_index(grid.first_block[voxel])]);
   };
   visit_points(before, grid, fetch, [&](const Placed& placed) { take_out(placed, grid); });
   return visit_points(after, grid, fetch, [&](const Placed& placed) { put_in(placed, grid); });

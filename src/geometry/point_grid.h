@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The points of a cloud sorted into cells, as the kernels read them; they may be replaced.
+/// The points of a cloud sorted into voxels, as the kernels read them; they may be replaced.
 #pragma once
 
-#include "geometry/cell_grid.h"
+#include "geometry/voxel_grid.h"
 
 #include <memory>
 #include <span>
@@ -13,16 +13,16 @@ namespace mneme::internal {
 
 inline constexpr int kPointsPerBlock = 8;
 
-/// Points of one cell; where there is none, coordinates are infinite.
+/// Points of one voxel; where there is none, coordinates are infinite.
 struct PointBlock {
   float x[kPointsPerBlock], y[kPointsPerBlock], z[kPointsPerBlock];
-  int next = -1;  ///< block of the same cell
+  int next = -1;  ///< block of the same voxel
 };
 
 struct PointGrid {
   std::shared_ptr<std::pmr::memory_resource> pages;  ///< of what follows, unless it was copied
-  CellGrid cells;
-  std::pmr::vector<int> first_block;  ///< per cell; -1 if it is empty
+  VoxelGrid voxels;
+  std::pmr::vector<int> first_block;  ///< per voxel; -1 if it is empty
   std::pmr::vector<PointBlock> blocks;
   Region region{};           ///< points outside of it are left out
   std::size_t size = 0;      ///< points at first
@@ -36,7 +36,7 @@ using PointSpan = std::span<const std::array<float, 3>>;
                                         const Middle& middle = {});
 
 /// Takes out what stands at `before`, and puts in `after`. False if the grid must be made anew:
-/// something lies outside of the cells though within the region, or so much has been replaced that
+/// something lies outside of the voxels though within the region, or so much has been replaced that
 /// what is left of it would be slow.
 [[nodiscard]] bool replace_points(PointSpan before, PointSpan after, PointGrid& grid);
 

@@ -57,7 +57,7 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
     const auto from = states.subspan(i - bow.size(), bow.size());
     if (!checker_.keeps_constraints(from, states.subspan(i, bow.size()), bow)) return false;
   }
-  const double off = checker_.longest_way(least, most, bow);
+  const double off = checker_.displacement_bound(least, most, bow);
   if (verification_ == Verification::states) {
     return checker_.is_chain_valid(states, counters,
                                    {kVerificationRefinement, kVerificationMargin + off});

@@ -57,8 +57,8 @@ void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Spher
 /// Adds what holds the upright cylinder about the origin: rings of cells, layer by layer.
 void add_ring_spheres(double radius, double half_length, double cell,
                       std::vector<Sphere>& spheres) {
-  const auto count = [&](double way) {
-    return std::max(1, static_cast<int>(std::ceil(way / cell)));
+  const auto count = [&](double length) {
+    return std::max(1, static_cast<int>(std::ceil(length / cell)));
   };
   const int layers = count(half_length), rings = count(radius);
   const double half_height = half_length / layers, width = radius / rings;

@@ -59,10 +59,10 @@ std::vector<Vec3> sample_near_surface(const SolidModel& solid) {
   const std::array<Vec3, 4> corners = {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1),
                                        Vec3(-1, -1, 1)};
   std::vector<Vec3> points;
-  for (const SolidModel::Cell& cell : solid.inner_cells()) {
-    if (cell.is_whole) continue;
+  for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
+    if (voxel.is_whole) continue;
     for (const Vec3& corner : corners) {
-      const Vec3 point = cell.center + 0.25 * solid.cell_size() * corner;
+      const Vec3 point = voxel.center + 0.25 * solid.voxel_size() * corner;
       if (solid.contains(point)) points.push_back(point);
     }
   }

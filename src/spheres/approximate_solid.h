@@ -17,7 +17,7 @@ namespace mneme::internal {
 /// Points on the surface, evenly by area, with a fixed seed.
 [[nodiscard]] std::vector<Vec3> sample_surface(const TriangleMesh& mesh, int count);
 
-/// Points inside between the surface and the cells that lie inside as a whole: four of each cell.
+/// Points inside between the surface and the voxels that lie inside as a whole: four of each voxel.
 [[nodiscard]] std::vector<Vec3> sample_near_surface(const SolidModel& solid);
 
 /// The fraction of `points` that no sphere holds.

@@ -10,9 +10,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Cells in the bounding box: enough for a few across the thin way, few enough for some tenths of a
+/// Voxels in the bounding box: enough for a few across thin parts, few enough for some tenths of a
 /// second.
-constexpr double kCellCount = 60000;
+constexpr double kVoxelCount = 60000;
 constexpr int kPadding = 2;
 
 constexpr std::array<std::array<int, 3>, 6> kNeighbours = {
@@ -30,32 +30,32 @@ std::vector<std::array<int, 3>> all_neighbours() {
   return steps;
 }
 
-double choose_cell_size(const AxisBox& bounds) {
+double choose_voxel_size(const AxisBox& bounds) {
   const Vec3 extents = bounds.high - bounds.low;
   const double longest = extents.maxCoeff();
   const Vec3 stout = extents.cwiseMax(0.02 * longest);
-  return std::cbrt(stout.prod() / kCellCount);
+  return std::cbrt(stout.prod() / kVoxelCount);
 }
 
 }  // namespace
 
 SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
   const AxisBox bounds = bounds_of(mesh);
-  cell_size_ = choose_cell_size(bounds);
-  origin_ = bounds.low - Vec3::Constant(kPadding * cell_size_);
+  voxel_size_ = choose_voxel_size(bounds);
+  origin_ = bounds.low - Vec3::Constant(kPadding * voxel_size_);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     const double extent = bounds.high[axis] - bounds.low[axis];
-    counts_[i] = static_cast<int>(std::ceil(extent / cell_size_)) + 2 * kPadding;
+    counts_[i] = static_cast<int>(std::ceil(extent / voxel_size_)) + 2 * kPadding;
   }
   kinds_.assign(slot({counts_[0] - 1, counts_[1] - 1, counts_[2] - 1}) + 1, Kind::unknown);
   mark_surface();
   flood();
   fill_open(!is_closed(mesh));
-  collect_inner_cells();
+  collect_inner_voxels();
 
   TriangleMesh outer;
-  for (const Triangle& piece : subdivide(mesh, 2 * cell_size_)) {
+  for (const Triangle& piece : subdivide(mesh, 2 * voxel_size_)) {
     if (is_near_outside(piece.centroid())) outer.push_back(piece);
   }
   outer_ = TriangleTree(outer.empty() ? mesh : std::move(outer));
@@ -78,8 +78,8 @@ SolidModel::Index SolidModel::index_of(const Vec3& point) const {
   Index index;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    const double cell = std::floor((point[axis] - origin_[axis]) / cell_size_);
-    index[i] = static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(counts_[i])));
+    const double voxel = std::floor((point[axis] - origin_[axis]) / voxel_size_);
+    index[i] = static_cast<int>(std::clamp(voxel, -1.0, static_cast<double>(counts_[i])));
   }
   return index;
 }
@@ -92,11 +92,11 @@ bool SolidModel::is_in_grid(const Index& index) const {
 }
 
 Vec3 SolidModel::center_of(const Index& i) const {
-  return origin_ + cell_size_ * Vec3(i[0] + 0.5, i[1] + 0.5, i[2] + 0.5);
+  return origin_ + voxel_size_ * Vec3(i[0] + 0.5, i[1] + 0.5, i[2] + 0.5);
 }
 
 void SolidModel::mark_surface() {
-  const double reach = 0.5 * std::sqrt(3.0) * cell_size_;
+  const double reach = 0.5 * std::sqrt(3.0) * voxel_size_;
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     if (std::isfinite(surface_.distance(center_of(index_at(i)), reach))) kinds_[i] = Kind::surface;
   }
@@ -157,32 +157,32 @@ double SolidModel::depth(const Vec3& point) const {
   return contains(point) ? distance : -distance;
 }
 
-void SolidModel::collect_inner_cells() {
+void SolidModel::collect_inner_voxels() {
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     const Vec3 center = center_of(index_at(i));
-    if (contains(center)) inner_cells_.push_back({center, kinds_[i] == Kind::inside});
+    if (contains(center)) inner_voxels_.push_back({center, kinds_[i] == Kind::inside});
   }
 }
 
 std::vector<Sphere> SolidModel::medial_balls() const {
   std::vector<double> depths(kinds_.size(), -1);
-  for (const Cell& cell : inner_cells_) {
-    depths[slot(index_of(cell.center))] = outer_.distance(cell.center);
+  for (const Voxel& voxel : inner_voxels_) {
+    depths[slot(index_of(voxel.center))] = outer_.distance(voxel.center);
   }
   const auto steps = all_neighbours();
   const auto is_medial = [&](const Vec3& center, double depth) {
     const Index at = index_of(center);
     for (const auto& [x, y, z] : steps) {
       const Index near = {at[0] + x, at[1] + y, at[2] + z};
-      const double step = cell_size_ * std::sqrt(x * x + y * y + z * z);
+      const double step = voxel_size_ * std::sqrt(x * x + y * y + z * z);
       if (is_in_grid(near) && depths[slot(near)] >= depth + kGrowth * step) return false;
     }
     return true;
   };
   std::vector<Sphere> balls;
-  for (const Cell& cell : inner_cells_) {
-    const double depth = depths[slot(index_of(cell.center))];
-    if (is_medial(cell.center, depth)) balls.push_back({cell.center, depth});
+  for (const Voxel& voxel : inner_voxels_) {
+    const double depth = depths[slot(index_of(voxel.center))];
+    if (is_medial(voxel.center, depth)) balls.push_back({voxel.center, depth});
   }
   return balls;
 }

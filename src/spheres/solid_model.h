@@ -24,16 +24,16 @@ class SolidModel {
   /// Distance to the outer surface: positive inside, negative outside. Inner walls do not count.
   [[nodiscard]] double depth(const Vec3& point) const;
 
-  /// Edge of the grid's cells, metres.
-  [[nodiscard]] double cell_size() const { return cell_size_; }
-  /// Centres of the cells that lie inside; `is_whole` if no surface runs through the cell.
-  struct Cell {
+  /// Edge of the grid's voxels, metres.
+  [[nodiscard]] double voxel_size() const { return voxel_size_; }
+  /// Centres of the voxels that lie inside; `is_whole` if no surface runs through the voxel.
+  struct Voxel {
     Vec3 center;
     bool is_whole = false;
   };
-  [[nodiscard]] const std::vector<Cell>& inner_cells() const { return inner_cells_; }
-  /// The largest balls inside about cells near the medial axis: the ball about any other cell lies,
-  /// but for rounding to the grid, within one of these.
+  [[nodiscard]] const std::vector<Voxel>& inner_voxels() const { return inner_voxels_; }
+  /// The largest balls inside about voxels near the medial axis: the ball about any other voxel
+  /// lies, but for rounding to the grid, within one of these.
   [[nodiscard]] std::vector<Sphere> medial_balls() const;
 
  private:
@@ -43,7 +43,7 @@ class SolidModel {
   void mark_surface();
   void flood();
   void fill_open(bool has_rim);
-  void collect_inner_cells();
+  void collect_inner_voxels();
   [[nodiscard]] bool is_near_outside(const Vec3& point) const;
   [[nodiscard]] Index index_of(const Vec3& point) const;
   [[nodiscard]] bool is_in_grid(const Index& index) const;
@@ -54,10 +54,10 @@ class SolidModel {
   TriangleTree surface_;
   TriangleTree outer_{{}};
   Vec3 origin_;
-  double cell_size_ = 0;
+  double voxel_size_ = 0;
   Index counts_{};
   std::vector<Kind> kinds_;
-  std::vector<Cell> inner_cells_;
+  std::vector<Voxel> inner_voxels_;
 };
 
 }  // namespace mneme::internal

@@ -18,8 +18,8 @@ using Key = std::array<int, 3>;
 using Groups = std::map<Key, Element>;
 
 Key key_of(const Vec3& point, double size) {
-  const Vec3 cell = (point / size).array().floor();
-  return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
+  const Vec3 voxel = (point / size).array().floor();
+  return {static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z())};
 }
 
 /// A ball around the mean of the balls' centres.
@@ -79,10 +79,10 @@ std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& s
     for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
   }
   Groups inside;
-  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.cell_size();
-  for (const SolidModel::Cell& cell : solid.inner_cells()) {
-    inside[key_of(cell.center, size)].balls.push_back(
-        {cell.center, cell.is_whole ? half_diagonal : 0.0});
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.voxel_size();
+  for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
+    inside[key_of(voxel.center, size)].balls.push_back(
+        {voxel.center, voxel.is_whole ? half_diagonal : 0.0});
   }
   std::vector<Element> elements;
   add_to(elements, std::move(surface));

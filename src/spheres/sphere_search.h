@@ -26,7 +26,7 @@ struct Element {
   [[nodiscard]] bool is_within(const Sphere& sphere) const;
 };
 
-/// Pieces of about `size` metres: all of the surface, and all cells inside.
+/// Pieces of about `size` metres: all of the surface, and all voxels inside.
 [[nodiscard]] std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid,
                                                  double size);
 

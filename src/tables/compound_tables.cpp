@@ -33,11 +33,11 @@ CompoundRow make_row(const CompoundShape<Part>& compound, double reach) {
   const auto grid = share_grid(*compound.parts, region_of_interest(compound, reach));
   const Transform to_parts = compound.pose.inverse();
   CompoundRow row;
-  row.cells = &grid->cells;
+  row.voxels = &grid->voxels;
   row.owner = grid;
   set(*grid, row);
   store(to_parts.rotation, row.rotation);
-  store(Vec3(to_parts.translation - middle_of(grid->cells)), row.translation);
+  store(Vec3(to_parts.translation - middle_of(grid->voxels)), row.translation);
   return row;
 }
 

@@ -111,10 +111,10 @@ struct LimbPoint {
   float point[3] = {};
 };
 
-/// From a tip to the first joint that turns on the way to it: the tip, then joints' origins.
+/// From a tip down to the first joint that turns: the tip, then joints' origins.
 struct Limb {
   std::vector<LimbPoint> points;
-  float length = 0;  ///< metres, of the way through the points
+  float length = 0;  ///< metres through the points
 };
 
 /// How far joints move bodies. A row of joint_count values each.
@@ -163,7 +163,7 @@ struct ObstacleRow {
 struct CompoundRow {
   float rotation[9] = {};     ///< row-major, from the scene's frame to that of the parts
   float translation[3] = {};  ///< the same
-  const CellGrid* cells = nullptr;
+  const VoxelGrid* voxels = nullptr;
   const PointGrid* points = nullptr;  ///< either these
   const PartTree* tree = nullptr;     ///< or this
   std::shared_ptr<const void> owner;  ///< of all three

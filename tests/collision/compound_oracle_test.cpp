@@ -18,8 +18,8 @@ constexpr double kTolerance = 1e-4;
 
 constexpr std::array kMakers = {random_cloud, random_mesh, random_octree};
 
-/// Gaps of a robot's shapes to the parts of a scene. Of parts that lie in a ball that is too far
-/// away to matter, the ball is looked at instead of each.
+/// Clearances of a robot's shapes to the parts of a scene. Of parts that lie in a ball that is too
+/// far away to matter, the ball is looked at instead of each.
 class GapByParts {
  public:
   GapByParts(const Robot& robot, const Scene& scene)
@@ -31,8 +31,8 @@ class GapByParts {
     }
   }
 
-  /// The least gap of a shape that a joint moves to a part: exact below `enough`, otherwise no
-  /// less.
+  /// The least clearance of a shape that a joint moves to a part: exact below `enough`, otherwise
+  /// no less.
   [[nodiscard]] double at(std::span<const double> q, double enough) const {
     const std::vector<Transform> poses = robot_.link_poses(q);
     double least = enough;
@@ -122,21 +122,22 @@ void compare_with_parts(const Robot& robot, const Scene& scene, double margin, i
                         Counts& counts) {
   const std::vector<float> rows = random_states(robot, states, rng);
   const auto alone = check_all(require_checker(robot, {}), rows);
-  std::vector<double> gaps(alone.size());
+  std::vector<double> clearances(alone.size());
   const GapByParts gap_by_parts(robot, scene);
   for (std::size_t i = 0; i < alone.size(); ++i) {
     if (alone[i] == 0) continue;
     const auto q = row(rows, i, robot);
-    gaps[i] = gap_by_parts.at(Configuration(q.begin(), q.end()), margin + 2 * kTolerance) - margin;
-    ++(gaps[i] < 0 ? counts.touching : counts.free);
+    clearances[i] =
+        gap_by_parts.at(Configuration(q.begin(), q.end()), margin + 2 * kTolerance) - margin;
+    ++(clearances[i] < 0 ? counts.touching : counts.free);
   }
   for (const Isa isa : available_isas()) {
     const auto is_valid =
         check_all(require_checker(robot, scene, {.margin = margin, .isa = isa}), rows);
     for (std::size_t i = 0; i < is_valid.size(); ++i) {
-      if (alone[i] == 0 || std::abs(gaps[i]) <= kTolerance) continue;
-      if ((is_valid[i] != 0) == (gaps[i] > 0)) continue;
-      FAIL(to_string(isa) << ", state " << i << ": gap " << gaps[i]);
+      if (alone[i] == 0 || std::abs(clearances[i]) <= kTolerance) continue;
+      if ((is_valid[i] != 0) == (clearances[i] > 0)) continue;
+      FAIL(to_string(isa) << ", state " << i << ": clearance " << clearances[i]);
     }
   }
 }

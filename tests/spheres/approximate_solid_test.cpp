@@ -144,13 +144,13 @@ TEST_SUITE("law") {
     CHECK(on_top / 10000.0 == doctest::Approx(0.08 / 0.28).epsilon(0.05));
   }
 
-  TEST_CASE("samples near the surface are inside, and no deeper than two cells") {
+  TEST_CASE("samples near the surface are inside, and no deeper than two voxels") {
     const SolidModel solid(internal::triangulate(Cylinder{{}, 0.1, 0.3}));
     const auto points = internal::sample_near_surface(solid);
     CHECK(points.size() > 1000);
     for (const Vec3& p : points) {
       CHECK(solid.depth(p) > 0);
-      CHECK(solid.depth(p) < 2 * solid.cell_size());
+      CHECK(solid.depth(p) < 2 * solid.voxel_size());
     }
   }
 }

@@ -124,7 +124,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a single triangle has no inside, but a distance") {
     const SolidModel solid({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
-    CHECK(solid.inner_cells().empty());
+    CHECK(solid.inner_voxels().empty());
     CHECK(solid.medial_balls().empty());
     CHECK(solid.depth({0.2, 0.2, 0.3}) == doctest::Approx(-0.3));
   }
@@ -143,25 +143,25 @@ TEST_SUITE("law") {
     }
   }
 
-  TEST_CASE("cells fill the volume, and whole ones lie inside altogether") {
+  TEST_CASE("voxels fill the volume, and whole ones lie inside altogether") {
     const SolidModel solid(internal::triangulate(make_box({0.3, 0.2, 0.1})));
-    const double cell_volume = std::pow(solid.cell_size(), 3);
-    CHECK(static_cast<double>(solid.inner_cells().size()) * cell_volume ==
+    const double voxel_volume = std::pow(solid.voxel_size(), 3);
+    CHECK(static_cast<double>(solid.inner_voxels().size()) * voxel_volume ==
           doctest::Approx(0.006).epsilon(0.06));
-    for (const SolidModel::Cell& cell : solid.inner_cells()) {
-      if (cell.is_whole) CHECK(solid.depth(cell.center) >= 0.86 * solid.cell_size());
+    for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
+      if (voxel.is_whole) CHECK(solid.depth(voxel.center) >= 0.86 * solid.voxel_size());
     }
   }
 
   TEST_CASE("every ball inside lies, but for the grid, in a medial one") {
     const SolidModel solid(internal::triangulate(make_box({0.3, 0.2, 0.1})));
     const std::vector<Sphere> medial = solid.medial_balls();
-    CHECK(medial.size() < solid.inner_cells().size() / 4);
-    for (std::size_t i = 0; i < solid.inner_cells().size(); i += 50) {
-      const Vec3 center = solid.inner_cells()[i].center;
+    CHECK(medial.size() < solid.inner_voxels().size() / 4);
+    for (std::size_t i = 0; i < solid.inner_voxels().size(); i += 50) {
+      const Vec3 center = solid.inner_voxels()[i].center;
       const double radius = solid.depth(center);
       CHECK(std::ranges::any_of(medial, [&](const Sphere& ball) {
-        return (ball.center - center).norm() + radius <= ball.radius + 2 * solid.cell_size();
+        return (ball.center - center).norm() + radius <= ball.radius + 2 * solid.voxel_size();
       }));
     }
   }

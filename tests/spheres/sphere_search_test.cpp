@@ -34,7 +34,7 @@ TEST_SUITE("law") {
     }
     CHECK(internal::uncovered_fraction(internal::sample_surface(mesh, 3000), bounds) == 0);
     std::vector<Vec3> centers;
-    for (const SolidModel::Cell& cell : solid.inner_cells()) centers.push_back(cell.center);
+    for (const SolidModel::Voxel& voxel : solid.inner_voxels()) centers.push_back(voxel.center);
     CHECK(internal::uncovered_fraction(centers, bounds) == 0);
   }
 

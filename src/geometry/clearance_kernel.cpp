@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Compiled once per instruction set. A vector holds neighbouring cells of a row.
-#include "geometry/gap_kernel.h"
+// Compiled once per instruction set. A vector holds neighbouring voxels of a row.
+#include "geometry/clearance_kernel.h"
 
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "geometry/gap_kernel.cpp"  // NOLINT
+#define HWY_TARGET_INCLUDE "geometry/clearance_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
-#include "geometry/cell_grid.h"
+#include "geometry/voxel_grid.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 
@@ -28,7 +28,7 @@ class Rows {
     rows_[count_] = row;
     squared_[count_++] = static_cast<uint8_t>(distance * distance);
   }
-  /// Writes the least of all and of wide gaps.
+  /// Writes the least of all and of wide clearances.
   HWY_INLINE void narrow_to(uint8_t* to, int width) const {
     constexpr int kNarrow = 16 < kBytes ? 16 : kBytes;
     if (width >= kBytes) {
@@ -52,29 +52,29 @@ class Rows {
   }
   template <class D>
   HWY_INLINE void narrow_at(D d, int i, uint8_t* to) const {
-    auto least = hn::Set(d, kWideGap);
+    auto least = hn::Set(d, kWideClearance);
     for (int k = 0; k < count_; ++k) {
-      const auto gap = hn::LoadU(d, rows_[k] + i);
-      least = hn::Min(least, hn::SaturatedAdd(gap, hn::Set(d, squared_[k])));
+      const auto clearance = hn::LoadU(d, rows_[k] + i);
+      least = hn::Min(least, hn::SaturatedAdd(clearance, hn::Set(d, squared_[k])));
     }
     hn::StoreU(least, d, to + i);
   }
 
   int count_ = 0;
-  const uint8_t* rows_[2 * kMostGapCells];
-  uint8_t squared_[2 * kMostGapCells];
+  const uint8_t* rows_[2 * kClearanceReach];
+  uint8_t squared_[2 * kClearanceReach];
 };
 
-/// Rows of octants, two for each row of cells; rows without any occupied octant are not read.
+/// Rows of octants, two for each row of voxels; rows without any occupied octant are not read.
 struct OctantRows {
   const uint8_t* data;
   int rows, width;
   const uint8_t* is_used;
 
-  /// Writes the gaps of cells at the row `i` of cells, by all rows of octants within reach.
+  /// Writes the clearances of voxels at the row `i` of voxels, by all rows of octants within reach.
   HWY_INLINE void narrow_row(int i, uint8_t* to) const {
     Rows near;
-    for (int d = 0; d < kMostGapCells; ++d) {
+    for (int d = 0; d < kClearanceReach; ++d) {
       for (const int row : {2 * i - d, 2 * i + 1 + d}) {
         if (row < 0 || row >= rows || is_used[row] == 0) continue;
         near.add(data + static_cast<ptrdiff_t>(row) * width, d);
@@ -84,9 +84,10 @@ struct OctantRows {
   }
 };
 
-/// Gaps of 0 at occupied octants of a layer, otherwise wide ones. Of each row octants with the
-/// lesser x come first, then those with the greater. False if there is none that is occupied.
-HWY_INLINE bool spread_layer(const GapRequest& request, int z, uint8_t* rows, uint8_t* is_used) {
+/// Clearances of 0 at occupied octants of a layer, otherwise wide ones. Of each row octants with
+/// the lesser x come first, then those with the greater. False if there is none that is occupied.
+HWY_INLINE bool spread_layer(const ClearanceRequest& request, int z, uint8_t* rows,
+                             uint8_t* is_used) {
   const int width = request.count[0];
   bool is_any = false;
   for (int y = 0; y < 2 * request.count[1]; ++y) {
@@ -97,8 +98,8 @@ HWY_INLINE bool spread_layer(const GapRequest& request, int z, uint8_t* rows, ui
     unsigned seen = 0;
     for (int x = 0; x < width; ++x) {
       const unsigned pair = unsigned{octants[x]} >> first;
-      row[x] = static_cast<uint8_t>(kWideGap & ((pair & 1) - 1));
-      row[width + x] = static_cast<uint8_t>(kWideGap & ((pair >> 1 & 1) - 1));
+      row[x] = static_cast<uint8_t>(kWideClearance & ((pair & 1) - 1));
+      row[width + x] = static_cast<uint8_t>(kWideClearance & ((pair >> 1 & 1) - 1));
       seen |= pair & 3;
     }
     is_used[y] = seen != 0;
@@ -111,31 +112,32 @@ HWY_INLINE bool spread_layer(const GapRequest& request, int z, uint8_t* rows, ui
 struct PaddedRow {
   uint8_t* data;
 
-  HWY_INLINE PaddedRow(uint8_t* memory, int width) : data(memory + kMostGapCells) {
-    std::memset(memory, kWideGap, static_cast<size_t>(width + 2 * kMostGapCells));
+  HWY_INLINE PaddedRow(uint8_t* memory, int width) : data(memory + kClearanceReach) {
+    std::memset(memory, kWideClearance, static_cast<size_t>(width + 2 * kClearanceReach));
   }
 };
 
 HWY_INLINE void narrow_along_x(const PaddedRow& lesser, const PaddedRow& greater, int width,
                                uint8_t* to) {
   Rows near;
-  for (int d = 0; d < kMostGapCells; ++d) {
+  for (int d = 0; d < kClearanceReach; ++d) {
     const bool is_odd = d % 2 == 1;
-    const int cells = (d + 1) / 2;
-    near.add((is_odd ? greater : lesser).data - cells, d);
-    near.add((is_odd ? lesser : greater).data + cells, d);
+    const int voxels = (d + 1) / 2;
+    near.add((is_odd ? greater : lesser).data - voxels, d);
+    near.add((is_odd ? lesser : greater).data + voxels, d);
   }
   near.narrow_to(to, width);
 }
 
-void find_gaps(const GapRequest& request) {
+void find_clearances(const ClearanceRequest& request) {
   const int width = request.count[0], height = request.count[1], depth = request.count[2];
   const int row = 2 * width, layer = row * height;
   uint8_t* const layers = request.scratch;
   uint8_t* const rows = layers + static_cast<ptrdiff_t>(2 * depth) * layer;
   uint8_t* const narrowed = rows + 2 * layer;
-  const PaddedRow lesser(narrowed + layer, width), greater(lesser.data + width + kMostGapCells, width);
-  uint8_t* const is_row_used = greater.data + width + kMostGapCells;
+  const PaddedRow lesser(narrowed + layer, width),
+      greater(lesser.data + width + kClearanceReach, width);
+  uint8_t* const is_row_used = greater.data + width + kClearanceReach;
   uint8_t* const is_layer_used = is_row_used + 2 * height;
   for (int z = 0; z < 2 * depth; ++z) {
     is_layer_used[z] = spread_layer(request, z, rows, is_row_used);
@@ -150,13 +152,13 @@ void find_gaps(const GapRequest& request) {
     for (int y = 0; y < height; ++y) {
       std::memcpy(lesser.data, narrowed + y * row, static_cast<size_t>(width));
       std::memcpy(greater.data, narrowed + y * row + width, static_cast<size_t>(width));
-      uint8_t* const to = request.gaps + static_cast<ptrdiff_t>(z * height + y) * width;
+      uint8_t* const to = request.clearances + static_cast<ptrdiff_t>(z * height + y) * width;
       narrow_along_x(lesser, greater, width, to);
     }
   }
 }
 
-GapKernel kernel() { return &find_gaps; }
+ClearanceKernel kernel() { return &find_clearances; }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -168,14 +170,14 @@ namespace mneme::internal {
 
 HWY_EXPORT(kernel);
 
-GapKernel gap_kernel() { return MNEME_DISPATCH(kernel, Isa::automatic); }
+ClearanceKernel clearance_kernel() { return MNEME_DISPATCH(kernel, Isa::automatic); }
 
-std::size_t scratch_size(const GapRequest& request) {
+std::size_t scratch_size(const ClearanceRequest& request) {
   const auto width = static_cast<std::size_t>(request.count[0]);
   const auto height = static_cast<std::size_t>(request.count[1]);
   const auto depth = static_cast<std::size_t>(request.count[2]);
   const std::size_t layer = 2 * width * height;
-  return (2 * depth + 3) * layer + 2 * (width + 2 * kMostGapCells) + 2 * height + 2 * depth;
+  return (2 * depth + 3) * layer + 2 * (width + 2 * kClearanceReach) + 2 * height + 2 * depth;
 }
 
 }  // namespace mneme::internal

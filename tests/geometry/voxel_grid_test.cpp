@@ -12,16 +12,16 @@
 namespace mneme::test {
 namespace {
 
-using internal::CellGrid;
+using internal::VoxelGrid;
 using Point3 = std::array<float, 3>;
 
 /// By a look at every occupied octant.
-int gap2_at(const std::vector<CellGrid::Index>& occupied, const CellGrid::Index& cell) {
-  int least = internal::kWideGap;
-  for (const CellGrid::Index& octant : occupied) {
+int gap2_at(const std::vector<VoxelGrid::Index>& occupied, const VoxelGrid::Index& voxel) {
+  int least = internal::kWideClearance;
+  for (const VoxelGrid::Index& octant : occupied) {
     int sum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int center = 2 * cell[axis] + 1;
+      const int center = 2 * voxel[axis] + 1;
       const int along = std::max({octant[axis] - center, center - octant[axis] - 1, 0});
       sum += along * along;
     }
@@ -30,12 +30,12 @@ int gap2_at(const std::vector<CellGrid::Index>& occupied, const CellGrid::Index&
   return least;
 }
 
-void require_gaps(const CellGrid& grid, const std::vector<CellGrid::Index>& occupied) {
+void require_gaps(const VoxelGrid& grid, const std::vector<VoxelGrid::Index>& occupied) {
   for (int z = 0; z < grid.count[2]; ++z) {
     for (int y = 0; y < grid.count[1]; ++y) {
       for (int x = 0; x < grid.count[0]; ++x) {
-        INFO("cell " << x << ' ' << y << ' ' << z);
-        REQUIRE(int{grid.gaps[grid.slot({x, y, z})]} == gap2_at(occupied, {x, y, z}));
+        INFO("voxel " << x << ' ' << y << ' ' << z);
+        REQUIRE(int{grid.clearances[grid.slot({x, y, z})]} == gap2_at(occupied, {x, y, z}));
       }
     }
   }
@@ -54,16 +54,16 @@ std::vector<Point3> random_points(int count, Rng& rng) {
 
 constexpr internal::Region kAll = {{-1, -1, -1}, {1, 1, 1}};
 
-/// All points that the blocks hold, sorted, each in its cell.
+/// All points that the blocks hold, sorted, each in its voxel.
 std::vector<Point3> stored(const internal::PointGrid& grid) {
   std::vector<Point3> points;
-  for (std::size_t cell = 0; cell < grid.first_block.size(); ++cell) {
-    for (int b = grid.first_block[cell]; b >= 0;) {
+  for (std::size_t voxel = 0; voxel < grid.first_block.size(); ++voxel) {
+    for (int b = grid.first_block[voxel]; b >= 0;) {
       const internal::PointBlock& block = grid.blocks[static_cast<std::size_t>(b)];
       for (int i = 0; i < internal::kPointsPerBlock; ++i) {
         if (!std::isfinite(block.x[i])) continue;
         points.push_back({block.x[i], block.y[i], block.z[i]});
-        CHECK(grid.cells.slot_of(grid.cells.octant_of(points.back())) == cell);
+        CHECK(grid.voxels.slot_of(grid.voxels.octant_of(points.back())) == voxel);
       }
       b = block.next;
     }
@@ -72,11 +72,11 @@ std::vector<Point3> stored(const internal::PointGrid& grid) {
   return points;
 }
 
-bool is_occupied(const CellGrid& grid, const CellGrid::Index& octant) {
-  return (grid.octants[grid.slot_of(octant)] & CellGrid::bit_of(octant)) != 0;
+bool is_occupied(const VoxelGrid& grid, const VoxelGrid::Index& octant) {
+  return (grid.octants[grid.slot_of(octant)] & VoxelGrid::bit_of(octant)) != 0;
 }
 
-CellGrid::Index octant_at(const CellGrid& grid, const Vec3& p) {
+VoxelGrid::Index octant_at(const VoxelGrid& grid, const Vec3& p) {
   const Vec3 local = p - internal::middle_of(grid);
   return grid.octant_of({static_cast<float>(local.x()), static_cast<float>(local.y()),
                          static_cast<float>(local.z())});
@@ -84,27 +84,28 @@ CellGrid::Index octant_at(const CellGrid& grid, const Vec3& p) {
 
 /// Calls `visit(octant, centre)`.
 template <class Visit>
-void for_each_octant(const CellGrid& grid, const Visit& visit) {
+void for_each_octant(const VoxelGrid& grid, const Visit& visit) {
   const Vec3 origin =
       internal::middle_of(grid) + Vec3(grid.origin[0], grid.origin[1], grid.origin[2]);
   for (int z = 0; z < 2 * grid.count[2]; ++z) {
     for (int y = 0; y < 2 * grid.count[1]; ++y) {
       for (int x = 0; x < 2 * grid.count[0]; ++x) {
-        visit(CellGrid::Index{x, y, z}, origin + 0.5 * grid.cell * Vec3(x + 0.5, y + 0.5, z + 0.5));
+        visit(VoxelGrid::Index{x, y, z},
+              origin + 0.5 * grid.edge * Vec3(x + 0.5, y + 0.5, z + 0.5));
       }
     }
   }
 }
 
 TEST_SUITE("law") {
-  TEST_CASE("gaps of cells are the way from their centres to the nearest occupied octant") {
+  TEST_CASE("clearances of voxels are the way from their centres to the nearest occupied octant") {
     Rng rng(71);
     // Rows shorter and longer than vectors are.
     for (const float length : {0.1f, 0.5f, 1.3f}) {
-      CellGrid grid = internal::make_cell_grid({{0, 0, 0}, {length, 0.4f, 0.3f}});
-      std::vector<CellGrid::Index> occupied;
+      VoxelGrid grid = internal::make_voxel_grid({{0, 0, 0}, {length, 0.4f, 0.3f}});
+      std::vector<VoxelGrid::Index> occupied;
       const auto random_octant = [&] {
-        CellGrid::Index i;
+        VoxelGrid::Index i;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           i[axis] = static_cast<int>(rng.index(static_cast<std::uint32_t>(2 * grid.count[axis])));
         }
@@ -112,13 +113,13 @@ TEST_SUITE("law") {
       };
       for (int k = 0; k < 6; ++k) {
         occupied.push_back(random_octant());
-        grid.octants[grid.slot_of(occupied.back())] |= CellGrid::bit_of(occupied.back());
+        grid.octants[grid.slot_of(occupied.back())] |= VoxelGrid::bit_of(occupied.back());
       }
-      internal::find_gaps(grid);
+      internal::find_clearances(grid);
       require_gaps(grid, occupied);
       // Far from the others, then beside them, as those of a surface are.
       for (int k = 0; k < 16; ++k) {
-        CellGrid::Index octant = k < 3 ? random_octant() : occupied[rng.index(k + 6)];
+        VoxelGrid::Index octant = k < 3 ? random_octant() : occupied[rng.index(k + 6)];
         for (int& i : octant) i += k < 3 ? 0 : static_cast<int>(rng.index(3)) - 1;
         if (!grid.contains(octant)) octant = random_octant();
         occupied.push_back(octant);
@@ -128,8 +129,8 @@ TEST_SUITE("law") {
     }
   }
 
-  TEST_CASE("a large region has larger cells, not more of them without end") {
-    const CellGrid grid = internal::make_cell_grid({{-500, -500, -500}, {500, 500, 500}});
+  TEST_CASE("a large region has larger voxels, not more of them without end") {
+    const VoxelGrid grid = internal::make_voxel_grid({{-500, -500, -500}, {500, 500, 500}});
     CHECK(grid.size() <= std::size_t{1} << 18);
     CHECK(grid.contains(grid.octant_of({499, -499, 0})));
     CHECK(!grid.contains(grid.octant_of({1e30f, 0, 0})));
@@ -149,13 +150,13 @@ TEST_SUITE("law") {
       std::vector<Point3> sorted = points;
       std::ranges::sort(sorted);
       REQUIRE(stored(grid) == sorted);
-      // Cells that were emptied may still narrow the gaps around them; none is too wide.
-      std::vector<CellGrid::Index> occupied;
-      for (const Point3& p : points) occupied.push_back(grid.cells.octant_of(p));
+      // Voxels that were emptied may still narrow the clearances around them; none is too wide.
+      std::vector<VoxelGrid::Index> occupied;
+      for (const Point3& p : points) occupied.push_back(grid.voxels.octant_of(p));
       for (const Point3& p : random_points(50, rng)) {
-        CellGrid::Index cell = grid.cells.octant_of(p);
-        for (int& i : cell) i /= 2;
-        CHECK(int{grid.cells.gaps[grid.cells.slot(cell)]} <= gap2_at(occupied, cell));
+        VoxelGrid::Index voxel = grid.voxels.octant_of(p);
+        for (int& i : voxel) i /= 2;
+        CHECK(int{grid.voxels.clearances[grid.voxels.slot(voxel)]} <= gap2_at(occupied, voxel));
       }
     }
     const std::vector<Point3> far = {{0.99f, 0, 0}};
@@ -179,7 +180,7 @@ TEST_SUITE("law") {
       }
       const Parts<Triangle> mesh({t});
       const auto tree = internal::share_grid(mesh, {Vec3::Constant(-1), Vec3::Constant(1)});
-      const CellGrid& grid = tree->cells;
+      const VoxelGrid& grid = tree->voxels;
       for (int i = 0; i < 2000; ++i) {
         const double u = rng.uniform(), v = rng.uniform() * (1 - u);
         const Vec3 p = t.a + u * (t.b - t.a) + v * (t.c - t.a);
@@ -187,10 +188,10 @@ TEST_SUITE("law") {
         INFO("round " << round << ", point " << p.transpose());
         REQUIRE(is_occupied(grid, octant_at(grid, p)));
       }
-      for_each_octant(grid, [&](const CellGrid::Index& octant, const Vec3& center) {
+      for_each_octant(grid, [&](const VoxelGrid::Index& octant, const Vec3& center) {
         if (!is_occupied(grid, octant)) return;
         ++occupied;
-        far += (center - internal::nearest_on(center, t)).norm() > 0.87 * 0.5 * grid.cell;
+        far += (center - internal::nearest_on(center, t)).norm() > 0.87 * 0.5 * grid.edge;
       });
     }
     CHECK(occupied > 10'000);

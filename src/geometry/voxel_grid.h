@@ -12,11 +12,11 @@
 
 namespace mneme::internal {
 
-/// Octants of a cell lie on either side of its middle along each axis. So many of them around an
+/// Octants of a voxel lie on either side of its middle along each axis. So many of them around an
 /// occupied one know of it.
-inline constexpr int kMostGapCells = 15;
-/// Of cells that know of no occupied octant.
-inline constexpr std::uint8_t kWideGap = kMostGapCells * kMostGapCells;
+inline constexpr int kClearanceReach = 15;
+/// Of voxels that know of no occupied octant.
+inline constexpr std::uint8_t kWideClearance = kClearanceReach * kClearanceReach;
 
 /// A box along the axes of the parts' frame.
 struct Region {
@@ -39,22 +39,22 @@ using Middle = std::array<double, 3>;
 }
 
 /// A region cut into cubes, and how far from the centre of each there is nothing: so many octants,
-/// each half as wide as a cell, lie between it and the nearest occupied one. Outside of the region
+/// each half as wide as a voxel, lie between it and the nearest occupied one. Outside of the region
 /// there is nothing.
-struct CellGrid {
+struct VoxelGrid {
   using Index = std::array<int, 3>;
 
   Middle middle{};
   std::array<float, 3> origin{};  ///< the region's least corner
-  float cell = 1;                 ///< edge of a cell, metres
+  float edge = 1;                 ///< edge of a voxel, metres
   float per_metre = 1;            ///< its inverse
-  Index count{};                  ///< of cells along each axis, at least 1
-  /// Per cell, x fastest, a bit for each occupied octant: those with greater x in odd bits. Some
+  Index count{};                  ///< of voxels along each axis, at least 1
+  /// Per voxel, x fastest, a bit for each occupied octant: those with greater x in odd bits. Some
   /// more follow, so that words may be read.
   std::pmr::vector<std::uint8_t> octants;
-  /// Per cell the squared distance of its centre from the nearest occupied octant, in octants.
+  /// Per voxel the squared distance of its centre from the nearest occupied octant, in octants.
   /// Some more follow.
-  std::pmr::vector<std::uint8_t> gaps;
+  std::pmr::vector<std::uint8_t> clearances;
 
   /// The octant that holds a point, on each axis between -1 and twice the count: those are outside.
   [[nodiscard]] Index octant_of(const std::array<float, 3>& p) const;
@@ -64,7 +64,7 @@ struct CellGrid {
         1u << ((octant[2] & 1) << 2 | (octant[1] & 1) << 1 | (octant[0] & 1)));
   }
   [[nodiscard]] bool contains(const Index& octant) const;
-  /// Of the cell that holds an octant of the grid.
+  /// Of the voxel that holds an octant of the grid.
   [[nodiscard]] std::size_t slot_of(const Index& octant) const {
     return slot({octant[0] / 2, octant[1] / 2, octant[2] / 2});
   }
@@ -77,13 +77,13 @@ struct CellGrid {
   }
 };
 
-/// Of empty cells, in memory of `pages`. `region` is relative to `middle`.
-[[nodiscard]] CellGrid make_cell_grid(
+/// Of empty voxels, in memory of `pages`. `region` is relative to `middle`.
+[[nodiscard]] VoxelGrid make_voxel_grid(
     const Region& region, const Middle& middle = {},
     std::pmr::memory_resource* pages = std::pmr::get_default_resource());
-/// Finds all gaps anew.
-void find_gaps(CellGrid& grid);
-/// Narrows the gaps around an octant that is occupied from now on.
-void occupy(const CellGrid::Index& octant, CellGrid& grid);
+/// Finds all clearances anew.
+void find_clearances(VoxelGrid& grid);
+/// Narrows the clearances around an octant that is occupied from now on.
+void occupy(const VoxelGrid::Index& octant, VoxelGrid& grid);
 
 }  // namespace mneme::internal
