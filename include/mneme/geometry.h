@@ -103,7 +103,7 @@ struct PartsAccess;
 }
 
 /// The many small parts of one obstacle, in a frame of its own: shared by all scenes and checkers
-/// that hold it. What makes distances to them fast is built when it is first asked for and kept.
+/// that hold it. Trees and grids for fast distances are built at first use and kept.
 /// Const is parallel-safe.
 template <class Part>
 class Parts {

@@ -66,7 +66,7 @@ using SphereProgress = std::function<void(int done, int total, const std::string
 /// A robot whose solids have become spheres.
 struct RobotSpheres {
   Robot::Parts parts;              ///< without solids; spheres and capsules stay as they were
-  std::vector<LinkSpheres> links;  ///< those that had solids, in their order
+  std::vector<LinkSpheres> links;  ///< the links that had solids, in their order
   std::vector<std::string> notes;  ///< what was done, for people: one sentence each
 };
 /// Approximates each link that has solids, several at a time, and calls `on_approximated` for each:

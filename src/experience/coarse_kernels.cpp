@@ -144,9 +144,9 @@ void box_distances(const CoarsePair* blocks, std::size_t block_count, std::size_
 
 #endif
 
-const CoarseKernels* kernels() {
+const CoarseKernels& kernels() {
   static const CoarseKernels table = {&near_keys, &box_distances};
-  return &table;
+  return table;
 }
 
 }  // namespace
@@ -155,11 +155,5 @@ const CoarseKernels* kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace mneme::internal {
-
-HWY_EXPORT(kernels);
-
-const CoarseKernels& coarse_kernels(Isa isa) { return *MNEME_DISPATCH(kernels, isa); }
-
-}  // namespace mneme::internal
-#endif  // HWY_ONCE
+MNEME_EXPORT(const CoarseKernels&, coarse_kernels, kernels)
+#endif

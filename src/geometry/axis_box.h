@@ -39,10 +39,9 @@ struct AxisBox {
   return (b.low - a.high).cwiseMax(a.low - b.high).cwiseMax(0.0).squaredNorm();
 }
 
-[[nodiscard]] inline AxisBox box_of(const CloudPoint& p) {
-  const Vec3 point(p[0], p[1], p[2]);
-  return {point, point};
-}
+[[nodiscard]] inline Vec3 to_vec3(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
+
+[[nodiscard]] inline AxisBox box_of(const CloudPoint& p) { return {to_vec3(p), to_vec3(p)}; }
 
 /// Empty if a corner is not finite.
 [[nodiscard]] inline AxisBox box_of(const Triangle& t) {

@@ -53,8 +53,8 @@ std::vector<int> sorted_by(const std::vector<std::uint32_t>& codes) {
 
 }  // namespace
 
-BoxTree::BoxTree(const std::vector<AxisBox>& boxes, int leaf_size, Halving halving)
-    : leaf_size_(leaf_size), halving_(halving), order_(sorted_by(morton_codes(boxes))) {
+BoxTree::BoxTree(const std::vector<AxisBox>& boxes, int leaf_size)
+    : leaf_size_(leaf_size), order_(sorted_by(morton_codes(boxes))) {
   nodes_.reserve(boxes.size() / 2);
   if (!boxes.empty()) build(boxes, 0, static_cast<int>(boxes.size()));
 }
@@ -67,7 +67,6 @@ int BoxTree::build(const std::vector<AxisBox>& boxes, int first, int count) {
     for (int i = first; i < first + count; ++i) box.include(boxes[as_index(order_[as_index(i)])]);
   } else {
     const int half = count / 2;
-    if (halving_ == Halving::median) halve(boxes, first, count);
     const int left = build(boxes, first, half);
     const int right = build(boxes, first + half, count - half);
     box = nodes_[as_index(left)].box;
@@ -77,19 +76,6 @@ int BoxTree::build(const std::vector<AxisBox>& boxes, int first, int count) {
   }
   nodes_[as_index(index)].box = box;
   return index;
-}
-
-void BoxTree::halve(const std::vector<AxisBox>& boxes, int first, int count) {
-  const auto begin = order_.begin() + first;
-  AxisBox around;
-  for (int i = 0; i < count; ++i) around.include(boxes[as_index(begin[i])]);
-  Eigen::Index axis = 0;
-  (around.high - around.low).maxCoeff(&axis);
-  const auto middle = [&](int i) {
-    return boxes[as_index(i)].low[axis] + boxes[as_index(i)].high[axis];
-  };
-  std::nth_element(begin, begin + count / 2, begin + count,
-                   [&](int i, int k) { return middle(i) < middle(k); });
 }
 
 }  // namespace mneme::internal

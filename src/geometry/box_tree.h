@@ -19,12 +19,6 @@ struct NearestPart {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// How parts are halved, again and again.
-enum class Halving {
-  curve,   ///< along a curve through space (Morton's): a million are ready within tens of ms
-  median,  ///< across the longest edge of their box: slower, for 10^5 questions and more
-};
-
 /// Const and parallel-safe. Of the libraries in Debian nanoflann knows points only, FCL (which the
 /// tests use) neither limits nor counts of crossings, and CGAL is under the GPL.
 class BoxTree {
@@ -35,9 +29,9 @@ class BoxTree {
     int right = -1;            ///< the left child follows its parent
   };
 
-  /// `boxes` are those of the parts.
-  explicit BoxTree(const std::vector<AxisBox>& boxes, int leaf_size = 8,
-                   Halving halving = Halving::curve);
+  /// `boxes` are those of the parts, which are halved again and again along a curve through space
+  /// (Morton's): a tree over a million of them takes tens of ms.
+  explicit BoxTree(const std::vector<AxisBox>& boxes, int leaf_size = 8);
 
   /// The root first.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
@@ -56,7 +50,6 @@ class BoxTree {
 
  private:
   int build(const std::vector<AxisBox>& boxes, int first, int count);
-  void halve(const std::vector<AxisBox>& boxes, int first, int count);
 
   template <class DistanceTo>
   void search(int index, const AxisBox& around, const DistanceTo& distance_to,
@@ -85,7 +78,6 @@ class BoxTree {
   }
 
   int leaf_size_ = 1;
-  Halving halving_ = Halving::curve;
   std::vector<int> order_;
   std::vector<Node> nodes_;
 };

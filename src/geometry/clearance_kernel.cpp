@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Compiled once per instruction set. A vector holds neighbouring voxels of a row.
-#include "geometry/clearance_kernel.h"
+#include "geometry/compound_grids.h"
 
 #include <cstring>
 
@@ -10,7 +10,6 @@
 #define HWY_TARGET_INCLUDE "geometry/clearance_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
-#include "geometry/voxel_grid.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 
@@ -86,13 +85,12 @@ struct OctantRows {
 
 /// Clearances of 0 at occupied octants of a layer, otherwise wide ones. Of each row octants with
 /// the lesser x come first, then those with the greater. False if there is none that is occupied.
-HWY_INLINE bool spread_layer(const ClearanceRequest& request, int z, uint8_t* rows,
-                             uint8_t* is_used) {
-  const int width = request.count[0];
+HWY_INLINE bool spread_layer(const VoxelGrid& grid, int z, uint8_t* rows, uint8_t* is_used) {
+  const int width = grid.count[0];
   bool is_any = false;
-  for (int y = 0; y < 2 * request.count[1]; ++y) {
+  for (int y = 0; y < 2 * grid.count[1]; ++y) {
     const uint8_t* octants =
-        request.octants + static_cast<ptrdiff_t>(z / 2 * request.count[1] + y / 2) * width;
+        grid.octants.data() + static_cast<ptrdiff_t>(z / 2 * grid.count[1] + y / 2) * width;
     const int first = (z & 1) << 2 | (y & 1) << 1;
     uint8_t* row = rows + static_cast<ptrdiff_t>(y) * 2 * width;
     unsigned seen = 0;
@@ -108,7 +106,7 @@ HWY_INLINE bool spread_layer(const ClearanceRequest& request, int z, uint8_t* ro
   return is_any;
 }
 
-/// A row with as many octants before and after it as have to be looked at.
+/// A row with as many octants before and after it as are read.
 struct PaddedRow {
   uint8_t* data;
 
@@ -129,10 +127,10 @@ HWY_INLINE void narrow_along_x(const PaddedRow& lesser, const PaddedRow& greater
   near.narrow_to(to, width);
 }
 
-void find_clearances(const ClearanceRequest& request) {
-  const int width = request.count[0], height = request.count[1], depth = request.count[2];
+void find_clearances(VoxelGrid& grid, uint8_t* scratch) {
+  const int width = grid.count[0], height = grid.count[1], depth = grid.count[2];
   const int row = 2 * width, layer = row * height;
-  uint8_t* const layers = request.scratch;
+  uint8_t* const layers = scratch;
   uint8_t* const rows = layers + static_cast<ptrdiff_t>(2 * depth) * layer;
   uint8_t* const narrowed = rows + 2 * layer;
   const PaddedRow lesser(narrowed + layer, width),
@@ -140,7 +138,7 @@ void find_clearances(const ClearanceRequest& request) {
   uint8_t* const is_row_used = greater.data + width + kClearanceReach;
   uint8_t* const is_layer_used = is_row_used + 2 * height;
   for (int z = 0; z < 2 * depth; ++z) {
-    is_layer_used[z] = spread_layer(request, z, rows, is_row_used);
+    is_layer_used[z] = spread_layer(grid, z, rows, is_row_used);
     if (is_layer_used[z] == 0) continue;
     uint8_t* const to = layers + static_cast<ptrdiff_t>(z) * layer;
     const OctantRows along_y{rows, 2 * height, row, is_row_used};
@@ -152,7 +150,7 @@ void find_clearances(const ClearanceRequest& request) {
     for (int y = 0; y < height; ++y) {
       std::memcpy(lesser.data, narrowed + y * row, static_cast<size_t>(width));
       std::memcpy(greater.data, narrowed + y * row + width, static_cast<size_t>(width));
-      uint8_t* const to = request.clearances + static_cast<ptrdiff_t>(z * height + y) * width;
+      uint8_t* const to = grid.clearances.data() + static_cast<ptrdiff_t>(z * height + y) * width;
       narrow_along_x(lesser, greater, width, to);
     }
   }
@@ -166,16 +164,14 @@ ClearanceKernel kernel() { return &find_clearances; }
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+MNEME_EXPORT(ClearanceKernel, clearance_kernel, kernel)
+
 namespace mneme::internal {
 
-HWY_EXPORT(kernel);
-
-ClearanceKernel clearance_kernel() { return MNEME_DISPATCH(kernel, Isa::automatic); }
-
-std::size_t scratch_size(const ClearanceRequest& request) {
-  const auto width = static_cast<std::size_t>(request.count[0]);
-  const auto height = static_cast<std::size_t>(request.count[1]);
-  const auto depth = static_cast<std::size_t>(request.count[2]);
+std::size_t scratch_size(const VoxelGrid& grid) {
+  const auto width = static_cast<std::size_t>(grid.count[0]);
+  const auto height = static_cast<std::size_t>(grid.count[1]);
+  const auto depth = static_cast<std::size_t>(grid.count[2]);
   const std::size_t layer = 2 * width * height;
   return (2 * depth + 3) * layer + 2 * (width + 2 * kClearanceReach) + 2 * height + 2 * depth;
 }

@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "geometry/part_distance.h"
+#include "geometry/parts.h"
 
 #include <algorithm>
 #include <cmath>

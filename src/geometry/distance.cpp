@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
 #include "geometry/part_distance.h"
-#include "geometry/segments.h"
 #include "geometry/solids.h"
 
 #include <Eigen/Geometry>

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include <vector>
+
 namespace mneme::internal {
 
 bool Line::meets(const AxisBox& box) const {
@@ -30,18 +32,18 @@ void Line::cross(const Triangle& t, Crossings& crossings) const {
   ++(ac.dot(q) / determinant > 0 ? crossings.ahead : crossings.behind);
 }
 
-Crossings crossings_of(const Line& line, const std::vector<Triangle>& triangles,
-                       const BoxTree& tree) {
+Crossings crossings_of(const Line& line, const Parts<Triangle>& surface) {
+  const auto shared = PartsAccess::tree(surface);
+  const BoxTree& tree = *shared;
   Crossings crossings;
-  std::vector<int> open;
-  if (!tree.nodes().empty()) open.push_back(0);
+  std::vector<int> open = {0};
   while (!open.empty()) {
     const int index = open.back();
     open.pop_back();
     const BoxTree::Node& node = tree.nodes()[as_index(index)];
     if (!line.meets(node.box)) continue;
     for (int i = node.first; i < node.first + node.count; ++i) {
-      line.cross(triangles[as_index(tree.order()[as_index(i)])], crossings);
+      line.cross(surface.list()[as_index(tree.order()[as_index(i)])], crossings);
     }
     if (node.right >= 0) open.insert(open.end(), {index + 1, node.right});
   }

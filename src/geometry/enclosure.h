@@ -4,11 +4,10 @@
 /// Which side of a surface a point is on, by lines through it.
 #pragma once
 
-#include "geometry/box_tree.h"
+#include "geometry/parts.h"
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 namespace mneme::internal {
 
@@ -32,9 +31,8 @@ class Line {
   Vec3 origin_, direction_, inverse_;
 };
 
-/// How often `line` crosses the triangles that `tree` is of.
-[[nodiscard]] Crossings crossings_of(const Line& line, const std::vector<Triangle>& triangles,
-                                     const BoxTree& tree);
+/// How often `line` crosses the triangles of a surface.
+[[nodiscard]] Crossings crossings_of(const Line& line, const Parts<Triangle>& surface);
 
 /// In no plane that models tend to have faces in, so that a line rarely runs along an edge.
 [[nodiscard]] const std::array<Vec3, 5>& line_directions();
@@ -50,6 +48,9 @@ template <class CrossingsOf>
     if (std::max(yes, no) == 3) break;
   }
   return yes == 3;
+}
+[[nodiscard]] inline bool is_enclosed(const Vec3& point, const Parts<Triangle>& surface) {
+  return is_enclosed(point, [&](const Line& line) { return crossings_of(line, surface); });
 }
 
 }  // namespace mneme::internal

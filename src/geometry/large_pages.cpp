@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/large_pages.h"
+#include "geometry/compound_grids.h"
 
 #include <cstddef>
 #include <new>

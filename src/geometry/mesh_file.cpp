@@ -65,8 +65,8 @@ Result<std::string> read_bytes(const MeshPlace& file, std::size_t size) {
   return bytes;
 }
 
-/// What is wrong with an STL file: of a binary one, which says how many triangles follow, and of
-/// text, in which each is a facet.
+/// The fault of an STL file, or nothing. A binary one states the number of its triangles; in text
+/// each is a facet.
 std::string find_stl_fault(const std::string& bytes) {
   const std::string truncated = "ends before the triangles that it announces";
   const std::string hollow = "has no triangles, expected a surface";
@@ -170,12 +170,10 @@ Result<std::vector<Triangle>> read_triangles(const std::string& path, const Vec3
   if (suffix != ".stl" && suffix != ".obj" && suffix != ".dae" && suffix != ".ply") {
     return refuse(ErrorCode::unsupported, file, "expected a file named .stl, .obj, .dae or .ply");
   }
-  const auto size = find_size(file);
-  if (!size) return tl::unexpected(size.error());
+  const std::size_t size = MNEME_TRY(find_size(file));
   if (suffix == ".stl") {
-    const auto bytes = read_bytes(file, *size);
-    if (!bytes) return tl::unexpected(bytes.error());
-    const std::string fault = find_stl_fault(*bytes);
+    const std::string bytes = MNEME_TRY(read_bytes(file, size));
+    const std::string fault = find_stl_fault(bytes);
     if (!fault.empty()) return refuse(ErrorCode::parse, file, fault);
   }
   try {

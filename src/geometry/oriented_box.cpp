@@ -15,7 +15,7 @@ namespace {
 
 template <class Visit>
 void each_corner(const CloudPoint& p, const Visit& visit) {
-  visit(Vec3(p[0], p[1], p[2]));
+  visit(to_vec3(p));
 }
 template <class Visit>
 void each_corner(const Triangle& t, const Visit& visit) {
@@ -79,8 +79,8 @@ double surface_of(const AxisBox& box) {
 
 }  // namespace
 
-// What is as wide as it is deep has no principal axes across: the turn about each axis that makes
-// the box smallest is looked for, on some of the parts.
+// A shape as wide as it is deep has no principal axes across: the turn about each axis that makes
+// the box smallest is searched for, on some of the parts.
 template <class Part>
 Box oriented_box(const CompoundShape<Part>& compound) {
   constexpr std::size_t kLookedAt = 100;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/part_distance.h"
 
-#include "geometry/segments.h"
-
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -12,8 +10,6 @@
 
 namespace mneme::internal {
 namespace {
-
-Vec3 to_vec3(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
 
 /// True if the segment ab goes through the triangle with this normal_of(). By Moller and Trumbore,
 /// DOI 10.1080/10867651.1997.10487468. In its plane it meets an edge.

@@ -3,7 +3,6 @@
 #include "geometry/parts.h"
 
 #include "base/as_index.h"
-#include "geometry/point_grid.h"
 
 #include <algorithm>
 #include <map>

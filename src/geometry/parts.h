@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What is kept with the parts of an obstacle: a tree for exact distances, a grid for the kernels.
+/// Data kept with the parts of an obstacle: a tree for exact distances, a grid for the kernels.
 #pragma once
 
 #include "geometry/axis_box.h"
 #include "geometry/box_tree.h"
+#include "geometry/compound_grids.h"
 
 #include <memory>
 #include <mutex>
@@ -51,5 +52,17 @@ struct PartsAccess {
     return kept;
   }
 };
+
+/// The point, in the parts' frame, that the coordinates in a grid or tree are relative to.
+[[nodiscard]] Vec3 middle_of(const VoxelGrid& voxels);
+
+/// `box`, in the parts' frame, holds all that will be queried. A grid that was made for a larger
+/// box is reused.
+[[nodiscard]] std::shared_ptr<const PointGrid> share_grid(const Parts<CloudPoint>& parts,
+                                                          const AxisBox& box);
+[[nodiscard]] std::shared_ptr<const PartTree> share_grid(const Parts<Triangle>& parts,
+                                                         const AxisBox& box);
+[[nodiscard]] std::shared_ptr<const PartTree> share_grid(const Parts<Cube>& parts,
+                                                         const AxisBox& box);
 
 }  // namespace mneme::internal

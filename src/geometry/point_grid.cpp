@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/point_grid.h"
-
+#include "geometry/compound_grids.h"
 #include "base/as_index.h"
-#include "geometry/large_pages.h"
 
 #include <algorithm>
 #include <array>
@@ -121,7 +119,7 @@ Region region_around(PointSpan points, const Region& region, const Middle& middl
   return is_empty ? Region{region.low, region.low} : box;
 }
 
-/// Of each voxel, from the number of its points to the place after the last of them.
+/// Turns the number of points of each voxel into the place after its last one.
 void lay_out_blocks(PointGrid& grid) {
   const auto blocks_of = [](int points) {
     return (points + kPointsPerBlock - 1) / kPointsPerBlock;

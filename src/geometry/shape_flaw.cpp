@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/shape_flaw.h"
-
 #include "geometry/parts.h"
+#include "geometry/solids.h"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

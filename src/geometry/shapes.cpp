@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,25 +28,21 @@ Eigen::Matrix3d rotation_from_quaternion(double w, double x, double y, double z)
 
 namespace {
 
-struct Name {
-  std::string_view operator()(const Sphere&) const { return "sphere"; }
-  std::string_view operator()(const Box&) const { return "box"; }
-  std::string_view operator()(const Cylinder&) const { return "cylinder"; }
-  std::string_view operator()(const Capsule&) const { return "capsule"; }
-  std::string_view operator()(const PointCloud&) const { return "points"; }
-  std::string_view operator()(const Mesh&) const { return "mesh"; }
-  std::string_view operator()(const Octree&) const { return "octree"; }
-};
-
 struct Move {
   const Transform& X_AB;
-  Shape operator()(const Sphere& s) const { return Sphere{X_AB * s.center, s.radius}; }
-  Shape operator()(const Box& s) const { return Box{X_AB * s.pose, s.half_extents}; }
-  Shape operator()(const Cylinder& s) const { return Cylinder{X_AB * s.pose, s.radius, s.length}; }
-  Shape operator()(const Capsule& s) const { return Capsule{X_AB * s.a, X_AB * s.b, s.radius}; }
-  template <class Part>
-  Shape operator()(const CompoundShape<Part>& s) const {
-    return CompoundShape<Part>{X_AB * s.pose, s.parts, s.radius};
+  Shape operator()(Sphere s) const {
+    s.center = X_AB * s.center;
+    return s;
+  }
+  Shape operator()(Capsule s) const {
+    s.a = X_AB * s.a;
+    s.b = X_AB * s.b;
+    return s;
+  }
+  template <class Posed>
+  Shape operator()(Posed s) const {
+    s.pose = X_AB * s.pose;
+    return s;
   }
 };
 
@@ -132,17 +129,6 @@ struct Scale {
   }
 };
 
-struct IsCompound {
-  template <class Solid>
-  bool operator()(const Solid&) const {
-    return false;
-  }
-  template <class Part>
-  bool operator()(const CompoundShape<Part>&) const {
-    return true;
-  }
-};
-
 struct MomentsOf {
   using Moments = internal::Moments;
   static constexpr double kThinnest = 1e-9;  ///< metres, half of it
@@ -156,7 +142,7 @@ struct MomentsOf {
                  Vec3::Constant(r * r / 5));
   }
   Moments operator()(const Box& s) const {
-    // What is flat counts by its area: it has a place and two directions.
+    // A flat box counts by its area: it has a place and two directions.
     const Vec3 half = s.half_extents.cwiseMax(kThinnest);
     return posed(8 * half.prod(), s.pose, half.cwiseAbs2() / 3);
   }
@@ -181,7 +167,11 @@ struct MomentsOf {
 
 }  // namespace
 
-std::string_view shape_name(const Shape& shape) { return std::visit(Name{}, shape); }
+std::string_view shape_name(const Shape& shape) {
+  constexpr std::array<std::string_view, std::variant_size_v<Shape>> kNames = {
+      "sphere", "box", "cylinder", "capsule", "points", "mesh", "octree"};
+  return kNames[shape.index()];
+}
 
 Shape transformed(const Transform& X_AB, const Shape& shape) {
   return std::visit(Move{X_AB}, shape);
@@ -193,7 +183,13 @@ double Triangle::area() const { return 0.5 * (b - a).cross(c - a).norm(); }
 
 namespace internal {
 
-bool is_compound(const Shape& shape) { return std::visit(IsCompound{}, shape); }
+bool is_compound(const Shape& shape) {
+  return std::visit(
+      [](const auto& s) {
+        return requires { s.parts; };
+      },
+      shape);
+}
 
 std::vector<double> sizes_of(const Shape& shape) { return std::visit(Sizes{}, shape); }
 

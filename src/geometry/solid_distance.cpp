@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/solid_distance.h"
-
+#include "geometry/solids.h"
 #include "base/as_index.h"
 #include "geometry/enclosure.h"
 #include "geometry/part_distance.h"
@@ -31,8 +30,9 @@ Vec3 support(const Cylinder& s, const Vec3& direction) {
          Vec3(share * local.x(), share * local.y(), std::copysign(0.5 * s.length, local.z()));
 }
 
-/// Of a convex solid. Where no edge of the triangle is nearest, and none meets the solid, either
-/// the solid's support towards the triangle is, or the segment between both supports crosses it.
+/// Distance from a convex solid. Where no edge of the triangle is nearest, and none meets the
+/// solid, either the solid's support towards the triangle is, or the segment between both supports
+/// crosses it.
 template <class Convex>
 double gap(const Triangle& t, const Convex& solid) {
   const Shape shape = solid;
@@ -45,8 +45,7 @@ double gap(const Triangle& t, const Convex& solid) {
 }
 
 double gap(const Triangle& t, const CloudPoint& p) {
-  const Vec3 point(p[0], p[1], p[2]);
-  return distance_between(point, point, t);
+  return distance_between(to_vec3(p), to_vec3(p), t);
 }
 
 double gap(const Triangle& t, const Cube& cube) {
@@ -70,7 +69,7 @@ double radius_of(const Triangle& t) {
       {(t.a - center).squaredNorm(), (t.b - center).squaredNorm(), (t.c - center).squaredNorm()}));
 }
 
-Vec3 point_of(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
+Vec3 point_of(const CloudPoint& p) { return to_vec3(p); }
 Vec3 point_of(const Cube& cube) { return cube.center; }
 
 /// Between the triangles of two surfaces, by both trees at once.
@@ -223,12 +222,12 @@ class FromSurface {
   }
 
   /// True if the lines say so and one of them leaves the surface without crossing it: solids that
-  /// overlap mislead those that count.
+  /// overlap mislead lines that count.
   bool is_outside(const Vec3& point) const {
     if (distance2(tree_->nodes().front().box, {point, point}) > 0) return true;
     bool leaves = false;
     const bool is_in = is_enclosed(point, [&](const Line& line) {
-      const Crossings crossings = crossings_of(line, surface_.parts->list(), *tree_);
+      const Crossings crossings = crossings_of(line, *surface_.parts);
       leaves |= crossings.ahead == 0 || crossings.behind == 0;
       return crossings;
     });

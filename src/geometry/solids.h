@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What only some ask of shapes: sizes, moments, projections onto them.
+/// Sizes, moments, projections and flaws of shapes, and distances from the solids inside meshes.
 #pragma once
 
 #include "mneme/geometry.h"
 
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::internal {
@@ -39,5 +41,22 @@ struct Moments {
 /// A capsule counts as the cylinder of the same radius and volume, a compound shape as its oriented
 /// box.
 [[nodiscard]] Moments moments_of(const Shape& shape);
+
+/// The flaw of a shape, such as "has no parts", or nothing: a size that is not positive, a
+/// pose that is no rotation, numbers that are not finite, a compound shape without parts.
+[[nodiscard]] std::string_view find_flaw(const Shape& shape);
+
+/// "its box has no parts", of a box and "has no parts".
+[[nodiscard]] std::string said_of(const Shape& shape, std::string_view flaw);
+
+/// Metres between a shape and a surface, without its radius, with all that it encloses: 0 if they
+/// meet, and where lines do not show that each part of the shape is outside. A shape that is itself
+/// a mesh counts as its surface. Exact, from a cylinder to within 1e-9 m.
+[[nodiscard]] double distance_to_solid(const Mesh& surface, const Shape& shape);
+
+/// Metres between two surfaces, without their radii, with all that each encloses: as
+/// distance_to_solid, exact if that is less than `enough`, which is above 0, and otherwise anything
+/// from `enough` on.
+[[nodiscard]] double distance_between_solids(const Mesh& a, const Mesh& b, double enough);
 
 }  // namespace mneme::internal

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/voxel_grid.h"
-
+#include "geometry/compound_grids.h"
 #include "base/as_index.h"
-#include "geometry/clearance_kernel.h"
-#include "geometry/large_pages.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace mneme::internal {
@@ -18,7 +16,7 @@ constexpr double kSmallestVoxel = 0.02;
 constexpr double kMostVoxels = 1 << 18;
 /// Voxels around the parts.
 constexpr double kRim = 3;
-/// So many clearances of a row are written at once; words of octants are no longer.
+/// Clearances of a row that are written at once; words of octants are no longer.
 constexpr int kSpareVoxels = 16;
 
 using Bytes = std::pmr::vector<std::uint8_t>;
@@ -119,14 +117,13 @@ VoxelGrid make_voxel_grid(const Region& region, const Middle& middle,
 }
 
 void find_clearances(VoxelGrid& grid) {
-  const ClearanceRequest sizes{grid.octants.data(), grid.count.data(), nullptr,
-                               grid.clearances.data()};
-  std::pmr::monotonic_buffer_resource pages(scratch_size(sizes), large_pages());
-  Bytes scratch(scratch_size(sizes), &pages);
-  clearance_kernel()({sizes.octants, sizes.count, scratch.data(), sizes.clearances});
+  std::pmr::monotonic_buffer_resource pages(scratch_size(grid), large_pages());
+  Bytes scratch(scratch_size(grid), &pages);
+  clearance_kernel(Isa::automatic)(grid, scratch.data());
 }
 
 void occupy(const VoxelGrid::Index& octant, VoxelGrid& grid) {
+  assert(grid.contains(octant));
   std::uint8_t& octants = grid.octants[grid.slot_of(octant)];
   const std::uint8_t bit = VoxelGrid::bit_of(octant);
   if ((octants & bit) != 0) return;

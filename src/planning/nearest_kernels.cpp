@@ -229,9 +229,9 @@ void distances(const float* blocks, int block_count, int joint_count, const floa
   }
 }
 
-const NearestKernels* kernels() {
+const NearestKernels& kernels() {
   static const NearestKernels table = {&nearest, &distances, &nearest_in_leaves};
-  return &table;
+  return table;
 }
 
 }  // namespace
@@ -240,11 +240,5 @@ const NearestKernels* kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace mneme::internal {
-
-HWY_EXPORT(kernels);
-
-const NearestKernels& nearest_kernels(Isa isa) { return *MNEME_DISPATCH(kernels, isa); }
-
-}  // namespace mneme::internal
-#endif  // HWY_ONCE
+MNEME_EXPORT(const NearestKernels&, nearest_kernels, kernels)
+#endif

@@ -3,7 +3,7 @@
 #include "scene/edit_scene.h"
 
 #include "geometry/parts.h"
-#include "geometry/shape_flaw.h"
+#include "geometry/solids.h"
 #include "scene/cloud_file.h"
 
 #include <fmt/format.h>

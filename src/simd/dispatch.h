@@ -30,12 +30,16 @@ namespace mneme::internal {
   return target_of(default_isa());
 }
 
-/// Calls the instance of FUNCTION, which HWY_EXPORT exported in this file, for `isa`.
-#define MNEME_DISPATCH(FUNCTION, isa)                              \
-  ([](::mneme::Isa chosen_isa) {                                   \
-    hwy::ChosenTarget target;                                      \
-    target.Update(::mneme::internal::target_of(chosen_isa));       \
-    return (*(HWY_DISPATCH_TABLE(FUNCTION)[target.GetIndex()]))(); \
-  }(isa))
-
 }  // namespace mneme::internal
+
+/// Ends the file of a kernel, in its HWY_ONCE part: defines `TYPE NAME(Isa isa)`, what FUNCTION,
+/// one without arguments in that file, returns as it was compiled for the instruction set.
+#define MNEME_EXPORT(TYPE, NAME, FUNCTION)                    \
+  namespace mneme::internal {                                 \
+  HWY_EXPORT(FUNCTION);                                       \
+  TYPE NAME(Isa isa) {                                        \
+    hwy::ChosenTarget target;                                 \
+    target.Update(target_of(isa));                            \
+    return HWY_DISPATCH_TABLE(FUNCTION)[target.GetIndex()](); \
+  }                                                           \
+  }  // namespace mneme::internal

@@ -1,50 +1,22 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "spheres/allowed_pairs.h"
-
 #include "mneme/spheres.h"
 
 #include "base/as_index.h"
 #include "check/link_distances.h"
 #include "robot/link_shapes.h"
 #include "robot/planning_group.h"
+#include "spheres/approximate_robot.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-namespace mneme::internal {
-
-std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(const Robot& robot) {
-  constexpr int kSamples = 1000;
-  std::vector<std::pair<int, int>> pairs(robot.self_pairs().begin(), robot.self_pairs().end());
-  const LinkDistances links(robot);
-  Rng rng(1);
-  Configuration q(as_index(robot.joint_count()));
-  for (int i = 0; i < kSamples && !pairs.empty(); ++i) {
-    for (int j = 0; j < robot.joint_count(); ++j) {
-      const Joint& joint = robot.group_joint(j);
-      q[as_index(j)] = rng.uniform(joint.lower, joint.upper);
-    }
-    const PosedLinks posed = links.posed(robot.link_poses(q));
-    std::erase_if(pairs, [&](const auto& pair) {
-      return links.between_spheres(posed, pair.first, pair.second, 0) > 0;
-    });
-  }
-  std::vector<std::pair<std::string, std::string>> names;
-  for (const auto& [first, second] : pairs) {
-    names.emplace_back(robot.links()[as_index(first)].name, robot.links()[as_index(second)].name);
-  }
-  return names;
-}
-
-}  // namespace mneme::internal
-
 namespace mneme {
 namespace {
 
-using internal::as_index;
+using internal::as_index, internal::LinkDistances, internal::PosedLinks;
 using Pair = std::pair<int, int>;
 
 /// The robot with all joints that have a value of their own.
@@ -93,7 +65,7 @@ class Adjacency {
   std::set<Pair> neighbours_;
 };
 
-/// What the samples said of a pair.
+/// Findings of the samples for a pair.
 struct Record {
   Pair links;
   bool has_touched = false;
@@ -115,14 +87,14 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   return pairs;
 }
 
-void sample(const Robot& robot, const PairSettings& settings, std::vector<Record>& records) {
-  const internal::LinkDistances links(robot);
-  const auto touch = [&](const internal::PosedLinks& posed, const Pair& pair) {
-    return links.between_spheres(posed, pair.first, pair.second, 0) <= 0;
-  };
-  const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
-  const internal::PosedLinks at_rest = links.posed(robot.link_poses(rest));
-  for (Record& record : records) record.touches_at_rest = touch(at_rest, record.links);
+bool touch(const LinkDistances& links, const PosedLinks& posed, const Pair& pair) {
+  return links.between_spheres(posed, pair.first, pair.second, 0) <= 0;
+}
+
+/// Checks the pairs at random configurations, each until its record `is_settled`.
+template <class IsSettled>
+void sample(const Robot& robot, const LinkDistances& links, const PairSettings& settings,
+            std::vector<Record>& records, const IsSettled& is_settled) {
   Rng rng(settings.seed);
   std::vector<Record*> open;
   for (Record& record : records) open.push_back(&record);
@@ -131,11 +103,11 @@ void sample(const Robot& robot, const PairSettings& settings, std::vector<Record
     for (int j = 0; j < robot.joint_count(); ++j) {
       q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
     }
-    const internal::PosedLinks posed = links.posed(robot.link_poses(q));
+    const PosedLinks posed = links.posed(robot.link_poses(q));
     for (Record* record : open) {
-      (touch(posed, record->links) ? record->has_touched : record->has_been_apart) = true;
+      (touch(links, posed, record->links) ? record->has_touched : record->has_been_apart) = true;
     }
-    std::erase_if(open, [](const Record* r) { return r->has_touched && r->has_been_apart; });
+    std::erase_if(open, [&](const Record* record) { return is_settled(*record); });
   }
 }
 
@@ -166,17 +138,21 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
                                                       const PairSettings& settings) {
   if (settings.samples <= 0) {
     return fail(ErrorCode::invalid,
-                fmt::format("{} samples were asked for, expected 1 or more", settings.samples));
+                fmt::format("the number of samples is {}, expected 1 or more", settings.samples));
   }
-  const auto robot = make_whole(parts);
-  if (!robot) return tl::unexpected(robot.error());
-  const Adjacency adjacency(*robot);
-  const std::vector<Pair> pairs = pairs_with_shapes(*robot);
+  const Robot robot = MNEME_TRY(make_whole(parts));
+  const Adjacency adjacency(robot);
+  const std::vector<Pair> pairs = pairs_with_shapes(robot);
   std::vector<Record> records;
   for (const Pair& pair : pairs) {
     if (!adjacency.are_adjacent(pair.first, pair.second)) records.push_back({pair});
   }
-  sample(*robot, settings, records);
+  const LinkDistances links(robot);
+  const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
+  const PosedLinks at_rest = links.posed(robot.link_poses(rest));
+  for (Record& record : records) record.touches_at_rest = touch(links, at_rest, record.links);
+  sample(robot, links, settings, records,
+         [](const Record& record) { return record.has_touched && record.has_been_apart; });
 
   std::vector<AllowedPair> allowed;
   auto record = records.begin();
@@ -186,10 +162,26 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
       reason = reason_for(*record++, settings.allow_at_rest);
     }
     if (!reason) continue;
-    const auto name = [&](int link) { return robot->links()[as_index(link)].name; };
+    const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
     allowed.push_back({name(pair.first), name(pair.second), *reason});
   }
   return allowed;
+}
+
+std::vector<std::pair<std::string, std::string>> internal::find_inseparable_pairs(
+    const Robot& robot) {
+  constexpr PairSettings kSettings{.samples = 1000};
+  std::vector<Record> records;
+  for (const Pair& pair : robot.self_pairs()) records.push_back({pair});
+  sample(robot, LinkDistances(robot), kSettings, records,
+         [](const Record& record) { return record.has_been_apart; });
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const Record& record : records) {
+    if (record.has_been_apart) continue;
+    names.emplace_back(robot.links()[as_index(record.links.first)].name,
+                       robot.links()[as_index(record.links.second)].name);
+  }
+  return names;
 }
 
 }  // namespace mneme

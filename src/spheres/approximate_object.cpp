@@ -6,7 +6,6 @@
 #include "base/files.h"
 #include "spheres/approximate_robot.h"
 #include "spheres/triangle_mesh.h"
-#include "geometry/shape_flaw.h"
 #include "geometry/solids.h"
 
 #include <fmt/format.h>
@@ -21,7 +20,7 @@
 namespace mneme {
 namespace {
 
-/// What is too fine for the limit of spheres is coarsened by this factor until it fits.
+/// Lattices too fine for the limit of spheres are coarsened by this factor until they fit.
 constexpr double kCoarser = 1.2;
 
 /// Adds what holds the box with these half extents about the origin: cells, each in a sphere. Where
@@ -93,38 +92,24 @@ double excess_of(std::span<const Sphere> spheres, double radius, double half_len
   return excess;
 }
 
-/// Spheres and the exact geometry that they hold.
-struct ApproximatedSolids {
-  std::vector<Sphere> spheres;
-  internal::TriangleMesh surface;
-  double excess = 0;  ///< metres that the spheres stick out at most
-
-  void add(std::span<const Sphere> added, std::span<const Triangle> exact, double beyond) {
-    spheres.insert(spheres.end(), added.begin(), added.end());
-    surface.insert(surface.end(), exact.begin(), exact.end());
-    excess = std::max(excess, beyond);
-  }
-};
-
-class ApproximateShape {
+/// Collects the spheres of an object and the exact geometry that they hold.
+class ObjectSpheres {
  public:
-  ApproximateShape(const SphereSettings& settings, ApproximatedObject& object,
-                   ApproximatedSolids& solids)
-      : settings_(settings), object_(object), solids_(solids) {}
+  explicit ObjectSpheres(const SphereSettings& settings) : settings_(settings) {}
 
-  void operator()(const Sphere& sphere) const { object_.spheres.push_back(sphere); }
-  void operator()(const Capsule& capsule) const { object_.capsules.push_back(capsule); }
+  void operator()(const Sphere& sphere) { result_.spheres.push_back(sphere); }
+  void operator()(const Capsule& capsule) { result_.capsules.push_back(capsule); }
   /// Refused before.
   template <class Part>
-  void operator()(const CompoundShape<Part>& /*compound*/) const {}
-  void operator()(const Box& box) const {
+  void operator()(const CompoundShape<Part>& /*compound*/) {}
+  void operator()(const Box& box) {
     add(box, box.half_extents.maxCoeff(), [&](double excess) {
       std::vector<Sphere> spheres;
       add_cell_spheres(box.half_extents, excess, spheres);
       return spheres;
     });
   }
-  void operator()(const Cylinder& cylinder) const {
+  void operator()(const Cylinder& cylinder) {
     const double half_length = cylinder.length / 2;
     const double size = std::max(cylinder.radius, half_length);
     add(cylinder, size, [&](double excess) {
@@ -137,12 +122,28 @@ class ApproximateShape {
       }
     });
   }
+  void add(std::span<const Sphere> spheres, std::span<const Triangle> exact, double excess) {
+    spheres_.insert(spheres_.end(), spheres.begin(), spheres.end());
+    surface_.insert(surface_.end(), exact.begin(), exact.end());
+    excess_ = std::max(excess_, excess);
+  }
+
+  /// The spheres of the approximation come last.
+  [[nodiscard]] ApproximatedObject finish(AttachedObject object) {
+    result_.object = std::move(object);
+    if (spheres_.empty()) return std::move(result_);
+    result_.spheres.insert(result_.spheres.end(), spheres_.begin(), spheres_.end());
+    auto surface = std::make_shared<const Parts<Triangle>>(std::move(surface_));
+    result_.approximation = {
+        {{}, std::move(surface), 0}, static_cast<int>(spheres_.size()), excess_};
+    return std::move(result_);
+  }
 
  private:
   /// Coarsens until there are few enough. `size` is half the longest extent.
   template <class Convex, class SpheresWithin>
-  void add(const Convex& solid, double size, const SpheresWithin& spheres_within) const {
-    // So many spheres in a row cannot do with less.
+  void add(const Convex& solid, double size, const SpheresWithin& spheres_within) {
+    // The limit of spheres in one row needs at least this.
     double excess = std::max(settings_.excess, 0.25 * size / settings_.max_spheres);
     std::vector<Sphere> spheres = spheres_within(excess);
     while (std::ssize(spheres) > settings_.max_spheres) {
@@ -150,84 +151,64 @@ class ApproximateShape {
       spheres = spheres_within(excess);
     }
     for (Sphere& sphere : spheres) sphere.center = solid.pose * sphere.center;
-    solids_.add(spheres, internal::triangulate(solid), excess);
+    add(spheres, internal::triangulate(solid), excess);
   }
 
   const SphereSettings& settings_;
-  ApproximatedObject& object_;
-  ApproximatedSolids& solids_;
+  ApproximatedObject result_;
+  std::vector<Sphere> spheres_;
+  internal::TriangleMesh surface_;
+  double excess_ = 0;  ///< metres that the spheres stick out at most
 };
 
-Result<void> approximate_meshes(const AttachedObject& object, const SphereSettings& settings,
-                                ApproximatedSolids& solids) {
+/// The object's meshes as the solids of a link with its spheres.
+Result<Link> approximate_meshes(const AttachedObject& object, const SphereSettings& settings) {
   Robot::Parts parts;
   Link& link = parts.links.emplace_back();
   link.name = object.name;
   link.solids.assign(object.meshes.begin(), object.meshes.end());
   const internal::SphereCache cache(internal::cache_directory());
   return internal::approximate_robot(std::move(parts), settings, cache)
-      .map([&](const internal::CachedSpheres& made) {
-        const Link& result = made.robot.parts.links.front();
-        solids.add(result.spheres, result.approximation->surface.parts->list(),
-                   result.approximation->excess);
-      });
+      .map([](const internal::CachedSpheres& made) { return made.robot.parts.links.front(); });
 }
 
-/// The spheres of an approximation come last.
-void add_spheres(ApproximatedSolids solids, ApproximatedObject& object) {
-  if (solids.spheres.empty()) return;
-  object.spheres.insert(object.spheres.end(), solids.spheres.begin(), solids.spheres.end());
-  auto surface = std::make_shared<const Parts<Triangle>>(std::move(solids.surface));
-  object.approximation = {
-      {{}, std::move(surface), 0}, static_cast<int>(solids.spheres.size()), solids.excess};
-}
-
-Error refusal(const AttachedObject& object, std::string_view what) {
-  return {ErrorCode::invalid, fmt::format("attached object '{}': {}", object.name, what)};
+tl::unexpected<Error> refuse(const AttachedObject& object, std::string_view what,
+                             ErrorCode code = ErrorCode::invalid) {
+  return fail(code, fmt::format("attached object '{}': {}", object.name, what));
 }
 
 }  // namespace
 
 Result<ApproximatedObject> approximate_object(AttachedObject object,
                                               const SphereSettings& settings) {
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  if (object.shapes.empty() && object.meshes.empty()) {
-    return tl::unexpected(refusal(object, "it has no shapes"));
-  }
-  ApproximatedObject result;
-  ApproximatedSolids solids;
+  MNEME_TRY(internal::check_ranges(settings));
+  if (object.shapes.empty() && object.meshes.empty()) return refuse(object, "it has no shapes");
+  ObjectSpheres spheres(settings);
   for (const Shape& shape : object.shapes) {
     if (internal::is_compound(shape)) {
-      return tl::unexpected(refusal(
-          object,
-          fmt::format("it has the shape {}; expected a sphere, box, cylinder or capsule, or "
-                      "a mesh in a file",
-                      shape_name(shape))));
+      return refuse(object, fmt::format("it has the shape {}; expected a sphere, box, cylinder or "
+                                        "capsule, or a mesh in a file",
+                                        shape_name(shape)));
     }
     if (const std::string_view flaw = internal::find_flaw(shape); !flaw.empty()) {
-      return tl::unexpected(refusal(object, internal::said_of(shape, flaw)));
+      return refuse(object, internal::said_of(shape, flaw));
     }
-    std::visit(ApproximateShape(settings, result, solids), shape);
+    std::visit(spheres, shape);
   }
   if (!object.meshes.empty()) {
-    const auto done = approximate_meshes(object, settings, solids);
-    if (!done) {
-      return fail(done.error().code, refusal(object, done.error().message).message);
-    }
+    const Result<Link> link = approximate_meshes(object, settings);
+    if (!link) return refuse(object, link.error().message, link.error().code);
+    const SphereApproximation& made = *link->approximation;
+    spheres.add(link->spheres, made.surface.parts->list(), made.excess);
   }
-  add_spheres(std::move(solids), result);
-  result.object = std::move(object);
-  return result;
+  return spheres.finish(std::move(object));
 }
 
 Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects) {
   std::vector<ApproximatedObject> approximated;
   for (AttachedObject& object : objects) {
-    auto made = approximate_object(std::move(object));
-    if (!made) return tl::unexpected(made.error());
-    approximated.push_back(std::move(*made));
+    ApproximatedObject made = MNEME_TRY(approximate_object(std::move(object)));
+    approximated.push_back(std::move(made));
   }
   return robot.with_attached(std::move(approximated));
 }

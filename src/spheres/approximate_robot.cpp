@@ -8,7 +8,6 @@
 #include "base/check_ranges.h"
 #include "base/files.h"
 #include "base/threads.h"
-#include "spheres/allowed_pairs.h"
 #include "spheres/approximate_solid.h"
 #include "spheres/triangle_mesh.h"
 #include "robot/link_shapes.h"
@@ -118,36 +117,36 @@ bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) cons
 
 namespace {
 
-/// What became of one link.
+/// The outcome for one link.
 struct Attempt {
-  Result<LinkSpheres> spheres;
-  TriangleMesh surface = {};
+  LinkSpheres spheres;
+  TriangleMesh surface;
   bool is_found = false;
   bool is_stored = false;
 };
 
-Attempt attempt(const Link& link, const SphereSettings& settings, const SphereCache& cache) {
-  auto surface = link_surface(link);
-  if (!surface) return {tl::unexpected(surface.error())};
-  const std::string key = sphere_key(*surface, settings);
+Result<Attempt> attempt(const Link& link, const SphereSettings& settings,
+                        const SphereCache& cache) {
+  TriangleMesh surface = MNEME_TRY(link_surface(link));
+  Attempt result{{}, std::move(surface)};
+  const std::string key = sphere_key(result.surface, settings);
   std::optional<LinkSpheres> known = cache.find(key);
-  const bool is_found = known.has_value();
-  Attempt result{
-      is_found ? *std::move(known) : approximate_solid(*surface, settings), {}, is_found};
-  if (!is_found) result.is_stored = cache.store(key, *result.spheres);
-  result.spheres->link = link.name;
-  result.surface = *std::move(surface);
+  result.is_found = known.has_value();
+  result.spheres =
+      result.is_found ? *std::move(known) : approximate_solid(result.surface, settings);
+  if (!result.is_found) result.is_stored = cache.store(key, result.spheres);
+  result.spheres.link = link.name;
   return result;
 }
 
 /// Puts the spheres in the place of the solids.
 void replace_solids(Link& link, Attempt made) {
-  const std::vector<Sphere>& spheres = made.spheres->spheres;
+  const std::vector<Sphere>& spheres = made.spheres.spheres;
   link.solids.clear();
   link.spheres.insert(link.spheres.end(), spheres.begin(), spheres.end());
   link.approximation = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
                         static_cast<int>(spheres.size()),
-                        made.spheres->max_excess};
+                        made.spheres.max_excess};
 }
 
 /// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has,
@@ -167,7 +166,7 @@ void run_parallel(std::size_t count, const Work& work) {
 /// Numbers of joints that move by themselves.
 struct Joints {
   int before = 0;
-  int beyond = 0;  ///< on the longest way to a tip
+  int beyond = 0;  ///< up to the farthest tip
 };
 
 }  // namespace
@@ -209,7 +208,7 @@ Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings
     each.push_back(settings);
     if (are_ends[i]) each.back().excess = std::min(settings.excess, settings.tip_excess);
   }
-  std::vector<Attempt> attempts(links.size());
+  std::vector<Result<Attempt>> attempts(links.size());
   std::mutex telling;
   int done = 0;
   run_parallel(links.size(), [&](std::size_t i) {
@@ -219,9 +218,8 @@ Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings
   });
   CachedSpheres result;
   for (std::size_t i = 0; i < links.size(); ++i) {
-    Attempt& made = attempts[i];
-    if (!made.spheres) return tl::unexpected(made.spheres.error());
-    result.robot.links.push_back(*made.spheres);
+    Attempt made = MNEME_TRY(std::move(attempts[i]));
+    result.robot.links.push_back(made.spheres);
     result.found += made.is_found ? 1 : 0;
     result.stored += made.is_stored ? 1 : 0;
     replace_solids(*links[i], std::move(made));
@@ -256,9 +254,7 @@ std::string describe(const internal::CachedSpheres& made, const internal::Sphere
 
 Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
                                        const SphereProgress& on_approximated) {
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  MNEME_TRY(internal::check_ranges(settings));
   const internal::SphereCache cache(internal::cache_directory());
   return internal::approximate_robot(std::move(parts), settings, cache, on_approximated)
       .map([&](internal::CachedSpheres result) {
@@ -319,28 +315,25 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
                                                   const RobotOptions& options,
                                                   const SphereSettings& settings,
                                                   const SphereProgress& on_approximated) {
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  auto parts = read_robot(path, options);
-  if (!parts) return tl::unexpected(parts.error());
+  MNEME_TRY(internal::check_ranges(settings));
+  Robot::Parts parts = MNEME_TRY(read_robot(path, options));
+  const auto named = [&](const Error& error) {
+    return Error{error.code, fmt::format("{}: {}", path, error.message)};
+  };
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
-  if (std::ranges::any_of(parts->links, has_solids)) {
-    auto made = approximate_robot(std::move(*parts), settings, on_approximated);
-    if (!made) return fail(made.error().code, fmt::format("{}: {}", path, made.error().message));
-    notes = std::move(made->notes);
-    parts = std::move(made->parts);
-    if (!parts->allowed_pairs) {
-      auto pairs = derive_pairs(*parts);
-      if (!pairs)
-        return fail(pairs.error().code, fmt::format("{}: {}", path, pairs.error().message));
-      parts->allowed_pairs = std::move(*pairs);
+  if (std::ranges::any_of(parts.links, has_solids)) {
+    RobotSpheres made =
+        MNEME_TRY(approximate_robot(std::move(parts), settings, on_approximated).map_error(named));
+    notes = std::move(made.notes);
+    parts = std::move(made.parts);
+    if (!parts.allowed_pairs) {
+      auto pairs = MNEME_TRY(derive_pairs(parts).map_error(named));
+      parts.allowed_pairs = std::move(pairs);
     }
   }
-  auto robot = make_usable(std::move(*parts), options);
-  if (!robot) return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
-  return ApproximatedRobot{std::move(*robot), std::move(notes)};
+  Robot robot = MNEME_TRY(make_usable(std::move(parts), options).map_error(named));
+  return ApproximatedRobot{std::move(robot), std::move(notes)};
 }
 
 }  // namespace mneme

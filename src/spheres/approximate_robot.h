@@ -11,6 +11,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -49,5 +51,10 @@ struct CachedSpheres {
                                                       const SphereSettings& settings,
                                                       const SphereCache& cache,
                                                       const SphereProgress& on_approximated = {});
+
+/// The checked pairs of links that touch in each of many random configurations: no configuration
+/// would be valid. Costs a few configurations where there are none.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(
+    const Robot& robot);
 
 }  // namespace mneme::internal

@@ -6,12 +6,14 @@
 #include "mneme/spheres.h"
 
 #include "base/check_ranges.h"
+#include "geometry/axis_box.h"
 #include "spheres/sphere_search.h"
 #include "spheres/solid_model.h"
 #include "spheres/triangle_mesh.h"
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -111,7 +113,7 @@ constexpr int kSurfaceSamples = 20000;
 constexpr double kStepsPerMetre = 1e5;
 
 double excess_for(const TriangleMesh& mesh, double excess) {
-  const AxisBox bounds = bounds_of(mesh);
+  const AxisBox bounds = box_around(mesh);
   Vec3 extents = bounds.high - bounds.low;
   std::ranges::sort(extents.reshaped());
   return std::min(excess, std::max(kRelativeExcess * extents[1], kLeastExcess));
@@ -119,7 +121,7 @@ double excess_for(const TriangleMesh& mesh, double excess) {
 
 double piece_size(const TriangleMesh& mesh, double excess) {
   const double area = surface_area(mesh);
-  const AxisBox bounds = bounds_of(mesh);
+  const AxisBox bounds = box_around(mesh);
   const double longest = (bounds.high - bounds.low).maxCoeff();
   const double most = std::max(std::sqrt(area / kFewestPieces), longest / kFewestAlong);
   return std::clamp(0.5 * excess, std::sqrt(area / kMostPieces), most);
@@ -186,6 +188,7 @@ void reach_all(std::span<const Vec3> points, std::vector<Sphere>& spheres) {
 }  // namespace
 
 LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& settings) {
+  assert(!mesh.empty() && settings.max_spheres > 0);
   SurfaceFitter fitter(mesh);
   const auto most = static_cast<std::size_t>(settings.max_spheres);
   const double wanted = excess_for(mesh, settings.excess);
@@ -209,9 +212,7 @@ LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& se
 namespace mneme {
 
 Result<LinkSpheres> approximate_link(const Link& link, const SphereSettings& settings) {
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  MNEME_TRY(internal::check_ranges(settings));
   return internal::link_surface(link).map([&](const internal::TriangleMesh& surface) {
     LinkSpheres result = internal::approximate_solid(surface, settings);
     result.link = link.name;

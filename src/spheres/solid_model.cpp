@@ -3,6 +3,8 @@
 #include "spheres/solid_model.h"
 
 #include "base/as_index.h"
+#include "geometry/enclosure.h"
+#include "geometry/part_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,10 +39,14 @@ double choose_voxel_size(const AxisBox& bounds) {
   return std::cbrt(stout.prod() / kVoxelCount);
 }
 
+Mesh mesh_of(TriangleMesh triangles) {
+  return {{}, std::make_shared<const Parts<Triangle>>(std::move(triangles)), 0};
+}
+
 }  // namespace
 
-SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
-  const AxisBox bounds = bounds_of(mesh);
+SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh_of(mesh)) {
+  const AxisBox bounds = box_around(mesh);
   voxel_size_ = choose_voxel_size(bounds);
   origin_ = bounds.low - Vec3::Constant(kPadding * voxel_size_);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -58,7 +64,7 @@ SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
   for (const Triangle& piece : subdivide(mesh, 2 * voxel_size_)) {
     if (is_near_outside(piece.centroid())) outer.push_back(piece);
   }
-  outer_ = TriangleTree(outer.empty() ? mesh : std::move(outer));
+  outer_ = outer.empty() ? surface_ : mesh_of(std::move(outer));
 }
 
 std::size_t SolidModel::slot(const Index& i) const {
@@ -98,7 +104,8 @@ Vec3 SolidModel::center_of(const Index& i) const {
 void SolidModel::mark_surface() {
   const double reach = 0.5 * std::sqrt(3.0) * voxel_size_;
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (std::isfinite(surface_.distance(center_of(index_at(i)), reach))) kinds_[i] = Kind::surface;
+    const Vec3 center = center_of(index_at(i));
+    if (nearest_part(surface_, center, center, reach).part >= 0) kinds_[i] = Kind::surface;
   }
 }
 
@@ -121,7 +128,7 @@ void SolidModel::flood() {
 void SolidModel::fill_open(bool has_rim) {
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     const Vec3 center = center_of(index_at(i));
-    if (kinds_[i] == Kind::outside && has_rim && surface_.is_enclosed(center)) {
+    if (kinds_[i] == Kind::outside && has_rim && is_enclosed(center, *surface_.parts)) {
       kinds_[i] = Kind::inside;
     }
   }
@@ -149,11 +156,11 @@ bool SolidModel::contains(const Vec3& point) const {
   const Index index = index_of(point);
   if (!is_in_grid(index)) return false;
   const Kind kind = kinds_[slot(index)];
-  return kind == Kind::inside || (kind == Kind::surface && surface_.is_enclosed(point));
+  return kind == Kind::inside || (kind == Kind::surface && is_enclosed(point, *surface_.parts));
 }
 
 double SolidModel::depth(const Vec3& point) const {
-  const double distance = outer_.distance(point);
+  const double distance = nearest_part(outer_, point, point).distance;
   return contains(point) ? distance : -distance;
 }
 
@@ -167,7 +174,8 @@ void SolidModel::collect_inner_voxels() {
 std::vector<Sphere> SolidModel::medial_balls() const {
   std::vector<double> depths(kinds_.size(), -1);
   for (const Voxel& voxel : inner_voxels_) {
-    depths[slot(index_of(voxel.center))] = outer_.distance(voxel.center);
+    depths[slot(index_of(voxel.center))] =
+        nearest_part(outer_, voxel.center, voxel.center).distance;
   }
   const auto steps = all_neighbours();
   const auto is_medial = [&](const Vec3& center, double depth) {

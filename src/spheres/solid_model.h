@@ -5,7 +5,6 @@
 #pragma once
 
 #include "spheres/triangle_mesh.h"
-#include "spheres/triangle_tree.h"
 
 #include <array>
 #include <cstdint>
@@ -13,9 +12,9 @@
 
 namespace mneme::internal {
 
-/// What a surface encloses: all that cannot be reached from outside on a grid without touching the
-/// surface, so that parts that overlap and inner walls do no harm; and all that lines through it
-/// say lies within, so that a tube without caps is full. Const and parallel-safe.
+/// The solid that a surface encloses: all that cannot be reached from outside on a grid without
+/// touching the surface, so that parts that overlap and inner walls do no harm; and all that lines
+/// through it say lies within, so that a tube without caps is full. Const and parallel-safe.
 class SolidModel {
  public:
   explicit SolidModel(const TriangleMesh& mesh);
@@ -33,7 +32,7 @@ class SolidModel {
   };
   [[nodiscard]] const std::vector<Voxel>& inner_voxels() const { return inner_voxels_; }
   /// The largest balls inside about voxels near the medial axis: the ball about any other voxel
-  /// lies, but for rounding to the grid, within one of these.
+  /// lies, except for rounding to the grid, within one of these.
   [[nodiscard]] std::vector<Sphere> medial_balls() const;
 
  private:
@@ -51,8 +50,7 @@ class SolidModel {
   [[nodiscard]] std::size_t slot(const Index& index) const;
   [[nodiscard]] Index index_at(std::size_t slot) const;
 
-  TriangleTree surface_;
-  TriangleTree outer_{{}};
+  Mesh surface_, outer_;
   Vec3 origin_;
   double voxel_size_ = 0;
   Index counts_{};

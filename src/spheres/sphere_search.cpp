@@ -218,7 +218,7 @@ class SphereSearch {
     }
   }
 
-  /// Drops those that gain nothing any more.
+  /// Drops proposals without any gain.
   [[nodiscard]] int most_useful(Indices& useful, double noise) {
     steps_ += std::ssize(useful);
     int best = -1;

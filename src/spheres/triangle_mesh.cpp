@@ -3,6 +3,7 @@
 #include "spheres/triangle_mesh.h"
 
 #include "base/as_index.h"
+#include "geometry/axis_box.h"
 #include "geometry/mesh_file.h"
 
 #include <Eigen/Geometry>
@@ -119,19 +120,6 @@ double surface_area(const TriangleMesh& mesh) {
   return area;
 }
 
-AxisBox bounds_of(const TriangleMesh& mesh) {
-  AxisBox bounds{mesh.front().a, mesh.front().a};
-  for (const Triangle& t : mesh) {
-    bounds.low = bounds.low.cwiseMin(t.a).cwiseMin(t.b).cwiseMin(t.c);
-    bounds.high = bounds.high.cwiseMax(t.a).cwiseMax(t.b).cwiseMax(t.c);
-  }
-  return bounds;
-}
-
-Result<TriangleMesh> read_mesh(const MeshFile& file) {
-  return read_triangles(file.path, file.scale, file.pose);
-}
-
 namespace {
 
 /// Metres. The search for few spheres takes the longer the more they must stick out.
@@ -140,11 +128,13 @@ constexpr double kLongest = 30;
 struct Triangulate {
   Result<TriangleMesh> operator()(const Box& box) const { return triangulate(box); }
   Result<TriangleMesh> operator()(const Cylinder& cylinder) const { return triangulate(cylinder); }
-  Result<TriangleMesh> operator()(const MeshFile& file) const { return read_mesh(file); }
+  Result<TriangleMesh> operator()(const MeshFile& file) const {
+    return read_triangles(file.path, file.scale, file.pose);
+  }
 };
 
 Result<TriangleMesh> refuse_huge(const Link& link, TriangleMesh surface) {
-  const AxisBox bounds = bounds_of(surface);
+  const AxisBox bounds = box_around(surface);
   const double longest = (bounds.high - bounds.low).maxCoeff();
   if (longest <= kLongest) return surface;
   return fail(ErrorCode::invalid,

@@ -6,8 +6,6 @@
 
 #include "mneme/robot.h"
 
-#include "geometry/axis_box.h"
-
 #include <vector>
 
 namespace mneme::internal {
@@ -28,13 +26,8 @@ using TriangleMesh = std::vector<Triangle>;
 
 [[nodiscard]] double surface_area(const TriangleMesh& mesh);
 
-[[nodiscard]] AxisBox bounds_of(const TriangleMesh& mesh);
-
-/// As read_triangles().
-[[nodiscard]] Result<TriangleMesh> read_mesh(const MeshFile& file);
-
 /// The triangles of all solids of `link`, in its frame. Errors name the link, and the mesh file if
-/// that is wrong: see read_mesh; solids that are not finite or have no surface.
+/// that is wrong (read_triangles()); solids that are not finite or have no surface.
 [[nodiscard]] Result<TriangleMesh> link_surface(const Link& link);
 
 }  // namespace mneme::internal

@@ -11,7 +11,6 @@ namespace {
 
 using internal::AxisBox;
 using internal::BoxTree;
-using internal::Halving;
 
 /// Small boxes on the plane z = 0.
 std::vector<AxisBox> scattered_boxes(int count, Rng& rng) {
@@ -26,11 +25,11 @@ std::vector<AxisBox> scattered_boxes(int count, Rng& rng) {
 }  // namespace
 
 TEST_SUITE("law") {
-  TEST_CASE("the nearest part is found however the parts are halved") {
+  TEST_CASE("the nearest part is found") {
     Rng rng(41);
     for (const int count : {1, 3, 100, 1000}) {
       const std::vector<AxisBox> boxes = scattered_boxes(count, rng);
-      const BoxTree curve(boxes, 4), median(boxes, 4, Halving::median);
+      const BoxTree tree(boxes, 4);
       for (int i = 0; i < 200; ++i) {
         const Vec3 point{rng.uniform(-4, 4), rng.uniform(-2, 2), rng.uniform(-1, 1)};
         const auto distance_to = [&](int part) {
@@ -38,10 +37,8 @@ TEST_SUITE("law") {
         };
         double least = distance_to(0);
         for (int part = 1; part < count; ++part) least = std::min(least, distance_to(part));
-        for (const BoxTree* tree : {&curve, &median}) {
-          CHECK(tree->nearest({point, point}, distance_to).distance == least);
-          CHECK(tree->nearest({point, point}, distance_to, least).part == -1);
-        }
+        CHECK(tree.nearest({point, point}, distance_to).distance == least);
+        CHECK(tree.nearest({point, point}, distance_to, least).part == -1);
       }
     }
   }
@@ -49,34 +46,20 @@ TEST_SUITE("law") {
   TEST_CASE("all parts are in leaves, within the boxes above them") {
     Rng rng(42);
     const std::vector<AxisBox> boxes = scattered_boxes(777, rng);
-    for (const Halving halving : {Halving::curve, Halving::median}) {
-      const BoxTree tree(boxes, 4, halving);
-      std::vector<int> order = tree.order();
-      std::ranges::sort(order);
-      for (int i = 0; i < 777; ++i) REQUIRE(order[static_cast<std::size_t>(i)] == i);
-      int parts = 0;
-      for (const BoxTree::Node& node : tree.nodes()) {
-        parts += node.count;
-        CHECK(node.count <= 4);
-        for (int i = node.first; i < node.first + node.count; ++i) {
-          const int part = tree.order()[static_cast<std::size_t>(i)];
-          CHECK(node.box.contains(boxes[static_cast<std::size_t>(part)]));
-        }
+    const BoxTree tree(boxes, 4);
+    std::vector<int> order = tree.order();
+    std::ranges::sort(order);
+    for (int i = 0; i < 777; ++i) REQUIRE(order[static_cast<std::size_t>(i)] == i);
+    int parts = 0;
+    for (const BoxTree::Node& node : tree.nodes()) {
+      parts += node.count;
+      CHECK(node.count <= 4);
+      for (int i = node.first; i < node.first + node.count; ++i) {
+        const int part = tree.order()[static_cast<std::size_t>(i)];
+        CHECK(node.box.contains(boxes[static_cast<std::size_t>(part)]));
       }
-      CHECK(parts == 777);
     }
-  }
-
-  TEST_CASE("boxes across the longest edge are smaller than along the curve") {
-    Rng rng(43);
-    const std::vector<AxisBox> boxes = scattered_boxes(1000, rng);
-    const auto size_of = [&](Halving halving) {
-      const BoxTree tree(boxes, 4, halving);
-      double sum = 0;
-      for (const BoxTree::Node& node : tree.nodes()) sum += (node.box.high - node.box.low).norm();
-      return sum;
-    };
-    CHECK(size_of(Halving::median) < 0.95 * size_of(Halving::curve));
+    CHECK(parts == 777);
   }
 }
 

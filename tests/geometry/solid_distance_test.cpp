@@ -3,7 +3,7 @@
 #include "geometry/box_surface.h"
 #include "geometry/fcl_shapes.h"
 #include "geometry/random_compounds.h"
-#include "geometry/solid_distance.h"
+#include "geometry/solids.h"
 #include "support/support.h"
 
 #include <array>

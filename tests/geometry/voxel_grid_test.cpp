@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/compound_grids.h"
-#include "geometry/point_grid.h"
+#include "geometry/parts.h"
 #include "geometry/random_compounds.h"
 #include "support/support.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/spheres.h"
 
-#include "spheres/allowed_pairs.h"
+#include "spheres/approximate_robot.h"
 #include "spheres/small_parts.h"
 #include "spheres/solids.h"
 #include "support/support.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/spheres.h"
 
+#include "geometry/axis_box.h"
 #include "spheres/approximate_solid.h"
 #include "spheres/solids.h"
 
@@ -66,7 +67,7 @@ TEST_SUITE("law") {
       CHECK(made.max_excess <= 0.03 + 1e-4);
       CHECK(made.mean_excess < 0.7 * made.max_excess);
       const internal::SolidModel solid(mesh);
-      const internal::AxisBox bounds = internal::bounds_of(mesh);
+      const internal::AxisBox bounds = internal::box_around(mesh);
       Rng rng(23);
       int inside = 0;
       for (int i = 0; i < 5000; ++i) {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/axis_box.h"
+#include "geometry/mesh_file.h"
 #include "spheres/solids.h"
 #include "spheres/triangle_mesh.h"
 
@@ -14,15 +16,15 @@ TEST_SUITE("unit") {
   TEST_CASE("a box has the area of its faces, its corners as bounds and no rim") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.2, 0.4, 0.6}, {1, 2, 3}));
     CHECK(internal::surface_area(mesh) == doctest::Approx(2 * (0.08 + 0.12 + 0.24)));
-    CHECK(internal::bounds_of(mesh).low.isApprox(Vec3(0.9, 1.8, 2.7)));
-    CHECK(internal::bounds_of(mesh).high.isApprox(Vec3(1.1, 2.2, 3.3)));
+    CHECK(internal::box_around(mesh).low.isApprox(Vec3(0.9, 1.8, 2.7)));
+    CHECK(internal::box_around(mesh).high.isApprox(Vec3(1.1, 2.2, 3.3)));
     CHECK(internal::is_closed(mesh));
   }
 
   TEST_CASE("a box follows its pose") {
     Box box = make_box({2, 4, 6});
     box.pose.rotation = rotation_about(Vec3::UnitZ(), std::acos(0.0));
-    CHECK(internal::bounds_of(internal::triangulate(box)).high.isApprox(Vec3(2, 1, 3)));
+    CHECK(internal::box_around(internal::triangulate(box)).high.isApprox(Vec3(2, 1, 3)));
   }
 
   TEST_CASE("the prism of a cylinder lies outside it and has no rim") {
@@ -59,7 +61,9 @@ TEST_SUITE("law") {
   }
 }
 
-using internal::read_mesh;
+Result<internal::TriangleMesh> read_mesh(const MeshFile& file) {
+  return internal::read_triangles(file.path, file.scale, file.pose);
+}
 
 /// A DAE file with one triangle, (1 0 0) (0 1 0) (0 0 1), in a node with a matrix.
 std::string make_dae(const std::string& unit, const std::string& up, const std::string& matrix) {
@@ -118,8 +122,8 @@ TEST_SUITE("unit") {
         read_mesh({files / "square.obj", {2, 3, 1}, {Eigen::Matrix3d::Identity(), {1, 0, 5}}});
     REQUIRE(mesh.has_value());
     CHECK(mesh->size() == 2);
-    CHECK(internal::bounds_of(*mesh).low.isApprox(Vec3(1, 0, 5)));
-    CHECK(internal::bounds_of(*mesh).high.isApprox(Vec3(3, 3, 5)));
+    CHECK(internal::box_around(*mesh).low.isApprox(Vec3(1, 0, 5)));
+    CHECK(internal::box_around(*mesh).high.isApprox(Vec3(3, 3, 5)));
   }
 
   TEST_CASE("a DAE file's unit and nodes count, its up axis does not") {
@@ -131,8 +135,8 @@ TEST_SUITE("unit") {
       REQUIRE_MESSAGE(mesh.has_value(), (mesh ? "" : mesh.error().message));
       REQUIRE(mesh->size() == 1);
       INFO(up);
-      CHECK(internal::bounds_of(*mesh).low.isApprox(Vec3(0.1, 0.2, 0.3), 1e-6));
-      CHECK(internal::bounds_of(*mesh).high.isApprox(Vec3(0.11, 0.21, 0.31), 1e-6));
+      CHECK(internal::box_around(*mesh).low.isApprox(Vec3(0.1, 0.2, 0.3), 1e-6));
+      CHECK(internal::box_around(*mesh).high.isApprox(Vec3(0.11, 0.21, 0.31), 1e-6));
     }
   }
 
