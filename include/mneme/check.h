@@ -53,7 +53,7 @@ struct OrientationConstraint {
 
 /// Narrower cones cannot be followed in single precision.
 inline constexpr double kLeastTilt = 0.001;  ///< radians
-/// What is checked keeps so far inside of its cone that no rounding of a path leads out of it.
+/// Checks keep motions this far inside of the cone, so that no rounding of a path leads out of it.
 inline constexpr double kTiltMargin = 1e-5;  ///< radians
 
 /// Radians between the constraint's two directions at `q`, in double precision by link poses. The

@@ -27,7 +27,7 @@ struct CheckerSettings {
   /// 0.
   double margin = 0;
   Isa isa = Isa::automatic;
-  /// What states and motions must keep, besides being free, to be valid.
+  /// Constraints that valid states and motions keep, in addition to being free.
   std::vector<OrientationConstraint> constraints = {};
 };
 
@@ -45,7 +45,7 @@ struct MotionDetail {
   double margin = 0;
 };
 
-/// What is asked of all that a motion sweeps.
+/// Margins for all that a motion sweeps.
 struct SweepDetail {
   /// Metres to obstacles, beyond the checker's margin, and between links; >= 0, with points, meshes
   /// and octrees as in MotionDetail.
@@ -53,7 +53,7 @@ struct SweepDetail {
   /// At the ends that are set, this margin is 0; it grows by 1/500 of a link's arc length, so
   /// that what lies close to contact may still leave or reach it.
   bool is_from_start = false, is_to_goal = false;
-  /// Links are known to keep apart on this motion: only obstacles are looked at.
+  /// Links are known to keep apart on this motion: only obstacles are checked.
   bool are_links_apart = false;
 };
 
@@ -62,10 +62,10 @@ struct SweepDetail {
 /// are the tip and joints' origins.
 struct WalkStep {
   int limb = 0;           ///< less than CollisionChecker::limbs().size()
-  int pulled_points = 1;  ///< so many points, from the tip on, go towards the next one of the
-                          ///< limb; 0: nothing is pulled, what is near obstacles is pushed
-  float length = 0;       ///< metres that they go; >= 0
-  float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
+  int pulled_points = 1;  ///< number of points, from the tip on, that go towards the next one of
+                          ///< the limb; 0: nothing is pulled, what is near obstacles is pushed
+  float length = 0;     ///< metres that they go; >= 0
+  float clearance = 0;  ///< metres that all of the robot is pushed away from obstacles; >= 0
   std::span<const float> drift;   ///< joint_count values: where joints go that nothing pulls,
                                   ///< radians per metre of the step
   std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of

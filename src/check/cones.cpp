@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <numbers>
 
 namespace mneme::internal {
@@ -19,7 +17,7 @@ namespace {
 
 /// Radians: what turns less and is not proven to stay inside is taken to leave the cone.
 constexpr double kFinestTurn = 1e-3;
-/// Of the cone's angle: how far inside projections lead, so that motions between them have room.
+/// Projections lead to this share of the cone's angle, so that motions between them have room.
 constexpr double kDepth = 0.8;
 constexpr int kMostSteps = 20;
 constexpr double kMostStep = 0.5;  ///< radians
@@ -40,7 +38,7 @@ Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
     : up_(constraint.up), angle_(constraint.angle) {
   Eigen::Matrix3d before = Eigen::Matrix3d::Identity();
   std::vector<int> joints = joints_to(robot, *robot.find_link(constraint.link));
-  std::reverse(joints.begin(), joints.end());
+  std::ranges::reverse(joints);
   for (const int i : joints) {
     const Joint& joint = robot.joints()[as_index(i)];
     before = before * joint.origin.rotation;
@@ -178,33 +176,6 @@ bool Cones::lean_back(const Cone& cone, std::span<float> q) const {
 
 namespace mneme {
 
-using internal::as_index;
-
-double tilt(const Robot& robot, const OrientationConstraint& constraint,
-            std::span<const double> q) {
-  const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(constraint.link))];
-  const Vec3 axis = X_RL.rotation * constraint.axis;
-  return std::atan2(axis.cross(constraint.up).norm(), axis.dot(constraint.up));
-}
-
-double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
-                    const std::vector<Configuration>& path, double resolution) {
-  if (!(resolution > 0)) return std::numeric_limits<double>::infinity();
-  double largest = path.empty() ? 0 : tilt(robot, constraint, path.front());
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const Configuration delta = robot.difference(path[i - 1], path[i]);
-    const auto parts = static_cast<std::int64_t>(
-        std::max(1.0, std::ceil(robot.distance(path[i - 1], path[i]) / resolution)));
-    for (std::int64_t part = 1; part <= parts; ++part) {
-      const double share = static_cast<double>(part) / static_cast<double>(parts);
-      Configuration q = path[i - 1];
-      for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * delta[j];
-      largest = std::max(largest, tilt(robot, constraint, q));
-    }
-  }
-  return largest;
-}
-
 std::optional<std::string> describe_fault(const Robot& robot,
                                           const OrientationConstraint& constraint) {
   constexpr double kUnitTolerance = 1e-6;
@@ -213,7 +184,8 @@ std::optional<std::string> describe_fault(const Robot& robot,
     return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), constraint.link);
   }
   const auto is_turned = [&](int joint) {
-    return internal::turns(robot.joints()[as_index(joint)]) && internal::find_drive(robot, joint);
+    return internal::turns(robot.joints()[internal::as_index(joint)]) &&
+           internal::find_drive(robot, joint);
   };
   if (std::ranges::none_of(internal::joints_to(robot, *link), is_turned)) {
     return fmt::format("no joint that is planned for turns link \"{}\"", constraint.link);

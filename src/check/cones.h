@@ -15,7 +15,7 @@
 namespace mneme::internal {
 
 /// The joints that turn a link, and the cone that its axis is to stay in. A direction needs no
-/// positions: a look at a state costs a rotation of one vector per joint.
+/// positions: a state costs a rotation of one vector per joint.
 class Cone {
  public:
   /// The constraint passes describe_fault().

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/exact_pairs.h"
-
+#include "check/link_distances.h"
 #include "base/as_index.h"
 #include "robot/drives.h"
 #include "robot/kinematics.h"
@@ -14,10 +13,10 @@ namespace {
 
 /// Metres: where there is less room, a motion is taken to touch.
 constexpr double kLeastRoom = 1e-4;
-/// Metres: where spheres have so much room, solids are not looked at.
+/// Metres: where spheres have this much room, exact geometry is not checked.
 constexpr double kSphereRoom = 0.003;
 
-/// Of a motion, between two shares of it: there a pair is not known to be apart.
+/// A part of a motion, between two shares of it, on which a pair is not known to be apart.
 struct Stretch {
   std::size_t pair = 0;
   double first = 0, last = 1;
@@ -105,7 +104,7 @@ double ExactPairs::displacement_bound(const Pair& pair, const Configuration& fro
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
   std::vector<int> own = joints_to(robot_, pair.link);
   if (pair.shape) return displacement_bound(pair.link, own, first, last);
-  // What carries both does not matter.
+  // Joints that carry both links do not matter.
   std::vector<int> others = joints_to(robot_, pair.links.second);
   while (!own.empty() && !others.empty() && own.back() == others.back()) {
     own.pop_back();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 namespace mneme::internal {
@@ -25,10 +26,6 @@ Vec3 center_of(const Capsule& posed) {
   return posed.a == posed.b ? posed.a : Vec3(0.5 * (posed.a + posed.b));
 }
 
-}  // namespace
-
-namespace {
-
 /// `exact`, or, if that is 0, `gap`, which the spheres have, or a negative distance.
 double unless_touching(double exact, double gap) {
   return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
@@ -38,11 +35,12 @@ bool contains(const std::vector<int>& links, int link) {
   return std::ranges::find(links, link) != links.end();
 }
 
-/// `what` is said of the link.
-Error unknown_link(const Robot& robot, const std::string& what, const std::string& name) {
-  return {ErrorCode::invalid,
-          fmt::format("{} '{}', but robot '{}' has no link and no attached object of this name",
-                      what, name, robot.name())};
+/// Error: "`what` 'name', but the robot has no link of this name".
+Result<int> find_link(const Robot& robot, const std::string& name, const std::string& what) {
+  if (const auto link = robot.find_link(name)) return *link;
+  return fail(ErrorCode::invalid,
+              fmt::format("{} '{}', but robot '{}' has no link and no attached object of this name",
+                          what, name, robot.name()));
 }
 
 }  // namespace
@@ -50,31 +48,25 @@ Error unknown_link(const Robot& robot, const std::string& what, const std::strin
 Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle) {
   NamedLinks links;
   for (const std::string& name : obstacle.may_touch) {
-    const auto link = robot.find_link(name);
-    if (!link) {
-      return tl::unexpected(
-          unknown_link(robot, fmt::format("obstacle '{}' may be touched by", obstacle.name), name));
-    }
-    links.may_touch.push_back(*link);
+    const int link = MNEME_TRY(
+        find_link(robot, name, fmt::format("obstacle '{}' may be touched by", obstacle.name)));
+    links.may_touch.push_back(link);
   }
   for (const std::string& name : obstacle.exact_links) {
-    const auto link = robot.find_link(name);
-    if (!link) {
-      return tl::unexpected(unknown_link(
-          robot, fmt::format("obstacle '{}' is checked by the solid of", obstacle.name), name));
-    }
-    if (robot.links()[as_index(*link)].approximation) links.exact_links.push_back(*link);
+    const int link = MNEME_TRY(
+        find_link(robot, name,
+                  fmt::format("obstacle '{}' is checked by the exact geometry of", obstacle.name)));
+    if (robot.links()[as_index(link)].approximation) links.exact_links.push_back(link);
   }
   return links;
 }
 
 Result<void> check_named_links(const Robot& robot, const Scene& scene) {
+  const std::string what =
+      fmt::format("scene '{}' has a pair checked by exact geometry of", scene.name);
   for (const auto& [first, second] : scene.exact_pairs) {
     for (const std::string& name : {first, second}) {
-      if (robot.find_link(name)) continue;
-      return tl::unexpected(unknown_link(
-          robot, fmt::format("scene '{}' has a pair checked by exact geometry of", scene.name),
-          name));
+      static_cast<void>(MNEME_TRY(find_link(robot, name, what)));
     }
   }
   return {};
@@ -135,12 +127,12 @@ LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare) : li
   add_links(robot);
 }
 
-/// Those that are not there yet.
+/// Adds the links that are not there yet.
 void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);
   for (std::size_t i = links_.size(); i < robot.links().size(); ++i) {
     const Link& link = robot.links()[i];
-    Body body{shapes_of(link), {}, {}, is_moving[i], LinkSolid(link)};
+    Body body{shapes_of(link), {}, {}, is_moving[i], ExactLink(link)};
     body.bound = bound_of(body.shapes);
     for (const Capsule& shape : body.shapes) body.bounds.push_back(bound_of({&shape, 1}));
     links_.push_back(std::move(body));
@@ -148,6 +140,7 @@ void LinkDistances::add_links(const Robot& robot) {
 }
 
 PosedLinks LinkDistances::posed(std::vector<Transform> poses) const {
+  assert(poses.size() == links_.size());
   PosedLinks result{std::move(poses), {}};
   result.centers.reserve(links_.size());
   for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -162,7 +155,7 @@ double LinkDistances::between(const PosedLinks& posed, int link, const ObstacleS
   const double gap = between_spheres(posed, link, other, enough);
   if (gap > enough || !contains(other.exact_links, link)) return gap;
   const Transform X_LW = posed.poses[as_index(link)].inverse();
-  return unless_touching(at(link).solid.distance_to(transformed(X_LW, *other.shape)), gap);
+  return unless_touching(at(link).exact.distance_to(transformed(X_LW, *other.shape)), gap);
 }
 
 double LinkDistances::between(const PosedLinks& posed, const LinkPair& pair, double enough) const {
@@ -170,7 +163,7 @@ double LinkDistances::between(const PosedLinks& posed, const LinkPair& pair, dou
   if (gap > enough || !pair.is_exact) return gap;
   const Transform X_LO =
       posed.poses[as_index(pair.first)].inverse() * posed.poses[as_index(pair.second)];
-  return unless_touching(at(pair.first).solid.distance_to(at(pair.second).solid, X_LO, enough),
+  return unless_touching(at(pair.first).exact.distance_to(at(pair.second).exact, X_LO, enough),
                          gap);
 }
 
@@ -183,7 +176,7 @@ double LinkDistances::between_spheres(const PosedLinks& posed, int link, const O
     return kInfinity;
   }
   const bool is_one = body.shapes.size() == 1;
-  // Of a large obstacle, such as a table, the sphere around it says little.
+  // The sphere around a large obstacle, such as a table, says little.
   if (!std::holds_alternative<Sphere>(*other.shape) &&
       distance(posed.centers[i], *other.shape) - radius > enough) {
     return kInfinity;

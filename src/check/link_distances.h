@@ -10,9 +10,9 @@
 #include "mneme/scene.h"
 
 #include "base/as_index.h"
-#include "check/link_solid.h"
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,7 +36,7 @@ struct LinkPair {
   int first = 0, second = 0;
   bool is_exact = false;  ///< (Scene::exact_pairs)
 };
-/// Those of the robot, in its order. Names of links that it lacks are left aside.
+/// The checked pairs of the robot, in its order. Names of links that it lacks are left aside.
 [[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
 
 /// Indices of the links that an obstacle names: that may touch it, and that are approximated and
@@ -54,12 +54,31 @@ struct PosedLinks {
   std::vector<Vec3> centers;  ///< of the links' bounds
 };
 
+/// The shapes of a link that are exact, and the surface that its sphere approximation holds, in the
+/// link's frame.
+class ExactLink {
+ public:
+  explicit ExactLink(const Link& link);
+
+  /// Metres from a shape in the link's frame, by distance_to_solid(): 0
+  /// if they meet.
+  [[nodiscard]] double distance_to(const Shape& shape) const;
+  /// The same from a link that stands at X_LO, exact if that is at most `enough`, and otherwise
+  /// anything above it.
+  [[nodiscard]] double distance_to(const ExactLink& other, const Transform& X_LO,
+                                   double enough) const;
+
+ private:
+  std::vector<Capsule> shapes_;
+  std::vector<Mesh> surfaces_;  ///< one, or none without an approximation
+};
+
 /// Bounding spheres first, exact distances then. It knows the shapes of a robot's links, not where
 /// they are. Const and parallel-safe.
 class LinkDistances {
  public:
   explicit LinkDistances(const Robot& robot);
-  /// Of a robot that carries objects, from those of the bare one.
+  /// For a robot that carries objects, from the distances of the bare one.
   LinkDistances(const Robot& robot, const LinkDistances& bare);
 
   /// `poses` are those of all links.
@@ -68,7 +87,7 @@ class LinkDistances {
   [[nodiscard]] int link_count() const { return static_cast<int>(links_.size()); }
   /// In the link's frame; a sphere is a capsule of length 0.
   [[nodiscard]] std::span<const Capsule> shapes(int link) const { return at(link).shapes; }
-  /// Whether a joint of the group moves the link.
+  /// True if a joint of the group moves the link.
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
 
   /// Metres from the link's origin that none of its shapes goes beyond.
@@ -98,7 +117,7 @@ class LinkDistances {
     std::vector<Sphere> bounds;
     Sphere bound;
     bool is_moving = false;
-    LinkSolid solid;
+    ExactLink exact;
   };
   /// In the robot's frame, with the sphere around it.
   struct PosedShape {
@@ -134,10 +153,51 @@ struct Clearance {
   int link = -1;        ///< index into the robot's links
   int obstacle = -1;    ///< index into the scene
 };
-/// Of the nearest pair of an obstacle and a link that the group moves, if it is closer than
+/// The nearest pair of an obstacle and a link that the group moves, if it is closer than
 /// `within` metres: otherwise that distance and no pair.
 [[nodiscard]] Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
                                        std::span<const ObstacleShape> obstacles,
                                        double within = std::numeric_limits<double>::infinity());
+
+/// All pairs of a scene that are checked by exact geometry (Obstacle::exact_links,
+/// Scene::exact_pairs), in double precision. Spheres come first, so that exact distances are found
+/// only where these are close. Const and parallel-safe.
+class ExactPairs {
+ public:
+  /// Refers to `links`, which are those of the robot. Obstacles are inflated by `margin` metres.
+  ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
+
+  [[nodiscard]] bool empty() const { return pairs_.empty(); }
+  /// True if at `q` no pair touches.
+  [[nodiscard]] bool are_apart(std::span<const float> q) const;
+  /// True if no pair comes closer than `extra` metres on the whole motion from `from` by `delta`,
+  /// nor than 1e-4 m more at the states that are checked: around each of them the motion is free
+  /// where the links have moved by no more than they had room.
+  [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
+                                double extra) const;
+
+ private:
+  /// A link and a shape of an obstacle, or two links.
+  struct Pair {
+    int link = 0;
+    double margin = 0;
+    std::shared_ptr<const Shape> shape = {};
+    ObstacleShape obstacle = {};
+    LinkPair links = {};
+  };
+  [[nodiscard]] double between(const PosedLinks& posed, const Pair& pair, double enough) const;
+  [[nodiscard]] double room(const PosedLinks& posed, const Pair& pair, double margin,
+                            double most) const;
+  [[nodiscard]] PosedLinks pose(const Configuration& q) const;
+  [[nodiscard]] double displacement_bound(const Pair& pair, const Configuration& from,
+                                          const Configuration& to) const;
+  [[nodiscard]] double displacement_bound(int link, std::span<const int> joints,
+                                          const std::vector<double>& from,
+                                          const std::vector<double>& to) const;
+
+  Robot robot_;
+  const LinkDistances& links_;
+  std::vector<Pair> pairs_;
+};
 
 }  // namespace mneme::internal

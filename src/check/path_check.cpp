@@ -2,47 +2,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/check.h"
 
+#include "base/as_index.h"
 #include "check/link_distances.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace mneme {
 namespace {
 
-/// The states of one robot in one scene.
-class StateChecker {
- public:
-  StateChecker(const Robot& robot, const Scene& scene)
-      : robot_(robot),
-        links_(robot),
-        obstacles_(internal::obstacle_shapes(robot, scene)),
-        pairs_(internal::link_pairs(robot, scene)) {}
+using internal::as_index;
 
-  [[nodiscard]] bool is_free(const Configuration& q) const {
-    return internal::is_free(links_, links_.posed(robot_.link_poses(q)), obstacles_, pairs_);
+/// Calls `visit` for states of the path, `resolution` or less apart, until it returns false;
+/// returns whether it never did.
+template <class Visit>
+bool visit_states(const Robot& robot, const std::vector<Configuration>& path, double resolution,
+                  const Visit& visit) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) {
+      const Configuration& from = path[i - 1];
+      const Configuration delta = robot.difference(from, path[i]);
+      const double length = robot.distance(from, path[i]);
+      const auto steps = static_cast<std::int64_t>(std::ceil(length / resolution));
+      Configuration q = from;
+      for (std::int64_t step = 1; step < steps; ++step) {
+        const double share = static_cast<double>(step) / static_cast<double>(steps);
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] = from[j] + share * delta[j];
+        if (!visit(q)) return false;
+      }
+    }
+    if (!visit(path[i])) return false;
   }
-
- private:
-  const Robot& robot_;
-  internal::LinkDistances links_;
-  std::vector<internal::ObstacleShape> obstacles_;
-  std::vector<internal::LinkPair> pairs_;
-};
-
-/// Walks the states after `from`, up to and including `to`.
-bool is_motion_free(const Robot& robot, const StateChecker& states, const Configuration& from,
-                    const Configuration& to, double resolution) {
-  const Configuration delta = robot.difference(from, to);
-  const double length = robot.distance(from, to);
-  const auto steps = static_cast<std::int64_t>(std::ceil(length / resolution));
-  Configuration q = from;
-  for (std::int64_t step = 1; step < steps; ++step) {
-    const double fraction = static_cast<double>(step) / static_cast<double>(steps);
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] = from[i] + fraction * delta[i];
-    if (!states.is_free(q)) return false;
-  }
-  return states.is_free(to);
+  return true;
 }
 
 }  // namespace
@@ -53,12 +48,30 @@ bool is_path_free(const Robot& robot, const Scene& scene, const std::vector<Conf
   for (const Configuration& q : path) {
     if (robot.describe_violation(q, "waypoint")) return false;
   }
-  const StateChecker states(robot, scene);
-  if (!states.is_free(path.front())) return false;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (!is_motion_free(robot, states, path[i - 1], path[i], resolution)) return false;
-  }
-  return true;
+  const internal::LinkDistances links(robot);
+  const auto obstacles = internal::obstacle_shapes(robot, scene);
+  const auto pairs = internal::link_pairs(robot, scene);
+  return visit_states(robot, path, resolution, [&](const Configuration& q) {
+    return internal::is_free(links, links.posed(robot.link_poses(q)), obstacles, pairs);
+  });
+}
+
+double tilt(const Robot& robot, const OrientationConstraint& constraint,
+            std::span<const double> q) {
+  const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(constraint.link))];
+  const Vec3 axis = X_RL.rotation * constraint.axis;
+  return std::atan2(axis.cross(constraint.up).norm(), axis.dot(constraint.up));
+}
+
+double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
+                    const std::vector<Configuration>& path, double resolution) {
+  if (!(resolution > 0)) return std::numeric_limits<double>::infinity();
+  double largest = 0;
+  visit_states(robot, path, resolution, [&](const Configuration& q) {
+    largest = std::max(largest, tilt(robot, constraint, q));
+    return true;
+  });
+  return largest;
 }
 
 }  // namespace mneme

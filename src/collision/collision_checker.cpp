@@ -4,12 +4,9 @@
 
 #include "base/as_index.h"
 #include "check/cones.h"
-#include "check/exact_pairs.h"
-#include "tables/body_reaches.h"
+#include "check/link_distances.h"
 #include "collision/collision_kernels.h"
-#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
-#include "collision/walk_kernel.h"
 #include "robot/joint_space.h"
 
 #include <fmt/format.h>
@@ -17,12 +14,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
 namespace mneme::internal {
 
-/// What kernels check.
+/// The tables that kernels check.
 struct KernelWorld {
   std::shared_ptr<const RobotTables> robot;
   SceneTables scene;
@@ -38,6 +36,7 @@ using FloatConfiguration = std::array<float, internal::kMaxFrames>;
 
 FloatConfiguration to_float(std::span<const double> q) {
   FloatConfiguration result;
+  assert(q.size() <= result.size());
   std::transform(q.begin(), q.end(), result.begin(),
                  [](double x) { return static_cast<float>(x); });
   return result;
@@ -66,10 +65,10 @@ constexpr double kLeastResolution = 1e-4;
 constexpr double kLengthTolerance = 1e-5;
 constexpr double kMostStates = 1e9;
 
-/// Around a state that is looked at first, a link moves by at most this share of the farthest that
+/// Around a state that is checked first, a link moves by at most this share of the farthest that
 /// one radian could move it.
 constexpr float kFirstSweep = 0.02f, kFirstPlanarSweep = 0.04f;
-/// Metres that a link moves around the last states that are looked at, where there is no margin.
+/// Metres that a link moves around the last states that are checked, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostIntervals = 1e6f;
 constexpr float kLeastShare = 1e-6f;
@@ -96,19 +95,19 @@ struct Displacements {
   float farthest_reach = 0;  ///< that one radian moves a body
 };
 
-/// Of all pairs, or of those that are not checked by exact geometry.
+/// The world of all pairs, or of the pairs that are not checked by exact geometry.
 Result<World> make_world(const std::shared_ptr<const internal::CheckedRobot>& checked,
                          const Robot& robot, const Scene& scene, internal::SceneTables tables,
-                         bool with_solids) {
-  auto allowed = internal::find_allowed_contacts(robot, checked->tables, scene, !with_solids);
-  if (!allowed) return tl::unexpected(allowed.error());
-  tables.may_touch = std::move(*allowed);
+                         bool with_exact) {
+  auto allowed =
+      MNEME_TRY(internal::find_allowed_contacts(robot, checked->tables, scene, !with_exact));
+  tables.may_touch = std::move(allowed);
   World world{{checked, &checked->tables}, std::move(tables)};
   std::set<std::pair<int, int>> exact;
   for (const internal::LinkPair& pair : internal::link_pairs(robot, scene)) {
     if (pair.is_exact) exact.insert(std::minmax(pair.first, pair.second));
   }
-  if (exact.empty() || with_solids) return world;
+  if (exact.empty() || with_exact) return world;
   world.robot = std::make_shared<const internal::RobotTables>(
       internal::without_pairs(checked->tables, exact));
   return world;
@@ -130,17 +129,19 @@ struct CollisionChecker::Tables {
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
-  internal::ExactPairs solids;
+  internal::ExactPairs exact_pairs;
 
-  /// Kernels first, solids only where spheres touch: `is_free(world)` asks the kernels,
-  /// `are_solids_free()` the solids.
-  template <class IsFree, class AreSolidsFree>
-  [[nodiscard]] bool judge(const IsFree& is_free, const AreSolidsFree& are_solids_free) const {
-    return is_free(world) && (solids.empty() || is_free(all_spheres) || are_solids_free());
+  /// Kernels first, exact geometry only where spheres touch: `is_free(world)` calls the kernels,
+  /// `is_exactly_free()` checks the exact geometry.
+  template <class IsFree, class IsExactlyFree>
+  [[nodiscard]] bool judge(const IsFree& is_free, const IsExactlyFree& is_exactly_free) const {
+    return is_free(world) && (exact_pairs.empty() || is_free(all_spheres) || is_exactly_free());
   }
 
-  /// Of a motion. One so long that its states cannot be counted is longer than any joint space with
-  /// finite limits.
+  [[nodiscard]] std::size_t joints() const { return internal::as_index(space.joint_count()); }
+
+  /// States of a motion. One so long that its states cannot be counted is longer than any joint
+  /// space with finite limits.
   [[nodiscard]] int count_states(float length, double refinement) const {
     const double wanted = length * refinement / resolution;
     return static_cast<int>(std::min(std::ceil(wanted * (1 - kLengthTolerance)), kMostStates));
@@ -173,7 +174,7 @@ struct CollisionChecker::Tables {
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
     Displacements moved = find_displacements(*of.robot, from, {end.data(), from.size()}, delta);
     if (!(moved.longest > 0)) return true;
-    // Pairs that come no closer are not looked at.
+    // Pairs that come no closer are skipped.
     if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
     const auto extra = static_cast<float>(detail.margin);
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
@@ -212,23 +213,17 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
     return fail(ErrorCode::unsupported, "this machine does not have the instruction set " +
                                             std::string(to_string(settings.isa)));
   }
-  auto checked_robot = internal::share_checked_robot(robot);
-  if (!checked_robot) return tl::unexpected(checked_robot.error());
-  auto scene_tables = internal::make_scene_tables(scene, (*checked_robot)->reach + settings.margin);
-  if (!scene_tables) return tl::unexpected(scene_tables.error());
-  if (auto named = internal::check_named_links(robot, scene); !named) {
-    return tl::unexpected(named.error());
-  }
-  internal::ExactPairs solids(robot, (*checked_robot)->links, scene, settings.margin);
+  auto checked = MNEME_TRY(internal::share_checked_robot(robot));
+  auto scene_tables =
+      MNEME_TRY(internal::make_scene_tables(scene, checked->reach + settings.margin));
+  MNEME_TRY(internal::check_named_links(robot, scene));
+  internal::ExactPairs exact_pairs(robot, checked->links, scene, settings.margin);
   World all_spheres;
-  if (!solids.empty()) {
-    auto made = make_world(*checked_robot, robot, scene, *scene_tables, true);
-    if (!made) return tl::unexpected(made.error());
-    all_spheres = *std::move(made);
+  if (!exact_pairs.empty()) {
+    World made = MNEME_TRY(make_world(checked, robot, scene, scene_tables, true));
+    all_spheres = std::move(made);
   }
-  auto world = make_world(*checked_robot, robot, scene, *std::move(scene_tables), false);
-  if (!world) return tl::unexpected(world.error());
-
+  World world = MNEME_TRY(make_world(checked, robot, scene, std::move(scene_tables), false));
   for (const OrientationConstraint& constraint : settings.constraints) {
     if (const auto fault = describe_fault(robot, constraint)) {
       return fail(ErrorCode::invalid, *fault);
@@ -238,9 +233,9 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
-             isa, internal::JointSpace(robot), std::move(*checked_robot), *std::move(world),
+             isa, internal::JointSpace(robot), std::move(checked), std::move(world),
              std::move(all_spheres), &internal::collision_kernels(isa), internal::walk_kernel(isa),
-             internal::Cones(robot, settings.constraints), std::move(solids)});
+             internal::Cones(robot, settings.constraints), std::move(exact_pairs)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -268,19 +263,20 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 void CollisionChecker::check_states(std::span<const float> configurations,
                                     std::span<std::uint8_t> is_valid) const {
   const Tables& t = *tables_;
+  assert(configurations.size() == is_valid.size() * t.joints());
   const auto check_in = [&](const World& world, std::span<const float> rows,
                             std::span<std::uint8_t> is_free) {
     t.kernels->check_states(*world.robot, world.scene, rows.data(),
                             static_cast<int>(is_free.size()), t.margin, is_free.data());
   };
   check_in(t.world, configurations, is_valid);
-  const std::size_t joints = internal::as_index(t.space.joint_count());
+  const std::size_t joints = t.joints();
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
     if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
-    if (is_valid[i] == 0 || t.solids.empty()) continue;
+    if (is_valid[i] == 0 || t.exact_pairs.empty()) continue;
     check_in(t.all_spheres, q, is_valid.subspan(i, 1));
-    if (is_valid[i] == 0 && t.solids.are_apart(q)) is_valid[i] = 1;
+    if (is_valid[i] == 0 && t.exact_pairs.are_apart(q)) is_valid[i] = 1;
   }
 }
 
@@ -299,14 +295,15 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
                                      margin, counters.states);
   };
   return t.judge(is_free, [&] {
-    return t.solids.stay_apart(from, {delta.data(), from.size()}, detail.margin);
+    return t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
   });
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
                                       CheckCounters& counters, const MotionDetail& detail) const {
   const Tables& t = *tables_;
-  const std::size_t joints = internal::as_index(t.space.joint_count());
+  const std::size_t joints = t.joints();
+  assert(configurations.size() % joints == 0);
   if (configurations.size() < 2 * joints) return true;
   if (!t.can_keep(detail.margin) || !is_within_reach(configurations)) return false;
   const float margin = t.margin + static_cast<float>(detail.margin);
@@ -316,7 +313,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     const auto from = configurations.subspan(i * joints, joints);
     if (!keeps_constraints(from, configurations.subspan((i + 1) * joints, joints))) return false;
   }
-  // So many motions at once as fit the stack.
+  // The motions that fit the stack at once.
   constexpr std::size_t kMost = 16;
   std::array<float, kMost * internal::kMaxFrames> deltas;
   std::array<int, kMost> states;
@@ -332,14 +329,15 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     const auto is_free = [&](const World& world) {
       return t.kernels->is_chain_free(*world.robot, world.scene, chain, margin, counters.states);
     };
-    const auto are_solids_free = [&] {
+    const auto is_exactly_free = [&] {
       for (std::size_t i = 0; i < some; ++i) {
         const std::span<const float> delta(deltas.data() + i * joints, joints);
-        if (!t.solids.stay_apart({points + i * joints, joints}, delta, detail.margin)) return false;
+        if (!t.exact_pairs.stay_apart({points + i * joints, joints}, delta, detail.margin))
+          return false;
       }
       return true;
     };
-    if (!t.judge(is_free, are_solids_free)) return false;
+    if (!t.judge(is_free, is_exactly_free)) return false;
   }
   return true;
 }
@@ -356,16 +354,21 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
     return t.is_sweep_free(world, from, {delta.data(), from.size()}, detail, counters.states);
   };
   return t.judge(is_free, [&] {
-    return t.solids.stay_apart(from, {delta.data(), from.size()}, detail.margin);
+    return t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
   });
 }
 
 bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,
                                          std::span<const float> bow) const {
+  assert(from.size() == tables_->joints() && to.size() == from.size());
+  assert(bow.empty() || bow.size() == from.size());
   return tables_->cones.contain_motion(from, to, bow);
 }
 
-bool CollisionChecker::project(std::span<float> q) const { return tables_->cones.project(q); }
+bool CollisionChecker::project(std::span<float> q) const {
+  assert(q.size() == tables_->joints());
+  return tables_->cones.project(q);
+}
 
 double CollisionChecker::displacement_bound(std::span<const float> from, std::span<const float> to,
                                             std::span<const float> delta) const {
@@ -383,7 +386,10 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
                             std::span<float> candidates) const {
   const Tables& t = *tables_;
   const internal::RobotTables& robot = *t.world.robot;
-  const std::size_t joints = internal::as_index(robot.joint_count);
+  const std::size_t joints = t.joints(), count = step.jitter.size() / 3;
+  assert(step.limb >= 0 && internal::as_index(step.limb) < robot.limbs.size());
+  assert(from.size() == joints || from.size() == count * joints);
+  assert(step.drift.size() == joints && candidates.size() == count * joints);
   FloatConfiguration lower, upper;
   for (std::size_t j = 0; j < joints; ++j) {
     const bool wraps = t.space.periods()[j] > 0;
@@ -401,7 +407,7 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
   request.lower = lower.data();
   request.upper = upper.data();
   request.jitter = step.jitter.data();
-  request.count = static_cast<int>(step.jitter.size() / 3);
+  request.count = static_cast<int>(count);
   t.walk_kernel(robot, t.world.scene, request, candidates.data());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i] = t.space.into_limits(static_cast<int>(i % joints), candidates[i]);

@@ -5,6 +5,7 @@
 #include "collision/collision_kernels.h"
 
 #include <algorithm>
+#include <cassert>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/collision_kernels.cpp"  // NOLINT
@@ -28,7 +29,7 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   StateChecker<true> checker(robot, scene, margins);
   V q[kMaxFrames];
   // The first vector is spread, its last lane at the far end, where a motion is blocked most often.
-  // What is left is looked at from one end to the other: lanes that lie close together have small
+  // The rest is checked from one end to the other: lanes that lie close together have small
   // boxes.
   const V lanes = hn::Iota(d, 0.0f);
   const V spacing = splat(static_cast<float>(blocks));
@@ -100,11 +101,11 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
   return true;
 }
 
-/// Intervals of a motion that are yet to be looked at. Halves of one come before what waited
+/// Intervals of a motion that are yet to be checked. Halves of one come before what waited
 /// already, so that few wait.
 class IntervalStack {
  public:
-  /// Of a motion cut into `blocks` times the lanes.
+  /// Cuts a motion into `blocks` times the lanes.
   HWY_INLINE explicit IntervalStack(int blocks) : blocks_(blocks) {}
 
   /// Writes up to kLanes intervals, repeats the last in lanes beyond, and returns how many there
@@ -122,6 +123,7 @@ class IntervalStack {
   }
   [[nodiscard]] HWY_INLINE bool is_empty() const { return size_ == 0 && block_ == blocks_; }
   HWY_INLINE void push(float middle, float half) {
+    assert(size_ < (kMostLevels + 2) * kLanes);
     middles_[size_] = middle;
     halves_[size_++] = half;
   }
@@ -150,6 +152,7 @@ class IntervalStack {
 bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const SweptMotion& motion,
                    std::uint64_t& states_checked) {
   const Tag d;
+  assert(motion.intervals >= 1 && motion.margin >= 0 && motion.obstacle_margin >= 0);
   SweptMargins margins(robot, motion);
   StateChecker<false, SweptMargins> checker(robot, scene, margins);
   V q[kMaxFrames];
@@ -180,7 +183,7 @@ bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const Swe
       }
     }
     if (is_decided) continue;
-    // What moves so little is decided by where it is.
+    // Intervals that move bodies so little are decided by the state in their middle.
     find_hits(middle, hn::Zero(d));
     for (int lane = 0; lane < count; ++lane) {
       if (hits[lane] != 0 && halves[lane] <= motion.least_half) return false;
@@ -211,10 +214,10 @@ void check_states(const RobotTables& robot, const SceneTables& scene, const floa
   }
 }
 
-const CollisionKernels* kernels() {
+const CollisionKernels& kernels() {
   static const CollisionKernels table = {kLanes, &is_motion_free, &is_chain_free, &is_sweep_free,
                                          &check_states};
-  return &table;
+  return table;
 }
 
 }  // namespace
@@ -223,11 +226,5 @@ const CollisionKernels* kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace mneme::internal {
-
-HWY_EXPORT(kernels);
-
-const CollisionKernels& collision_kernels(Isa isa) { return *MNEME_DISPATCH(kernels, isa); }
-
-}  // namespace mneme::internal
-#endif  // HWY_ONCE
+MNEME_EXPORT(const CollisionKernels&, collision_kernels, kernels)
+#endif

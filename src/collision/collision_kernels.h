@@ -21,7 +21,7 @@ struct MotionChain {
   int count = 0;
 };
 
-/// A motion whose states are looked at with all that lies between them.
+/// A motion that is checked continuously: its states with all that lies between them.
 struct SweptMotion {
   const float* from = nullptr;
   const float* delta = nullptr;
@@ -41,12 +41,12 @@ struct SweptMotion {
 struct CollisionKernels {
   int lanes = 1;
   /// True if the states from + k delta / n, k = 1..n, are free, with n the least multiple of
-  /// `lanes` that is at least `states`. Adds the number of states looked at to `states_checked`.
+  /// `lanes` that is at least `states`. Adds the number of states checked to `states_checked`.
   /// `margin` inflates the robot against obstacles.
   bool (*is_motion_free)(const RobotTables& robot, const SceneTables& scene, const float* from,
                          const float* delta, int states, float margin,
                          std::uint64_t& states_checked) = nullptr;
-  /// The same of all motions of a chain, which share vectors: motion i is looked at in its
+  /// The same of all motions of a chain, which share vectors: motion i is checked in its
   /// `states[i]` states, no more.
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
                         const MotionChain& chain, float margin,
@@ -63,5 +63,28 @@ struct CollisionKernels {
 
 /// The kernels of an instruction set that this machine has.
 [[nodiscard]] const CollisionKernels& collision_kernels(Isa isa);
+
+/// WalkStep of mneme/collision.h as the kernel reads it. Arrays per joint, but `from`, which may
+/// have a row per candidate, and `jitter`: three values a candidate.
+struct WalkRequest {
+  const Limb* limb = nullptr;
+  int pulled_points = 1;
+  float length = 0;
+  float clearance = 0;
+  const float* from = nullptr;
+  int from_stride = 0;  ///< to where the next candidate begins; 0: all begin at one
+  const float* drift = nullptr;
+  const float* lower = nullptr;  ///< candidates stay within
+  const float* upper = nullptr;
+  const float* jitter = nullptr;
+  int count = 0;  ///< of candidates
+};
+
+/// Writes rows of joint_count values, a candidate each.
+using WalkKernel = void (*)(const RobotTables& robot, const SceneTables& scene,
+                            const WalkRequest& request, float* candidates);
+
+/// The kernel of an instruction set that this machine has.
+[[nodiscard]] WalkKernel walk_kernel(Isa isa);
 
 }  // namespace mneme::internal

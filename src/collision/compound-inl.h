@@ -5,7 +5,7 @@
 //
 // Configurations of a motion lie far apart, and so do their balls: each lane has a path of its own
 // through any tree. So a grid answers first, for all lanes at once, by the clearance that each
-// voxel knows to the nearest part; only lanes that this leaves open look at parts, a vector of them
+// voxel knows to the nearest part; only lanes that this leaves open check parts, a vector of them
 // at a time.
 #if defined(MNEME_COLLISION_COMPOUND_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_COMPOUND_INL_H_
@@ -20,7 +20,6 @@
 #include <cstring>
 
 #include "collision/distance-inl.h"
-#include "collision/scene_boxes-inl.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
@@ -59,7 +58,7 @@ HWY_INLINE unsigned find_near(const VoxelGrid& grid, const V3& p, V reach) {
     const V most = splat(grid.edge * static_cast<float>(grid.count[axis]));
     const V inside = hn::Min(hn::Max(from_origin, hn::Zero(d)), most);
     beyond = hn::Sub(from_origin, inside);
-    // What is not a number must not lead out of the grid either.
+    // A NaN must not lead out of the grid either.
     const VI voxel =
         hn::Min(hn::Max(hn::ConvertTo(di, hn::Mul(inside, splat(grid.per_metre))), hn::Zero(di)),
                 hn::Set(di, grid.count[axis] - 1));
@@ -77,7 +76,7 @@ HWY_INLINE unsigned find_near(const VoxelGrid& grid, const V3& p, V reach) {
   const V clearance2 =
       hn::Mul(hn::ConvertTo(d, gather_bytes(grid.clearances.data(), slot)), splat(octant * octant));
   const V wanted = hn::Add(reach, splat(clearance_tolerance(grid)));
-  // What is left of the reach within the grid; the square of its sum with the distance to the
+  // The rest of the reach within the grid; the square of its sum with the distance to the
   // centre.
   const V left2 =
       hn::NegMulAdd(beyond.x, beyond.x,
@@ -219,7 +218,7 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
   return false;
 }
 
-/// A capsule is looked at in stretches as long as two voxels.
+/// A capsule is checked in stretches as long as two voxels.
 static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
   if (probe.inverse_length2 == 0) {
     return !is_clear_beyond(grid.voxels, probe.a, probe.reach) &&

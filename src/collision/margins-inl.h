@@ -10,10 +10,11 @@
 #define MNEME_COLLISION_MARGINS_INL_H_
 #endif
 
+#include <cassert>
 #include <cmath>
 
 #include "collision/collision_kernels.h"
-#include "collision/forward_kinematics-inl.h"
+#include "collision/kinematics-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,7 +31,9 @@ HWY_INLINE V lanes_of(V x) { return x; }
 /// The same for all bodies.
 class EvenMargins {
  public:
-  HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) {}
+  HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) {
+    assert(margin >= 0 && std::isfinite(margin));
+  }
 
   HWY_INLINE void follow(const Pose*) const {}
 
@@ -46,7 +49,7 @@ class EvenMargins {
   float margin_;
 };
 
-/// What a motion of constant joint speeds sweeps in the intervals around its states. Within half an
+/// Margins for all that a motion of constant joint speeds sweeps around its states. Within half an
 /// interval h, no point of a body moves farther than h times the bound of its displacement, nor
 /// than h v + h^2 a/2 with its speed v at the state and its acceleration. That is the sum of |q_i'
 /// q_j'| |z_i x (z_j x r_j)| over pairs of joints, i the nearer to the root: no more than a = 2
@@ -77,7 +80,7 @@ class SweptMargins {
   [[nodiscard]] HWY_INLINE bool moves_pair(int i) const {
     return motion_.pair_displacements[i] > 0;
   }
-  /// Moves frames with the poses of the state. Only then the margins below can be asked for.
+  /// Moves frames with the poses of the state. The margins below need this.
   HWY_INLINE void follow(const Pose* poses) const {
     poses_ = poses;
     for (size_t i = 0; i < robot_.frames.size(); ++i) {
@@ -118,7 +121,7 @@ class SweptMargins {
     V3 turn, speed;
   };
 
-  /// Of a body's points at most, as seen from a frame.
+  /// The greatest speed of a body's points, as seen from a frame.
   [[nodiscard]] HWY_INLINE V speed_of(int i, int observer, const V3& center) const {
     const BodyRow& body = robot_.bodies[i];
     const Twist &own = twists_[body.frame], &other = twists_[observer];

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Whether two bodies of a robot touch.
+// Groups of the robot's shapes, one pose per lane: what they hit, and whether two bodies touch.
 #if defined(MNEME_COLLISION_PAIR_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_PAIR_CHECKER_INL_H_
 #undef MNEME_COLLISION_PAIR_CHECKER_INL_H_
@@ -12,8 +12,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "collision/hits-inl.h"
-#include "collision/scene_boxes-inl.h"
+#include "collision/distance-inl.h"
+#include "collision/kinematics-inl.h"
+#include "collision/margins-inl.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
@@ -21,12 +22,65 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// Clusters of a body that are held against those of another together.
+HWY_INLINE M no_hit() { return hn::MaskFromVec(hn::Zero(Tag())); }
+
+/// The lanes that are hit so far. With `kIsMotion`, one hit in any lane settles the question;
+/// otherwise all lanes must be hit before the rest can be skipped.
+template <bool kIsMotion>
+struct Verdict {
+  // A default member initialiser would be compiled for the baseline instruction set.
+  HWY_INLINE Verdict() : hit(no_hit()) {}
+
+  M hit;
+
+  /// 1 if `mask` holds in a lane that is not hit yet, otherwise 0: to be counted, because a branch
+  /// would not be predicted. Obstacles near only to lanes already in collision are skipped.
+  [[nodiscard]] HWY_INLINE int is_any_open(M mask) const {
+    return !hn::AllFalse(Tag(), kIsMotion ? mask : hn::AndNot(hit, mask));
+  }
+  HWY_INLINE bool add(M mask) {
+    hit = hn::Or(hit, mask);
+    return kIsMotion ? !hn::AllFalse(Tag(), hit) : hn::AllTrue(Tag(), hit);
+  }
+};
+
+/// The spheres of a group.
+struct PosedSpheres {
+  V3 centers[kGroupSize];
+};
+
+HWY_INLINE PosedSpheres posed(const RobotTables& robot, const GroupRow& group, const Pose& pose) {
+  PosedSpheres result;
+  for (int i = 0; i < kGroupSize; ++i) {
+    result.centers[i] = transform_point(pose, robot.spheres[group.begin + i].center);
+  }
+  return result;
+}
+
+HWY_INLINE Segment posed(const CapsuleRow& capsule, const Pose& pose) {
+  const V zero = hn::Zero(Tag());
+  return {add_sparse(pose, capsule.a, pose.origin),
+          add_sparse(pose, capsule.along, {zero, zero, zero}), splat(capsule.inverse_length2)};
+}
+
+/// Where a sphere of the group comes closer than `extra` to something, given squared distances.
+template <class Margin, class Distance2>
+HWY_INLINE M find_hits(const RobotTables& robot, const GroupRow& group, const PosedSpheres& spheres,
+                       Margin extra, const Distance2& distance2) {
+  M hit = no_hit();
+  for (int i = 0; i < kGroupSize; ++i) {
+    const V reach = lanes_of(sum(robot.spheres[group.begin + i].radius, extra));
+    hit = hn::Or(hit, hn::Lt(distance2(spheres.centers[i]), hn::Mul(reach, reach)));
+  }
+  return hit;
+}
+
+/// Clusters of a body that are checked against those of another together.
 constexpr int kMostRuns = 32;
 
 /// In the frame of the second body, where that stands still, whatever the lane. Each one's ball is
-/// held against the other's box, because long bodies fill little of their balls; then clusters of
-/// the first against that box; then cluster against cluster, and group against group.
+/// checked against the other's box, because long bodies fill little of their balls; then clusters
+/// of the first against that box; then cluster against cluster, and group against group.
 template <bool kIsMotion, class Margin>
 class PairChecker {
  public:
@@ -87,7 +141,7 @@ class PairChecker {
   static HWY_INLINE Segment axis_of(const CapsuleRow& capsule) {
     return {splat(capsule.a), splat(capsule.along), splat(capsule.inverse_length2)};
   }
-  /// Whether something is near, squared distances being these, to what has this radius.
+  /// True if a squared distance is less than that of `radius` and the margin in a lane that counts.
   [[nodiscard]] HWY_INLINE bool is_any_open(V distance2, float radius) const {
     return verdict_.is_any_open(is_below(distance2, squared(sum(radius, margin_))));
   }
@@ -96,7 +150,7 @@ class PairChecker {
     return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, 63);
   }
 
-  /// Whether a ball comes near a body's box in any lane; its centre is in the body's frame.
+  /// True if a ball comes near a body's box in any lane; its centre is in the body's frame.
   [[nodiscard]] HWY_INLINE bool reaches_box(const BodyRow& body, float radius,
                                             const V3& center) const {
     const V distance2 = point_box(center - splat(body.box_center), splat(body.box_half_extents));
@@ -118,7 +172,7 @@ class PairChecker {
     return reaches_box(second_, ball.radius, run.center);
   }
 
-  /// Capsules are held against by their axes: their balls say little if they are long.
+  /// Capsules are compared by their axes: the balls around long ones say little.
   HWY_INLINE void find_near_clusters(Run* runs, int count) const {
     for (int i = 0; i < count; ++i) runs[i].near = 0;
     for (int c = second_.cluster_begin; c < second_.cluster_end; ++c) {

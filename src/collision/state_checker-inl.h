@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a robot touches, one configuration per lane.
+// Contacts of a robot with a scene and itself, one configuration per lane.
 //
-// What is far apart costs little: bodies are held against kLanes obstacles at a time by the box
-// that a body sweeps in all lanes, then by their bounding balls lane by lane, then group by group;
-// only a group whose ball hits has its shapes posed. Bodies are held against each other by their
-// balls first (PairChecker does the rest). What is near in lanes alone that are hit already is not
-// looked at: random configurations are mostly hit, each by something else.
+// Bodies that are far apart cost little: they are checked against kLanes obstacles at a time by the
+// box that a body sweeps in all lanes, then by their bounding balls lane by lane, then group by
+// group; only a group whose ball hits has its shapes posed. Bodies are held against each other by
+// their balls first (PairChecker does the rest). What is near in lanes alone that are hit already
+// is not looked at: random configurations are mostly hit, each by something else.
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_
@@ -16,27 +16,26 @@
 #endif
 
 #include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <type_traits>
 
 #include "collision/collision_kernels.h"
 #include "collision/compound-inl.h"
 #include "collision/distance-inl.h"
-#include "collision/forward_kinematics-inl.h"
-#include "collision/hits-inl.h"
+#include "collision/kinematics-inl.h"
 #include "collision/margins-inl.h"
 #include "collision/pair_checker-inl.h"
-#include "collision/scene_boxes-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// So many bodies go through the coarse tests before the finer ones: more would put off contacts of
+/// Bodies that go through the coarse tests before the finer ones: more would put off contacts of
 /// the tips, fewer would wait for each other.
 constexpr int kLinkBatch = 4;
-/// What passed a coarse test is listed before the finer one.
+/// Pairs that passed a coarse test are listed before the finer one.
 constexpr int kListSize = 64;
 template <bool kIsMotion, class Margins = EvenMargins>
 class StateChecker {
@@ -44,6 +43,8 @@ class StateChecker {
   HWY_INLINE StateChecker(const RobotTables& robot, const SceneTables& scene,
                           const Margins& margins)
       : robot_(robot), scene_(scene), margins_(margins) {
+    assert(robot.frames.size() <= kMaxFrames && robot.bodies.size() <= kMaxBodies);
+    assert(scene.lower[0].size() % kObstacleBlock == 0);
     poses_[0] = splat_rotation(scene.rotation);
     for (size_t i = robot.moving_count; i < robot.bodies.size(); ++i) {
       centers_[i] = transform_point(poses_[0], robot.bodies[i].ball.center);
@@ -115,7 +116,7 @@ class StateChecker {
     return false;
   }
 
-  /// Whether balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
+  /// True if balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
   /// compound shape.
   template <class Reach>
   HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach,
@@ -146,7 +147,7 @@ class StateChecker {
     return kept;
   }
 
-  /// What a group may not touch of `count` obstacles.
+  /// Lists the obstacles of `count` that a group may not touch.
   HWY_NOINLINE int list_forbidden(int group, const ObstacleRow* const* near, int count,
                                   const ObstacleRow** forbidden) const {
     int kept = 0;

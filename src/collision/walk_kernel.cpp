@@ -6,16 +6,16 @@
 // Damped least squares (Wampler, DOI 10.1109/TSMC.1986.289285; Nakamura and Hanafusa, DOI
 // 10.1115/1.3143764) over two kinds of rows: points of a limb that are pulled to where they should
 // be, and balls of the robot that are too close to an obstacle, along its normal.
-#include "collision/walk_kernel.h"
+#include "collision/collision_kernels.h"
+
+#include <cassert>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/walk_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
 #include "collision/distance-inl.h"
-#include "collision/forward_kinematics-inl.h"
-#include "collision/least_squares-inl.h"
-#include "collision/scene_boxes-inl.h"
+#include "collision/kinematics-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 
@@ -196,6 +196,8 @@ void walk(const RobotTables& robot, const SceneTables& scene, const WalkRequest&
           float* candidates) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
+  assert(robot.joint_count <= kMostWalkingJoints);
+  assert(static_cast<size_t>(request.pulled_points) < request.limb->points.size());
   Walker walker(robot, scene, request);
   V q[kMostWalkingJoints];
   HWY_ALIGN float column[kLanes];
@@ -226,11 +228,5 @@ WalkKernel kernel() { return &walk; }
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace mneme::internal {
-
-HWY_EXPORT(kernel);
-
-WalkKernel walk_kernel(Isa isa) { return MNEME_DISPATCH(kernel, isa); }
-
-}  // namespace mneme::internal
-#endif  // HWY_ONCE
+MNEME_EXPORT(WalkKernel, walk_kernel, kernel)
+#endif

@@ -16,8 +16,7 @@
 #define HWY_TARGET_INCLUDE "goal/ik_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
-#include "collision/forward_kinematics-inl.h"
-#include "collision/least_squares-inl.h"
+#include "collision/kinematics-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"
 
@@ -261,11 +260,5 @@ IkKernel kernel() { return &solve_ik; }
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace mneme::internal {
-
-HWY_EXPORT(kernel);
-
-IkKernel ik_kernel(Isa isa) { return MNEME_DISPATCH(kernel, isa); }
-
-}  // namespace mneme::internal
-#endif  // HWY_ONCE
+MNEME_EXPORT(IkKernel, ik_kernel, kernel)
+#endif

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tables/body_reaches.h"
-
 #include "base/as_index.h"
+#include "tables/make_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +21,7 @@ class Reach {
   /// Adds those of the joints that carry a body in the frame `ancestor` to `row`.
   void add(const BodyRow& body, int ancestor, float* row) const {
     const float* center = body.ball.center;
-    // Of the body's points: how far from the frame's axis, and from its origin.
+    // The farthest of the body's points from the frame's axis, and from its origin.
     float from_axis = std::hypot(center[0], center[1]) + body.ball.radius;
     float from_origin = std::hypot(center[0], center[1], center[2]) + body.ball.radius;
     for (int frame = body.frame; frame != ancestor;) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
+#include "robot/link_shapes.h"
 
 #include <algorithm>
 #include <mutex>
@@ -40,25 +40,23 @@ class Registry {
 
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
   if (robot.attached().empty()) {
-    return make_robot_tables(robot).map([&](RobotTables tables) {
-      return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
-    });
+    RobotTables tables = MNEME_TRY(make_robot_tables(robot));
+    return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
   }
-  const auto bare = share_checked_robot(robot.without_attached());
-  if (!bare) return tl::unexpected(bare.error());
-  return add_attached(robot, (*bare)->tables).map([&](RobotTables tables) {
-    return CheckedRobot{std::move(tables), LinkDistances(robot, (*bare)->links), reach_of(robot)};
-  });
+  const auto bare = MNEME_TRY(share_checked_robot(robot.without_attached()));
+  RobotTables tables = MNEME_TRY(add_attached(robot, bare->tables));
+  return CheckedRobot{std::move(tables), LinkDistances(robot, bare->links), reach_of(robot)};
 }
 
 }  // namespace
 
+double reach_of(const Robot& robot) { return farthest_reach(robot) + kSpareReach; }
+
 Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot) {
   static Registry registry;
   if (auto found = registry.find(robot)) return found;
-  auto checked = make_checked_robot(robot);
-  if (!checked) return tl::unexpected(checked.error());
-  auto made = std::make_shared<const CheckedRobot>(std::move(*checked));
+  CheckedRobot checked = MNEME_TRY(make_checked_robot(robot));
+  auto made = std::make_shared<const CheckedRobot>(std::move(checked));
   registry.add(robot, made);
   return made;
 }

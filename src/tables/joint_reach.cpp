@@ -30,7 +30,7 @@ struct JointBox {
   std::array<double, kMostJoints> middle = {}, half = {};
 };
 
-/// Of the child's frame in the parent's, with the joints at the middle of the box.
+/// The pose of the child's frame in the parent's, with the joints at the middle of the box.
 Transform pose_of(const Crossing& crossing, const JointBox& box) {
   const double value = crossing.multiplier * box.middle[crossing.joint] + crossing.offset;
   if (crossing.is_prismatic)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What joint limits keep apart in every configuration.
+/// Spheres that joint limits keep apart in every configuration.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -24,7 +24,7 @@ class Linkage {
 
   /// False if no configuration within the limits brings one of `a`, which the first frame carries,
   /// closer than a millimetre to one of `b`, which the second one does; true if one does, or if
-  /// that could not be ruled out with bounded effort: at most two joints are looked at.
+  /// that could not be ruled out with bounded effort: at most two joints are considered.
   [[nodiscard]] bool can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const;
 
   /// A frame row on the way from one frame to the other.

@@ -14,6 +14,7 @@
 #include <limits>
 #include <memory>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -45,13 +46,26 @@ void store(const Matrix& m, float* out) {
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
-/// Which groups may touch which obstacles (see SceneTables::may_touch), those that are checked by
+/// The groups that may touch each obstacle (SceneTables::may_touch), also those that are checked by
 /// solid among them if `allows_exact` says so. Error: an obstacle names a link that the robot
 /// lacks.
 [[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
                                                                        const RobotTables& tables,
                                                                        const Scene& scene,
                                                                        bool allows_exact);
+
+/// On the straight motion between two configurations. A turning joint moves a point along an arc
+/// about its axis, which is no farther from it than the links and slides between them are long.
+[[nodiscard]] Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
+                                   std::span<const float> to);
+
+/// Fills `reaches` and `has_far_slides` of tables that have all else.
+void add_reaches(RobotTables& tables);
+
+/// Metres that are spared for margins beyond those of the checker.
+inline constexpr double kSpareReach = 0.25;
+/// farthest_reach(), and what is spared.
+[[nodiscard]] double reach_of(const Robot& robot);
 
 struct CheckedRobot {
   RobotTables tables;

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
-#include "tables/body_reaches.h"
 #include "tables/joint_reach.h"
 #include "tables/make_tables.h"
 #include "geometry/axis_box.h"
-#include "geometry/shape_groups.h"
+#include "tables/shape_groups.h"
 #include "robot/drives.h"
 #include "robot/kinematics.h"
 #include "robot/link_shapes.h"
@@ -22,7 +21,7 @@ namespace {
 /// Metres that a body's ball sweeps through, roughly, from one side to the other of the states that
 /// are checked together: what it meets on its way depends on the ball's radius and on this.
 constexpr double kSweep = 0.15;
-/// Two bodies are one if that meets at most so many times what their own balls do.
+/// Two bodies are merged if their common ball sweeps at most this many times what their own do.
 constexpr double kMergeRatio = 1.0;
 /// Metres; more than kernels lose in single precision where a body's frame is turned into another.
 constexpr double kBoxRounding = 2e-5;
@@ -143,7 +142,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// What add_body knows of links, from their tables.
+  /// Restores the groups and bodies of links from their tables.
   void find_bare_links() {
     for (std::size_t i = 0; i < tables_.bodies.size(); ++i) {
       const BodyRow& body = tables_.bodies[i];
@@ -157,7 +156,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// What is carried stands with the tips, before bodies that do not move.
+  /// Carried objects stand with the tips, before bodies that do not move.
   void move_last_body_to_front() {
     std::rotate(tables_.bodies.begin(), tables_.bodies.end() - 1, tables_.bodies.end());
     const int last = static_cast<int>(tables_.bodies.size()) - 1;
@@ -299,7 +298,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// Of the groups that were added since the last one, which hold `shapes`.
+  /// Adds a cluster of the groups since the last one, which hold `shapes`.
   void close_cluster(std::span<const Capsule> shapes) {
     const int begin = tables_.clusters.empty() ? 0 : tables_.clusters.back().end;
     const int end = static_cast<int>(tables_.groups.size());
@@ -377,7 +376,7 @@ class RobotTablesBuilder {
     Limb limb;
     limb.points.push_back(tip_of(frame));
     using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-    // Of the last point, in the coordinates of `frame`.
+    // The last point in the coordinates of `frame`.
     Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(limb.points[0].point);
     for (; frame > 0; frame = tables_.frames[as_index(frame - 1)].parent) {
       const FrameRow& row = tables_.frames[as_index(frame - 1)];
@@ -423,7 +422,7 @@ class RobotTablesBuilder {
     return meet({&first.ball, 1}, {&second.ball, 1}) && meet(balls_of(first), balls_of(second));
   }
 
-  /// Of a group's spheres, or the one around a capsule.
+  /// The spheres of a group, or the ball around a capsule.
   [[nodiscard]] std::span<const Ball> balls_of(const GroupRow& group) const {
     if (group.is_capsule) return {&group.ball, 1};
     return std::span(tables_.spheres).subspan(as_index(group.begin), as_index(kGroupSize));

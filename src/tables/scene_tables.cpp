@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
-#include "tables/compound_tables.h"
 #include "tables/make_tables.h"
 #include "geometry/parts.h"
-#include "geometry/shape_flaw.h"
+#include "geometry/solids.h"
 #include "scene/edit_scene.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -21,10 +21,10 @@ namespace {
 constexpr double kFarthestPart = 1e7;
 /// Largest entry of a rotation that counts as 0: it moves points by less than floats resolve.
 constexpr double kAligned = 1e-7;
-/// Of so many boxes the axes are tried as those of the scene.
+/// Boxes whose axes are tried as those of the scene.
 constexpr int kMaxTrials = 16;
 
-/// What is too far away of a shape, or nothing.
+/// Describes what of a shape is too far away; empty if nothing is.
 std::string_view find_far(const Shape& shape) {
   const Sphere bound = bounding_sphere(shape);
   if (!(bound.center.norm() + bound.radius <= kFarthestShape)) return "extends beyond 10 km";
@@ -46,7 +46,7 @@ Result<void> check(const Obstacle& obstacle) {
   if (obstacle.shapes.empty()) {
     return fail(ErrorCode::invalid, "obstacle '" + obstacle.name + "' has no shapes");
   }
-  if (auto checked = check_shapes(obstacle); !checked) return checked;
+  MNEME_TRY(check_shapes(obstacle));
   for (const Shape& shape : obstacle.shapes) {
     const std::string_view far = find_far(shape);
     if (far.empty()) continue;
@@ -84,6 +84,35 @@ Eigen::Matrix3d choose_axes(const Scene& scene) {
     best = boxes[i];
   }
   return best.transpose();
+}
+
+/// The box, in the frame of the parts, of all that may touch something within `reach` of the
+/// scene's origin.
+template <class Part>
+AxisBox region_of_interest(const CompoundShape<Part>& compound, double reach) {
+  const AxisBox all = PartsAccess::bounds(*compound.parts);
+  const Vec3 origin = compound.pose.inverse().translation;
+  const Vec3 half = Vec3::Constant(std::min(reach + compound.radius, 1e6));
+  const AxisBox box = intersection(all, {origin - half, origin + half});
+  return box.is_empty() ? AxisBox{all.low, all.low} : box;
+}
+
+void set_grid(const PointGrid& grid, CompoundRow& row) { row.points = &grid; }
+void set_grid(const PartTree& tree, CompoundRow& row) { row.tree = &tree; }
+
+/// `compound` stands in the scene's frame. What takes long is kept with the parts and found there
+/// again.
+template <class Part>
+CompoundRow make_compound_row(const CompoundShape<Part>& compound, double reach) {
+  const auto grid = share_grid(*compound.parts, region_of_interest(compound, reach));
+  const Transform to_parts = compound.pose.inverse();
+  CompoundRow row;
+  row.voxels = &grid->voxels;
+  row.owner = grid;
+  set_grid(*grid, row);
+  store(to_parts.rotation, row.rotation);
+  store(Vec3(to_parts.translation - middle_of(grid->voxels)), row.translation);
+  return row;
 }
 
 /// A shape's row, and the box around it by its centre and half of its extents.
@@ -174,9 +203,8 @@ void add(const Placed& placed, SceneTables& tables) {
 }  // namespace
 
 Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
-  for (const Obstacle& obstacle : scene.obstacles) {
-    if (auto checked = check(obstacle); !checked) return tl::unexpected(checked.error());
-  }
+  for (const Obstacle& obstacle : scene.obstacles) MNEME_TRY(check(obstacle));
+  assert(reach >= 0);
   SceneTables tables;
   const Transform X_SW{choose_axes(scene), Vec3::Zero()};
   store(X_SW.rotation, tables.rotation);
@@ -204,11 +232,9 @@ Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
   const std::size_t words = (shape_count + kObstacleBlock - 1) / kObstacleBlock;
   std::size_t first = 0;
   for (const Obstacle& obstacle : scene.obstacles) {
-    auto named = find_named_links(robot, obstacle);
-    if (!named) return tl::unexpected(named.error());
-    std::vector<int>& links = named->may_touch;
-    if (allows_exact)
-      links.insert(links.end(), named->exact_links.begin(), named->exact_links.end());
+    NamedLinks named = MNEME_TRY(find_named_links(robot, obstacle));
+    std::vector<int>& links = named.may_touch;
+    if (allows_exact) links.insert(links.end(), named.exact_links.begin(), named.exact_links.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size() && !links.empty(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;

@@ -4,8 +4,7 @@
 /// Robot and scene as the kernels read them: flat arrays of floats, nothing of Eigen.
 #pragma once
 
-#include "geometry/part_tree.h"
-#include "geometry/point_grid.h"
+#include "geometry/compound_grids.h"
 
 #include <array>
 #include <cstddef>
@@ -127,11 +126,11 @@ struct Reaches {
 
 struct RobotTables {
   int joint_count = 0;
-  std::vector<FrameRow> frames;  ///< parents before children
-  std::vector<LinkPlace> links;  ///< as the robot's
-  std::vector<BodyRow> bodies;   ///< tips first, because they hit most often; then those that stand
-  int moving_count = 0;          ///< how many of the bodies move
-  std::vector<GroupRow> groups;  ///< body by body, link by link
+  std::vector<FrameRow> frames;      ///< parents before children
+  std::vector<LinkPlace> links;      ///< as the robot's
+  std::vector<BodyRow> bodies;       ///< tips first, because they hit most often; fixed bodies last
+  int moving_count = 0;              ///< how many of the bodies move
+  std::vector<GroupRow> groups;      ///< body by body, link by link
   std::vector<ClusterRow> clusters;  ///< in the order of their groups
   std::vector<Ball> spheres;
   std::vector<CapsuleRow> capsules;

@@ -3,7 +3,6 @@
 #include "mneme/collision.h"
 
 #include "check/link_distances.h"
-#include "check/exact_pairs.h"
 #include "collision/random_worlds.h"
 #include "spheres/small_parts.h"
 #include "report/report_support.h"

@@ -306,13 +306,14 @@ TEST_SUITE("oracle") {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("an obstacle that is checked by the solid of an unknown link is refused") {
+  TEST_CASE("an obstacle that is checked by the exact geometry of an unknown link is refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
     scene.obstacles[0].exact_links = {"hand"};
     const auto checker = CollisionChecker::make(planar8(), scene);
     REQUIRE(!checker.has_value());
     CHECK(checker.error().message ==
-          "obstacle 'circle_1' is checked by the solid of 'hand', but robot 'planar8' has no link "
+          "obstacle 'circle_1' is checked by the exact geometry of 'hand', but robot 'planar8' has "
+          "no link "
           "and no attached object of this name");
   }
 

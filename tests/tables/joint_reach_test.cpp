@@ -3,7 +3,7 @@
 #include "tables/joint_reach.h"
 #include "tables/make_tables.h"
 #include "collision/random_worlds.h"
-#include "geometry/shape_groups.h"
+#include "tables/shape_groups.h"
 #include "geometry/random_shapes.h"
 #include "support/support.h"
 

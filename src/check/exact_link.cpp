@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/link_solid.h"
-
 #include "mneme/check.h"
 
 #include "base/as_index.h"
-#include "geometry/solid_distance.h"
+#include "check/link_distances.h"
+#include "geometry/solids.h"
 #include "robot/link_shapes.h"
 
 #include <algorithm>
@@ -13,14 +12,14 @@
 
 namespace mneme::internal {
 
-LinkSolid::LinkSolid(const Link& link) : shapes_(shapes_of(link)) {
+ExactLink::ExactLink(const Link& link) : shapes_(shapes_of(link)) {
   if (!link.approximation) return;
   const auto spheres_end = shapes_.begin() + std::ssize(link.spheres);
   shapes_.erase(spheres_end - link.approximation->sphere_count, spheres_end);
   surfaces_.push_back(link.approximation->surface);
 }
 
-double LinkSolid::distance_to(const Shape& shape) const {
+double ExactLink::distance_to(const Shape& shape) const {
   double least = std::numeric_limits<double>::infinity();
   for (const Capsule& own : shapes_) {
     least = std::min(least, distance_to_segment(own.a, own.b, shape) - own.radius);
@@ -31,7 +30,7 @@ double LinkSolid::distance_to(const Shape& shape) const {
   return std::max(0.0, least);
 }
 
-double LinkSolid::distance_to(const LinkSolid& other, const Transform& X_LO, double enough) const {
+double ExactLink::distance_to(const ExactLink& other, const Transform& X_LO, double enough) const {
   // Not to be taken for a distance that is not small enough, what touches has to be looked for.
   constexpr double kSome = 1e-3;
   double least = std::numeric_limits<double>::infinity();
@@ -54,7 +53,7 @@ namespace mneme {
 
 std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& scene,
                                                std::span<const double> q, const Contact& contact) {
-  using internal::as_index, internal::LinkSolid;
+  using internal::as_index, internal::ExactLink;
   const std::vector<Transform> poses = robot.link_poses(q);
   ExactContact result;
   const auto look_at = [&](const std::string& name) {
@@ -67,16 +66,16 @@ std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& 
   const std::size_t link = look_at(contact.link);
   const std::size_t other = contact.is_self ? look_at(contact.other) : link;
   if (result.approximated_links == 0) return std::nullopt;
-  const LinkSolid solid(robot.links()[link]);
+  const ExactLink exact(robot.links()[link]);
   const Transform X_LW = poses[link].inverse();
   if (contact.is_self) {
-    result.distance = solid.distance_to(LinkSolid(robot.links()[other]), X_LW * poses[other],
+    result.distance = exact.distance_to(ExactLink(robot.links()[other]), X_LW * poses[other],
                                         std::numeric_limits<double>::infinity());
     return result;
   }
   result.distance = std::numeric_limits<double>::infinity();
   for (const Shape& shape : scene.find(contact.other)->shapes) {
-    result.distance = std::min(result.distance, solid.distance_to(transformed(X_LW, shape)));
+    result.distance = std::min(result.distance, exact.distance_to(transformed(X_LW, shape)));
   }
   return result;
 }
