@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spheres/triangle_mesh.h"
 
-#include "base/as_index.h"
 #include "geometry/axis_box.h"
 #include "geometry/mesh_file.h"
 
@@ -14,35 +13,12 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <string>
 
 namespace mneme::internal {
 namespace {
 
 constexpr int kSides = 48;
-
-/// Numbers for points, the same for equal ones. Sorting beats hashing for the sizes there are.
-std::vector<int> number_corners(const TriangleMesh& mesh) {
-  std::vector<Vec3> points;
-  points.reserve(3 * mesh.size());
-  for (const Triangle& t : mesh) points.insert(points.end(), {t.a, t.b, t.c});
-  const auto less = [](const Vec3& p, const Vec3& q) {
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
-  };
-  std::vector<int> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int i, int j) { return less(points[as_index(i)], points[as_index(j)]); });
-  std::vector<int> numbers(points.size(), 0);
-  int number = 0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto here = as_index(order[i]);
-    if (i > 0 && points[as_index(order[i - 1])] != points[here]) ++number;
-    numbers[here] = number;
-  }
-  return numbers;
-}
 
 void add_halves(const Triangle& t, double length, TriangleMesh& result) {
   const std::array<double, 3> edges = {(t.b - t.a).norm(), (t.c - t.b).norm(), (t.a - t.c).norm()};
@@ -96,12 +72,16 @@ TriangleMesh triangulate(const Cylinder& cylinder) {
 }
 
 bool is_closed(const TriangleMesh& mesh) {
-  const std::vector<int> corners = number_corners(mesh);
+  std::map<std::array<double, 3>, int> numbers;
+  const auto number_of = [&](const Vec3& corner) {
+    const int next = static_cast<int>(numbers.size());
+    return numbers.try_emplace({corner.x(), corner.y(), corner.z()}, next).first->second;
+  };
   std::map<std::pair<int, int>, int> balance;
-  for (std::size_t i = 0; i < corners.size(); i += 3) {
+  for (const Triangle& t : mesh) {
+    const std::array<int, 3> corners = {number_of(t.a), number_of(t.b), number_of(t.c)};
     for (std::size_t edge = 0; edge < 3; ++edge) {
-      const int from = corners[i + edge];
-      const int to = corners[i + (edge + 1) % 3];
+      const int from = corners[edge], to = corners[(edge + 1) % 3];
       balance[std::minmax({from, to})] += from < to ? 1 : -1;
     }
   }

@@ -3,39 +3,32 @@
 #include "tables/make_tables.h"
 #include "robot/link_shapes.h"
 
-#include <algorithm>
+#include <map>
+#include <memory>
 #include <mutex>
 
 namespace mneme::internal {
 namespace {
 
-struct Entry {
-  std::weak_ptr<const void> identity;
-  std::shared_ptr<const CheckedRobot> robot;
-
-  [[nodiscard]] bool is_of(const std::weak_ptr<const void>& other) const {
-    return !identity.owner_before(other) && !other.owner_before(identity);
-  }
-};
-
+/// Robots by their identity, which copies share.
 class Registry {
  public:
   std::shared_ptr<const CheckedRobot> find(const Robot& robot) {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find_if(
-        entries_, [&](const Entry& entry) { return entry.is_of(robot.identity()); });
-    return found == entries_.end() ? nullptr : found->robot;
+    const auto found = robots_.find(robot.identity());
+    return found == robots_.end() ? nullptr : found->second;
   }
 
   void add(const Robot& robot, std::shared_ptr<const CheckedRobot> checked) {
     const std::lock_guard lock(mutex_);
-    std::erase_if(entries_, [](const Entry& entry) { return entry.identity.expired(); });
-    entries_.push_back({robot.identity(), std::move(checked)});
+    std::erase_if(robots_, [](const auto& entry) { return entry.first.expired(); });
+    robots_.insert_or_assign(robot.identity(), std::move(checked));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<Entry> entries_;
+  std::map<std::weak_ptr<const void>, std::shared_ptr<const CheckedRobot>, std::owner_less<>>
+      robots_;
 };
 
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
