@@ -109,10 +109,10 @@ class Enclosure {
     const std::vector<Transform> poses = robot_.link_poses(witness[rng_.index(at)]);
     const Vec3 near = poses[rng_.index(static_cast<std::uint32_t>(poses.size()))].translation;
     const double most = settings_.size[1];
-    const Vec3 off(rng_.uniform(-most, most), rng_.uniform(-most, most), rng_.uniform(-most, most));
+    Vec3 off, half;
+    for (const int axis : {2, 1, 0}) off[axis] = rng_.uniform(-most, most);
     const double yaw = rng_.uniform(-std::numbers::pi, std::numbers::pi);
-    const auto draw_half = [&] { return rng_.uniform(settings_.size[0], most) / 2; };
-    const Vec3 half(draw_half(), draw_half(), draw_half());
+    for (const int axis : {2, 1, 0}) half[axis] = rng_.uniform(settings_.size[0], most) / 2;
     const Eigen::AngleAxisd turn(yaw, Vec3::UnitZ());
     for (const double part : kShrunk) {
       const Box box{{turn.toRotationMatrix(), near + off}, part * half};

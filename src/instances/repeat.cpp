@@ -22,7 +22,8 @@ constexpr double kSameArm = 1;
 /// Within a ball, or a disc of the x-y plane.
 Vec3 draw_move(bool is_flat, double radius, Rng& rng) {
   for (;;) {
-    Vec3 v(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    Vec3 v;
+    for (const int axis : {2, 1, 0}) v[axis] = rng.uniform(-1, 1);
     if (is_flat) v.z() = 0;
     if (v.squaredNorm() <= 1) return radius * v;
   }
