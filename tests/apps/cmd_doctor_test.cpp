@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <sys/stat.h>
+
 namespace mneme::test {
 namespace {
 
@@ -32,7 +34,9 @@ TEST_SUITE("flow") {
   }
 
   TEST_CASE("what does not work is named") {
-    const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=/dev/null"}, false});
+    const TemporaryDirectory directory;
+    REQUIRE(chmod((directory / "").c_str(), 0555) == 0);
+    const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=" + (directory / "")}, true});
     CHECK(run.exit_code == 1);
     CHECK(has_text(run.out, "database             FAILED"));
   }
