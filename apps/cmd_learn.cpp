@@ -177,12 +177,7 @@ std::vector<T> take_shard(std::vector<T> all, const Part& shard) {
 /// Learns a shard of the lesson, and of what covers the grid.
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
                                   const Part& shard, Database& database, const LearnJob& job) {
-  if (!lesson.robot.is_planar()) {
-    const auto mine = take_shard(std::move(lesson.primitives), shard);
-    return learn_with_progress(lesson.robot, std::span(mine), database, job);
-  }
-  std::vector<PrimitiveKey> keys;
-  for (const LocalProblem& known : lesson.primitives) keys.push_back(known.primitive.key);
+  std::vector<PrimitiveKey> keys = std::move(lesson.keys);
   if (grid) {
     const std::vector<PrimitiveKey> covering = cover_grid(*grid, job.seed);
     keys.insert(keys.end(), covering.begin(), covering.end());
@@ -199,18 +194,16 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   std::optional<PrimitiveGrid> grid;
   if (!options.grid.empty()) {
     if (!robot.is_planar()) {
-      return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --scenes");
+      return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --problems");
     }
     const Result<PrimitiveGrid> read = read_grid(options);
     if (!read) return tl::unexpected(read.error());
     grid = *read;
   }
-  if (lesson->primitives.empty() && !grid) {
+  if (lesson->keys.empty() && !grid) {
     print_note(
-        fmt::format("these scenes have no primitives: no obstacles {} within --max-gap of "
-                    "each other{}",
-                    robot.is_planar() ? "that the arm reaches are" : "are",
-                    robot.is_planar() ? "" : "; --problems learns whole paths"));
+        "these scenes have no primitives: no obstacles that the arm reaches are within --max-gap "
+        "of each other");
   }
   Result<Database> database =
       Database::open(options.db, make_space(robot), OpenMode::create, options.kept);

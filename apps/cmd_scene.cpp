@@ -3,7 +3,7 @@
 
 /// mneme scene: looks at workspaces, converts and varies them.
 #include "mneme/instances.h"
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 #include "mneme/problem.h"
 
 #include "commands.h"

@@ -49,6 +49,16 @@ Json settings_of() {
   return all;
 }
 
+/// The defaults that depend on the kind of memory.
+Json kinds() {
+  Json names = Json::array(), rows = Json::array();
+  for (const MemoryKind* kind : memory_kinds()) names.push_back(kind->name);
+  for (const KindDefault& row : kind_defaults()) {
+    rows.push_back({{"name", row.setting}, {"values", row.values}});
+  }
+  return {{"group", "kinds"}, {"kinds", names}, {"settings", rows}};
+}
+
 }  // namespace
 
 void add_settings_list(CLI::App& program, Action& action) {
@@ -61,6 +71,7 @@ void add_settings_list(CLI::App& program, Action& action) {
       print_json({{{"group", "plan"}, {"settings", settings_of<PlanSettings>()}},
                   {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
                   {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
+                  kinds(),
                   {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
                   {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
                   {{"group", "ik"}, {"settings", settings_of<IkSettings>()}}});

@@ -24,14 +24,6 @@ void watch(LearnRun& run, Progress& progress, const std::string& what) {
                          run.seed));
 }
 
-template <class Primitive>
-Result<LearnSummary> learn(const Robot& robot, std::span<const Primitive> primitives,
-                           Database& database, LearnJob job) {
-  Progress progress("learning");
-  watch(job, progress, counted(primitives.size(), "primitive", "primitives"));
-  return learn_primitives(robot, primitives, database, job);
-}
-
 }  // namespace
 
 std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed) {
@@ -42,13 +34,9 @@ std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t se
 
 Result<LearnSummary> learn_with_progress(const Robot& robot, std::span<const PrimitiveKey> keys,
                                          Database& database, LearnJob job) {
-  return learn(robot, keys, database, std::move(job));
-}
-
-Result<LearnSummary> learn_with_progress(const Robot& robot,
-                                         std::span<const LocalProblem> primitives,
-                                         Database& database, LearnJob job) {
-  return learn(robot, primitives, database, std::move(job));
+  Progress progress("learning");
+  watch(job, progress, counted(keys.size(), "primitive", "primitives"));
+  return learn_primitives(robot, keys, database, job);
 }
 
 Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,

@@ -19,11 +19,6 @@ namespace mneme::app {
                                                        std::span<const PrimitiveKey> keys,
                                                        Database& database, LearnJob job);
 
-/// The same for primitives of any shapes.
-[[nodiscard]] Result<LearnSummary> learn_with_progress(const Robot& robot,
-                                                       std::span<const LocalProblem> primitives,
-                                                       Database& database, LearnJob job);
-
 /// Learns from problems in the same way, and prints which of them have no path.
 [[nodiscard]] Result<LearnSummary> learn_with_progress(std::span<const Problem> problems,
                                                        const MemorySettings& memory,

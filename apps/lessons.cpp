@@ -59,7 +59,7 @@ Result<void> check_robot(const std::string& where, const Workspace& workspace, c
 
 Result<void> append_primitives(const std::string& where, const Robot& robot,
                                const ProblemOptions& overrides, const MemorySettings& settings,
-                               std::vector<LocalProblem>& primitives) {
+                               std::vector<PrimitiveKey>& keys) {
   const Result<Workspace> workspace = load_workspace(where, overrides);
   if (!workspace) return tl::unexpected(workspace.error());
   const Result<void> fits = check_robot(where, *workspace, robot);
@@ -68,11 +68,8 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
   if (!scene) return tl::unexpected(scene.error());
   const auto found = decompose({robot, *scene}, settings);
   if (!found) return tl::unexpected(found.error());
-  for (LocalProblem& problem : local_problems(*scene, *found)) {
-    const bool is_known = std::ranges::any_of(primitives, [&](const LocalProblem& known) {
-      return known.primitive.key == problem.primitive.key;
-    });
-    if (!is_known) primitives.push_back(std::move(problem));
+  for (const LocalPrimitive& primitive : *found) {
+    if (std::ranges::find(keys, primitive.key) == keys.end()) keys.push_back(primitive.key);
   }
   return {};
 }
@@ -106,10 +103,20 @@ Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
   if (!problems) return tl::unexpected(problems.error());
   const Result<Robot> robot = choose_robot(source, *overrides, *problems);
   if (!robot) return tl::unexpected(robot.error());
+  if (!problems->empty()) {
+    const auto kind = choose_kind(*robot, source.memory);
+    if (!kind) return tl::unexpected(kind.error());
+    if (!(*kind)->can_learn_primitives()) {
+      return fail(ErrorCode::unsupported,
+                  fmt::format("--scenes: memory of the kind '{}' learns from solved problems alone; "
+                              "give --problems",
+                              (*kind)->name));
+    }
+  }
   PrimitiveLesson lesson{*robot, {}};
   for (const std::string& problem : *problems) {
     const Result<void> added =
-        append_primitives(problem, *robot, *overrides, source.memory, lesson.primitives);
+        append_primitives(problem, *robot, *overrides, source.memory, lesson.keys);
     if (!added) return tl::unexpected(added.error());
   }
   return lesson;

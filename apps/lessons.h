@@ -24,7 +24,7 @@ struct LessonSource {
 /// What is to be learned, and for which robot: that of the problems, if there are any.
 struct PrimitiveLesson {
   Robot robot;
-  std::vector<LocalProblem> primitives;  ///< no two with the same key
+  std::vector<PrimitiveKey> keys;  ///< no two alike
 };
 
 [[nodiscard]] Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source);

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 namespace mneme::app {
-bool is_query(const LocalPrimitive& primitive) { return primitive.obstacles.empty(); }
+bool is_query(const LocalPrimitive& primitive) { return primitive.is_whole_query; }
 
 std::string describe(const Scene& scene, const LocalPrimitive& primitive, std::size_t index) {
   if (is_query(primitive)) return fmt::format("query to goal {}", index + 1);

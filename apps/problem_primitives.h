@@ -4,7 +4,7 @@
 /// Primitives of problems, and how people read of them.
 #pragma once
 
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 #include "mneme/problem.h"
 
 #include <string>

@@ -6,7 +6,8 @@
 usage: mneme settings --json | generate_settings.py SOURCE_DIRECTORY [--check]
 
 Markdown has tables between <!-- settings:GROUP --> and <!-- /settings -->, Python stubs have keywords between
-# settings:GROUP and # /settings. With --check nothing is written: it fails if something would be.
+# settings:GROUP and # /settings. The group "kinds" is a table of the defaults that depend on the kind of memory; stubs
+have none. With --check nothing is written: it fails if something would be.
 """
 import argparse
 import json
@@ -50,12 +51,19 @@ def range_of(setting):
     return f"at most {number(most)}" if least is None else f"{number(least)} to {number(most)}"
 
 
-def table(settings, _):
-    rows = [(f"`{setting['name']}`", shown(setting.get("default")), range_of(setting), setting["meaning"])
-            for setting in settings]
-    cells = [" | ".join(cell.replace("|", "\\|") for cell in row) for row in rows]
-    return "".join(f"| {row} |\n" for row in ("setting | default | range | meaning", *cells)).replace(
-        "meaning |\n", "meaning |\n|---|---|---|---|\n", 1)
+def write_table(head, rows):
+    lines = [" | ".join(cell.replace("|", "\\|") for cell in row) for row in (head, *rows)]
+    lines = [f"| {line} |\n" for line in lines]
+    return lines[0] + "|" + "---|" * len(head) + "\n" + "".join(lines[1:])
+
+
+def table(group, _):
+    if "kinds" in group:
+        return write_table(("setting", *(f"`{kind}`" for kind in group["kinds"])),
+                           [(f"`{row['name']}`", *row["values"]) for row in group["settings"]])
+    return write_table(("setting", "default", "range", "meaning"),
+                       [(f"`{setting['name']}`", shown(setting.get("default")), range_of(setting), setting["meaning"])
+                        for setting in group["settings"]])
 
 
 def stub_default(setting):
@@ -67,9 +75,9 @@ def stub_default(setting):
     return json.dumps(default) if isinstance(default, str) else repr(default)
 
 
-def keywords(settings, indent):
+def keywords(group, indent):
     lines = []
-    for setting in settings:
+    for setting in group["settings"]:
         name = setting["name"].replace("-", "_")
         name += "_" if keyword.iskeyword(name) else ""
         kind = STUB_TYPES[setting["type"]]
@@ -99,10 +107,11 @@ def update(root, groups, is_checking):
     for name in FILES:
         path = root / name
         before = path.read_text()
+        expected = [group for group in groups if path.suffix == ".md" or "kinds" not in groups[group]]
         after, marked = generate(before, path.suffix, groups)
         findings += [f"{name}: settings:{group} is marked, but mneme settings has no such group"
                      for group in sorted(set(marked) - set(groups))]
-        findings += [f"{name}: settings:{group} is not marked anywhere" for group in groups if group not in marked]
+        findings += [f"{name}: settings:{group} is not marked anywhere" for group in expected if group not in marked]
         if after != before and is_checking:
             findings.append(f"{name}: settings are not as declared: script/generate writes them anew")
         elif after != before:
@@ -116,7 +125,7 @@ def main():
     parser.add_argument("root", type=pathlib.Path, metavar="SOURCE_DIRECTORY")
     parser.add_argument("--check", action="store_true", help="write nothing, say what is stale")
     arguments = parser.parse_args()
-    groups = {group["group"]: group["settings"] for group in json.load(sys.stdin)}
+    groups = {group["group"]: group for group in json.load(sys.stdin)}
     findings = update(arguments.root, groups, arguments.check)
     print("\n".join(findings), file=sys.stderr, end="\n" if findings else "")
     return 1 if findings else 0

@@ -107,11 +107,6 @@ struct LearnJob : LearnRun {
                                                     std::span<const PrimitiveKey> keys,
                                                     Database& database, const LearnJob& job);
 
-/// The same for primitives of any shapes, each in a scene of its own.
-[[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
-                                                    std::span<const LocalProblem> problems,
-                                                    Database& database, const LearnJob& job);
-
 /// Lessons from problems that are solved for the purpose.
 struct ProblemLesson : LearnRun {
   int paths = 5;          ///< per problem

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The kinds of memory: ways to cut a query into primitives, to remember what passes each, and to
-/// make samples of that for another query.
+/// Kinds of memory: each cuts a query into local primitives, remembers configurations for a
+/// primitive, and turns what it remembers into samples for another query.
 #pragma once
 
 #include "mneme/base.h"
 #include "mneme/check.h"
 #include "mneme/experience.h"
 #include "mneme/planning.h"
-#include "mneme/primitive.h"
+#include "mneme/robot.h"
+#include "mneme/scene.h"
 
 #include <array>
 #include <atomic>
@@ -24,6 +25,64 @@
 #include <vector>
 
 namespace mneme {
+
+// Primitives: the pieces of a workspace that experience is bound to.
+
+/// The numbers that describe a primitive, in the robot's base frame. Their meaning depends on the
+/// kind of memory.
+using PrimitiveKey = std::vector<double>;
+
+/// A motion of the workspace that a motion of the leading joints undoes: first the mirror image
+/// y -> -y (which negates all joints of a planar arm), then a rotation about the axis of the
+/// turning joint and a shift along it.
+struct Symmetry {
+  double rotation = 0;  ///< radians
+  bool is_mirrored = false;
+  double lift = 0;  ///< metres along z
+};
+/// The motion that undoes `motion`.
+[[nodiscard]] Symmetry inverse(const Symmetry& motion);
+/// `first`, then `second`, as one motion.
+[[nodiscard]] Symmetry compose(const Symmetry& second, const Symmetry& first);
+
+/// The leading joints of a robot that move all the rest of it rigidly. No symmetry moves the links
+/// before them, such as a base or a head.
+struct SymmetricJoints {
+  int turn = -1;                  ///< index into a configuration of the joint about z, or -1
+  int lift = -1;                  ///< index of the prismatic joint along z, or -1
+  double axis_x = 0, axis_y = 0;  ///< where the axis of `turn` meets the plane z = 0, metres
+};
+/// Finds them along the chain from the root: a prismatic joint along the root's z and a revolute or
+/// continuous one about it, in either order, that carry all further joints of the group. A planar
+/// arm has joint 1; Fetch has torso lift and shoulder pan. O(links).
+[[nodiscard]] SymmetricJoints find_symmetric_joints(const Robot& robot);
+
+/// The configuration whose moving links are those of `q`, moved by `motion`. The turning joint is
+/// wrapped to [-pi, pi); the caller checks limits.
+[[nodiscard]] Configuration moved_configuration(const SymmetricJoints& joints,
+                                                const Symmetry& motion, std::span<const double> q);
+/// The pair of circles `key`, moved by `motion`.
+[[nodiscard]] PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key);
+
+/// A local primitive lw_i of a query.
+struct LocalPrimitive {
+  std::vector<int> obstacles;   ///< indices into the scene; into make_scene(key) if it came from
+                                ///< make_primitive()
+  std::string kind;             ///< MemoryKind::version of the kind that the key belongs to
+  PrimitiveKey key;             ///< canonical: the midpoint of the two centres lies on the positive
+                                ///< x axis (seen from the axis of the turning joint) and, with a
+                                ///< lift, at z = 0
+  Symmetry to_scene;            ///< takes the canonical primitive to the scene
+  double gap = 0;               ///< metres between the two obstacles
+  bool is_whole_query = false;  ///< a start and a goal without obstacles (kind "paths")
+};
+
+/// One of several keys that describe the same canonical primitive, such as the other order of a
+/// pair. A lookup queries all of them, because one choice would jump where two are nearly equal.
+struct KeyImage {
+  PrimitiveKey key;
+  bool is_mirrored = false;
+};
 
 // Learning a local sampler.
 
@@ -40,43 +99,35 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("starts-per-link", s.starts_per_link, 1, 1000,
-        "local queries per link that can be in the gap; more make the sampler "
-        "richer and slower to learn");
+        "Local queries per link that can be in the gap. More make the sampler richer and slower to "
+        "learn.");
   visit("paths-per-start", s.paths_per_start, 1, 1000,
-        "paths per local query: several are robust to obstacles outside the primitive");
+        "Paths per local query. More make the sampler robust to obstacles outside the primitive.");
   visit("learn-iterations", s.max_iterations, 1, 100000000,
-        "iteration limit of one local query; a query that reaches it is given up");
-  visit("learn-range", s.range, 1e-3, 1e3, "extension range of local queries, radians");
+        "Iteration limit of one local query. A query that reaches it teaches nothing.");
+  visit("learn-range", s.range, 1e-3, 1e3, "Extension range of local queries, radians.");
   visit("learn-resolution", s.resolution, 1e-4, 1.0,
-        "resolution of local queries, radians; left out, the robot's default");
+        "Resolution of local queries, radians. Default: the robot's.");
   visit("merge-cliques", s.merge_cliques, false, true,
-        "merge fully connected groups of means into one component with their covariance: a smaller "
-        "database");
+        "Merge groups of means that see each other into one component with their covariance "
+        "(section V-A of the paper). Makes a smaller database.");
 }
 /// The settings as one line of text, the same for equal settings: part of a row's provenance.
 [[nodiscard]] std::string describe(const LearnSettings& settings);
 
 struct LearnResult {
   LocalSampler sampler;          ///< canonical frame; no components if no query was solved
-  int queries = 0;               ///< local ones that were planned for
-  int solved = 0;                ///< of these
-  std::uint64_t iterations = 0;  ///< of all
+  int queries = 0;               ///< local queries that were planned for
+  int solved = 0;                ///< local queries with a path
+  std::uint64_t iterations = 0;  ///< over all local queries
   double time_s = 0;
 };
 
-/// A primitive and a scene of its obstacles alone, in its order.
-struct LocalProblem {
-  LocalPrimitive primitive;
-  Scene scene;
-};
-[[nodiscard]] std::vector<LocalProblem> local_problems(const Scene& scene,
-                                                       std::span<const LocalPrimitive> primitives);
-
 // Kinds of memory.
 
-/// What memory is asked about. Refers to all of it.
+/// A query to memory. Refers to its arguments.
 struct MemoryQuery {
-  Robot robot;  ///< without what it carries: experience is of the robot itself
+  Robot robot;  ///< without attached objects: experience belongs to the robot itself
   const Scene& scene;
   const Configuration* start = nullptr;  ///< null if only the scene is known
   std::span<const Configuration> goals = {};
@@ -90,26 +141,25 @@ struct Match {
   Symmetry to_scene;            ///< takes the stored means to the query's scene
 };
 
-/// A primitive of the query and what the memory knew of it.
+/// A primitive of the query and its matches in memory.
 struct PrimitiveRetrieval {
   LocalPrimitive primitive;
   std::vector<Match> matches;  ///< nearest first
-  bool is_learned = false;     ///< there was no match, and it was learned just now
+  bool is_learned = false;     ///< learned during this query, because nothing matched
 };
 
-/// When a memory is asked, and how often it is drawn from.
+/// When a memory is queried, and how often it is sampled.
 struct MemoryShare {
   double lambda = 0.5;
-  std::optional<double> least_lambda = std::nullopt;  ///< left out: lambda stays
+  std::optional<double> least_lambda = std::nullopt;  ///< none: lambda is constant
   int retrieve_after = 0;
 };
 
-/// What measures best for the samplers of one kind; SolveSettings says what each means.
+/// The values that measure best for one kind. SolveSettings and MemorySettings explain each.
 struct MemoryDefaults {
   MemoryShare share = {};
-  /// For a planner that goes on escape walks, which need no memory for what is easy; left out:
-  /// share.
-  std::optional<MemoryShare> share_beside_walks = std::nullopt;
+  /// For planners with escape walks, which solve easy problems without memory. None: `share`.
+  std::optional<MemoryShare> share_with_walks = std::nullopt;
   double sigma = 0.1;
   double similarity = 1;
   int max_matches = 8;
@@ -117,69 +167,88 @@ struct MemoryDefaults {
   bool retarget = false;
   double first_components = 1e9;
   double max_gap = 1;
+
+  [[nodiscard]] const MemoryShare& share_for(bool walks) const {
+    return walks && share_with_walks ? *share_with_walks : share;
+  }
 };
 
-/// One way to remember. To add one: src/memory/NAME.cpp, a row in src/memory/memory_kinds.cpp, a
-/// test; command line, Python and benchmark take it from there. Functions are parallel-safe; those
-/// that need a start and goals refuse a query without.
+/// One way to remember. To add one: src/memory/NAME.cpp with a test, and its name in
+/// src/memory/memory_kinds.cpp. Command line, Python, benchmarks and documents take it from there.
+/// Functions are parallel-safe; those that need a start and goals refuse a query without.
 struct MemoryKind {
   std::string_view name;
-  /// Name and number, such as "pairs/1". Changes whenever keys or means change their meaning: then
-  /// rows of the other version are left alone instead of misread.
+  /// Name and number, such as "pairs/1". Changes whenever keys or means change their meaning; rows
+  /// of another version are ignored.
   std::string_view version;
   std::string_view summary;
   MemoryDefaults defaults;
+  /// True if the kind can remember something for the robot.
+  bool (*handles)(const Robot& robot) = nullptr;
+  /// The kind of highest rank that handles a robot is the default for primitives of scenes, and for
+  /// solved problems.
+  int rank_for_scenes = 0, rank_for_paths = 0;
   /// Numbers in a key.
   int (*key_size)(const Robot& robot) = nullptr;
   /// Algorithm 2, line 1: cuts a query into primitives. `max_gap`: two obstacles at most this far
-  /// apart (metres, between surfaces) form a primitive. Errors: a robot or obstacles that it does
-  /// not handle.
+  /// apart (metres, between surfaces) form a primitive. Errors: a robot or obstacles that the kind
+  /// does not handle.
   Result<std::vector<LocalPrimitive>> (*decompose)(const MemoryQuery& query,
                                                    double max_gap) = nullptr;
   /// All images of a canonical key, that key first.
   std::vector<KeyImage> (*images)(const PrimitiveKey& canonical) = nullptr;
-  /// Algorithm 2, line 10: what matched becomes components for this query, in order of relevance.
-  /// Component i counts for the retrieval whose index its source is.
+  /// Algorithm 2, line 10: turns matches into components for this query, in order of relevance. The
+  /// source of a component is the index of its retrieval.
   GaussianMixture (*synthesize)(const MemoryQuery& query,
                                 std::span<const PrimitiveRetrieval> retrievals) = nullptr;
-  /// The same with means that are fitted to the query's primitives, each when it is first drawn; a
-  /// match is a group of components, the most relevant first. Origins are counted from
+  /// The same with means that are fitted to the query's primitives, each when it is first sampled;
+  /// a match is a group of components, the most relevant first. Sources are counted from
   /// `first_source`. Null, or returns null, where synthesize() is the only way.
   std::shared_ptr<const ComponentSource> (*retarget)(const MemoryQuery& query,
                                                      std::span<const PrimitiveRetrieval> retrievals,
                                                      SampleSource first_source) = nullptr;
   /// The path that a row remembers, bent so that it leads from the query's start to `goal`; empty
-  /// if it remembers none. Null for a kind that does not keep whole paths.
+  /// if the row has none. Null for a kind that does not keep whole paths.
   Path (*bend)(const MemoryQuery& query, const Configuration& goal,
                const Experience& row) = nullptr;
-  /// What solved paths of the query teach: rows with kind, key and sampler. Errors: those of
+  /// Turns solved paths of the query into rows with kind, key and sampler. Errors: those of
   /// decompose.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,
                                                       std::span<const Path> paths, double max_gap,
                                                       double reach) = nullptr;
-  /// Learns a primitive by solving local queries; see learn_local_sampler(). Null for a kind that
-  /// learns from solved paths alone.
-  Result<LearnResult> (*learn)(const Robot& robot, const LocalProblem& problem,
+  /// Learns a primitive from its key by solving local queries; see learn_local_sampler(). Null for
+  /// a kind that learns from solved paths alone.
+  Result<LearnResult> (*learn)(const Robot& robot, const PrimitiveKey& key,
                                const LearnSettings& settings, std::uint64_t seed, double deadline_s,
                                const std::atomic<bool>* cancel) = nullptr;
-  /// Why it does not learn on a miss; empty if it does.
-  std::string_view no_learning_on_a_miss;
+
+  [[nodiscard]] bool can_learn_primitives() const { return learn != nullptr; }
+  [[nodiscard]] bool can_replay() const { return bend != nullptr; }
 };
 
 /// All kinds; the first one is the paper's.
 [[nodiscard]] std::span<const MemoryKind* const> memory_kinds();
-/// Error: an unknown name; the message lists those there are.
+/// Error: an unknown name; the message lists the known ones.
 [[nodiscard]] Result<const MemoryKind*> find_memory_kind(std::string_view name);
-/// The kind of rows of this version; null if this mneme has none.
+/// The kind of rows of this version; null if there is none.
 [[nodiscard]] const MemoryKind* memory_kind_of(std::string_view version);
-/// The kind that learns primitives of a robot: "pairs" for planar arms, otherwise "body_pairs".
+/// The default kind for primitives of scenes: see MemoryKind::rank_for_scenes.
 [[nodiscard]] const MemoryKind& default_memory_kind(const Robot& robot);
-/// The kind that solved problems teach a robot most as: "paths" for arms in space.
+/// The default kind for solved problems: see MemoryKind::rank_for_paths.
 [[nodiscard]] const MemoryKind& default_kind_of_paths(const Robot& robot);
 
-/// Which memory, and how a scene is cut into its primitives.
+/// A setting whose default depends on the kind of memory, and its default for each kind, as text.
+struct KindDefault {
+  std::string_view setting;
+  std::vector<std::string> values;  ///< in the order of the kinds
+};
+/// All such settings, for help and documents: "0.8 (0.5 with walks)" where escape walks matter.
+[[nodiscard]] std::vector<KindDefault> kind_defaults(
+    std::span<const MemoryKind* const> kinds = memory_kinds());
+
+/// The kind of memory, and how a scene is cut into its primitives.
 struct MemorySettings {
-  std::optional<std::string> kind;  ///< one of memory_kinds(); left out, see where it is used
+  std::optional<std::string> kind;  ///< one of memory_kinds(); the default depends on the function
   std::optional<double> max_gap;
 };
 
@@ -187,30 +256,30 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, MemorySettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("max-gap", s.max_gap, 0.0, 1e6,
-        "two obstacles at most this far apart (metres, between surfaces) form a primitive; left "
-        "out, the default of the kind of memory (1 for pairs, 0.25 for body_pairs and gaps)");
+        "Largest distance between two obstacles that form a primitive, metres between surfaces. "
+        "Default: by kind (see table).");
 }
 
-/// The kind that the settings name, or else default_memory_kind().
+/// The kind that the settings name, or default_memory_kind().
 [[nodiscard]] Result<const MemoryKind*> choose_kind(const Robot& robot,
                                                     const MemorySettings& settings);
-/// Cuts a query into primitives of the kind that choose_kind() says.
+/// Cuts a query into primitives of the kind that choose_kind() returns.
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose(const MemoryQuery& query,
                                                             const MemorySettings& settings = {});
-/// What solved paths teach the kind that choose_kind() says: of pairs of obstacles one row per
-/// primitive, whose components are the waypoints that belong to it, moved to the canonical frame. A
-/// waypoint belongs to a primitive if one shape of the robot that the symmetric joints move is
-/// closer than `reach` (metres) to all its obstacles. Rows have no provenance yet; primitives
-/// without a waypoint have none. O(waypoints * shapes * obstacles). Error: constraints, of a kind
-/// that does not keep whole paths.
+/// Turns solved paths into rows of the kind that choose_kind() returns. For pairs of obstacles: one
+/// row per primitive, whose components are the waypoints that belong to it, moved to the canonical
+/// frame. A waypoint belongs to a primitive if one shape of the robot that the symmetric joints
+/// move is closer than `reach` (metres) to all its obstacles. A primitive without a waypoint has no
+/// row; rows have no provenance yet. O(waypoints * shapes * obstacles). Error: constraints, for a
+/// kind that does not keep whole paths.
 [[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                                std::span<const Path> paths,
                                                                const MemorySettings& settings = {},
                                                                double reach = 0.12);
 
-/// The stored experience of the kind whose similarity error to `primitive` is less than
-/// `threshold`, nearest first, at most `max_matches` (0: all) and among so many keys as `keys_left`
-/// allows. Errors: those of Database::find().
+/// Stored experience of the kind whose similarity error to `primitive` is less than `threshold`,
+/// nearest first, at most `max_matches` (0: all). Inspects at most `keys_left` keys and counts
+/// these down. Errors: those of Database::find().
 [[nodiscard]] Result<std::vector<Match>> find_matches(const Database& database,
                                                       const MemoryKind& kind,
                                                       const LocalPrimitive& primitive,
@@ -225,6 +294,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
 // The kind "pairs": two circles (x_a, y_a, r_a, x_b, y_b, r_b), metres, as in the paper. For planar
 // arms; pairs that overlap or that the arm cannot reach are left out.
 
+inline constexpr std::size_t kCirclePairKeySize = 6;
 /// Brings a pair of circles to canonical form.
 [[nodiscard]] LocalPrimitive make_primitive(const PrimitiveKey& circles);
 /// The two circles of a key as a scene of their own.
@@ -232,20 +302,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
 
 /// Section IV-A of the paper: solves queries that start with the arm threaded through the gap,
 /// stratified by the first link that crosses it, and end with the arm wholly out; shortcuts the
-/// paths and places one component at each waypoint; no mean is in contact. Depends on the arguments
+/// paths and places one component at each waypoint. No mean is in contact. Depends on the arguments
 /// alone if `deadline_s` is 0; otherwise it stops after that many seconds with what it has, and in
-/// any case within a few milliseconds once `cancel` is set. Errors: a robot that it does not
-/// handle; a key that is none of the kind "pairs".
+/// any case within a few milliseconds once `cancel` is set. Errors: a robot that is no planar arm;
+/// a key of another kind than "pairs".
 [[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
-                                                      const LearnSettings& settings,
-                                                      std::uint64_t seed, double deadline_s = 0,
-                                                      const std::atomic<bool>* cancel = nullptr);
-/// The same for any arm. In space, queries start with the robot's body covering the middle of the
-/// passage between the first two obstacles, stratified by the joint that carries the part that
-/// does, last joint first, and end with the body clear of that middle. Two obstacles that touch, or
-/// a passage out of reach, teach nothing.
-[[nodiscard]] Result<LearnResult> learn_local_sampler(const Robot& robot,
-                                                      const LocalProblem& problem,
                                                       const LearnSettings& settings,
                                                       std::uint64_t seed, double deadline_s = 0,
                                                       const std::atomic<bool>* cancel = nullptr);
@@ -271,24 +332,6 @@ inline constexpr int kBodyKeySize = 9;
 /// Brings a pair of bodies to canonical form.
 [[nodiscard]] LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                                  const Obstacle& b);
-
-// The kind "gaps": pairs of any shapes that leave a passage for the thinnest part of the robot,
-// with the obstacles that bound it: those that a ray from its middle, at right angles to the line
-// between the pair, meets first, within kGapReach.
-
-/// Numbers in a key of the kind "gaps": the middle of the passage and 3 x 3 x 3 distances.
-inline constexpr int kGapKeySize = 30;
-inline constexpr double kGapReach = 0.25;        ///< metres from the middle that matter to a gap
-inline constexpr double kGapProbeSpacing = 0.1;  ///< metres between the points of gap_key()
-/// The place and the surroundings of a passage as numbers, all in metres and alike under the
-/// Euclidean norm: its middle, then a third of the distances, each at most kGapReach, from the
-/// points of a grid around the middle to the nearest obstacle (0 inside one). The grid has the axes
-/// of `rotation` and kGapProbeSpacing; its last axis counts fastest. Whatever the obstacles'
-/// shapes, number and order, surfaces that move by less than e change the distances' share of the
-/// norm by less than sqrt(3) e; what is out of reach changes nothing, so that keys of unlike
-/// shelves agree where their passages do.
-[[nodiscard]] PrimitiveKey gap_key(std::span<const Obstacle> obstacles, const Vec3& middle,
-                                   const Eigen::Matrix3d& rotation);
 
 // The kind "paths": whole solved paths, found by their ends and bent to those of the query.
 

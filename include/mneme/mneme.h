@@ -17,7 +17,6 @@
 #include "mneme/trajectory.h"
 #include "mneme/goal.h"
 #include "mneme/planning.h"
-#include "mneme/primitive.h"
 #include "mneme/store.h"
 #include "mneme/upkeep.h"
 #include "mneme/experience.h"

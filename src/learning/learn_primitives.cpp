@@ -10,10 +10,8 @@
 namespace mneme {
 namespace {
 
-/// What to learn; without a problem, the pair of circles that the key describes.
 struct Lesson {
-  const PrimitiveKey* key = nullptr;
-  const LocalProblem* problem = nullptr;
+  PrimitiveKey key;
   std::uint64_t seed = 0;
 };
 
@@ -28,16 +26,16 @@ std::uint64_t lesson_seed(std::uint64_t job_seed, const PrimitiveKey& key) {
   return seed;
 }
 
-/// The lessons of a job, each primitive once.
+/// The lessons of a job, each primitive once. Refers to its arguments.
 class Lessons {
  public:
   Lessons(const Robot& robot, const LearnJob& job)
       : robot_(robot), job_(job), settings_text_(describe(job.settings)) {}
 
-  void add(const PrimitiveKey& key, const LocalProblem* problem) {
+  void add(const PrimitiveKey& key) {
     ++asked_;
     const std::uint64_t seed = lesson_seed(job_.seed, key);
-    if (seeds_.insert(seed).second) lessons_.push_back({&key, problem, seed});
+    if (seeds_.insert(seed).second) lessons_.push_back({key, seed});
   }
 
   Result<LearnSummary> run(Database& database) const {
@@ -66,20 +64,15 @@ class Lessons {
   }
 
   Result<internal::Learned> learn(const Lesson& lesson) const {
-    auto learned =
-        lesson.problem == nullptr
-            ? learn_local_sampler(robot_, *lesson.key, job_.settings, lesson.seed, 0, job_.cancel)
-            : learn_local_sampler(robot_, *lesson.problem, job_.settings, lesson.seed, 0,
-                                  job_.cancel);
-    return std::move(learned).map([&](LearnResult&& result) {
-      Experience row;
-      row.kind = lesson.problem == nullptr ? std::string(memory_kinds().front()->version)
-                                           : lesson.problem->primitive.kind;
-      row.key = *lesson.key;
-      row.sampler = std::move(result.sampler);
-      row.provenance = {"mneme " + std::string(version()), settings_text_, lesson.seed, {}};
-      return internal::Learned{{std::move(row)}, {}};
-    });
+    const MemoryKind& kind = *memory_kinds().front();
+    LearnResult result = MNEME_TRY(
+        kind.learn(robot_, lesson.key, job_.settings, lesson.seed, 0, job_.cancel));
+    Experience row;
+    row.kind = kind.version;
+    row.key = lesson.key;
+    row.sampler = std::move(result.sampler);
+    row.provenance = {"mneme " + std::string(version()), settings_text_, lesson.seed, {}};
+    return internal::Learned{{std::move(row)}, {}};
   }
 
   /// The same for all processes with the same settings, seed and primitives.
@@ -103,14 +96,7 @@ class Lessons {
 Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
                                       Database& database, const LearnJob& job) {
   Lessons lessons(robot, job);
-  for (const PrimitiveKey& key : keys) lessons.add(key, nullptr);
-  return lessons.run(database);
-}
-
-Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const LocalProblem> problems,
-                                      Database& database, const LearnJob& job) {
-  Lessons lessons(robot, job);
-  for (const LocalProblem& problem : problems) lessons.add(problem.primitive.key, &problem);
+  for (const PrimitiveKey& key : keys) lessons.add(key);
   return lessons.run(database);
 }
 

@@ -4,8 +4,7 @@
 
 #include "geometry/solids.h"
 #include "memory/moved_means.h"
-#include "primitive/near_pairs.h"
-#include "primitive/passage.h"
+#include "memory/near_pairs.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -90,7 +89,7 @@ std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
 LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                    const Obstacle& b) {
   LocalPrimitive primitive = make_primitive_of(joints, make_body(a), make_body(b));
-  primitive.gap = internal::closest_shapes(a, b, std::numeric_limits<double>::infinity()).distance;
+  primitive.gap = internal::obstacle_distance(a, b, std::numeric_limits<double>::infinity());
   return primitive;
 }
 
@@ -103,16 +102,15 @@ Result<std::vector<LocalPrimitive>> decompose_into_body_pairs(const MemoryQuery&
   const std::optional<Scene> boxed = with_boxed_compounds(query.scene);
   const Scene& scene = boxed ? *boxed : query.scene;
   const SymmetricJoints joints = find_symmetric_joints(robot);
-  const auto pairs = find_near_pairs(scene, max_gap);
-  if (!pairs) return tl::unexpected(pairs.error());
+  const auto pairs = MNEME_TRY(find_near_pairs(scene, max_gap));
   std::vector<LocalPrimitive> primitives;
-  if (pairs->empty()) return primitives;
+  if (pairs.empty()) return primitives;
   std::vector<Body> bodies;
   for (const Obstacle& obstacle : scene.obstacles) bodies.push_back(make_body(obstacle));
-  for (const auto& [first, second] : *pairs) {
+  for (const auto& [first, second] : pairs) {
     const auto i = static_cast<std::size_t>(first);
     const auto j = static_cast<std::size_t>(second);
-    const double gap = closest_shapes(scene.obstacles[i], scene.obstacles[j], max_gap).distance;
+    const double gap = obstacle_distance(scene.obstacles[i], scene.obstacles[j], max_gap);
     if (gap > max_gap) continue;
     primitives.push_back(make_primitive_of(joints, bodies[i], bodies[j]));
     primitives.back().obstacles = {first, second};
@@ -140,15 +138,13 @@ extern constinit const MemoryKind kBodyPairs = {
                  .drop_invalid_means = false,
                  .first_components = 20,
                  .max_gap = 0.25},
+    .handles = [](const Robot&) { return true; },
+    .rank_for_scenes = 1,
     .key_size = [](const Robot&) { return 2 * kBodyKeySize; },
     .decompose = decompose_into_body_pairs,
     .images = images_of_bodies,
     .synthesize = pool_moved_means,
     .learn_from_paths = learn_waypoints<decompose_into_body_pairs>,
-    .learn = learn_local_sampler,
-    .no_learning_on_a_miss =
-        "two obstacles say too little of the passage between them: the kind 'gaps' learns on a "
-        "miss, 'remember-after' from solved problems",
 };
 
 }  // namespace internal

@@ -4,7 +4,7 @@
 
 #include "memory/fitted_means.h"
 #include "memory/moved_means.h"
-#include "primitive/near_pairs.h"
+#include "memory/near_pairs.h"
 #include "robot/link_shapes.h"
 
 #include <fmt/format.h>
@@ -126,10 +126,8 @@ double gap_distance(const Circle& a, const Circle& b) {
   return (from + along * direction).norm();
 }
 
-constexpr std::size_t kPairKeySize = 6;
-
 std::vector<KeyImage> images_of_circles(const PrimitiveKey& k) {
-  assert(k.size() == kPairKeySize);
+  assert(k.size() == kCirclePairKeySize);
   return {{k, false},
           {{k[3], k[4], k[5], k[0], k[1], k[2]}, false},
           {{k[0], -k[1], k[2], k[3], -k[4], k[5]}, true},
@@ -166,12 +164,6 @@ Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(const MemoryQuer
   return primitives;
 }
 
-Result<LearnResult> learn_circle_pair(const Robot& robot, const LocalProblem& problem,
-                                      const LearnSettings& settings, std::uint64_t seed,
-                                      double deadline_s, const std::atomic<bool>* cancel) {
-  return learn_local_sampler(robot, problem.primitive.key, settings, seed, deadline_s, cancel);
-}
-
 }  // namespace
 
 extern constinit const MemoryKind kCirclePairs = {
@@ -179,27 +171,29 @@ extern constinit const MemoryKind kCirclePairs = {
     .version = "pairs/1",
     .summary = "two circles and the gap between them, as in the paper; for planar arms",
     .defaults = {.share = {.lambda = 0.8, .least_lambda = 0.2},
-                 .share_beside_walks = MemoryShare{.lambda = 0.5,
-                                                   .least_lambda = 0.02,
-                                                   .retrieve_after = 1000},
+                 .share_with_walks = MemoryShare{.lambda = 0.5,
+                                                 .least_lambda = 0.02,
+                                                 .retrieve_after = 1000},
                  .sigma = 0.03,
                  .similarity = 2,
                  .retarget = true,
                  .max_gap = 1},
-    .key_size = [](const Robot&) { return static_cast<int>(kPairKeySize); },
+    .handles = [](const Robot& robot) { return robot.is_planar(); },
+    .rank_for_scenes = 2,
+    .rank_for_paths = 2,
+    .key_size = [](const Robot&) { return static_cast<int>(kCirclePairKeySize); },
     .decompose = decompose_into_circle_pairs,
     .images = images_of_circles,
     .synthesize = pool_moved_means,
     .retarget = retarget_means,
     .learn_from_paths = learn_waypoints<decompose_into_circle_pairs>,
-    .learn = learn_circle_pair,
-    .no_learning_on_a_miss = {},
+    .learn = learn_local_sampler,
 };
 
 }  // namespace internal
 
 LocalPrimitive make_primitive(const PrimitiveKey& circles) {
-  assert(circles.size() == internal::kPairKeySize);
+  assert(circles.size() == kCirclePairKeySize);
   LocalPrimitive primitive;
   primitive.kind = internal::kCirclePairs.version;
   primitive.obstacles = {0, 1};
@@ -213,7 +207,7 @@ LocalPrimitive make_primitive(const PrimitiveKey& circles) {
 }
 
 Scene make_scene(const PrimitiveKey& key) {
-  assert(key.size() == internal::kPairKeySize);
+  assert(key.size() == kCirclePairKeySize);
   const Sphere a{Vec3(key[0], key[1], 0), key[2]};
   const Sphere b{Vec3(key[3], key[4], 0), key[5]};
   return Scene{"primitive", {Obstacle{"circle_a", {a}}, Obstacle{"circle_b", {b}}}};

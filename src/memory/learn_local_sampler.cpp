@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Section IV-A of the paper. One departure makes learning cheap: queries go from shallow to deep,
+// and each one samples with Algorithm 1 from what the shallower ones have taught.
 #include "mneme/memory.h"
 
-#include "memory/local_queries.h"
-#include "memory/passage_queries.h"
+#include "memory/merge_cliques.h"
 #include "memory/planar_chain.h"
 #include "memory/threaded.h"
 
@@ -11,65 +13,137 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace mneme {
 namespace {
 
-/// Planar arms, stratified by the first link that crosses the gap: the last link is shallow.
-class ThreadedQueries final : public internal::QuerySource {
+constexpr int kStartAttempts = 300;
+constexpr int kFreeAttempts = 100;
+constexpr int kGoalsPerQuery = 4;
+constexpr double kBootstrapLambda = 0.5;
+constexpr double kBootstrapSigma = 0.1;
+
+/// Learns one pair of circles for a planar arm.
+class Learner {
  public:
-  ThreadedQueries(const CollisionChecker& checker, const internal::PlanarChain& chain,
-                  const PrimitiveKey& key)
-      : checker_(checker), chain_(chain), key_(key) {}
-
-  [[nodiscard]] int depth_count() const override { return chain_.link_count(); }
-
-  [[nodiscard]] std::optional<Configuration> draw_start(int depth, std::span<const Configuration>,
-                                                        Rng& rng) const override {
-    constexpr int kAttempts = 300;
-    const int link = chain_.link_count() - 1 - depth;
-    return internal::sample_threaded(checker_, chain_, key_, link, kAttempts, rng);
+  Learner(const CollisionChecker& checker, const internal::PlanarChain& chain,
+          const PrimitiveKey& key, const LearnSettings& settings, std::uint64_t seed,
+          double deadline_s, const std::atomic<bool>* cancel)
+      : checker_(checker),
+        chain_(chain),
+        key_(key),
+        settings_(settings),
+        rng_(seed),
+        deadline_s_(deadline_s),
+        cancel_(cancel),
+        uniform_(make_uniform_sampler(checker.robot())) {
+    result_.sampler.joint_count = checker.robot().joint_count();
   }
 
-  [[nodiscard]] bool is_clear(std::span<const double> q) const override {
-    return internal::first_crossing_link(chain_, key_, q) < 0;
+  /// Shallow are the queries whose last link alone crosses the gap.
+  LearnResult run() {
+    for (int link = chain_.link_count() - 1; link >= 0 && !is_late(); --link) learn_from(link);
+    if (settings_.merge_cliques && result_.sampler.component_count() > 0) {
+      result_.sampler =
+          internal::merge_cliques(checker_, result_.sampler, [this] { return is_late(); });
+    }
+    result_.time_s = stopwatch_.elapsed_s();
+    return std::move(result_);
   }
 
  private:
+  [[nodiscard]] bool is_late() const {
+    if (cancel_ != nullptr && cancel_->load()) return true;
+    return deadline_s_ > 0 && stopwatch_.elapsed_s() >= deadline_s_;
+  }
+
+  /// Solves queries that start with `link` as the first one through the gap.
+  void learn_from(int link) {
+    const std::shared_ptr<const Sampler> sampler = make_sampler();
+    for (int i = 0; i < settings_.starts_per_link && !is_late(); ++i) {
+      const auto start =
+          internal::sample_threaded(checker_, chain_, key_, link, kStartAttempts, rng_);
+      if (!start) return;
+      const PlanQuery query{*start, free_configurations()};
+      if (query.goals.empty()) return;
+      for (int j = 0; j < settings_.paths_per_start && !is_late(); ++j) {
+        if (!learn_from_query(query, *sampler)) break;
+      }
+    }
+  }
+
+  /// Algorithm 1 over what was learned so far.
+  std::shared_ptr<const Sampler> make_sampler() {
+    if (result_.sampler.component_count() == 0) return uniform_;
+    auto so_far = std::make_shared<const GaussianMixture>(result_.sampler);
+    return make_mixed_sampler(kBootstrapLambda,
+                              make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma),
+                              uniform_);
+  }
+
+  /// Valid configurations with the whole arm out of the gap.
+  std::vector<Configuration> free_configurations() {
+    std::vector<Configuration> found;
+    for (int i = 0; i < kFreeAttempts && static_cast<int>(found.size()) < kGoalsPerQuery; ++i) {
+      Configuration q;
+      for (int j = 0; j < checker_.robot().joint_count(); ++j) {
+        const Joint& joint = checker_.robot().group_joint(j);
+        q.push_back(rng_.uniform(joint.lower, joint.upper));
+      }
+      const bool is_out = internal::first_crossing_link(chain_, key_, q) < 0;
+      if (is_out && checker_.is_valid(std::span<const double>(q))) found.push_back(std::move(q));
+    }
+    return found;
+  }
+
+  bool learn_from_query(const PlanQuery& query, const Sampler& sampler) {
+    PlanSettings plan;
+    plan.range = settings_.range;
+    plan.max_iterations = static_cast<std::uint64_t>(settings_.max_iterations);
+    plan.timeout_s = deadline_s_ > 0 ? std::max(0.0, deadline_s_ - stopwatch_.elapsed_s()) : 1e6;
+    plan.seed = rng_.next();
+    plan.verify = false;
+    plan.cancel = cancel_;
+    const PlanResult planned = plan_with(rrt_connect, checker_, query, sampler, plan);
+    ++result_.queries;
+    result_.iterations += planned.iterations;
+    if (!planned.is_solved()) return false;
+    ++result_.solved;
+    // The last waypoint is an arbitrary configuration outside; it says nothing about the gap.
+    for (std::size_t i = 0; i + 1 < planned.path.size(); ++i) add_component(planned.path[i]);
+    return true;
+  }
+
+  /// Skips a configuration that is in contact once it is rounded for storage.
+  void add_component(const Configuration& q) {
+    const std::vector<float> mean(q.begin(), q.end());
+    if (!checker_.is_valid(std::span<const float>(mean))) return;
+    result_.sampler.means.insert(result_.sampler.means.end(), mean.begin(), mean.end());
+  }
+
+  Stopwatch stopwatch_;
   const CollisionChecker& checker_;
   const internal::PlanarChain& chain_;
   const PrimitiveKey& key_;
+  const LearnSettings& settings_;
+  Rng rng_;
+  double deadline_s_;
+  const std::atomic<bool>* cancel_;
+  std::shared_ptr<const Sampler> uniform_;
+  LearnResult result_;
 };
-
-Result<CollisionChecker> make_checker(const Robot& robot, const Scene& scene,
-                                      const LearnSettings& settings) {
-  CheckerSettings checking;
-  checking.resolution = settings.resolution;
-  return CollisionChecker::make(robot, scene, checking);
-}
 
 /// A key of another kind would be read as circles that nobody meant.
 Result<void> check_circles(const PrimitiveKey& key) {
-  constexpr std::size_t kPairKeySize = 6;
   constexpr double kFarthest = 1e6;
   // Written so that a NaN is no length.
   const auto is_length = [](double value) { return std::abs(value) <= kFarthest; };
-  if (key.size() == kPairKeySize && std::ranges::all_of(key, is_length)) return {};
+  if (key.size() == kCirclePairKeySize && std::ranges::all_of(key, is_length)) return {};
   return fail(ErrorCode::invalid,
               fmt::format("a primitive of a planar arm cannot be learned: its key is ({:.4g}); "
                           "expected the 6 numbers of a pair of circles, metres, at most {}",
                           fmt::join(key, ", "), kFarthest));
-}
-
-/// Takes means from the scene of the primitive to its canonical frame.
-void move_means(const SymmetricJoints& joints, const Symmetry& motion, LocalSampler& sampler) {
-  const auto size = static_cast<std::size_t>(sampler.joint_count);
-  for (std::size_t i = 0; i + size <= sampler.means.size(); i += size) {
-    const Configuration q(sampler.means.begin() + static_cast<std::ptrdiff_t>(i),
-                          sampler.means.begin() + static_cast<std::ptrdiff_t>(i + size));
-    const Configuration moved = moved_configuration(joints, motion, q);
-    std::copy(moved.begin(), moved.end(), sampler.means.begin() + static_cast<std::ptrdiff_t>(i));
-  }
 }
 
 }  // namespace
@@ -90,45 +164,11 @@ std::string describe(const LearnSettings& settings) {
 Result<LearnResult> learn_local_sampler(const Robot& robot, const PrimitiveKey& key,
                                         const LearnSettings& settings, std::uint64_t seed,
                                         double deadline_s, const std::atomic<bool>* cancel) {
-  const auto chain = internal::PlanarChain::make(robot);
-  if (!chain) return tl::unexpected(chain.error());
-  if (const auto checked = check_circles(key); !checked) return tl::unexpected(checked.error());
-  const auto checker = make_checker(robot, make_scene(key), settings);
-  if (!checker) return tl::unexpected(checker.error());
-  const ThreadedQueries queries(*checker, *chain, key);
-  return internal::learn_from_queries(*checker, queries, settings, seed, deadline_s, cancel);
-}
-
-Result<LearnResult> learn_local_sampler(const Robot& robot, const LocalProblem& problem,
-                                        const LearnSettings& settings, std::uint64_t seed,
-                                        double deadline_s, const std::atomic<bool>* cancel) {
-  const LocalPrimitive& primitive = problem.primitive;
-  if (robot.is_planar()) {
-    return learn_local_sampler(robot, primitive.key, settings, seed, deadline_s, cancel);
-  }
-  const auto checker = make_checker(robot, problem.scene, settings);
-  if (!checker) return tl::unexpected(checker.error());
-  const auto queries = internal::PassageQueries::make(*checker);
-  LearnResult result;
-  result.sampler.joint_count = robot.joint_count();
-  if (!queries) return result;
-  result = internal::learn_from_queries(*checker, *queries, settings, seed, deadline_s, cancel);
-  move_means(find_symmetric_joints(robot), inverse(primitive.to_scene), result.sampler);
-  return result;
-}
-
-std::vector<LocalProblem> local_problems(const Scene& scene,
-                                         std::span<const LocalPrimitive> primitives) {
-  std::vector<LocalProblem> problems;
-  for (const LocalPrimitive& primitive : primitives) {
-    LocalProblem& problem = problems.emplace_back();
-    problem.primitive = primitive;
-    problem.scene.name = scene.name;
-    for (const int index : primitive.obstacles) {
-      problem.scene.obstacles.push_back(scene.obstacles[static_cast<std::size_t>(index)]);
-    }
-  }
-  return problems;
+  const auto chain = MNEME_TRY(internal::PlanarChain::make(robot));
+  MNEME_TRY(check_circles(key));
+  const auto checker = MNEME_TRY(
+      CollisionChecker::make(robot, make_scene(key), {.resolution = settings.resolution}));
+  return Learner(checker, chain, key, settings, seed, deadline_s, cancel).run();
 }
 
 }  // namespace mneme

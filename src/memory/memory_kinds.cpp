@@ -1,50 +1,127 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/memory.h"
+#include "memory/kind_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace mneme {
 namespace internal {
 
 // To add a kind: its file, which defines it, and its name in these two lists.
-extern const MemoryKind kCirclePairs, kBodyPairs, kWholePaths, kGaps;
+extern const MemoryKind kCirclePairs, kBodyPairs, kWholePaths;
 
 namespace {
-constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kWholePaths, &kGaps};
+
+constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kWholePaths};
+constexpr KindTable kAllKinds(kMemoryKinds);
+
+template <class Value>
+std::string default_text(const Value& value) {
+  if constexpr (std::is_same_v<Value, bool>) {
+    return value ? "on" : "off";
+  } else {
+    return value >= Value(1e9) ? "all" : fmt::format("{}", value);
+  }
+}
+
+/// The default of one setting, with that for planners with escape walks where it differs.
+template <class Value>
+std::string share_text(const MemoryDefaults& defaults, Value (*read)(const MemoryShare&)) {
+  const std::string text = default_text(read(defaults.share_for(false)));
+  const std::string with_walks = default_text(read(defaults.share_for(true)));
+  return text == with_walks ? text : fmt::format("{} ({} with walks)", text, with_walks);
+}
+
+struct DefaultEntry {
+  std::string_view setting;
+  std::string (*text)(const MemoryDefaults& defaults);
+};
+
+template <auto member>
+std::string member_text(const MemoryDefaults& defaults) {
+  return default_text(defaults.*member);
+}
+
+constexpr std::array kDefaults = {
+    DefaultEntry{"lambda",
+                 [](const MemoryDefaults& d) {
+                   return share_text<double>(d, [](const MemoryShare& s) { return s.lambda; });
+                 }},
+    DefaultEntry{"least-lambda",
+                 [](const MemoryDefaults& d) {
+                   return share_text<double>(d, [](const MemoryShare& s) {
+                     return s.least_lambda.value_or(s.lambda);
+                   });
+                 }},
+    DefaultEntry{"retrieve-after",
+                 [](const MemoryDefaults& d) {
+                   return share_text<int>(d, [](const MemoryShare& s) { return s.retrieve_after; });
+                 }},
+    DefaultEntry{"sigma", member_text<&MemoryDefaults::sigma>},
+    DefaultEntry{"similarity", member_text<&MemoryDefaults::similarity>},
+    DefaultEntry{"max-matches", member_text<&MemoryDefaults::max_matches>},
+    DefaultEntry{"drop-invalid-means", member_text<&MemoryDefaults::drop_invalid_means>},
+    DefaultEntry{"retarget", member_text<&MemoryDefaults::retarget>},
+    DefaultEntry{"first-components", member_text<&MemoryDefaults::first_components>},
+    DefaultEntry{"max-gap", member_text<&MemoryDefaults::max_gap>},
+};
+
 }  // namespace
 
-}  // namespace internal
-
-std::span<const MemoryKind* const> memory_kinds() { return internal::kMemoryKinds; }
-
-Result<const MemoryKind*> find_memory_kind(std::string_view name) {
+Result<const MemoryKind*> KindTable::find(std::string_view name) const {
   std::vector<std::string> known;
-  for (const MemoryKind* kind : memory_kinds()) {
+  for (const MemoryKind* kind : kinds_) {
     if (kind->name == name) return kind;
     known.emplace_back(kind->name);
   }
   return fail(ErrorCode::invalid,
-              fmt::format("there is no kind of memory '{}'; expected one of: "
-                          "{}{}",
-                          name, fmt::join(known, ", "), did_you_mean(name, known)));
+              fmt::format("there is no kind of memory '{}'; expected one of: {}{}", name,
+                          fmt::join(known, ", "), did_you_mean(name, known)));
+}
+
+const MemoryKind* KindTable::of_version(std::string_view version) const {
+  const auto found = std::ranges::find(kinds_, version, &MemoryKind::version);
+  return found == kinds_.end() ? nullptr : *found;
+}
+
+const MemoryKind& KindTable::best_for(const Robot& robot, int MemoryKind::*rank) const {
+  return **std::ranges::max_element(kinds_, {}, [&](const MemoryKind* kind) {
+    return kind->handles(robot) ? kind->*rank : -1;
+  });
+}
+
+}  // namespace internal
+
+std::span<const MemoryKind* const> memory_kinds() { return internal::kAllKinds.kinds(); }
+
+Result<const MemoryKind*> find_memory_kind(std::string_view name) {
+  return internal::kAllKinds.find(name);
 }
 
 const MemoryKind* memory_kind_of(std::string_view version) {
-  const auto found = std::ranges::find(memory_kinds(), version, &MemoryKind::version);
-  return found == memory_kinds().end() ? nullptr : *found;
+  return internal::kAllKinds.of_version(version);
 }
 
 const MemoryKind& default_memory_kind(const Robot& robot) {
-  return robot.is_planar() ? internal::kCirclePairs : internal::kBodyPairs;
+  return internal::kAllKinds.best_for(robot, &MemoryKind::rank_for_scenes);
 }
 
 const MemoryKind& default_kind_of_paths(const Robot& robot) {
-  return robot.is_planar() ? internal::kCirclePairs : internal::kWholePaths;
+  return internal::kAllKinds.best_for(robot, &MemoryKind::rank_for_paths);
+}
+
+std::vector<KindDefault> kind_defaults(std::span<const MemoryKind* const> kinds) {
+  std::vector<KindDefault> rows;
+  for (const internal::DefaultEntry& entry : internal::kDefaults) {
+    KindDefault& row = rows.emplace_back(KindDefault{entry.setting, {}});
+    for (const MemoryKind* kind : kinds) row.values.push_back(entry.text(kind->defaults));
+  }
+  return rows;
 }
 
 Result<const MemoryKind*> choose_kind(const Robot& robot, const MemorySettings& settings) {
@@ -54,30 +131,28 @@ Result<const MemoryKind*> choose_kind(const Robot& robot, const MemorySettings& 
 
 Result<std::vector<LocalPrimitive>> decompose(const MemoryQuery& query,
                                               const MemorySettings& settings) {
-  const auto kind = choose_kind(query.robot, settings);
-  if (!kind) return tl::unexpected(kind.error());
-  const double max_gap = settings.max_gap.value_or((*kind)->defaults.max_gap);
+  const MemoryKind* const kind = MNEME_TRY(choose_kind(query.robot, settings));
+  const double max_gap = settings.max_gap.value_or(kind->defaults.max_gap);
   if (!(max_gap >= 0)) {
     return fail(ErrorCode::invalid,
                 fmt::format("max-gap is {}; expected metres, at least 0", max_gap));
   }
-  return (*kind)->decompose(query, max_gap);
+  return kind->decompose(query, max_gap);
 }
 
 Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                  std::span<const Path> paths,
                                                  const MemorySettings& settings, double reach) {
-  const auto kind = choose_kind(query.robot, settings);
-  if (!kind) return tl::unexpected(kind.error());
-  // What a scene asks of a path and what a constraint asks of it could not be told apart later.
-  if (!query.constraints.empty() && (*kind)->bend == nullptr) {
+  const MemoryKind* const kind = MNEME_TRY(choose_kind(query.robot, settings));
+  // A waypoint may be where it is because of an obstacle or of a constraint.
+  if (!query.constraints.empty() && !kind->can_replay()) {
     return fail(ErrorCode::unsupported,
                 fmt::format("memory of the kind '{}' knows no constraints: paths that keep some "
                             "teach it nothing",
-                            (*kind)->name));
+                            kind->name));
   }
-  const double max_gap = settings.max_gap.value_or((*kind)->defaults.max_gap);
-  return (*kind)->learn_from_paths(query, paths, max_gap, reach);
+  return kind->learn_from_paths(query, paths, settings.max_gap.value_or(kind->defaults.max_gap),
+                                reach);
 }
 
 Result<std::vector<Match>> find_matches(const Database& database, const MemoryKind& kind,
@@ -86,16 +161,14 @@ Result<std::vector<Match>> find_matches(const Database& database, const MemoryKi
   const std::vector<KeyImage> images = kind.images(primitive.key);
   std::vector<PrimitiveKey> keys;
   for (const KeyImage& image : images) keys.push_back(image.key);
-  return database.find(kind.version, keys, threshold, max_matches, keys_left)
-      .map([&](std::vector<KeyMatch> found) {
-        std::vector<Match> matches;
-        for (KeyMatch& match : found) {
-          const Symmetry to_canonical{0, images[match.image].is_mirrored};
-          matches.push_back({std::move(match.experience), match.similarity_error,
-                             compose(primitive.to_scene, to_canonical)});
-        }
-        return matches;
-      });
+  auto found = MNEME_TRY(database.find(kind.version, keys, threshold, max_matches, keys_left));
+  std::vector<Match> matches;
+  for (KeyMatch& match : found) {
+    const Symmetry to_canonical{0, images[match.image].is_mirrored};
+    matches.push_back({std::move(match.experience), match.similarity_error,
+                       compose(primitive.to_scene, to_canonical)});
+  }
+  return matches;
 }
 
 double similarity_error(const MemoryKind& kind, const PrimitiveKey& a, const PrimitiveKey& b) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/moved_means.h"
 
-#include "memory/body_points.h"
 #include "robot/joint_space.h"
 
 #include <algorithm>
@@ -68,11 +67,29 @@ class Synthesizer {
   GaussianMixture pooled_;
 };
 
+/// Per link whether a joint of the group moves it. The lift of a robot with a turning joint does not
+/// count: what only it carries, such as a torso or a head, is turned by no symmetry.
+std::vector<bool> arm_links(const Robot& robot) {
+  const SymmetricJoints symmetric = find_symmetric_joints(robot);
+  const int ignored = symmetric.turn >= 0 ? symmetric.lift : -1;
+  std::vector<bool> is_moving(robot.links().size(), false);
+  for (std::size_t i = 0; i < is_moving.size(); ++i) {
+    const int joint = robot.links()[i].parent_joint;
+    if (joint < 0) continue;
+    const auto parent = robot.joints()[static_cast<std::size_t>(joint)].parent_link;
+    const auto found = std::ranges::find(robot.group(), joint);
+    const bool is_moved_here =
+        found != robot.group().end() && found - robot.group().begin() != ignored;
+    is_moving[i] = is_moved_here || is_moving[static_cast<std::size_t>(parent)];
+  }
+  return is_moving;
+}
+
 /// Distances between the moving shapes of a robot and the obstacles of a scene.
 class Nearness {
  public:
   Nearness(const Robot& robot, const Scene& scene, double reach)
-      : robot_(robot), scene_(scene), reach_(reach), is_moving_(internal::arm_links(robot)) {}
+      : robot_(robot), scene_(scene), reach_(reach), is_moving_(arm_links(robot)) {}
 
   /// Poses the robot: near(shape, obstacle) for each of its moving shapes.
   void look_at(const Configuration& q) {

@@ -64,6 +64,7 @@ LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> 
                                     std::span<const OrientationConstraint> constraints) {
   LocalPrimitive primitive;
   primitive.kind = kWholePathsVersion;
+  primitive.is_whole_query = true;
   PrimitiveKey& key = primitive.key;
   key.push_back(0);
   append(robot, start, key);
@@ -274,16 +275,14 @@ extern constinit const MemoryKind kWholePaths = {
                  .max_matches = 50,
                  .drop_invalid_means = false,
                  .first_components = 20},
+    .handles = [](const Robot&) { return true; },
+    .rank_for_paths = 1,
     .key_size = query_key_size,
     .decompose = find_queries,
     .images = images_of_query,
     .synthesize = warp_paths,
     .bend = bend_path,
     .learn_from_paths = remember_paths,
-    .learn = nullptr,
-    .no_learning_on_a_miss =
-        "whole paths are learned from solved problems alone: "
-        "'remember-after' does that while planning",
 };
 
 }  // namespace internal

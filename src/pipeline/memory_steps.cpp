@@ -69,15 +69,15 @@ Result<void> learn(const Query& query, const MemoryQuery& memory_query, const Ki
   const SolveSettings& settings = query.settings;
   const double budget_s =
       std::min(settings.learn_budget_s - learning_time_s, query.remaining_s() - kInsertionTime);
-  const bool can_learn = kind.kind->no_learning_on_a_miss.empty();
+  const bool can_learn = kind.kind->can_learn_primitives();
   if (budget_s <= 0 || !can_learn || is_known(primitive, kind)) return {};
   const Stopwatch stopwatch;
   LearnSettings learning = settings.learn;
   if (!learning.resolution) learning.resolution = settings.resolution;
   const std::uint64_t seed = lesson_seed(settings.plan.seed, primitive);
-  const LocalProblem lesson = local_problems(memory_query.scene, {&primitive.primitive, 1}).front();
-  LearnResult learned = MNEME_TRY(
-      kind.kind->learn(memory_query.robot, lesson, learning, seed, budget_s, settings.plan.cancel));
+  LearnResult learned =
+      MNEME_TRY(kind.kind->learn(memory_query.robot, primitive.primitive.key, learning, seed,
+                                 budget_s, settings.plan.cancel));
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;

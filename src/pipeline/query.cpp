@@ -38,7 +38,7 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
   return refuse_space(database.info().url, database.space(), wanted);
 }
 
-bool replays(const MemoryKind* kind) { return kind->bend != nullptr; }
+bool replays(const MemoryKind* kind) { return kind->can_replay(); }
 
 /// Those that the settings name; or those that the database holds and this mneme knows; or, of an
 /// empty one, which may be yet to come (null), the one that is about to be filled. What is to be
@@ -81,7 +81,7 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
 MemoryShare default_share(const MemoryDefaults& defaults, const SolveSettings& settings) {
   const auto planner = find_planner(settings.planner);
   const bool walks = planner && (*planner)->walks && settings.plan.walk != 0.0;
-  return walks ? defaults.share_beside_walks.value_or(defaults.share) : defaults.share;
+  return defaults.share_for(walks);
 }
 
 KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
@@ -111,14 +111,14 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
 
 Result<void> check_budget(const SolveSettings& settings, const std::vector<KindSettings>& kinds) {
   const auto learns = [](const KindSettings& kind) {
-    return kind.kind->no_learning_on_a_miss.empty();
+    return kind.kind->can_learn_primitives();
   };
   if (settings.learn_budget_s == 0 || std::ranges::any_of(kinds, learns)) return {};
   const MemoryKind& kind = *kinds.front().kind;
   return fail(ErrorCode::unsupported,
               fmt::format("setting 'learn-budget': memory of the kind '{}' does not learn on a "
-                          "miss: {}",
-                          kind.name, kind.no_learning_on_a_miss));
+                          "miss; 'remember-after' learns from solved problems",
+                          kind.name));
 }
 
 Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Database* database,

@@ -5,7 +5,7 @@
 /// are conditioned on.
 #pragma once
 
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 
 #include <vector>
 

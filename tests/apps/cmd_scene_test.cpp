@@ -157,23 +157,6 @@ TEST_SUITE("flow") {
     CHECK(has_text(run.err, "'cup'"));
     CHECK(has_text(run.err, "v.yaml"));
   }
-
-  TEST_CASE("gaps of a shelf are learned from its scenes, and found again without being named") {
-    const PlanarFiles files;
-    const std::string shelf = source_file("scenes/shelf/thick.yaml");
-    const std::string memory = files / "shelf.db";
-    const ProgramRun learned =
-        run_program({"learn", "--robot", "fetch", "--scenes", shelf, "--kind", "gaps", "--db",
-                     memory, "--starts-per-link", "10", "--paths-per-start", "1", "--jobs", "1",
-                     "--learn-iterations", "50000", "--json"});
-    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
-    CHECK(Json::parse(learned.out)["learned"].get<int>() >= 1);
-    CHECK(Json::parse(learned.out)["components"].get<int>() > 0);
-    const ProgramRun plan = run_program(
-        {"plan", shelf, "--db", memory, "--retrieve-after", "0", "--seed", "1", "--json"});
-    REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
-    CHECK(Json::parse(plan.out)["components"].get<int>() > 0);
-  }
 }
 
 }  // namespace

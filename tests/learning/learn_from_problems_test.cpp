@@ -152,7 +152,7 @@ TEST_SUITE("unit") {
       return summary->learned;
     };
     for (const MemorySettings& memory :
-         {of_kind("paths"), of_kind("gaps"), MemorySettings{"gaps", 1.0}}) {
+         {of_kind("paths"), of_kind("body_pairs"), MemorySettings{"body_pairs", 1.0}}) {
       CHECK(learned_of(memory) == 1);
       CHECK(learned_of(memory) == 0);
     }

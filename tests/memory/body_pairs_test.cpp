@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/box_surface.h"
 #include "geometry/random_compounds.h"
-#include "primitive/random_pairs.h"
+#include "memory/random_pairs.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/kinds.h"
-#include "primitive/random_pairs.h"
+#include "memory/random_pairs.h"
 
 #include <cmath>
 #include <limits>

@@ -177,45 +177,6 @@ TEST_SUITE("unit") {
     CHECK(learned.error().message.find("'upright'") != std::string::npos);
   }
 
-  TEST_CASE("an arm in space learns to leave a passage, in the canonical frame") {
-    const Robot robot = lifting_arm();
-    const auto post = [](const std::string& name, double y) {
-      return Obstacle{name, {Cylinder{{Eigen::Matrix3d::Identity(), {0.85, y, 0.8}}, 0.03, 0.4}}};
-    };
-    const Scene scene{"posts", {post("a", -0.01), post("b", -0.19)}};
-    const auto primitives = decompose({robot, scene}, of_kind("gaps"));
-    REQUIRE(primitives.has_value());
-    const auto problems = local_problems(scene, *primitives);
-    REQUIRE(problems.size() == 1);
-    CHECK(problems[0].scene.obstacles.size() == 2);
-    CHECK(problems[0].primitive.kind == "gaps/1");
-    const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
-    REQUIRE(learned.has_value());
-    CHECK(learned->solved > 0);
-    const LocalSampler& sampler = learned->sampler;
-    REQUIRE(sampler.component_count() > 0);
-    const CollisionChecker checker = make_checker(robot, scene);
-    const SymmetricJoints joints = find_symmetric_joints(robot);
-    for (int i = 0; i < sampler.component_count(); ++i) {
-      const Configuration q =
-          moved_configuration(joints, problems[0].primitive.to_scene, mean_of(sampler, i));
-      REQUIRE(checker.is_valid(std::span<const double>(robot.normalized(q))));
-    }
-    CHECK(learn_local_sampler(robot, problems[0], {}, 3)->sampler.means == sampler.means);
-  }
-
-  TEST_CASE("two bodies that touch teach nothing") {
-    const Robot robot = lifting_arm();
-    const Scene shelf = shelf_scene();
-    const auto primitives = decompose({robot, shelf});
-    REQUIRE(primitives.has_value());
-    const auto problems = local_problems(shelf_scene(), *primitives);
-    const auto learned = learn_local_sampler(robot, problems[0], {}, 3);
-    REQUIRE(learned.has_value());
-    CHECK(learned->queries == 0);
-    CHECK(learned->sampler.component_count() == 0);
-  }
-
   TEST_CASE("settings describe themselves: equal ones alike, others differently") {
     CHECK(describe(LearnSettings{}) == describe(LearnSettings{}));
     std::vector<std::string> texts = {describe({})};

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitive/random_pairs.h"
+#include "memory/kind_table.h"
+#include "memory/random_pairs.h"
 #include "support/kinds.h"
+#include "support/lifting_arm.h"
 
 #include <cmath>
 #include <limits>
@@ -133,7 +135,7 @@ TEST_SUITE("unit") {
       CHECK(bool(kind->images != nullptr));
       CHECK(bool(kind->synthesize != nullptr));
       CHECK(bool(kind->learn_from_paths != nullptr));
-      CHECK(bool(kind->learn != nullptr || !kind->no_learning_on_a_miss.empty()));
+      CHECK(bool(kind->handles != nullptr));
       CHECK(kind->defaults.max_matches > 0);
     }
     CHECK(kind_named("pairs").version == "pairs/1");
@@ -144,7 +146,7 @@ TEST_SUITE("unit") {
   TEST_CASE("every kind has a test of its own") {
     for (const MemoryKind* kind : memory_kinds()) {
       std::string text;
-      for (const char* name : {"circle_pairs", "body_pairs", "gaps", "whole_paths"}) {
+      for (const char* name : {"circle_pairs", "body_pairs", "whole_paths"}) {
         text += read_file(source_file("tests/memory/" + std::string(name) + "_test.cpp"));
       }
       CHECK_MESSAGE(text.find("\"" + std::string(kind->name) + "\"") != std::string::npos,
@@ -170,6 +172,31 @@ TEST_SUITE("unit") {
       CHECK(result.error().code == ErrorCode::invalid);
       CHECK(result.error().message.find("max-gap") != std::string::npos);
     }
+  }
+
+  TEST_CASE("a kind that is added is found, ranked, listed in messages and among the defaults") {
+    MemoryKind triples;
+    triples.name = "triples";
+    triples.version = "triples/1";
+    triples.defaults.sigma = 0.125;
+    triples.defaults.share_with_walks = MemoryShare{.lambda = 0.25};
+    triples.handles = [](const Robot& robot) { return !robot.is_planar(); };
+    triples.rank_for_scenes = 9;
+    std::vector<const MemoryKind*> kinds(memory_kinds().begin(), memory_kinds().end());
+    kinds.push_back(&triples);
+    const internal::KindTable table(kinds);
+    CHECK(table.find("triples").value() == &triples);
+    CHECK(table.of_version("triples/1") == &triples);
+    CHECK(table.find("quads").error().message.find("paths, triples") != std::string::npos);
+    const auto name_for = [&](const Robot& robot, int MemoryKind::*rank) {
+      return table.best_for(robot, rank).name;
+    };
+    CHECK(name_for(lifting_arm(), &MemoryKind::rank_for_scenes) == "triples");
+    CHECK(name_for(planar8(), &MemoryKind::rank_for_scenes) == "pairs");
+    CHECK(name_for(lifting_arm(), &MemoryKind::rank_for_paths) == "paths");
+    const std::vector<KindDefault> defaults = kind_defaults(kinds);
+    CHECK(std::ranges::find(defaults, "sigma", &KindDefault::setting)->values.back() == "0.125");
+    CHECK(defaults.front().values.back() == "0.5 (0.25 with walks)");
   }
 
   TEST_CASE("the kind that is left out is the robot's own") {

@@ -29,7 +29,7 @@ std::string two_links(const std::string& link, const std::string& joint) {
          joint + "</robot>";
 }
 
-std::string joint_at(const std::string& xyz, const std::string& axis = "0 0 1",
+std::string joint_xml(const std::string& xyz, const std::string& axis = "0 0 1",
                      const std::string& parent = "upper") {
   return R"(<joint name="b" type="continuous"><parent link=")" + parent +
          R"("/><child link="lower"/><origin xyz=")" + xyz + R"("/><axis xyz=")" + axis +
@@ -139,7 +139,7 @@ TEST_SUITE("law") {
 
 TEST_SUITE("unit") {
   TEST_CASE("links may be bent: a capsule that does not lie along the x axis") {
-    const Robot robot = require_arm(two_links("", joint_at("1 0 0")));
+    const Robot robot = require_arm(two_links("", joint_xml("1 0 0")));
     const PlanarChain straight = require_chain(robot);
     std::vector<Vec2> points;
     straight.points(Configuration{0, 0}, points);
@@ -148,7 +148,7 @@ TEST_SUITE("unit") {
     const std::string up = R"(<collision>
       <origin xyz="0 0.5 0" rpy="-1.5707963267948966 0 0"/>
       <geometry><capsule radius="0.01" length="1"/></geometry></collision>)";
-    const PlanarChain bent = require_chain(require_arm(two_links(up, joint_at("1 0 0"))));
+    const PlanarChain bent = require_chain(require_arm(two_links(up, joint_xml("1 0 0"))));
     bent.points(Configuration{0, 0}, points);
     CHECK((points[2] - Vec2(1, 1)).norm() < 1e-9);
     CHECK(std::abs(bent.joint_values(std::vector<double>{0, kPi / 2})[1]) < 1e-9);
@@ -157,11 +157,11 @@ TEST_SUITE("unit") {
   TEST_CASE("robots of another build are refused by name") {
     const std::string ball =
         R"(<collision><geometry><sphere radius="0.1"/></geometry></collision>)";
-    check_refused(two_links(ball, joint_at("1 0 0")), "'lower'");
-    check_refused(two_links("", joint_at("0.9 0 0")), "'b'");
-    check_refused(two_links("", joint_at("1 0 0", "0 0 -1")), "'b'");
-    check_refused(two_links("", joint_at("1 0 0", "0 0 1", "base")), "'b'");
-    check_refused(two_links("", joint_at("1 0 0", "0 1 0")), "plane");
+    check_refused(two_links(ball, joint_xml("1 0 0")), "'lower'");
+    check_refused(two_links("", joint_xml("0.9 0 0")), "'b'");
+    check_refused(two_links("", joint_xml("1 0 0", "0 0 -1")), "'b'");
+    check_refused(two_links("", joint_xml("1 0 0", "0 0 1", "base")), "'b'");
+    check_refused(two_links("", joint_xml("1 0 0", "0 1 0")), "plane");
     const auto chain = PlanarChain::make(upright_arm());
     REQUIRE(!chain.has_value());
     CHECK(chain.error().message.find("'upright'") != std::string::npos);

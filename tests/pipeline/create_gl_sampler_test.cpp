@@ -124,28 +124,6 @@ TEST_SUITE("unit") {
     CHECK(count_free(*fitted->mixture) > count_free(*moved.mixture));
   }
 
-  TEST_CASE("a passage in space is learned on a miss, inserted and used, and then is a hit") {
-    const Robot robot = lifting_arm();
-    const TemporaryDirectory directory;
-    Database database = make_database(directory / "a.db", robot);
-    SolveSettings settings;
-    settings.memory.kind = "gaps";
-    settings.learn_budget_s = 60;
-    settings.learn.starts_per_link = 1;
-    const GlSampler gl = create(robot, shelf_scene(), database, settings);
-    const auto is_learned = [](const PrimitiveRetrieval& found) { return found.is_learned; };
-    const auto learned = std::ranges::count_if(gl.primitives, is_learned);
-    REQUIRE(learned > 0);
-    CHECK(gl.mixture->component_count() > 0);
-    CHECK(database.size() == learned);
-    REQUIRE(database.kinds().size() == 1);
-    CHECK(database.kinds()[0].kind == "gaps/1");
-
-    const GlSampler again = create(robot, shelf_scene(), database, settings);
-    CHECK(std::ranges::none_of(again.primitives, is_learned));
-    CHECK(again.mixture->means == gl.mixture->means);
-  }
-
   TEST_CASE("a miss without a budget leaves sampler and database empty") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;

@@ -19,7 +19,7 @@ GaussianMixture pointing(const std::vector<float>& directions) {
 
 /// A way to learn that says it took all of its budget, or no time: one component, by `seed`.
 template <bool is_cut_short>
-Result<LearnResult> learn_at_once(const Robot& robot, const LocalProblem&, const LearnSettings&,
+Result<LearnResult> learn_at_once(const Robot& robot, const PrimitiveKey&, const LearnSettings&,
                                   std::uint64_t seed, double, const std::atomic<bool>*) {
   LearnResult result;
   result.sampler.joint_count = robot.joint_count();

@@ -168,38 +168,6 @@ TEST_SUITE("unit") {
     CHECK(completed(planar8(), settings).similarity > 0);
   }
 
-  TEST_CASE("the declared sentences name the defaults of all kinds") {
-    const SolveSettings settings;
-    const auto contains = [](const std::string& text, double value) {
-      std::stringstream number;
-      number << value;
-      return text.find(number.str()) != std::string::npos;
-    };
-    int checked = 0;
-    for (const MemoryKind* kind : memory_kinds()) {
-      const MemoryDefaults& defaults = kind->defaults;
-      visit_settings(settings, [&](const std::string& name, auto&, auto, auto, const char* text) {
-        const auto check = [&](double value) {
-          CHECK_MESSAGE(contains(text, value), text);
-          ++checked;
-        };
-        for (const MemoryShare& share :
-             {defaults.share, defaults.share_beside_walks.value_or(defaults.share)}) {
-          if (name == "lambda") check(share.lambda);
-          if (name == "least-lambda" && share.least_lambda) check(*share.least_lambda);
-          if (name == "retrieve-after") check(share.retrieve_after);
-        }
-        if (name == "sigma") check(defaults.sigma);
-        if (name == "similarity") check(defaults.similarity);
-        if (name == "max-matches") check(defaults.max_matches);
-        if (name == "first-components" && defaults.first_components < 1e9) {
-          check(defaults.first_components);
-        }
-      });
-    }
-    CHECK(checked == 4 * 7 + 2 + 2);
-  }
-
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {
     const Robot robot = planar8();
     CHECK(request(robot, nullptr).has_value());
@@ -225,7 +193,7 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.learn_budget_s = 1;
     CHECK(request(robot, &database, settings).has_value());
-    settings.memory.kind = "gaps";
+    settings.memory.kind = "pairs";
     CHECK(request(robot, &database, settings).has_value());
     for (const char* name : {"paths", "body_pairs"}) {
       settings.memory.kind = name;

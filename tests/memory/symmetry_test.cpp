@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitive/random_pairs.h"
+#include "memory/random_pairs.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitive/near_pairs.h"
+#include "memory/near_pairs.h"
 
 #include "geometry/solids.h"
 
@@ -84,7 +84,6 @@ Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, dou
   if (scene.obstacles.empty()) return pairs;
   std::vector<Bounds> all = bound_all(scene);
   const Eigen::Index axis = longest_axis(all);
-  if (all.empty()) return pairs;
   std::ranges::sort(all, {}, [&](const Bounds& bounds) { return bounds.lower[axis]; });
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double end = all[i].upper[axis] + gap;
@@ -102,6 +101,20 @@ Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, dou
   }
   std::ranges::sort(pairs);
   return pairs;
+}
+
+double obstacle_distance(const Obstacle& a, const Obstacle& b, double most) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Shape& first : a.shapes) {
+    const Sphere around_first = bounding_sphere(first);
+    for (const Shape& second : b.shapes) {
+      const Sphere around = bounding_sphere(second);
+      const double bound =
+          (around.center - around_first.center).norm() - around.radius - around_first.radius;
+      if (bound <= most) least = std::min(least, distance(first, second));
+    }
+  }
+  return least;
 }
 
 }  // namespace mneme::internal

@@ -1,13 +1,23 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
 
 namespace mneme {
 namespace {
 
-constexpr double kTolerance = 1e-6;
+double wrapped(double angle) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const double result = angle - kTurn * std::floor((angle + std::numbers::pi) / kTurn);
+  // The subtraction may round up to pi, which stands outside the half-open interval.
+  return result < std::numbers::pi ? result : -std::numbers::pi;
+}
+
+constexpr double kAxisTolerance = 1e-6;
 
 /// Walks down from the root as long as one joint carries all further joints of the group.
 class LeadingJoints {
@@ -64,7 +74,7 @@ class LeadingJoints {
     const Transform& pose = poses_[static_cast<std::size_t>(joint.child_link)];
     const Vec3 axis = pose.rotation * joint.axis;
     // Towards +z: a joint that turns or lifts the other way would need the opposite sign.
-    if (axis.z() < 1 - kTolerance) return false;
+    if (axis.z() < 1 - kAxisTolerance) return false;
     if (joint.type == JointType::prismatic) {
       if (found.lift >= 0) return false;
       found.lift = index;
@@ -82,6 +92,46 @@ class LeadingJoints {
 };
 
 }  // namespace
+
+Symmetry inverse(const Symmetry& motion) {
+  // A mirror image followed by a rotation is a reflection, which undoes itself.
+  const double rotation = motion.is_mirrored ? motion.rotation : wrapped(-motion.rotation);
+  return {rotation, motion.is_mirrored, -motion.lift};
+}
+
+Symmetry compose(const Symmetry& second, const Symmetry& first) {
+  const double first_rotation = second.is_mirrored ? -first.rotation : first.rotation;
+  return {wrapped(second.rotation + first_rotation), second.is_mirrored != first.is_mirrored,
+          second.lift + first.lift};
+}
+
+Configuration moved_configuration(const SymmetricJoints& joints, const Symmetry& motion,
+                                  std::span<const double> q) {
+  Configuration result(q.begin(), q.end());
+  if (motion.is_mirrored) {
+    for (double& value : result) value = -value;
+  }
+  if (joints.turn >= 0) {
+    double& turn = result[static_cast<std::size_t>(joints.turn)];
+    turn = wrapped(turn + motion.rotation);
+  }
+  if (joints.lift >= 0) result[static_cast<std::size_t>(joints.lift)] += motion.lift;
+  return result;
+}
+
+PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key) {
+  assert(key.size() % 3 == 0);
+  const double cosine = std::cos(motion.rotation);
+  const double sine = std::sin(motion.rotation);
+  PrimitiveKey result = key;
+  for (std::size_t i = 0; i + 2 < key.size(); i += 3) {
+    const double x = key[i];
+    const double y = motion.is_mirrored ? -key[i + 1] : key[i + 1];
+    result[i] = cosine * x - sine * y;
+    result[i + 1] = sine * x + cosine * y;
+  }
+  return result;
+}
 
 SymmetricJoints find_symmetric_joints(const Robot& robot) { return LeadingJoints(robot).find(); }
 

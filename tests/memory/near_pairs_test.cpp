@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/primitive.h"
+#include "mneme/memory.h"
 
-#include "primitive/near_pairs.h"
+#include "memory/near_pairs.h"
 #include "geometry/box_surface.h"
 #include "geometry/random_compounds.h"
 #include "geometry/random_shapes.h"
-#include "primitive/passage.h"
 #include "support/support.h"
 
 #include <algorithm>
@@ -90,7 +89,7 @@ TEST_SUITE("oracle") {
         for (int j = i + 1; j < 30; ++j) {
           const auto& a = scene.obstacles[static_cast<std::size_t>(i)];
           const auto& b = scene.obstacles[static_cast<std::size_t>(j)];
-          if (internal::closest_shapes(a, b, gap).distance > gap) continue;
+          if (internal::obstacle_distance(a, b, gap) > gap) continue;
           ++found;
           CHECK(std::ranges::count(pairs, std::pair(i, j)) == 1);
         }
