@@ -107,10 +107,11 @@ Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
     const auto kind = choose_kind(*robot, source.memory);
     if (!kind) return tl::unexpected(kind.error());
     if (!(*kind)->can_learn_primitives()) {
-      return fail(ErrorCode::unsupported,
-                  fmt::format("--scenes: memory of the kind '{}' learns from solved problems alone; "
-                              "give --problems",
-                              (*kind)->name));
+      return fail(
+          ErrorCode::unsupported,
+          fmt::format("--scenes: memory of the kind '{}' learns from solved problems alone; "
+                      "give --problems",
+                      (*kind)->name));
     }
   }
   PrimitiveLesson lesson{*robot, {}};

@@ -12,6 +12,7 @@
 #include "mneme/replay.h"
 #include "mneme/trajectory.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -25,11 +26,23 @@ namespace internal {
 class MemorySampler;
 }
 
+/// How memory is used.
+enum class MemoryMode {
+  automatic,  ///< with the values that measure best for each kind
+  off,        ///< not at all, even with a database
+  paper,      ///< by the paper's literal rules
+};
+/// "auto", "off" or "paper".
+[[nodiscard]] std::string_view to_string(MemoryMode mode);
+/// The inverse of to_string(). Error: an unknown name.
+[[nodiscard]] Result<MemoryMode> parse_memory_mode(std::string_view name);
+
 struct SolveSettings {
   std::string planner = "rrt_connect";  ///< one of planners()
   std::string sampler = "gl";           ///< one of samplers()
-  /// Of the memory; left out, all kinds that the database holds, or the robot's own if it is empty.
+  /// Default of the kind: all kinds that the database holds, or the robot's own if it is empty.
   MemorySettings memory;
+  MemoryMode memory_mode = MemoryMode::automatic;
   std::optional<double> lambda;
   std::optional<double> least_lambda;
   std::optional<double> sigma;
@@ -53,69 +66,76 @@ struct SolveSettings {
 };
 
 /// Declares the settings of this struct alone; those of `plan`, `memory`, `learn` and `ik` have
-/// their own. What is left out is chosen by the kind of memory that is asked.
+/// their own. The kind of memory determines defaults that are not set: see kind_defaults().
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("lambda", s.lambda, 0.0, 1.0,
-        "probability of drawing from the retrieved samplers instead of uniformly; at 1 a planner "
-        "may never get anywhere; left out, 0.8 for pairs (0.5 beside "
-        "escape walks), 0.7 for whole paths, 0.5 otherwise");
+        "Probability of a sample from memory instead of a uniform one, at first; see least-lambda. "
+        "At 1 a planner may make no progress. Default: by kind (see table). The paper: 0.5.");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
-        "lambda falls with the number n of draws from memory, as lambda h / (h + n), h 25000 times "
-        "this and at least 500, to this: what does not fit costs a limited share; as much as "
-        "lambda: it stays, the paper's rule; left out, 0.2 for pairs (0.02 beside walks), lambda");
+        "Lower bound of lambda. After n memory samples the probability is lambda*h/(h+n), "
+        "h = max(500, 25000*least-lambda), so that memory that does not fit costs a limited share. "
+        "Default: by kind (see table). The paper: equal to lambda, which makes it constant.");
   visit("sigma", s.sigma, 0.0, 10.0,
-        "standard deviation of a mixture component, radians (half as many metres for prismatic "
-        "joints); smaller repeats the past, larger explores around it; left out, 0.03 for pairs, "
-        "0.07 for gaps, 0.3 for body_pairs, 0.4 for paths");
-  visit("similarity", s.similarity, 0.0, 1e9,
-        "retrieve samplers whose squared key distance is less than this (m^2, for whole paths "
-        "rad^2), and those of the same key whatever it is; left out, 2 for pairs, 0.05 for "
-        "body_pairs, 0.03 for gaps, 250000 (any like it) for paths; the paper used 3");
+        "Standard deviation of a mixture component, radians (half as many metres for prismatic "
+        "joints). Smaller repeats the past, larger explores around it. Default: by kind (see "
+        "table). The paper: 0.1.");
+  visit(
+      "similarity", s.similarity, 0.0, 1e9,
+      "Retrieve samplers whose squared key distance is below this, m^2 (rad^2 for whole paths). "
+      "A sampler of the very same key always counts. Default: by kind (see table). The paper: 3.");
   visit("max-matches", s.max_matches, 1, 1000000,
-        "nearest samplers retrieved per primitive; left out, 50 for whole paths, 8 otherwise; the "
-        "paper takes all under the threshold: give the most");
+        "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
+        "Default: by kind (see table). The paper: all, which is the largest value.");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
-        "drop retrieved means that are in contact in the whole scene, all in one batch of state "
-        "checks; left out, on for pairs and gaps, off for body_pairs and paths, where samples "
-        "around them help");
-  visit("retarget", s.retarget, false, true,
-        "fit each remembered mean to the query's own gap when it is first drawn, the most similar "
-        "match first and one more every 1000 draws; off, means are moved by the robot's symmetry "
-        "alone, all of them before planning, the paper's way; left out, on for pairs, which alone "
-        "can be fitted");
+        "Drop retrieved means that are in contact in the whole scene, after one batch of state "
+        "checks. Samples around a mean just inside an obstacle may help. Default: by kind (see "
+        "table). The paper: off.");
+  visit(
+      "retarget", s.retarget, false, true,
+      "Fit each remembered mean to the query's own gap when it is first sampled, the most similar "
+      "match first and one more match every 1000 samples. Off, or for kinds that cannot be "
+      "fitted: the robot's symmetry moves all means before planning. Default: by kind (see "
+      "table). The paper: off.");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
-        "iterations with uniform samples before memory is asked, so that easy problems do not pay "
-        "for it; left out, 0 for pairs (1000 beside escape walks), 1500 for body_pairs and gaps, "
-        "2500 for paths");
+        "Iterations with uniform samples before memory is queried, so that easy problems do not "
+        "pay for it. Default: by kind (see table). The paper: 0.");
   visit("first-components", s.first_components, 1.0, 1e9,
-        "progressive widening: draws are from this many of the most similar components first; the "
-        "most for all from the start, the paper's rule; left out, that for pairs and gaps, 20 "
-        "otherwise");
+        "Progressive widening: the number of most similar components to sample at first. Default: "
+        "by kind (see table). The paper: all, which is the largest value.");
   visit("component-growth", s.component_growth, 0.0, 1e9,
-        "progressive widening: components that are added per iteration");
+        "Progressive widening: components to add per iteration.");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "seconds per query for learning primitives without a match that no budget cut short; part "
-        "of planning time, ends with the time limit; for kinds that learn on a miss: pairs, gaps");
+        "Time per query to learn primitives without a match, seconds. It is part of planning time "
+        "and ends with the time limit. A primitive whose lesson was cut short is learned further. "
+        "Needs a kind of memory that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
-        "insert what a solved problem teaches, as learning from problems does, once this many "
-        "iterations came together since the last: what is hard at once; left out, never");
+        "Insert what a solved problem teaches once this many iterations have accumulated since the "
+        "last insertion; 0: after each solved problem. Default: never.");
   visit(
       "replay", s.replay, 0.0, 1e6,
-      "known tasks: before any search, the remembered whole paths whose ends are closer than this "
-      "to the query's (key distance, radians) are bent to them, checked and repaired; 0 for none; "
-      "for a cell that repeats its tasks 0.5 is a good value");
+      "Known tasks: before any search, remembered paths whose ends are closer than this to the "
+      "query's (key distance, radians) are bent to them, checked and repaired; 0: none. 0.5 suits "
+      "a cell that repeats its tasks.");
   visit("resolution", s.resolution, 1e-4, 10.0,
-        "largest L2 joint distance between checked states of a motion, radians; left out, the "
-        "robot's default (0.02 for a planar arm, 1/32 otherwise)");
-  visit(
-      "margin", s.margin, 0.0, 10.0,
-      "metres that the robot keeps away from obstacles, start and goal included; not from itself");
+        "Largest L2 joint distance between checked states of a motion, radians. Default: the "
+        "robot's (0.02 for a planar arm, 1/32 otherwise).");
+  visit("margin", s.margin, 0.0, 10.0,
+        "Distance that the robot keeps from obstacles, start and goal included, metres. Does not "
+        "apply between its own links.");
   visit("threads", s.threads, 1, 64,
-        "searches at once, from seeds of their own: the one with the fewest iterations wins, so "
-        "that the path depends on their number, but not on timing; not with OMPL's planners");
+        "Number of simultaneous searches from different seeds; the one with the fewest iterations "
+        "wins. The path depends on this number, but not on timing. OMPL's planners take 1.");
 }
+
+/// The settings that most people set; the others are for experts.
+inline constexpr std::array<std::string_view, 3> kBasicSettings = {"memory", "timeout", "improve"};
+
+/// The settings with the values of their memory mode where the caller set none. The paper's mode:
+/// constant lambda of 0.5, sigma 0.1, similarity 3, all matches, all components from the start,
+/// means moved by symmetry alone and not checked, no escape walks and no anchored samples.
+[[nodiscard]] SolveSettings with_memory_mode(SolveSettings settings);
 
 /// What memory is queried for, with `goals` for the problem's: the robot without attached objects.
 /// Refers to both arguments.

@@ -65,8 +65,8 @@ class Lessons {
 
   Result<internal::Learned> learn(const Lesson& lesson) const {
     const MemoryKind& kind = *memory_kinds().front();
-    LearnResult result = MNEME_TRY(
-        kind.learn(robot_, lesson.key, job_.settings, lesson.seed, 0, job_.cancel));
+    LearnResult result =
+        MNEME_TRY(kind.learn(robot_, lesson.key, job_.settings, lesson.seed, 0, job_.cancel));
     Experience row;
     row.kind = kind.version;
     row.key = lesson.key;

@@ -171,9 +171,8 @@ extern constinit const MemoryKind kCirclePairs = {
     .version = "pairs/1",
     .summary = "two circles and the gap between them, as in the paper; for planar arms",
     .defaults = {.share = {.lambda = 0.8, .least_lambda = 0.2},
-                 .share_with_walks = MemoryShare{.lambda = 0.5,
-                                                 .least_lambda = 0.02,
-                                                 .retrieve_after = 1000},
+                 .share_with_walks =
+                     MemoryShare{.lambda = 0.5, .least_lambda = 0.02, .retrieve_after = 1000},
                  .sigma = 0.03,
                  .similarity = 2,
                  .retarget = true,

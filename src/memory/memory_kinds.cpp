@@ -54,9 +54,8 @@ constexpr std::array kDefaults = {
                  }},
     DefaultEntry{"least-lambda",
                  [](const MemoryDefaults& d) {
-                   return share_text<double>(d, [](const MemoryShare& s) {
-                     return s.least_lambda.value_or(s.lambda);
-                   });
+                   return share_text<double>(
+                       d, [](const MemoryShare& s) { return s.least_lambda.value_or(s.lambda); });
                  }},
     DefaultEntry{"retrieve-after",
                  [](const MemoryDefaults& d) {
@@ -90,9 +89,8 @@ const MemoryKind* KindTable::of_version(std::string_view version) const {
 }
 
 const MemoryKind& KindTable::best_for(const Robot& robot, int MemoryKind::*rank) const {
-  return **std::ranges::max_element(kinds_, {}, [&](const MemoryKind* kind) {
-    return kind->handles(robot) ? kind->*rank : -1;
-  });
+  return **std::ranges::max_element(
+      kinds_, {}, [&](const MemoryKind* kind) { return kind->handles(robot) ? kind->*rank : -1; });
 }
 
 }  // namespace internal

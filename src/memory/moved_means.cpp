@@ -67,8 +67,8 @@ class Synthesizer {
   GaussianMixture pooled_;
 };
 
-/// Per link whether a joint of the group moves it. The lift of a robot with a turning joint does not
-/// count: what only it carries, such as a torso or a head, is turned by no symmetry.
+/// Per link whether a joint of the group moves it. The lift of a robot with a turning joint does
+/// not count: what only it carries, such as a torso or a head, is turned by no symmetry.
 std::vector<bool> arm_links(const Robot& robot) {
   const SymmetricJoints symmetric = find_symmetric_joints(robot);
   const int ignored = symmetric.turn >= 0 ? symmetric.lift : -1;

@@ -75,9 +75,8 @@ Result<void> learn(const Query& query, const MemoryQuery& memory_query, const Ki
   LearnSettings learning = settings.learn;
   if (!learning.resolution) learning.resolution = settings.resolution;
   const std::uint64_t seed = lesson_seed(settings.plan.seed, primitive);
-  LearnResult learned =
-      MNEME_TRY(kind.kind->learn(memory_query.robot, primitive.primitive.key, learning, seed,
-                                 budget_s, settings.plan.cancel));
+  LearnResult learned = MNEME_TRY(kind.kind->learn(memory_query.robot, primitive.primitive.key,
+                                                   learning, seed, budget_s, settings.plan.cancel));
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;

@@ -110,9 +110,7 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
 }
 
 Result<void> check_budget(const SolveSettings& settings, const std::vector<KindSettings>& kinds) {
-  const auto learns = [](const KindSettings& kind) {
-    return kind.kind->can_learn_primitives();
-  };
+  const auto learns = [](const KindSettings& kind) { return kind.kind->can_learn_primitives(); };
   if (settings.learn_budget_s == 0 || std::ranges::any_of(kinds, learns)) return {};
   const MemoryKind& kind = *kinds.front().kind;
   return fail(ErrorCode::unsupported,
@@ -132,6 +130,7 @@ Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Datab
 }
 
 bool is_memory_used(const SamplerEntry& sampler, const SolveSettings& settings) {
+  if (settings.memory_mode == MemoryMode::off) return false;
   return sampler.draws_from_memory || settings.replay > 0 || settings.remember_after;
 }
 
@@ -199,8 +198,8 @@ double Query::remaining_s() const {
   return std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
 }
 
-Result<Query> make_query(const Problem& problem, Database* database,
-                         const SolveSettings& settings) {
+Result<Query> make_query(const Problem& problem, Database* database, const SolveSettings& asked) {
+  const SolveSettings settings = with_memory_mode(asked);
   const SamplerEntry& sampler = *MNEME_TRY(find_sampler(settings.sampler));
   const PlannerEntry& planner = *MNEME_TRY(find_planner(settings.planner));
   MNEME_TRY(check_settings(settings));
@@ -225,7 +224,7 @@ Result<void> check_query(const Problem& problem, const SolveSettings& settings) 
                                {problem.start, problem.goals}));
   MNEME_TRY(internal::check_learning(query.sampler, settings));
   if (!internal::is_memory_used(query.sampler, settings)) return {};
-  const auto kinds = MNEME_TRY(internal::complete_kinds(problem.robot, nullptr, settings));
+  const auto kinds = MNEME_TRY(internal::complete_kinds(problem.robot, nullptr, query.settings));
   return internal::check_primitives(problem, kinds);
 }
 

@@ -168,6 +168,51 @@ TEST_SUITE("unit") {
     CHECK(completed(planar8(), settings).similarity > 0);
   }
 
+  TEST_CASE("the settings that say that their default depends on the kind are those of the table") {
+    std::vector<std::string> declared, listed;
+    const auto note = [&](const std::string& name, const auto&, auto, auto,
+                          const std::string& text) {
+      if (text.find("Default: by kind (see table)") != std::string::npos) declared.push_back(name);
+    };
+    const SolveSettings settings;
+    visit_settings(settings, note);
+    visit_settings(settings.memory, note);
+    for (const KindDefault& row : kind_defaults()) listed.emplace_back(row.setting);
+    std::ranges::sort(declared);
+    std::ranges::sort(listed);
+    CHECK(declared == listed);
+  }
+
+  TEST_CASE("the paper's mode fills in what nobody set; any mode is found by its name") {
+    for (const MemoryMode mode : {MemoryMode::automatic, MemoryMode::off, MemoryMode::paper}) {
+      CHECK(parse_memory_mode(to_string(mode)).value() == mode);
+    }
+    CHECK(!parse_memory_mode("on").has_value());
+    SolveSettings settings;
+    CHECK(!with_memory_mode(settings).sigma.has_value());
+    settings.memory_mode = MemoryMode::paper;
+    settings.lambda = 0.7;
+    const SolveSettings paper = with_memory_mode(settings);
+    CHECK(paper.lambda == 0.7);
+    CHECK(paper.least_lambda == 0.7);
+    CHECK(paper.similarity == 3);
+    CHECK(paper.retarget == false);
+    CHECK(paper.plan.walk == 0);
+    CHECK(paper.plan.anchor == 0);
+  }
+
+  TEST_CASE("memory that is off is not queried") {
+    const TemporaryDirectory directory;
+    const Problem problem = one_post();
+    Database database = open_of(directory / "m.db", problem.robot);
+    SolveSettings settings;
+    settings.remember_after = 0;
+    CHECK(internal::make_query(problem, &database, settings)->database == &database);
+    settings.memory_mode = MemoryMode::off;
+    CHECK(internal::make_query(problem, &database, settings)->database == nullptr);
+    CHECK(check_query(problem, settings).has_value());
+  }
+
   TEST_CASE("a number out of range is named, in whatever part of the settings it is") {
     const Robot robot = planar8();
     CHECK(request(robot, nullptr).has_value());
