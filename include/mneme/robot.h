@@ -92,7 +92,7 @@ struct ApproximatedObject {
       {};  ///< of boxes, cylinders and meshes that became spheres
 };
 
-/// What a URDF alone does not say.
+/// Choices that a URDF alone does not make.
 struct RobotOptions {
   /// Names of the joints to plan for, in the order of a configuration. Empty: those of `group`.
   std::vector<std::string> joints = {};
@@ -154,9 +154,9 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
-  /// Of all groups of the SRDF, in its order.
+  /// The named states of all groups of the SRDF, in its order.
   [[nodiscard]] std::span<const NamedState> named_states() const { return model_->states; }
-  /// What was left aside or clamped, such as names in the SRDF that the model lacks.
+  /// Notes on parts left aside or clamped, such as names in the SRDF that the model lacks.
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over what decides whether a configuration is valid: kinematics, limits,
   /// shapes, checked pairs, group and fixed values. Names of files, robots and links do not count,
@@ -190,7 +190,7 @@ class Robot {
   /// L2 norm of difference(a, b), in radians (metres for prismatic joints).
   [[nodiscard]] double distance(std::span<const double> a, std::span<const double> b) const;
 
-  /// What the links carry. Each object is one of the last links(), with a fixed joint of its name.
+  /// The objects that links carry. Each is one of the last links(), with a fixed joint of its name.
   [[nodiscard]] std::span<const ApproximatedObject> attached() const { return model_->attached; }
   /// This robot with further objects, which are checked against obstacles, against the links that
   /// move against them and against each other. Takes tens of microseconds; shares the kernels'
@@ -202,7 +202,7 @@ class Robot {
   /// This robot without any.
   [[nodiscard]] Robot without_attached() const;
 
-  /// What a robot is made of; `make_robot` derives the rest of the model from it.
+  /// The parts of a robot, from which `make_robot` derives the model.
   struct Parts {
     std::string name;
     std::vector<Link> links;

@@ -3,7 +3,7 @@
 #include "check/cones.h"
 
 #include "base/as_index.h"
-#include "robot/drives.h"
+#include "robot/kinematics.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

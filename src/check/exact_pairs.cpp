@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/link_distances.h"
 #include "base/as_index.h"
-#include "robot/drives.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>

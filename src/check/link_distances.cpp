@@ -3,6 +3,7 @@
 #include "check/link_distances.h"
 
 #include "base/as_index.h"
+#include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 
 #include <fmt/format.h>

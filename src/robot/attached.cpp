@@ -3,8 +3,11 @@
 #include "mneme/robot.h"
 
 #include "base/as_index.h"
-#include "robot/robot_facts.h"
+#include "base/fail.h"
+#include "robot/kinematics.h"
+#include "robot/link_shapes.h"
 #include "robot/robot_tree.h"
+#include "robot/self_pairs.h"
 
 #include <fmt/format.h>
 
@@ -16,13 +19,16 @@ namespace {
 using internal::as_index;
 using internal::find_link;
 
-Error refusal(const AttachedObject& object, const std::string& what) {
-  return {ErrorCode::invalid, fmt::format("attached object '{}': {}", object.name, what)};
+template <class... Args>
+tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<Args...> what,
+                              Args&&... args) {
+  return fail(ErrorCode::invalid, "attached object '{}': {}", object.name,
+              fmt::format(what, std::forward<Args>(args)...));
 }
 
 /// Adds the object as a link, and the joint that holds it.
-std::optional<Error> add_link(const ApproximatedObject& added, std::vector<Link>& links,
-                              std::vector<Joint>& joints) {
+Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
+                      std::vector<Joint>& joints) {
   const AttachedObject& object = added.object;
   if (object.name.empty()) return refusal(object, "it has no name");
   if (find_link(links, object.name)) {
@@ -30,7 +36,7 @@ std::optional<Error> add_link(const ApproximatedObject& added, std::vector<Link>
   }
   const auto carrier = find_link(links, object.link);
   if (!carrier) {
-    return refusal(object, fmt::format("there is no link '{}' to carry it", object.link));
+    return refusal(object, "there is no link '{}' to carry it", object.link);
   }
   if (added.spheres.empty() && added.capsules.empty()) {
     return refusal(object, "it has no spheres and no capsules; approximate_object makes them");
@@ -46,10 +52,10 @@ std::optional<Error> add_link(const ApproximatedObject& added, std::vector<Link>
                    {},
                    added.approximation});
   if (const auto fault = internal::describe_shape_fault(links.back())) {
-    return refusal(object, *fault);
+    return refusal(object, "{}", *fault);
   }
   joints.push_back(std::move(joint));
-  return std::nullopt;
+  return {};
 }
 
 /// Pairs of links of which at least one says that they may touch.
@@ -61,10 +67,9 @@ Result<internal::LinkPairs> find_allowed(std::span<const ApproximatedObject> obj
     for (const std::string& name : object.may_touch) {
       const auto other = find_link(links, name);
       if (!other) {
-        return tl::unexpected(refusal(
-            object, fmt::format("it may touch '{}', but there is no link and no attached object of "
-                                "this name",
-                                name)));
+        return refusal(
+            object, "it may touch '{}', but there is no link and no attached object of this name",
+            name);
       }
       allowed.push_back(std::minmax({*find_link(links, object.name), *other}));
     }
@@ -80,12 +85,11 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
   std::ranges::move(objects, std::back_inserter(model.attached));
   const int first = static_cast<int>(model.links.size());
   for (const ApproximatedObject& object : model.attached) {
-    if (auto error = add_link(object, model.links, model.joints)) return tl::unexpected(*error);
+    MNEME_TRY(add_link(object, model.links, model.joints));
   }
-  const auto allowed = find_allowed(model.attached, model.links);
-  if (!allowed) return tl::unexpected(allowed.error());
+  const internal::LinkPairs allowed = MNEME_TRY(find_allowed(model.attached, model.links));
   const internal::LinkPairs pairs =
-      internal::derive_self_pairs(model.links, model.joints, model.group, *allowed, first);
+      internal::derive_self_pairs(model.links, model.joints, model.group, allowed, first);
   model.self_pairs.insert(model.self_pairs.end(), pairs.begin(), pairs.end());
   model.is_planar =
       model.is_planar && internal::moves_in_plane(model.links, model.joints, model.group);
@@ -101,8 +105,7 @@ Result<Robot> Robot::without_attached(const std::string& name) const {
     std::erase(kept.back().object.may_touch, name);
   }
   if (kept.size() == attached().size()) {
-    return fail(ErrorCode::invalid,
-                fmt::format("robot '{}' carries no object '{}'", this->name(), name));
+    return fail(ErrorCode::invalid, "robot '{}' carries no object '{}'", this->name(), name);
   }
   return kept.empty() ? without_attached() : without_attached().with_attached(std::move(kept));
 }

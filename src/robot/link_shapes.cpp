@@ -3,8 +3,7 @@
 #include "robot/link_shapes.h"
 
 #include "base/as_index.h"
-#include "robot/drives.h"
-#include "robot/robot_tree.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,16 +72,6 @@ double farthest_reach(const Robot& robot) {
     most = std::max(most, reach);
   }
   return most;
-}
-
-std::vector<bool> find_moving_links(const Robot& robot) {
-  const std::vector<bool> is_driven = find_moving(robot.joints(), robot.group());
-  std::vector<bool> is_moving(robot.links().size(), false);
-  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
-    const Joint& joint = robot.joints()[i];
-    is_moving[as_index(joint.child_link)] = is_driven[i] || is_moving[as_index(joint.parent_link)];
-  }
-  return is_moving;
 }
 
 }  // namespace mneme::internal

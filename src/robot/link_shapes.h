@@ -27,7 +27,4 @@ namespace mneme::internal {
 /// Metres from the root's origin that no shape of the robot leaves within its limits.
 [[nodiscard]] double farthest_reach(const Robot& robot);
 
-/// Per link whether a joint of the group moves it, itself or by a joint that follows one.
-[[nodiscard]] std::vector<bool> find_moving_links(const Robot& robot);
-
 }  // namespace mneme::internal

@@ -3,6 +3,7 @@
 #include "mneme/base.h"
 #include "mneme/robot.h"
 
+#include "base/fail.h"
 #include "base/files.h"
 #include "robot/srdf.h"
 #include "robot/urdf_reader.h"
@@ -12,7 +13,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 namespace mneme {
@@ -26,44 +26,41 @@ std::string find_srdf(const std::string& urdf_path) {
   return is_there ? path.string() : "";
 }
 
-Result<Robot> make_from(const Result<Robot::Parts>& parts, const std::string& source,
+Result<Robot> make_from(Robot::Parts parts, const std::string& source,
                         const RobotOptions& options) {
-  if (!parts) return tl::unexpected(parts.error());
-  auto robot = make_robot(*parts, options);
-  if (robot) return robot;
-  return fail(robot.error().code, fmt::format("{}: {}", source, robot.error().message));
+  return make_robot(std::move(parts), options).map_error([&](const Error& error) {
+    return Error{error.code, fmt::format("{}: {}", source, error.message)};
+  });
 }
 
 }  // namespace
 
 Result<Robot::Parts> parse_robot_parts(std::string_view urdf, const std::string& source,
                                        const RobotOptions& options) {
-  auto parts = internal::read_urdf(urdf, source, options.package_paths);
-  if (!parts || options.srdf_path.empty()) return parts;
-  const auto text = internal::read_text_file(options.srdf_path, internal::kMaxRobotTextSize);
-  if (!text) return tl::unexpected(text.error());
-  if (const auto fault = internal::apply_srdf(*text, options.srdf_path, *parts)) {
-    return tl::unexpected(*fault);
-  }
+  Robot::Parts parts = MNEME_TRY(internal::read_urdf(urdf, source, options.package_paths));
+  if (options.srdf_path.empty()) return parts;
+  const std::string srdf =
+      MNEME_TRY(internal::read_text_file(options.srdf_path, internal::kMaxRobotTextSize));
+  MNEME_TRY(internal::apply_srdf(srdf, options.srdf_path, parts));
   return parts;
 }
 
 Result<Robot::Parts> read_robot(const std::string& path, const RobotOptions& options) {
-  const auto text = internal::read_text_file(path, internal::kMaxRobotTextSize);
-  if (!text) return tl::unexpected(text.error());
-  if (!options.srdf_path.empty()) return parse_robot_parts(*text, path, options);
+  const std::string urdf = MNEME_TRY(internal::read_text_file(path, internal::kMaxRobotTextSize));
   RobotOptions with_srdf = options;
-  with_srdf.srdf_path = find_srdf(path);
-  return parse_robot_parts(*text, path, with_srdf);
+  if (options.srdf_path.empty()) with_srdf.srdf_path = find_srdf(path);
+  return parse_robot_parts(urdf, path, with_srdf);
 }
 
 Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
                           const RobotOptions& options) {
-  return make_from(parse_robot_parts(urdf, source, options), source, options);
+  Robot::Parts parts = MNEME_TRY(parse_robot_parts(urdf, source, options));
+  return make_from(std::move(parts), source, options);
 }
 
 Result<Robot> load_robot(const std::string& path, const RobotOptions& options) {
-  return make_from(read_robot(path, options), path, options);
+  Robot::Parts parts = MNEME_TRY(read_robot(path, options));
+  return make_from(std::move(parts), path, options);
 }
 
 namespace {
@@ -72,14 +69,7 @@ constexpr std::string_view kExtension = ".urdf";
 
 /// The directories in which robots are looked for, in this order.
 std::vector<std::string> search_directories() {
-  std::vector<std::string> directories;
-  const char* variable = std::getenv("MNEME_ROBOT_PATH");
-  std::string_view rest = variable == nullptr ? "" : variable;
-  while (!rest.empty()) {
-    const std::string_view directory = rest.substr(0, rest.find(':'));
-    if (!directory.empty()) directories.emplace_back(directory);
-    rest.remove_prefix(std::min(rest.size(), directory.size() + 1));
-  }
+  std::vector<std::string> directories = internal::directories_of_variable("MNEME_ROBOT_PATH");
   for (const std::string& directory : data_directories()) {
     directories.push_back(directory + "/robots");
   }
@@ -109,8 +99,7 @@ std::string describe(const std::string& directory) {
 Result<std::string> find_robot(const std::string& name) {
   if (name.empty()) return fail(ErrorCode::invalid, "expected a robot: a URDF file or a name");
   if (name.find('/') != std::string::npos) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' is no robot's name: expected one without '/'", name));
+    return fail(ErrorCode::invalid, "'{}' is no robot's name: expected one without '/'", name);
   }
   const std::string file = name.ends_with(kExtension) ? name : name + std::string(kExtension);
   std::string tried;
@@ -122,9 +111,8 @@ Result<std::string> find_robot(const std::string& name) {
   }
   std::error_code ignored;
   const bool is_here = std::filesystem::is_regular_file(file, ignored);
-  return fail(ErrorCode::io,
-              fmt::format("there is no robot '{}': no {} in {}{}", name, file, tried,
-                          is_here ? fmt::format("; the file here is ./{}", file) : ""));
+  return fail(ErrorCode::io, "there is no robot '{}': no {} in {}{}", name, file, tried,
+              is_here ? fmt::format("; the file here is ./{}", file) : "");
 }
 
 Result<std::string> robot_file(const std::string& robot) {

@@ -1,13 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/mesh_finder.h"
+#include "base/fail.h"
+#include "robot/urdf_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <optional>
+#include <sstream>
 
 namespace mneme::internal {
 namespace {
@@ -33,19 +37,7 @@ fs::path as_directory(const fs::path& path) {
   return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
-std::vector<std::string> ros_package_path() {
-  std::vector<std::string> directories;
-  const char* variable = std::getenv("ROS_PACKAGE_PATH");
-  std::string_view rest = variable == nullptr ? "" : variable;
-  while (!rest.empty()) {
-    const std::size_t length = std::min(rest.find(':'), rest.size());
-    if (length > 0) directories.emplace_back(rest.substr(0, length));
-    rest.remove_prefix(std::min(rest.size(), length + 1));
-  }
-  return directories;
-}
-
-/// Whether a relative path stays below where it starts.
+/// True if a relative path stays below where it starts.
 bool stays_inside(const fs::path& path) {
   if (path.is_absolute()) return false;
   const fs::path normal = path.lexically_normal();
@@ -56,19 +48,29 @@ Result<std::string> no_file(const std::vector<std::string>& tried) {
   std::error_code ignored;
   for (const std::string& path : tried) {
     if (fs::is_directory(path, ignored)) {
-      return fail(ErrorCode::io, fmt::format("expected a file; {} is a directory", path));
+      return fail(ErrorCode::io, "expected a file; {} is a directory", path);
     }
   }
-  return fail(ErrorCode::io,
-              fmt::format("there is no such file; searched: {}", fmt::join(tried, ", ")));
+  return fail(ErrorCode::io, "there is no such file; searched: {}", fmt::join(tried, ", "));
 }
 
 }  // namespace
 
+std::vector<std::string> directories_of_variable(const char* variable) {
+  std::vector<std::string> directories;
+  const char* value = std::getenv(variable);
+  std::istringstream list(value == nullptr ? "" : value);
+  for (std::string directory; std::getline(list, directory, ':');) {
+    if (!directory.empty()) directories.push_back(directory);
+  }
+  return directories;
+}
+
 MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths)
     : urdf_directory_(as_directory(fs::path(urdf_path).parent_path()).string()),
       package_paths_(package_paths) {
-  for (std::string& directory : ros_package_path()) package_paths_.push_back(std::move(directory));
+  std::ranges::move(directories_of_variable("ROS_PACKAGE_PATH"),
+                    std::back_inserter(package_paths_));
 }
 
 Result<std::string> MeshFinder::find(const std::string& name) const {
@@ -94,8 +96,7 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) 
     return fail(ErrorCode::parse, "expected package://NAME/PATH");
   }
   if (!stays_inside(path)) {
-    return fail(ErrorCode::parse,
-                fmt::format("the path leaves the package '{}'", package.string()));
+    return fail(ErrorCode::parse, "the path leaves the package '{}'", package.string());
   }
   std::vector<fs::path> folders;
   for (const std::string& directory : package_paths_) {
@@ -112,9 +113,10 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) 
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);
-  return fail(ErrorCode::io, fmt::format("where is the package '{}'? No directory with packages is "
-                                         "given (package path, ROS_PACKAGE_PATH)",
-                                         package.string()));
+  return fail(ErrorCode::io,
+              "where is the package '{}'? No directory with packages is "
+              "given (package path, ROS_PACKAGE_PATH)",
+              package.string());
 }
 
 }  // namespace mneme::internal

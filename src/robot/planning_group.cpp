@@ -3,6 +3,7 @@
 #include "robot/planning_group.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,13 +34,11 @@ Names group_names(std::span<const JointGroup> groups) {
 Result<std::vector<int>> find_all(std::span<const Joint> joints, const Names& names) {
   std::vector<int> group;
   for (const std::string& name : names) {
-    const auto joint = find_free_joint(joints, name);
-    if (!joint) return tl::unexpected(joint.error());
-    if (std::ranges::find(group, *joint) != group.end()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("joint '{}' stands twice in the planning group", name));
+    const int joint = MNEME_TRY(find_free_joint(joints, name));
+    if (std::ranges::find(group, joint) != group.end()) {
+      return fail(ErrorCode::invalid, "joint '{}' stands twice in the planning group", name);
     }
-    group.push_back(*joint);
+    group.push_back(joint);
   }
   return group;
 }
@@ -64,16 +63,16 @@ Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
   }
   if (!joints) {
     return fail(ErrorCode::invalid,
-                fmt::format("there is no group '{}'; expected {}{}the two links of a chain as "
-                            "base_link:tip_link",
-                            name, fmt::join(group_names(parts.groups), ", "),
-                            parts.groups.empty() ? "" : " or "));
+                "there is no group '{}'; expected {}{}the two links of a chain as "
+                "base_link:tip_link",
+                name, fmt::join(group_names(parts.groups), ", "),
+                parts.groups.empty() ? "" : " or ");
   }
   if (joints->empty()) {
     return fail(ErrorCode::invalid,
-                fmt::format("group '{}' has no joint that can be planned for; those of the robot "
-                            "are: {}",
-                            name, fmt::join(free_names(parts.joints), ", ")));
+                "group '{}' has no joint that can be planned for; those of the robot "
+                "are: {}",
+                name, fmt::join(free_names(parts.joints), ", "));
   }
   return *joints;
 }
@@ -89,13 +88,13 @@ Result<Names> find_only(const Robot::Parts& parts) {
   if (fitting.size() == 1) return fitting.front().joints;
   if (fitting.empty()) {
     return fail(ErrorCode::invalid,
-                fmt::format("no group of the SRDF ({}) can move and is no end effector's; name the "
-                            "joints to plan for",
-                            fmt::join(group_names(parts.groups), ", ")));
+                "no group of the SRDF ({}) can move and is no end effector's; name the "
+                "joints to plan for",
+                fmt::join(group_names(parts.groups), ", "));
   }
   return fail(ErrorCode::invalid,
-              fmt::format("the SRDF has several groups that can be planned for: {}; name one",
-                          fmt::join(group_names(fitting), ", ")));
+              "the SRDF has several groups that can be planned for: {}; name one",
+              fmt::join(group_names(fitting), ", "));
 }
 
 }  // namespace
@@ -115,8 +114,8 @@ Result<int> find_free_joint(std::span<const Joint> joints, const std::string& na
   } else {
     return static_cast<int>(found - joints.begin());
   }
-  return fail(ErrorCode::invalid, fmt::format("{}; the movable joints are: {}", fault,
-                                              fmt::join(free_names(joints), ", ")));
+  return fail(ErrorCode::invalid, "{}; the movable joints are: {}", fault,
+              fmt::join(free_names(joints), ", "));
 }
 
 Names joints_between(std::span<const Link> links, std::span<const Joint> joints, int base,
@@ -141,13 +140,9 @@ Result<std::vector<int>> choose_group(const Robot::Parts& parts, const RobotOpti
   if (all.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
   Names names = options.joints;
   if (names.empty() && !options.group.empty()) {
-    auto named = find_named(parts, options.group);
-    if (!named) return tl::unexpected(named.error());
-    names = *std::move(named);
+    names = MNEME_TRY(find_named(parts, options.group));
   } else if (names.empty() && !parts.groups.empty()) {
-    auto only = find_only(parts);
-    if (!only) return tl::unexpected(only.error());
-    names = *std::move(only);
+    names = MNEME_TRY(find_only(parts));
   } else if (names.empty()) {
     names = all;
   }

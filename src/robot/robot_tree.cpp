@@ -12,6 +12,12 @@
 #include <set>
 
 namespace mneme::internal {
+std::optional<int> find_link(std::span<const Link> links, std::string_view name) {
+  const auto found = std::ranges::find(links, name, &Link::name);
+  if (found == links.end()) return std::nullopt;
+  return static_cast<int>(found - links.begin());
+}
+
 namespace {
 
 bool is_turning(const Joint& joint) {
@@ -70,27 +76,15 @@ std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joint
     Joint& joint = joints[i];
     if (!joint.mimic) continue;
     const auto mimic = folded(joints, *joint.mimic);
-    if (!mimic)
-      return std::pair(static_cast<int>(i), std::string("the joints that it follows form a loop"));
-    joint.mimic = mimic;
-    if (auto fault = describe_fault(joints, *mimic)) {
-      return std::pair(static_cast<int>(i), *std::move(fault));
+    std::optional<std::string> fault = "the joints that it follows form a loop";
+    if (mimic) {
+      joint.mimic = mimic;
+      fault = describe_fault(joints, *mimic);
+      if (!fault) fault = describe_jump(joint, joints[as_index(mimic->joint)]);
     }
-    if (auto fault = describe_jump(joint, joints[as_index(mimic->joint)])) {
-      return std::pair(static_cast<int>(i), *std::move(fault));
-    }
+    if (fault) return std::pair(static_cast<int>(i), *std::move(fault));
   }
   return std::nullopt;
-}
-
-std::vector<bool> find_moving(std::span<const Joint> joints, std::span<const int> group) {
-  std::vector<bool> is_moving(joints.size(), false);
-  for (const int joint : group) is_moving[as_index(joint)] = true;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const std::optional<Mimic>& mimic = joints[i].mimic;
-    if (mimic && mimic->multiplier != 0) is_moving[i] = is_moving[as_index(mimic->joint)];
-  }
-  return is_moving;
 }
 
 namespace {
@@ -184,16 +178,17 @@ Fault check_values(const Robot::Parts& parts) {
     return PartsFault{fmt::format("joint '{}' is defined twice", parts.joints[*i].name), -1,
                       static_cast<int>(*i)};
   }
-  int i = 0;
-  for (const Link& link : parts.links) {
+  for (std::size_t i = 0; i < parts.links.size(); ++i) {
+    const Link& link = parts.links[i];
     if (const auto fault = describe_shape_fault(link)) {
-      return PartsFault{fmt::format("link '{}': {}", link.name, *fault), i};
+      return PartsFault{fmt::format("link '{}': {}", link.name, *fault), static_cast<int>(i)};
     }
-    ++i;
   }
-  i = 0;
-  for (const Joint& joint : parts.joints) {
-    if (auto fault = check_joint(joint, i++, static_cast<int>(parts.links.size()))) return fault;
+  for (std::size_t i = 0; i < parts.joints.size(); ++i) {
+    if (auto fault = check_joint(parts.joints[i], static_cast<int>(i),
+                                 static_cast<int>(parts.links.size()))) {
+      return fault;
+    }
   }
   return std::nullopt;
 }

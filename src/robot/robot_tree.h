@@ -25,16 +25,11 @@ namespace mneme::internal {
 /// finite, or a position that jumps where a continuous joint wraps round.
 [[nodiscard]] std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joints);
 
-/// Per joint, whether joints of `group` move it, itself or by way of one that it follows.
-[[nodiscard]] std::vector<bool> find_moving(std::span<const Joint> joints,
-                                            std::span<const int> group);
-
-/// What is wrong with spheres and capsules of a link, or nothing: numbers that are not finite,
+/// The fault in the spheres and capsules of a link, or nothing: numbers that are not finite,
 /// radii below 0, or what is farther away or larger than any robot.
 [[nodiscard]] std::optional<std::string> describe_shape_fault(const Link& link);
 
-/// What is wrong with a robot's parts, and with which of them: -1 where it is not one link or one
-/// joint.
+/// A fault in a robot's parts, with the index of the link or joint that has it, or -1.
 struct PartsFault {
   std::string message;
   int link = -1;

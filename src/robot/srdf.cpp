@@ -21,7 +21,7 @@ class SrdfReader {
  public:
   explicit SrdfReader(const std::string& source) : xml_(source, XmlReader::StrayText::warning) {}
 
-  Result<Srdf> read(std::string_view text);
+  Srdf read(std::string_view text);
 
  private:
   void read_element(const XmlElement& element);
@@ -34,22 +34,15 @@ class SrdfReader {
   Srdf srdf_;
 };
 
-Result<Srdf> SrdfReader::read(std::string_view text) {
+Srdf SrdfReader::read(std::string_view text) {
   tinyxml2::XMLDocument document;
-  if (text.size() > kMaxRobotTextSize) xml_.note(1, "the text is longer than 64 MB");
-  const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, text, "robot");
-  if (robot != nullptr) {
-    srdf_.robot = name(*robot, "name");
-    xml_.check_children(*robot, {},
-                        {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
-                         "joint_property", "link_sphere_approximation", "disable_collisions",
-                         "disable_default_collisions", "enable_collisions"});
-    for (const auto* child = robot->FirstChildElement(); child && !xml_.fault();
-         child = child->NextSiblingElement()) {
-      read_element(*child);
-    }
-  }
-  if (xml_.fault()) return tl::unexpected(*xml_.fault());
+  const XmlElement& robot = xml_.read_root(document, text, "robot");
+  srdf_.robot = name(robot, "name");
+  xml_.check_children(robot, {},
+                      {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
+                       "joint_property", "link_sphere_approximation", "disable_collisions",
+                       "disable_default_collisions", "enable_collisions"});
+  for (const XmlElement* child : children(robot)) read_element(*child);
   srdf_.warnings = xml_.warnings();
   return std::move(srdf_);
 }
@@ -86,11 +79,10 @@ void SrdfReader::read_group(const XmlElement& element) {
   xml_.set_context(fmt::format("group '{}'", group.name.name));
   const auto is_same = [&](const SrdfGroup& other) { return other.name.name == group.name.name; };
   if (std::ranges::any_of(srdf_.groups, is_same)) {
-    xml_.note(element.GetLineNum(), "it is defined twice");
+    xml_.fail(element.GetLineNum(), "it is defined twice");
   }
   xml_.check_children(element, {}, {"joint", "link", "chain", "group", "passive_joint"});
-  for (const auto* child = element.FirstChildElement(); child && !xml_.fault();
-       child = child->NextSiblingElement()) {
+  for (const XmlElement* child : children(element)) {
     const std::string_view kind = child->Name();
     if (kind == "chain") {
       xml_.check_attributes(*child, {"base_link", "tip_link"});
@@ -112,8 +104,7 @@ void SrdfReader::read_state(const XmlElement& element) {
   SrdfState state{name(element, "name"), xml_.text(element, "group"), {}};
   xml_.set_context(fmt::format("group_state '{}'", state.name.name));
   xml_.check_children(element, {}, {"joint"});
-  for (const auto* child = element.FirstChildElement("joint"); child && !xml_.fault();
-       child = child->NextSiblingElement("joint")) {
+  for (const XmlElement* child : children(element, "joint")) {
     xml_.check_attributes(*child, {"name", "value"});
     SrdfName joint = name(*child, "name");
     if (xml_.text(*child, "value").find_first_of(" \t\n") != std::string::npos) continue;
@@ -134,7 +125,7 @@ SrdfPair SrdfReader::pair(const XmlElement& element, const char* first, const ch
 }  // namespace
 
 Result<Srdf> read_srdf(std::string_view text, const std::string& source) {
-  return SrdfReader(source).read(text);
+  return without_throwing([&] { return SrdfReader(source).read(text); });
 }
 
 namespace {
@@ -289,20 +280,18 @@ void SrdfLookup::add_allowed_pairs() {
 
 }  // namespace
 
-std::optional<Error> apply_srdf(std::string_view text, const std::string& source,
-                                Robot::Parts& parts) {
-  const Result<Srdf> srdf = read_srdf(text, source);
-  if (!srdf) return srdf.error();
-  parts.warnings.insert(parts.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
-  if (srdf->robot.name != parts.name) {
+Result<void> apply_srdf(std::string_view text, const std::string& source, Robot::Parts& parts) {
+  const Srdf srdf = MNEME_TRY(read_srdf(text, source));
+  parts.warnings.insert(parts.warnings.end(), srdf.warnings.begin(), srdf.warnings.end());
+  if (srdf.robot.name != parts.name) {
     parts.warnings.push_back(fmt::format("{}:{}: this SRDF is for robot '{}', not for '{}'", source,
-                                         srdf->robot.line, srdf->robot.name, parts.name));
+                                         srdf.robot.line, srdf.robot.name, parts.name));
   }
-  SrdfLookup lookup(*srdf, source, parts);
+  SrdfLookup lookup(srdf, source, parts);
   lookup.add_groups();
   lookup.add_states();
   lookup.add_allowed_pairs();
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace mneme::internal

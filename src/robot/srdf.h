@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What an SRDF says about a robot.
+/// SRDF: groups, states and allowed contacts of a robot.
 #pragma once
 
 #include "mneme/base.h"
 #include "mneme/robot.h"
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -58,9 +57,8 @@ struct Srdf {
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
 /// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in
-/// tree order. Names that the robot lacks are left aside with one warning each. Returns what is
-/// malformed.
-[[nodiscard]] std::optional<Error> apply_srdf(std::string_view text, const std::string& source,
-                                              Robot::Parts& parts);
+/// tree order. Names that the robot lacks are left aside with one warning each.
+[[nodiscard]] Result<void> apply_srdf(std::string_view text, const std::string& source,
+                                      Robot::Parts& parts);
 
 }  // namespace mneme::internal

@@ -21,9 +21,7 @@ void add_box(XmlReader& xml, const XmlElement& box, const Transform& pose, Link&
   xml.text(box, "size");
   const Vec3 size = xml.vector(box, "size", Vec3::Zero());
   if (size.minCoeff() <= 0) {
-    xml.note(box.GetLineNum(),
-             fmt::format("<box>: size is {} {} {}, expected three numbers above 0", size.x(),
-                         size.y(), size.z()));
+    xml.fail(box, "size is {} {} {}, expected three numbers above 0", size.x(), size.y(), size.z());
   }
   link.solids.push_back(Box{pose, 0.5 * size});
 }
@@ -38,16 +36,13 @@ void add_mesh(XmlReader& xml, const MeshFinder& meshes, const XmlElement& mesh,
               const Transform& pose, Link& link) {
   xml.check_attributes(mesh, {"filename", "scale"});
   const Vec3 scale = xml.vector(mesh, "scale", Vec3::Ones());
-  if ((scale.array() == 0).any()) xml.note(mesh.GetLineNum(), "<mesh>: a scale is 0");
+  if ((scale.array() == 0).any()) xml.fail(mesh, "a scale is 0");
   const std::string name = xml.text(mesh, "filename");
-  if (xml.fault()) return;
   auto path = meshes.find(name);
-  if (path) {
-    link.solids.push_back(MeshFile{*std::move(path), scale, pose});
-  } else {
-    xml.note(mesh.GetLineNum(), fmt::format("<mesh>: '{}': {}", name, path.error().message),
-             path.error().code);
+  if (!path) {
+    xml.fail(mesh, fmt::format("'{}': {}", name, path.error().message), path.error().code);
   }
+  link.solids.push_back(MeshFile{*std::move(path), scale, pose});
 }
 
 void add_sphere(XmlReader& xml, const XmlElement& sphere, const Transform& pose, Link& link) {
@@ -76,13 +71,11 @@ void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& 
                     Link& link) {
   xml.check_children(element, {"origin", "geometry"}, {"material"});
   const Transform pose = read_origin(xml, element);
-  const XmlElement* geometry = xml.required_child(element, "geometry");
-  if (geometry == nullptr) return;
-  xml.check_children(*geometry, {"sphere", "capsule", "box", "cylinder", "mesh"}, {});
-  const XmlElement* shape = geometry->FirstChildElement();
+  const XmlElement& geometry = xml.required_child(element, "geometry");
+  xml.check_children(geometry, {"sphere", "capsule", "box", "cylinder", "mesh"}, {});
+  const XmlElement* shape = geometry.FirstChildElement();
   if (shape == nullptr || shape->NextSiblingElement() != nullptr) {
-    xml.note(geometry->GetLineNum(), "<geometry>: expected exactly one shape");
-    return;
+    xml.fail(geometry, "expected exactly one shape");
   }
   const std::string_view kind = shape->Name();
   if (kind == "sphere") add_sphere(xml, *shape, pose, link);
@@ -100,52 +93,45 @@ class UrdfReader {
   UrdfReader(const std::string& source, const std::vector<std::string>& package_paths)
       : xml_(source), meshes_(source, package_paths) {}
 
-  Result<Robot::Parts> read(std::string_view urdf);
+  Robot::Parts read(std::string_view urdf);
 
  private:
-  void read_robot(const XmlElement& element);
   void read_link(const XmlElement& element);
   void read_joint(const XmlElement& element);
-  JointType read_type(const XmlElement& element);
-  void read_motion(const XmlElement& element, Joint& joint);
-  void read_rates(const XmlElement& limit, Joint& joint);
-  void read_mimic(const XmlElement& element, Joint& joint);
+  JointType read_type(const XmlElement& element) const;
+  void read_motion(const XmlElement& element, Joint& joint) const;
+  void read_mimic(const XmlElement& element, Joint& joint) const;
   void connect_joints();
-  int find_link(const XmlElement& joint, const char* end);
-  int find_leader(const XmlElement& mimic);
-  Result<Robot::Parts> sorted();
+  int find_link(const XmlElement& joint, const char* end) const;
+  int find_leader(const XmlElement& mimic) const;
 
   XmlReader xml_;
   MeshFinder meshes_;
   Robot::Parts parts_;
-  int robot_line_ = 1;
   std::vector<int> link_lines_;
   std::vector<const XmlElement*> joint_elements_;
   std::map<std::string, int> link_indices_;
 };
 
-Result<Robot::Parts> UrdfReader::read(std::string_view urdf) {
+Robot::Parts UrdfReader::read(std::string_view urdf) {
   tinyxml2::XMLDocument document;
-  if (urdf.size() > kMaxRobotTextSize) xml_.note(1, "the text is longer than 64 MB");
-  const XmlElement* robot = xml_.fault() ? nullptr : xml_.read_root(document, urdf, "robot");
-  if (robot != nullptr) read_robot(*robot);
-  return xml_.fault() ? tl::unexpected(*xml_.fault()) : sorted();
-}
-
-void UrdfReader::read_robot(const XmlElement& element) {
-  robot_line_ = element.GetLineNum();
-  parts_.name = xml_.text(element, "name");
+  const XmlElement& robot = xml_.read_root(document, urdf, "robot");
+  parts_.name = xml_.text(robot, "name");
   xml_.check_children(
-      element, {},
-      {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
-  for (const auto* child = element.FirstChildElement(); child;
-       child = child->NextSiblingElement()) {
-    if (xml_.fault()) return;
+      robot, {}, {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
+  for (const XmlElement* child : children(robot)) {
     if (child->Name() == std::string_view("link")) read_link(*child);
     if (child->Name() == std::string_view("joint")) read_joint(*child);
     xml_.set_context("");
   }
   connect_joints();
+  auto sorted = sort_tree(std::move(parts_));
+  if (sorted) return *std::move(sorted);
+  const PartsFault& fault = sorted.error();
+  int line = robot.GetLineNum();
+  if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
+  if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
+  xml_.fail(line, fault.message);
 }
 
 void UrdfReader::read_link(const XmlElement& element) {
@@ -154,8 +140,7 @@ void UrdfReader::read_link(const XmlElement& element) {
   xml_.set_context(fmt::format("link '{}'", link.name));
   // <contact> holds friction and damping.
   xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
-  for (const auto* collision = element.FirstChildElement("collision"); collision;
-       collision = collision->NextSiblingElement("collision")) {
+  for (const XmlElement* collision : children(element, "collision")) {
     read_collision(xml_, meshes_, *collision, link);
   }
   link_indices_.emplace(link.name, static_cast<int>(parts_.links.size()));
@@ -163,19 +148,17 @@ void UrdfReader::read_link(const XmlElement& element) {
   parts_.links.push_back(std::move(link));
 }
 
-JointType UrdfReader::read_type(const XmlElement& element) {
+JointType UrdfReader::read_type(const XmlElement& element) const {
   const std::string type = xml_.text(element, "type");
-  if (type == "fixed") return JointType::fixed;
-  if (type == "revolute") return JointType::revolute;
-  if (type == "continuous") return JointType::continuous;
-  if (type == "prismatic") return JointType::prismatic;
-  const bool is_known = type == "planar" || type == "floating";
-  xml_.note(element.GetLineNum(),
-            fmt::format("<joint>: type '{}' is {}; expected fixed, revolute, continuous or "
-                        "prismatic",
-                        type, is_known ? "not supported" : "unknown"),
-            is_known ? ErrorCode::unsupported : ErrorCode::parse);
-  return JointType::fixed;
+  for (const JointType known :
+       {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic}) {
+    if (type == to_string(known)) return known;
+  }
+  const bool is_of_urdf = type == "planar" || type == "floating";
+  xml_.fail(element,
+            fmt::format("type '{}' is {}; expected fixed, revolute, continuous or prismatic", type,
+                        is_of_urdf ? "not supported" : "unknown"),
+            is_of_urdf ? ErrorCode::unsupported : ErrorCode::parse);
 }
 
 void UrdfReader::read_joint(const XmlElement& element) {
@@ -194,31 +177,26 @@ void UrdfReader::read_joint(const XmlElement& element) {
   parts_.joints.push_back(std::move(joint));
 }
 
-void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
+void UrdfReader::read_motion(const XmlElement& element, Joint& joint) const {
   if (const XmlElement* axis = element.FirstChildElement("axis")) {
     xml_.check_attributes(*axis, {"xyz"});
     xml_.text(*axis, "xyz");
     joint.axis = xml_.vector(*axis, "xyz", joint.axis);
   }
   const bool is_continuous = joint.type == JointType::continuous;
-  const XmlElement* limit =
-      is_continuous ? element.FirstChildElement("limit") : xml_.required_child(element, "limit");
-  if (limit == nullptr) return;
-  xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
-  read_rates(*limit, joint);
-  if (is_continuous) return;
-  joint.lower = xml_.number(*limit, "lower");
-  joint.upper = xml_.number(*limit, "upper");
-}
-
-void UrdfReader::read_rates(const XmlElement& limit, Joint& joint) {
+  if (is_continuous && !element.FirstChildElement("limit")) return;
+  const XmlElement& limit = xml_.required_child(element, "limit");
+  xml_.check_attributes(limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
   if (limit.Attribute("velocity")) joint.velocity = xml_.non_negative_number(limit, "velocity");
   if (limit.Attribute("acceleration")) {
     joint.acceleration = xml_.non_negative_number(limit, "acceleration");
   }
+  if (is_continuous) return;
+  joint.lower = xml_.number(limit, "lower");
+  joint.upper = xml_.number(limit, "upper");
 }
 
-void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {
+void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) const {
   const XmlElement* mimic = element.FirstChildElement("mimic");
   if (mimic == nullptr) return;
   xml_.check_attributes(*mimic, {"joint", "multiplier", "offset"});
@@ -228,52 +206,38 @@ void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {
 }
 
 void UrdfReader::connect_joints() {
-  for (std::size_t i = 0; i < parts_.joints.size() && !xml_.fault(); ++i) {
-    xml_.set_context(fmt::format("joint '{}'", parts_.joints[i].name));
-    parts_.joints[i].parent_link = find_link(*joint_elements_[i], "parent");
-    parts_.joints[i].child_link = find_link(*joint_elements_[i], "child");
-    if (parts_.joints[i].mimic) {
-      parts_.joints[i].mimic->joint = find_leader(*joint_elements_[i]->FirstChildElement("mimic"));
-    }
+  for (std::size_t i = 0; i < parts_.joints.size(); ++i) {
+    Joint& joint = parts_.joints[i];
+    const XmlElement& element = *joint_elements_[i];
+    xml_.set_context(fmt::format("joint '{}'", joint.name));
+    joint.parent_link = find_link(element, "parent");
+    joint.child_link = find_link(element, "child");
+    if (joint.mimic) joint.mimic->joint = find_leader(*element.FirstChildElement("mimic"));
   }
   xml_.set_context("");
 }
 
-int UrdfReader::find_link(const XmlElement& joint, const char* end) {
-  const XmlElement* element = xml_.required_child(joint, end);
-  if (element == nullptr) return -1;
-  xml_.check_attributes(*element, {"link"});
-  const std::string name = xml_.text(*element, "link");
+int UrdfReader::find_link(const XmlElement& joint, const char* end) const {
+  const XmlElement& element = xml_.required_child(joint, end);
+  xml_.check_attributes(element, {"link"});
+  const std::string name = xml_.text(element, "link");
   const auto found = link_indices_.find(name);
-  if (found != link_indices_.end()) return found->second;
-  xml_.note(element->GetLineNum(), fmt::format("<{}>: there is no link '{}'", end, name));
-  return -1;
+  if (found == link_indices_.end()) xml_.fail(element, "there is no link '{}'", name);
+  return found->second;
 }
 
-int UrdfReader::find_leader(const XmlElement& mimic) {
+int UrdfReader::find_leader(const XmlElement& mimic) const {
   const std::string name = xml_.text(mimic, "joint");
   const auto found = std::ranges::find(parts_.joints, name, &Joint::name);
-  if (found != parts_.joints.end()) return static_cast<int>(found - parts_.joints.begin());
-  xml_.note(mimic.GetLineNum(), fmt::format("<mimic>: there is no joint '{}'", name));
-  return -1;
-}
-
-Result<Robot::Parts> UrdfReader::sorted() {
-  auto result = sort_tree(std::move(parts_));
-  if (result) return std::move(*result);
-  const PartsFault& fault = result.error();
-  int line = robot_line_;
-  if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
-  if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
-  xml_.note(line, fault.message);
-  return tl::unexpected(*xml_.fault());
+  if (found == parts_.joints.end()) xml_.fail(mimic, "there is no joint '{}'", name);
+  return static_cast<int>(found - parts_.joints.begin());
 }
 
 }  // namespace
 
 Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
                                const std::vector<std::string>& package_paths) {
-  return UrdfReader(source, package_paths).read(urdf);
+  return without_throwing([&] { return UrdfReader(source, package_paths).read(urdf); });
 }
 
 }  // namespace mneme::internal

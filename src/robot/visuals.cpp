@@ -5,7 +5,6 @@
 
 #include "base/files.h"
 #include "geometry/mesh_file.h"
-#include "robot/mesh_finder.h"
 #include "robot/urdf_reader.h"
 #include "robot/xml_reader.h"
 
@@ -22,7 +21,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Of a <material> with an rgba value; empty without one.
+/// "#rrggbb" of a <material> with an rgba value; empty without one.
 std::string color_of(const XmlElement* material) {
   const XmlElement* color = material ? material->FirstChildElement("color") : nullptr;
   const char* text = color ? color->Attribute("rgba") : nullptr;
@@ -52,8 +51,7 @@ std::optional<Shape> shape_of(const Solid& solid) {
 std::optional<Shape> read_shape(const XmlElement& visual, const MeshFinder& meshes) {
   XmlReader xml("");
   Link link;
-  read_collision(xml, meshes, visual, link);
-  if (xml.fault()) return std::nullopt;
+  if (!without_throwing([&] { read_collision(xml, meshes, visual, link); })) return std::nullopt;
   if (!link.spheres.empty()) return link.spheres.front();
   if (!link.capsules.empty()) return link.capsules.front();
   return link.solids.empty() ? std::nullopt : shape_of(link.solids.front());
@@ -61,8 +59,7 @@ std::optional<Shape> read_shape(const XmlElement& visual, const MeshFinder& mesh
 
 std::map<std::string, std::string> named_colors(const XmlElement& robot) {
   std::map<std::string, std::string> colors;
-  for (const auto* material = robot.FirstChildElement("material"); material;
-       material = material->NextSiblingElement("material")) {
+  for (const XmlElement* material : children(robot, "material")) {
     if (const char* name = material->Attribute("name")) colors[name] = color_of(material);
   }
   return colors;
@@ -74,8 +71,8 @@ bool add_shapes(const XmlElement& link, const char* kind, const MeshFinder& mesh
   const std::size_t before = visuals.size();
   const bool is_checked = std::string_view(kind) == "collision";
   const char* name = link.Attribute("name");
-  for (const auto* element = link.FirstChildElement(kind); element && name;
-       element = element->NextSiblingElement(kind)) {
+  if (name == nullptr) return false;
+  for (const XmlElement* element : children(link, kind)) {
     auto shape = read_shape(*element, meshes);
     // Spheres and capsules that are checked are seen as such anyway.
     if (!shape || (is_checked && (std::holds_alternative<Sphere>(*shape) ||
@@ -100,14 +97,15 @@ std::vector<Visual> read_visuals(const std::string& path,
   const auto text = read_text_file(path, kMaxRobotTextSize);
   tinyxml2::XMLDocument document;
   XmlReader xml(path);
-  const XmlElement* robot = text ? xml.read_root(document, *text, "robot") : nullptr;
-  if (robot == nullptr) return visuals;
+  if (!text) return visuals;
+  const auto robot = without_throwing([&] { return &xml.read_root(document, *text, "robot"); });
+  if (!robot) return visuals;
   const MeshFinder meshes(path, package_paths);
-  const auto colors = named_colors(*robot);
-  for (const auto* link = robot->FirstChildElement("link"); link;
-       link = link->NextSiblingElement("link")) {
-    if (!add_shapes(*link, "visual", meshes, colors, visuals))
+  const auto colors = named_colors(**robot);
+  for (const XmlElement* link : children(**robot, "link")) {
+    if (!add_shapes(*link, "visual", meshes, colors, visuals)) {
       add_shapes(*link, "collision", meshes, colors, visuals);
+    }
   }
   return visuals;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the links of a URDF look like.
+/// Shapes and colours of the links of a URDF.
 #pragma once
 
 #include "mneme/robot.h"

@@ -5,11 +5,13 @@
 #include "mneme/robot.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -31,18 +33,14 @@ Vec3 rpy_of(const Eigen::Matrix3d& r) {
 std::string xml_escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
+    if (c == '&') {
+      result += "&amp;";
+    } else if (c == '<') {
+      result += "&lt;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else {
+      result += c;
     }
   }
   return result;
@@ -68,17 +66,9 @@ std::string xml_origin(const Transform& pose) {
 namespace mneme {
 
 std::string_view to_string(JointType type) {
-  switch (type) {
-    case JointType::fixed:
-      return "fixed";
-    case JointType::revolute:
-      return "revolute";
-    case JointType::continuous:
-      return "continuous";
-    case JointType::prismatic:
-      return "prismatic";
-  }
-  return "fixed";
+  constexpr std::array<std::string_view, 4> kNames = {"fixed", "revolute", "continuous",
+                                                      "prismatic"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 namespace {
@@ -86,6 +76,12 @@ namespace {
 using internal::xml_escaped;
 using internal::xml_origin;
 using internal::xml_vector;
+
+std::string begin_robot(const std::string& name, std::string_view comment) {
+  return fmt::format("<?xml version=\"1.0\"?>\n{}<robot name=\"{}\">\n",
+                     comment.empty() ? "" : fmt::format("<!-- {} -->\n", comment),
+                     xml_escaped(name));
+}
 
 std::string collision(const Transform& pose, const std::string& shape) {
   return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n", xml_origin(pose),
@@ -175,9 +171,7 @@ std::string to_xml(const Joint& joint, const Robot::Parts& parts) {
 }  // namespace
 
 std::string to_urdf(const Robot::Parts& parts, std::string_view comment) {
-  std::string text = "<?xml version=\"1.0\"?>\n";
-  if (!comment.empty()) text += fmt::format("<!-- {} -->\n", comment);
-  text += fmt::format("<robot name=\"{}\">\n", xml_escaped(parts.name));
+  std::string text = begin_robot(parts.name, comment);
   for (const Link& link : parts.links) text += to_xml(link);
   for (const Joint& joint : parts.joints) text += to_xml(joint, parts);
   return text + "</robot>\n";
@@ -215,9 +209,7 @@ const std::string& parent_of(const JointGroup& group, const Robot::Parts& parts)
 
 std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reasons,
                     std::string_view comment) {
-  std::string text = "<?xml version=\"1.0\"?>\n";
-  if (!comment.empty()) text += fmt::format("<!-- {} -->\n", comment);
-  text += fmt::format("<robot name=\"{}\">\n", xml_escaped(parts.name));
+  std::string text = begin_robot(parts.name, comment);
   for (const JointGroup& group : parts.groups) text += to_xml(group);
   for (const NamedState& state : parts.states) text += to_xml(state);
   for (const JointGroup& group : parts.groups) {
@@ -236,37 +228,6 @@ std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reas
 
 namespace {
 
-// Trajectories heed the velocity, radians per second; the effort is there for check_urdf alone.
-constexpr std::string_view kRates = R"(effort="1" velocity="1")";
-
-std::string link_element(std::size_t number, double length, double radius) {
-  return fmt::format(R"(  <link name="link_{}">
-    <collision>
-      <origin xyz="{} 0 0" rpy="0 {} 0"/>
-      <geometry><capsule radius="{}" length="{}"/></geometry>
-    </collision>
-  </link>
-)",
-                     number, 0.5 * length, 0.5 * std::numbers::pi, radius, length);
-}
-
-std::string joint_element(std::size_t number, double previous_length) {
-  const bool is_first = number == 1;
-  const std::string parent = is_first ? "base" : fmt::format("link_{}", number - 1);
-  const std::string limits =
-      fmt::format(R"(lower="{}" upper="{}" )", -std::numbers::pi, std::numbers::pi);
-  return fmt::format(R"(  <joint name="joint_{}" type="{}">
-    <parent link="{}"/>
-    <child link="link_{}"/>
-    <origin xyz="{} 0 0" rpy="0 0 0"/>
-    <axis xyz="0 0 1"/>
-    <limit {}{}/>
-  </joint>
-)",
-                     number, is_first ? "continuous" : "revolute", parent, number, previous_length,
-                     is_first ? "" : limits, kRates);
-}
-
 bool is_positive(double value) { return std::isfinite(value) && value > 0; }
 
 }  // namespace
@@ -276,26 +237,34 @@ Result<std::string> planar_arm_urdf(const std::string& name, std::span<const dou
   if (name.empty()) return fail(ErrorCode::invalid, "planar arm: the robot's name is empty");
   if (lengths.empty()) return fail(ErrorCode::invalid, "planar arm: at least one link is needed");
   if (!is_positive(thickness)) {
-    return fail(ErrorCode::invalid,
-                fmt::format("planar arm: thickness is {}, expected more than 0", thickness));
+    return fail(ErrorCode::invalid, "planar arm: thickness is {}, expected more than 0", thickness);
   }
-  std::string links, joints;
+  Robot::Parts parts{name, std::vector<Link>(1 + lengths.size()), {}};
+  parts.links[0].name = "base";
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     if (!is_positive(lengths[i])) {
-      return fail(ErrorCode::invalid, fmt::format("planar arm: length of link {} is {}, expected "
-                                                  "more than 0",
-                                                  i + 1, lengths[i]));
+      return fail(ErrorCode::invalid,
+                  "planar arm: length of link {} is {}, expected "
+                  "more than 0",
+                  i + 1, lengths[i]);
     }
-    links += link_element(i + 1, lengths[i], 0.5 * thickness);
-    joints += joint_element(i + 1, i == 0 ? 0.0 : lengths[i - 1]);
+    Joint joint;
+    joint.name = fmt::format("joint_{}", i + 1);
+    joint.type = i == 0 ? JointType::continuous : JointType::revolute;
+    joint.parent_link = static_cast<int>(i);
+    joint.child_link = static_cast<int>(i + 1);
+    if (i > 0) joint.origin.translation = Vec3(lengths[i - 1], 0, 0);
+    joint.axis = Vec3::UnitZ();
+    joint.lower = -std::numbers::pi;
+    joint.upper = std::numbers::pi;
+    parts.joints.push_back(std::move(joint));
+    Link& link = parts.links[i + 1];
+    link.name = fmt::format("link_{}", i + 1);
+    link.capsules.push_back({Vec3::Zero(), Vec3(lengths[i], 0, 0), 0.5 * thickness});
   }
-  return fmt::format(R"(<?xml version="1.0"?>
-<!-- Made by `mneme robot planar`. A capsule is an extension: its length is between cap centres. -->
-<robot name="{}">
-  <link name="base"/>
-{}{}</robot>
-)",
-                     internal::xml_escaped(name), links, joints);
+  return to_urdf(parts,
+                 "Made by `mneme robot planar`. A capsule is an extension: its length is between "
+                 "cap centres.");
 }
 
 }  // namespace mneme

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -70,8 +71,21 @@ bool contains(std::initializer_list<std::string_view> names, std::string_view na
 
 }  // namespace
 
-void XmlReader::note(int line, std::string_view what, ErrorCode code) {
-  if (!fault_) fault_ = Error{code, place(line, what)};
+std::vector<const XmlElement*> children(const XmlElement& element, const char* name) {
+  std::vector<const XmlElement*> result;
+  for (const XmlElement* child = element.FirstChildElement(name); child != nullptr;
+       child = child->NextSiblingElement(name)) {
+    result.push_back(child);
+  }
+  return result;
+}
+
+void XmlReader::fail(int line, std::string_view what, ErrorCode code) const {
+  throw InputFailure{{code, place(line, what)}};
+}
+
+void XmlReader::fail(const XmlElement& element, std::string_view what, ErrorCode code) const {
+  fail(element.GetLineNum(), fmt::format("<{}>: {}", element.Name(), what), code);
 }
 
 std::string XmlReader::place(int line, std::string_view what) const {
@@ -79,134 +93,117 @@ std::string XmlReader::place(int line, std::string_view what) const {
   return fmt::format("{}:{}: {}{}", source_, std::max(line, 1), context, what);
 }
 
-void XmlReader::note(const XmlElement& element, std::string_view what) {
-  note(element.GetLineNum(), fmt::format("<{}>: {}", element.Name(), what));
-}
-
-const XmlElement* XmlReader::read_root(tinyxml2::XMLDocument& document, std::string_view text,
-                                       const char* name) {
+const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::string_view text,
+                                       const char* name) const {
+  if (text.size() > kMaxRobotTextSize) fail(1, "the text is longer than 64 MB");
   const auto null = std::ranges::find(text, '\0');
   if (null != text.end()) {
-    note(1 + static_cast<int>(std::count(text.begin(), null, '\n')), "a null byte is no XML");
-    return nullptr;
+    fail(1 + static_cast<int>(std::count(text.begin(), null, '\n')), "a null byte is no XML");
   }
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const bool is_xml =
         text.substr(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf") + 1).ends_with('<');
-    note(document.ErrorLineNum(),
+    fail(document.ErrorLineNum(),
          "malformed XML: " + describe(document) +
              (is_xml ? "" : fmt::format("; expected a <{}> element", name)));
-    return nullptr;
   }
   const XmlElement* root = document.RootElement();
   if (root == nullptr || root->Name() != std::string_view(name)) {
-    note(root == nullptr ? 1 : root->GetLineNum(),
-         fmt::format("the document is no <{}> element", name));
-    return nullptr;
+    fail(root == nullptr ? 1 : root->GetLineNum(), "the document is no <{}> element", name);
   }
   for (const tinyxml2::XMLNode* node = root->NextSibling(); node; node = node->NextSibling()) {
     if (node->ToComment() == nullptr) {
-      note(node->GetLineNum(), fmt::format("there is more than one <{}> element", name));
+      fail(node->GetLineNum(), "there is more than one <{}> element", name);
     }
   }
-  return root;
+  return *root;
 }
 
 void XmlReader::check_children(const XmlElement& element,
                                std::initializer_list<std::string_view> single,
                                std::initializer_list<std::string_view> repeated) {
+  std::vector<std::string_view> known(single);
+  known.insert(known.end(), repeated);
   for (const tinyxml2::XMLNode* node = element.FirstChild(); node; node = node->NextSibling()) {
     if (node->ToComment() != nullptr) continue;
     const XmlElement* child = node->ToElement();
     if (child == nullptr) {
-      note_text(element, *node);
+      take_stray_text(element, *node);
       continue;
     }
     const std::string_view name = child->Name();
-    if (!contains(single, name) && !contains(repeated, name)) {
-      std::vector<std::string_view> known(single);
-      known.insert(known.end(), repeated);
+    if (std::ranges::find(known, name) == known.end()) {
       const bool is_xacro = name.starts_with("xacro:");
-      note(child->GetLineNum(),
-           fmt::format(
-               "unknown element <{}> in <{}>; expected {}{}", name, element.Name(),
-               is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf" : "one of: ",
-               fmt::join(is_xacro ? std::vector<std::string_view>() : known, ", ")));
+      fail(child->GetLineNum(), "unknown element <{}> in <{}>; expected {}", name, element.Name(),
+           is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf"
+                    : fmt::format("one of: {}", fmt::join(known, ", ")));
     }
     if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
-      note(child->GetLineNum(),
-           fmt::format("there is a second <{}> in <{}>", name, element.Name()));
+      fail(child->GetLineNum(), "there is a second <{}> in <{}>", name, element.Name());
     }
   }
 }
 
-void XmlReader::note_text(const XmlElement& element, const tinyxml2::XMLNode& text) {
+void XmlReader::take_stray_text(const XmlElement& element, const tinyxml2::XMLNode& text) {
   const std::string what = fmt::format("<{}>: text {} is not expected here", element.Name(),
                                        in_quotes(trimmed(text.Value())));
-  if (stray_text_ == StrayText::fault) return note(text.GetLineNum(), what);
+  if (stray_text_ == StrayText::fault) fail(text.GetLineNum(), what);
   warnings_.push_back(place(text.GetLineNum(), what + "; it is left aside"));
 }
 
 void XmlReader::check_attributes(const XmlElement& element,
-                                 std::initializer_list<std::string_view> known) {
+                                 std::initializer_list<std::string_view> known) const {
   for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) {
     if (contains(known, attribute->Name())) continue;
-    note(element, fmt::format("unknown attribute '{}'; expected one of: {}", attribute->Name(),
-                              fmt::join(known, ", ")));
+    fail(element, "unknown attribute '{}'; expected one of: {}", attribute->Name(),
+         fmt::join(known, ", "));
   }
 }
 
-const XmlElement* XmlReader::required_child(const XmlElement& element, const char* name) {
+const XmlElement& XmlReader::required_child(const XmlElement& element, const char* name) const {
   const XmlElement* child = element.FirstChildElement(name);
-  if (child == nullptr) note(element, fmt::format("the element <{}> is missing", name));
-  return child;
+  if (child == nullptr) fail(element, "the element <{}> is missing", name);
+  return *child;
 }
 
-std::string XmlReader::text(const XmlElement& element, const char* attribute) {
+std::string XmlReader::text(const XmlElement& element, const char* attribute) const {
   const char* value = element.Attribute(attribute);
-  if (value == nullptr) note(element, fmt::format("attribute '{}' is missing", attribute));
-  if (value != nullptr && *value == '\0') note(element, fmt::format("'{}' is empty", attribute));
-  return value == nullptr ? "" : value;
+  if (value == nullptr) fail(element, "attribute '{}' is missing", attribute);
+  if (*value == '\0') fail(element, "'{}' is empty", attribute);
+  return value;
 }
 
-double XmlReader::number(const XmlElement& element, const char* attribute) {
+double XmlReader::number(const XmlElement& element, const char* attribute) const {
   const std::string value = text(element, attribute);
   const auto fields = words(value);
   const auto result = fields.size() == 1 ? parse_number(fields[0]) : std::nullopt;
-  if (!result) {
-    note(element, fmt::format("{} is {}, expected a finite number", attribute, in_quotes(value)));
-  }
-  return result.value_or(0);
+  if (result) return *result;
+  fail(element, "{} is {}, expected a finite number", attribute, in_quotes(value));
 }
 
-double XmlReader::positive_number(const XmlElement& element, const char* attribute) {
+double XmlReader::positive_number(const XmlElement& element, const char* attribute) const {
   const double value = number(element, attribute);
-  if (value <= 0) note(element, fmt::format("{} is {}, expected more than 0", attribute, value));
+  if (value <= 0) fail(element, "{} is {}, expected more than 0", attribute, value);
   return value;
 }
 
-double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) {
+double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) const {
   const double value = number(element, attribute);
-  if (value < 0) note(element, fmt::format("{} is {}, expected 0 or more", attribute, value));
+  if (value < 0) fail(element, "{} is {}, expected 0 or more", attribute, value);
   return value;
 }
 
-Vec3 XmlReader::vector(const XmlElement& element, const char* attribute, const Vec3& fallback) {
+Vec3 XmlReader::vector(const XmlElement& element, const char* attribute,
+                       const Vec3& fallback) const {
   const char* value = element.Attribute(attribute);
   if (value == nullptr) return fallback;
+  std::vector<double> numbers;
   const auto fields = words(value);
-  Vec3 result = fallback;
-  bool is_vector = fields.size() == 3;
-  for (std::size_t i = 0; is_vector && i < 3; ++i) {
-    const auto component = parse_number(fields[i]);
-    is_vector = component.has_value();
-    result[static_cast<Eigen::Index>(i)] = component.value_or(0);
+  for (const std::string_view field : fields) {
+    if (const auto number = parse_number(field)) numbers.push_back(*number);
   }
-  if (!is_vector) {
-    note(element,
-         fmt::format("{} is {}, expected three finite numbers", attribute, in_quotes(value)));
-  }
-  return result;
+  if (fields.size() == 3 && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
+  fail(element, "{} is {}, expected three finite numbers", attribute, in_quotes(value));
 }
 
 }  // namespace mneme::internal

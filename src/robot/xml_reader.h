@@ -1,19 +1,24 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Strict reading of XML elements, in which the first fault decides.
+/// Strict reading of XML elements.
 #pragma once
 
 #include "mneme/base.h"
 #include "mneme/geometry.h"
 
+#include "base/fail.h"
+
+#include <fmt/format.h>
 #include <tinyxml2.h>
 
+#include <concepts>
 #include <cstddef>
 #include <initializer_list>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -23,56 +28,63 @@ using XmlElement = tinyxml2::XMLElement;
 /// Longer URDF and SRDF texts are refused.
 inline constexpr std::size_t kMaxRobotTextSize = std::size_t{64} << 20;
 
-/// Reads names, numbers and vectors from elements. After the first fault it goes on with empty
-/// values, so that callers ask for the fault once, at the end. All calls name an element, whose
-/// line stands in the message.
+/// The child elements in order; only those called `name` if it is given.
+[[nodiscard]] std::vector<const XmlElement*> children(const XmlElement& element,
+                                                      const char* name = nullptr);
+
+/// Reads names, numbers and vectors from elements. Throws InputFailure with
+/// "SOURCE:LINE: CONTEXT: what" where an element is not as it should be.
 class XmlReader {
  public:
-  /// What text between elements is.
+  /// How text between elements is treated.
   enum class StrayText { fault, warning };
   explicit XmlReader(std::string source, StrayText stray_text = StrayText::fault)
       : source_(std::move(source)), stray_text_(stray_text) {}
 
-  [[nodiscard]] const std::optional<Error>& fault() const { return fault_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-  /// What is being read, such as "link 'elbow'"; stands in messages after file and line.
+  /// Names the part that is being read, such as "link 'elbow'", in messages.
   void set_context(std::string context) { context_ = std::move(context); }
-  /// Notes a fault, unless there is one: "SOURCE:LINE: CONTEXT: what".
-  void note(int line, std::string_view what, ErrorCode code = ErrorCode::parse);
+  [[noreturn]] void fail(int line, std::string_view what, ErrorCode code = ErrorCode::parse) const;
+  /// The same with the element's line and "<NAME>: " before `what`.
+  [[noreturn]] void fail(const XmlElement& element, std::string_view what,
+                         ErrorCode code = ErrorCode::parse) const;
 
-  /// The root element, if the document is well-formed and is one `name` element.
-  const XmlElement* read_root(tinyxml2::XMLDocument& document, std::string_view text,
-                              const char* name);
-  /// Faults unless all children are comments, text that is no fault, or elements: each of `single`
-  /// at most once, others of `repeated` at will.
+  template <class Where, class First, class... Rest>
+  requires(!std::same_as<std::remove_cvref_t<First>, ErrorCode>)
+      [[noreturn]] void fail(const Where& where, fmt::format_string<First, Rest...> what,
+                             First&& first, Rest&&... rest) const {
+    fail(where, fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
+
+  /// The root element of `text`, which must be well-formed, at most 64 MB and one `name` element.
+  const XmlElement& read_root(tinyxml2::XMLDocument& document, std::string_view text,
+                              const char* name) const;
+  /// Allows comments, text that is no fault, each element of `single` at most once, and those of
+  /// `repeated` at will.
   void check_children(const XmlElement& element, std::initializer_list<std::string_view> single,
                       std::initializer_list<std::string_view> repeated);
-  /// Faults if there is another attribute than these: a mistyped name must not become a default
-  /// value.
-  void check_attributes(const XmlElement& element, std::initializer_list<std::string_view> known);
+  /// Refuses other attributes: a mistyped name must not become a default value.
+  void check_attributes(const XmlElement& element,
+                        std::initializer_list<std::string_view> known) const;
 
-  /// The child of this name, or null and a fault.
-  const XmlElement* required_child(const XmlElement& element, const char* name);
+  const XmlElement& required_child(const XmlElement& element, const char* name) const;
   /// The attribute's text, not empty.
-  std::string text(const XmlElement& element, const char* attribute);
+  std::string text(const XmlElement& element, const char* attribute) const;
   /// The attribute's value: one finite decimal number, whatever the locale.
-  double number(const XmlElement& element, const char* attribute);
-  double positive_number(const XmlElement& element, const char* attribute);
-  double non_negative_number(const XmlElement& element, const char* attribute);
+  double number(const XmlElement& element, const char* attribute) const;
+  double positive_number(const XmlElement& element, const char* attribute) const;
+  double non_negative_number(const XmlElement& element, const char* attribute) const;
   /// The attribute's three numbers; `fallback` where it is missing.
-  Vec3 vector(const XmlElement& element, const char* attribute, const Vec3& fallback);
+  Vec3 vector(const XmlElement& element, const char* attribute, const Vec3& fallback) const;
 
  private:
-  void note(const XmlElement& element, std::string_view what);
-  void note_text(const XmlElement& element, const tinyxml2::XMLNode& text);
-
+  void take_stray_text(const XmlElement& element, const tinyxml2::XMLNode& text);
   [[nodiscard]] std::string place(int line, std::string_view what) const;
 
   std::string source_;
   StrayText stray_text_;
   std::vector<std::string> warnings_;
   std::string context_;
-  std::optional<Error> fault_;
 };
 
 }  // namespace mneme::internal

@@ -10,6 +10,7 @@
 #include "base/threads.h"
 #include "spheres/approximate_solid.h"
 #include "spheres/triangle_mesh.h"
+#include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 #include "robot/planning_group.h"
 

@@ -5,7 +5,6 @@
 #include "tables/make_tables.h"
 #include "geometry/axis_box.h"
 #include "tables/shape_groups.h"
-#include "robot/drives.h"
 #include "robot/kinematics.h"
 #include "robot/link_shapes.h"
 

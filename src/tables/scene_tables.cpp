@@ -4,7 +4,7 @@
 #include "tables/make_tables.h"
 #include "geometry/parts.h"
 #include "geometry/solids.h"
-#include "scene/edit_scene.h"
+#include "scene/scene_input.h"
 
 #include <algorithm>
 #include <cassert>

@@ -7,7 +7,7 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/drives.h"
 #include "robot/kinematics.h"
 #include "robot/small_robots.h"
 

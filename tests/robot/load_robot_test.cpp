@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The robots that come with mneme, against facts about their kinematics (see robots/SOURCE.md).
-#include "robot/mesh_finder.h"
 #include "robot/small_robots.h"
+#include "robot/urdf_reader.h"
 #include "support/environment.h"
 #include "support/support.h"
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/robot_tree.h"
 #include "robot/small_robots.h"

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/robot_facts.h"
+#include "robot/identity.h"
 
 #include "base/as_index.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
-#include "robot/robot_tree.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -14,102 +12,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <set>
 #include <vector>
 
 namespace mneme::internal {
-namespace {
-
-constexpr double kTolerance = 1e-9;
-
-bool is_along_z(const Vec3& direction) { return direction.head<2>().norm() < kTolerance; }
-
-bool turns_about_z(const Joint& joint, const Transform& X_root_child) {
-  const bool is_turning = joint.type == JointType::revolute || joint.type == JointType::continuous;
-  // The motion of a joint about z leaves the z axis of its frame, so the child's frame serves.
-  return is_turning && is_along_z(joint.axis) && is_along_z(X_root_child.rotation.col(2));
-}
-
-bool lies_in_plane(const Link& link, const Transform& X_root_link) {
-  const auto is_in_plane = [&](const Vec3& p) {
-    return std::abs((X_root_link * p).z()) < kTolerance;
-  };
-  return std::ranges::all_of(link.spheres,
-                             [&](const Sphere& s) { return is_in_plane(s.center); }) &&
-         std::ranges::all_of(
-             link.capsules, [&](const Capsule& c) { return is_in_plane(c.a) && is_in_plane(c.b); });
-}
-
-}  // namespace
-
-bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
-                    std::span<const int> group) {
-  const std::vector<double> zero(group.size(), 0.0);
-  const std::vector<Transform> poses = forward_kinematics(joints, group, zero);
-  const std::vector<bool> is_moving = find_moving(joints, group);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const Transform& child = poses[as_index(joints[i].child_link)];
-    if (is_moving[i] && !turns_about_z(joints[i], child)) return false;
-  }
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (!lies_in_plane(links[i], poses[i])) return false;
-  }
-  return true;
-}
-
-namespace {
-
-/// The body of each link: the index of the body's topmost link.
-std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
-                      const std::vector<bool>& is_moving) {
-  std::vector<int> bodies(links.size(), 0);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    bodies[as_index(joints[i].child_link)] =
-        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
-  }
-  return bodies;
-}
-
-}  // namespace
-
-LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
-                          std::span<const int> group) {
-  const std::vector<bool> is_moving = find_moving(joints, group);
-  const std::vector<int> bodies = weld(links, joints, is_moving);
-  std::set<std::pair<int, int>> joined;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (!is_moving[i]) continue;
-    joined.insert(std::minmax(
-        {bodies[as_index(joints[i].parent_link)], bodies[as_index(joints[i].child_link)]}));
-  }
-  LinkPairs neighbours;
-  for (std::size_t a = 0; a < links.size(); ++a) {
-    for (std::size_t b = a + 1; b < links.size(); ++b) {
-      if (!joined.contains(std::minmax({bodies[a], bodies[b]}))) continue;
-      neighbours.emplace_back(static_cast<int>(a), static_cast<int>(b));
-    }
-  }
-  return neighbours;
-}
-
-LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
-                            std::span<const int> group, const LinkPairs& allowed,
-                            int first_second) {
-  const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
-  std::set<std::pair<int, int>> may_touch;
-  for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
-  LinkPairs pairs;
-  for (std::size_t a = 0; a < links.size(); ++a) {
-    if (!has_shapes(links[a])) continue;
-    for (std::size_t b = std::max(a + 1, as_index(first_second)); b < links.size(); ++b) {
-      if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
-      const std::pair pair(static_cast<int>(a), static_cast<int>(b));
-      if (!may_touch.contains(pair)) pairs.push_back(pair);
-    }
-  }
-  return pairs;
-}
-
 namespace {
 
 constexpr int kVersion = 2;

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/self_pairs.h"
+
+#include "base/as_index.h"
+#include "robot/kinematics.h"
+#include "robot/link_shapes.h"
+
+#include <algorithm>
+#include <set>
+
+namespace mneme::internal {
+
+namespace {
+
+/// The body of each link: the index of the body's topmost link.
+std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
+                      const std::vector<bool>& is_moving) {
+  std::vector<int> bodies(links.size(), 0);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    bodies[as_index(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
+  }
+  return bodies;
+}
+
+}  // namespace
+
+LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                          std::span<const int> group) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  const std::vector<int> bodies = weld(links, joints, is_moving);
+  std::set<std::pair<int, int>> joined;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!is_moving[i]) continue;
+    joined.insert(std::minmax(
+        {bodies[as_index(joints[i].parent_link)], bodies[as_index(joints[i].child_link)]}));
+  }
+  LinkPairs neighbours;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      if (!joined.contains(std::minmax({bodies[a], bodies[b]}))) continue;
+      neighbours.emplace_back(static_cast<int>(a), static_cast<int>(b));
+    }
+  }
+  return neighbours;
+}
+
+LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
+                            std::span<const int> group, const LinkPairs& allowed,
+                            int first_second) {
+  const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
+  std::set<std::pair<int, int>> may_touch;
+  for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
+  LinkPairs pairs;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    if (!has_shapes(links[a])) continue;
+    for (std::size_t b = std::max(a + 1, as_index(first_second)); b < links.size(); ++b) {
+      if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
+      const std::pair pair(static_cast<int>(a), static_cast<int>(b));
+      if (!may_touch.contains(pair)) pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+}  // namespace mneme::internal
