@@ -23,7 +23,7 @@ using Path = std::vector<Configuration>;
 /// such).
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);
 
-/// What the motions of a path must pass before it is returned.
+/// The proof that the motions of a path must pass before it is returned.
 enum class Verification {
   none,
   states,   ///< states at kVerificationRefinement times the resolution
@@ -93,7 +93,7 @@ void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
              const std::function<bool()>& must_stop = {});
 
-/// What a path must become and pass before it is returned.
+/// How a path is shortened and verified before it is returned.
 struct FinishSettings {
   bool simplify = true;
   Verification verification = Verification::motions;
@@ -137,7 +137,7 @@ class PathFinisher {
                              CheckCounters& counters);
   [[nodiscard]] int verify_or_mend(Path& path, CheckCounters& counters);
   [[nodiscard]] int mend(Path& path, int invalid, CheckCounters& counters);
-  [[nodiscard]] bool is_over(double end_s) const;
+  [[nodiscard]] bool must_stop_at(double end_s) const;
 
   const CollisionChecker& checker_;
   FinishSettings settings_;

@@ -20,7 +20,7 @@ namespace mneme {
 using SampleSource = int;
 inline constexpr SampleSource kUniformSource = -1;
 
-/// What a planner did with a configuration.
+/// The use that a planner made of a configuration.
 enum class SampleOutcome {
   rejected,   ///< nothing: in contact, or no motion to it was free
   extended,   ///< a tree or roadmap has grown by it
@@ -107,42 +107,42 @@ struct GaussianMixture {
   }
 };
 
-/// Progressive widening over components in order of relevance: the n-th draw (from 0) is one of the
+/// Progressive widening over components in order of relevance: sample n (from 0) is one of the
 /// first `first + growth * n`.
 struct Widening {
-  double first = 0;  ///< 0: all components from the first draw, as in the paper
+  double first = 0;  ///< 0: all components from the first sample, as in the paper
   double growth = 0;
 };
 
-/// Draws a component with equal probability, then a configuration from it. `sigma` is the standard
-/// deviation of components without a factor, >= 0: radians, and half as many metres for prismatic
-/// joints. Continuous joints wrap, the others clamp to their limits. The mixture must have
-/// components.
+/// Picks a component with equal probability, then samples a configuration from it. `sigma` is the
+/// standard deviation of components without a factor, >= 0: radians, and half as many metres for
+/// prismatic joints. Continuous joints wrap, the others clamp to their limits. The mixture must
+/// have components.
 [[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(
     const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
     const Widening& widening = {});
 
-/// The first `count` draws of a stream are from `first`; then `make_rest` is asked, once per
-/// stream, for the sampler of all further ones: what is found quickly pays nothing for what takes
-/// time to prepare. Sources are those of the sampler that was drawn from.
+/// The first `count` samples of a stream are from `first`. Then `make_rest` is called, once per
+/// stream, for the sampler of all further ones: a query that is solved quickly pays nothing for
+/// what takes time to prepare. Sources are those of the sampler that gave the sample.
 [[nodiscard]] std::unique_ptr<Sampler> make_lazy_sampler(
     std::shared_ptr<const Sampler> first, int count,
     std::function<std::shared_ptr<const Sampler>()> make_rest);
 
-/// Components of a mixture that are made when one is first drawn, in groups of equally likely ones
-/// in order of relevance. Const is parallel-safe.
+/// Components of a mixture that are made when one is first sampled, in groups of equally likely
+/// ones in order of relevance. Const is parallel-safe.
 class ComponentSource {
  public:
-  /// Draws after which one more group takes part: what is more relevant is tried first, and less of
-  /// it is made for nothing.
-  static constexpr int kDrawsPerGroup = 1000;
+  /// Samples after which one more group takes part: the more relevant groups are tried first, and
+  /// fewer components are made for nothing.
+  static constexpr int kSamplesPerGroup = 1000;
 
   virtual ~ComponentSource() = default;
   [[nodiscard]] virtual int group_count() const = 0;
-  /// Groups that take part from the first draw on.
+  /// Groups that take part from the first sample on.
   [[nodiscard]] virtual int first_groups() const { return 1; }
   [[nodiscard]] virtual int component_count(int group) const = 0;
-  /// What the components of a group count for.
+  /// The source that samples of a group's components have.
   [[nodiscard]] virtual SampleSource sample_source(int group) const = 0;
   /// Writes a mean, within the limits; false if the component has nothing to say.
   [[nodiscard]] virtual bool make(int group, int component, std::span<float> mean) const = 0;
@@ -150,23 +150,23 @@ class ComponentSource {
   [[nodiscard]] virtual std::span<const float> factor(int group, int component) const = 0;
 };
 
-/// Draws from the groups of `source` that take part, all their components with equal probability,
-/// as make_mixture_sampler() does; uniformly if none of them has anything to say.
+/// Samples from the groups of `source` that take part, all their components with equal probability,
+/// as make_mixture_sampler() does; uniformly if none of them has a mean.
 [[nodiscard]] std::unique_ptr<Sampler> make_component_sampler(
     const Robot& robot, std::shared_ptr<const ComponentSource> source, double sigma);
 
 /// A sampler that takes part in a mixed one, with a probability that falls from `lambda` with the
-/// number n of draws from it in the stream: lambda * h / (h + n), but at least the floor f =
+/// number n of samples from it in the stream: lambda * h / (h + n), but at least the floor f =
 /// `least_lambda`; h = 25000 f, at least 500. The probabilities of all sources are at most 1.
 ///
-/// No regret: of a single source whose draws are worth nothing, with 0 < f < 1, the expected number
-/// of draws until the rest has been drawn from U times is at most U / (1 - f) + max(0, n0) + 1,
-/// where n0 = h (lambda / f - 1), which is 25000 (lambda - f) for f >= 0.02. Proof: lambda has
-/// fallen to f once n >= n0. At most n0 + 1 draws from the source come before that; from then on
-/// each draw is from it with probability f, so that f / (1 - f) of them are expected between two of
-/// the rest. With 0.8 and 0.2 a useless memory thus costs at most a quarter more draws and 15,001
-/// besides, with 0.5 and 0.02 a fortieth more and 12,001. As far as a planner is not slower for
-/// having seen more samples, that holds for its iterations.
+/// No regret: with a single useless source and 0 < f < 1, the expected number of samples until the
+/// rest has given U of them is at most U / (1 - f) + max(0, n0) + 1, where n0 = h (lambda / f - 1),
+/// which is 25000 (lambda - f) for f >= 0.02. Proof: lambda has fallen to f once n >= n0. At most
+/// n0 + 1 samples from the source come before that; from then on each sample is from it with
+/// probability f, so that f / (1 - f) of them are expected between two of the rest. With 0.8 and
+/// 0.2 a useless memory costs at most a quarter more samples plus 15,001, with 0.5 and 0.02 a
+/// fortieth more plus 12,001. If a planner is not slower for having seen more samples, the same
+/// holds for its iterations.
 struct MixedSource {
   std::shared_ptr<const Sampler> sampler;
   double lambda = 0;

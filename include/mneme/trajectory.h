@@ -100,7 +100,7 @@ class Trajectory {
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
 
  private:
-  /// Of the stretches, before their average.
+  /// The point on the stretches, before averaging.
   [[nodiscard]] Point follow(double time_s) const;
   /// The integral of their positions, less those of the end, from 0 on.
   [[nodiscard]] std::vector<double> integral(double time_s) const;

@@ -73,7 +73,7 @@ class IkSolver {
                    mul_add(splat(r[3]), pose.axes[1], splat(r[6]) * pose.axes[2]));
   }
 
-  /// What is beyond `most` of x, which is positive or negative.
+  /// The part of x beyond +-`most`.
   static HWY_INLINE V beyond(V x, float most) {
     return hn::Sub(x, hn::Min(hn::Max(x, splat(-most)), splat(most)));
   }
@@ -94,7 +94,7 @@ class IkSolver {
     return error;
   }
 
-  /// Of twice the square of cos(angle / 2): the axis is lost in rounding.
+  /// Least 2 cos^2(angle / 2): below, the axis is lost in rounding.
   static HWY_INLINE M is_half_turn(V twice_square) { return hn::Lt(twice_square, splat(1e-6f)); }
 
   /// 1 / cos(angle / 2) from twice its cosine squared; finite at half a turn.

@@ -38,7 +38,7 @@ struct IkTask {
   int enough = 0;  ///< of seeds whose configurations reach the target, after which no more is tried
 };
 
-/// What became of a seed: metres and radians from the region; infinite if it was not tried.
+/// The error that a seed ended with: metres and radians from the region; infinite if not tried.
 struct IkError {
   float position = 0, rotation = 0;
 };
@@ -47,7 +47,7 @@ struct IkError {
 using IkKernel = void (*)(const RobotTables& chain, const IkTask& request, float* rows,
                           IkError* errors);
 
-/// That of an instruction set that this machine has. The chain's tables need their frames only, and
+/// The kernel for an instruction set that this machine has. The chain's tables need frames only and
 /// have at most kMostWalkingJoints joints.
 [[nodiscard]] IkKernel ik_kernel(Isa isa);
 

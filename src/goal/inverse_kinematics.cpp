@@ -3,9 +3,10 @@
 #include "mneme/goal.h"
 
 #include "base/as_index.h"
-#include "tables/make_tables.h"
+#include "base/fail.h"
 #include "goal/ik_kernel.h"
 #include "robot/joint_space.h"
+#include "tables/make_tables.h"
 
 #include <fmt/format.h>
 
@@ -269,26 +270,23 @@ Result<InverseKinematics> InverseKinematics::make(const Robot& robot, const std:
                                                   Isa isa) {
   const auto found = robot.find_link(link);
   if (!found) {
-    return fail(ErrorCode::invalid,
-                fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), link));
+    return fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(), link);
   }
   if (!is_available(isa)) {
     return fail(ErrorCode::unsupported,
                 "this machine does not have the instruction set " + std::string(to_string(isa)));
   }
-  const auto checked = internal::share_checked_robot(robot);
-  if (!checked) return tl::unexpected(checked.error());
-  const internal::RobotTables& all = (*checked)->tables;
+  const auto checked = MNEME_TRY(internal::share_checked_robot(robot));
+  const internal::RobotTables& all = checked->tables;
   const internal::LinkPlace& place = all.links[as_index(*found)];
   auto chain = std::make_shared<Chain>(
       Chain{robot, internal::JointSpace(robot), {}, {}, {}, {}, 0, {}, nullptr});
   chain->joints = internal::take_way(all, place.frame, chain->tables);
   if (chain->joints.empty() || chain->tables.joint_count > internal::kMostWalkingJoints) {
-    return fail(
-        chain->joints.empty() ? ErrorCode::invalid : ErrorCode::unsupported,
-        fmt::format("{} joints of robot {} that are planned for move link \"{}\"; "
-                    "inverse kinematics is for 1 to {}",
-                    chain->tables.joint_count, robot.name(), link, internal::kMostWalkingJoints));
+    return fail(chain->joints.empty() ? ErrorCode::invalid : ErrorCode::unsupported,
+                "{} joints of robot {} that are planned for move link \"{}\"; "
+                "inverse kinematics is for 1 to {}",
+                chain->tables.joint_count, robot.name(), link, internal::kMostWalkingJoints);
   }
   constexpr float kUnlimited = std::numeric_limits<float>::infinity();
   for (const int joint : chain->joints) {

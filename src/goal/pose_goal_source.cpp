@@ -17,9 +17,9 @@ namespace {
 
 using internal::as_index;
 
-/// Of a call for further goals: one batch of the kernel.
+/// Seeds per call for further goals: one batch of the kernel.
 constexpr int kFurtherSeeds = 16;
-/// Of a search that only tells out of reach from a rotation that cannot be.
+/// Seeds of a search that only tells a pose out of reach from an impossible rotation.
 constexpr int kSeedsToExplain = 1024;
 
 void sort_by_distance(const Robot& robot, const Configuration& near,
@@ -35,9 +35,8 @@ Result<PoseGoalSource> PoseGoalSource::make(const CollisionChecker& checker,
                                             const IkSettings& settings, double clearance) {
   PoseGoalSource source(checker, std::move(near), settings, clearance);
   for (const PoseGoal& goal : goals) {
-    auto kinematics = InverseKinematics::make(checker.robot(), goal.link, checker.isa());
-    if (!kinematics) return tl::unexpected(kinematics.error());
-    source.regions_.push_back({goal, *std::move(kinematics), {}});
+    auto kinematics = MNEME_TRY(InverseKinematics::make(checker.robot(), goal.link, checker.isa()));
+    source.regions_.push_back({goal, std::move(kinematics), {}});
   }
   return source;
 }

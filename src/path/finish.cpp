@@ -50,7 +50,7 @@ class Repair {
       checker_.check_states(candidates, is_free);
       for (std::size_t i = 0; i < kCandidates && !must_stop_(); ++i) {
         const std::span<const float> q(candidates.data() + i * joints, joints);
-        if (is_free[i] != 0 && is_way(from, q, to, ends)) return {q.begin(), q.end()};
+        if (is_free[i] != 0 && passes(from, q, to, ends)) return {q.begin(), q.end()};
       }
     }
     return {};
@@ -60,7 +60,7 @@ class Repair {
   static constexpr std::size_t kCandidates = 16;
 
   /// The planner's resolution and the margin come first: they are cheap.
-  bool is_way(std::span<const float> from, std::span<const float> q, std::span<const float> to,
+  bool passes(std::span<const float> from, std::span<const float> q, std::span<const float> to,
               MotionEnds ends) {
     const MotionDetail coarse{1, ends.is_first || ends.is_last ? 0 : kVerificationMargin};
     return checker_.is_motion_valid(from, q, counters_, coarse) &&
@@ -127,7 +127,7 @@ int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& coun
   }
   if (const int invalid = verify_or_mend(path, counters); invalid >= 0) return invalid;
   if (!settings_.simplify) return -1;
-  // What failed once is not tried again at the same length: waypoints are dropped, no more.
+  // A path that failed is not shortened the same way again: waypoints are dropped, no more.
   Path shorter = is_shortened_first ? shorten(path, 0, &verifier_, counters)
                                     : shorten(path, settings_.patience, nullptr, counters);
   if (verify_or_mend(shorter, counters) < 0) path = std::move(shorter);
@@ -148,7 +148,7 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
   ShortenEffort effort;
   effort.patience = patience;
   mneme::shorten(checker_, path, derive_seed(settings_.seed, 1), effort, verifier, counters,
-                 [&] { return is_over(end_s); });
+                 [&] { return must_stop_at(end_s); });
   simplification_time_s_ += stopwatch_.elapsed_s() - begin_s;
   return path;
 }
@@ -164,11 +164,11 @@ int PathFinisher::verify_or_mend(Path& path, CheckCounters& counters) {
 
 /// -1, or the number of the first motion that fails; then the path is unchanged.
 int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
-  const std::function<bool()> must_stop = [this] { return is_over(settings_.timeout_s); };
+  const std::function<bool()> must_stop = [this] { return must_stop_at(settings_.timeout_s); };
   Repair repair(checker_, verifier_, derive_seed(settings_.seed, 2), counters, must_stop);
   Path mended = path;
-  std::vector<int> origins(path.size());
-  std::iota(origins.begin(), origins.end(), 0);
+  std::vector<int> motion_of(path.size());
+  std::iota(motion_of.begin(), motion_of.end(), 0);
   for (int i = 0; i < kMostRepairs && invalid >= 0; ++i) {
     const MotionEnds ends{invalid == 0, invalid + 2 == static_cast<int>(mended.size())};
     const auto from = mended.begin() + invalid;
@@ -176,16 +176,16 @@ int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
         repair.find_waypoint(internal::to_floats(from[0]), internal::to_floats(from[1]), ends);
     if (q.empty()) break;
     mended.insert(from + 1, checker_.robot().normalized(Configuration(q.begin(), q.end())));
-    const int origin = origins[static_cast<std::size_t>(invalid)];
-    origins.insert(origins.begin() + invalid, origin);
+    const int planned = motion_of[static_cast<std::size_t>(invalid)];
+    motion_of.insert(motion_of.begin() + invalid, planned);
     invalid = verifier_.find_invalid_motion(mended, counters);
   }
-  if (invalid >= 0) return origins[static_cast<std::size_t>(invalid)];
+  if (invalid >= 0) return motion_of[static_cast<std::size_t>(invalid)];
   path = std::move(mended);
   return -1;
 }
 
-bool PathFinisher::is_over(double end_s) const {
+bool PathFinisher::must_stop_at(double end_s) const {
   return internal::is_set(settings_.cancel) || stopwatch_.elapsed_s() >= end_s;
 }
 

@@ -59,7 +59,8 @@ class Shortener {
 
   /// From each waypoint on, straight to the farthest one that can be reached.
   void prune() {
-    for (int i = 0; i + 2 < way_.count() && !is_over(); ++i) way_.replace(i, find_farthest(i), {});
+    for (int i = 0; i + 2 < way_.count() && !is_stopped(); ++i)
+      way_.replace(i, find_farthest(i), {});
     way_.assign({way_[0], way_[0] + way_.count() * joints_});
   }
 
@@ -68,7 +69,7 @@ class Shortener {
     least_gain_ = static_cast<float>(effort.least_gain);
     double idle = 0;
     for (int step = 0; idle < effort.patience && way_.count() > 2; step = (step + 1) % 3) {
-      if (is_over()) return;
+      if (is_stopped()) return;
       const std::uint64_t states = counters_.states;
       const float before = way_.length();
       int tries = kRelaxed;
@@ -87,7 +88,7 @@ class Shortener {
   void store();
 
  private:
-  [[nodiscard]] bool is_over() const { return must_stop_ && must_stop_(); }
+  [[nodiscard]] bool is_stopped() const { return must_stop_ && must_stop_(); }
   [[nodiscard]] float* state(int i) { return states_.data() + i * joints_; }
 
   /// The largest margin that an end of the path has.
@@ -105,13 +106,13 @@ class Shortener {
   }
 
   /// Which of the first `count` states are free.
-  void look_at(int count) {
+  void check_middles(int count) {
     const auto size = as_index(count);
     counters_.states += kBatch;
     checker_.check_states({states_.data(), as_index(count * joints_)}, {is_free_.data(), size});
   }
 
-  /// Whether motions along `rows`, which stand for what lies between two waypoints, are free.
+  /// True if the motions along `rows`, which replace those between two waypoints, are free.
   bool is_free(std::span<const float> rows, int first, int last) {
     const auto count = static_cast<int>(rows.size()) / joints_;
     for (int i = 0; i + 1 < count; ++i) {
@@ -141,7 +142,7 @@ class Shortener {
   bool take_relaxed(int k, int candidate);
   std::uint64_t random_joints();
   int shorten_stretch(bool has_all_joints);
-  bool draw_stretch(Stretch& stretch, bool has_all_joints);
+  bool sample_stretch(Stretch& stretch, bool has_all_joints);
   [[nodiscard]] float length_of(const Stretch& stretch);
   void write_state(const Stretch& stretch, float way, float* q) const;
   void write_rows(const Stretch& stretch);
@@ -174,7 +175,7 @@ int Shortener::find_farthest(int first) {
       space.difference(from, way_[last - i], delta.data());
       for (int j = 0; j < joints_; ++j) state(i)[j] = from[j] + 0.5f * delta[as_index(j)];
     }
-    look_at(count);
+    check_middles(count);
     for (int i = 0; i < count; ++i, --last) {
       if (is_free_[as_index(i)] == 0) continue;
       rows_.assign(from, from + joints_);
@@ -201,7 +202,7 @@ void Shortener::relax() {
   const float least = kLeastRelaxed * least_gain_ * way_.length();
   if (before - way_.distance(way_[k - 1], way_[k + 1]) < least) return;
   write_relaxed(k);
-  look_at(kBatch);
+  check_middles(kBatch);
   std::array<float, kBatch> gains = {};
   for (int i = 0; i < kBatch; ++i) {
     if (is_free_[as_index(i)] == 0) continue;
@@ -277,7 +278,7 @@ float Shortener::length_of(const Stretch& stretch) {
   return length;
 }
 
-bool Shortener::draw_stretch(Stretch& stretch, bool has_all_joints) {
+bool Shortener::sample_stretch(Stretch& stretch, bool has_all_joints) {
   const float length = way_.length();
   float first = static_cast<float>(rng_.uniform()) * length;
   float second = static_cast<float>(rng_.uniform()) * length;
@@ -295,15 +296,15 @@ int Shortener::shorten_stretch(bool has_all_joints) {
   int count = 0;
   for (int tries = 0; tries < kBatch; ++tries) {
     Stretch& stretch = stretches[as_index(count)];
-    if (!draw_stretch(stretch, has_all_joints)) continue;
+    if (!sample_stretch(stretch, has_all_joints)) continue;
     write_state(stretch, 0.5f * (stretch.begin_way + stretch.end_way), state(count));
     ++count;
   }
   if (count == 0) return kBatch;
-  look_at(count);
+  check_middles(count);
   for (int i = 0; i < count; ++i) {
     if (is_free_[as_index(i)] == 0) continue;
-    if (is_over() || take(stretches[as_index(i)])) break;
+    if (is_stopped() || take(stretches[as_index(i)])) break;
   }
   return kBatch;
 }

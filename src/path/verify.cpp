@@ -62,7 +62,7 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
     return checker_.is_chain_valid(states, counters,
                                    {kVerificationRefinement, kVerificationMargin + off});
   }
-  // What is proven to be free keeps half of the margin.
+  // A motion that is proven free keeps half of the margin.
   const SweepDetail detail{kVerificationMargin + 2 * off};
   for (std::size_t i = bow.size(); i < states.size(); i += bow.size()) {
     const auto from = states.subspan(i - bow.size(), bow.size());

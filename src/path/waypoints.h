@@ -35,7 +35,7 @@ class Waypoints {
   [[nodiscard]] std::span<const float> rows(int first, int last) const {
     return {(*this)[first], static_cast<std::size_t>((last - first) * joint_count())};
   }
-  /// Of the whole path.
+  /// Length of the whole path.
   [[nodiscard]] float length() const { return ways_.back(); }
   /// From the start to waypoint `i`.
   [[nodiscard]] float way_to(int i) const { return ways_[static_cast<std::size_t>(i)]; }

@@ -18,14 +18,14 @@ constexpr double kLeastStep = 0.01, kMostStep = 0.05;
 constexpr double kClearance = 0.01;
 /// Radians over a walk as long as the limb.
 constexpr double kLeastDrift = 0.5, kMostDrift = 5;
-/// Of the last candidate, relative to the pull; that of the others is less.
+/// Jitter of the last candidate, relative to the pull; the others have less.
 constexpr double kJitter = 1;
 
 }  // namespace
 
 EscapeWalk::EscapeWalk(PlannerRun& run)
     : run_(run),
-      rng_(run.make_rng(Chance::walks)),
+      rng_(run.make_rng(RngStream::walks)),
       limbs_(run.checker().limbs()),
       drift_sizes_(joint_deviations(run.checker().robot(), 1)) {
   const bool is_planar = run.checker().robot().is_planar();
@@ -73,7 +73,7 @@ void EscapeWalk::begin() {
 }
 
 /// Unit vectors times what grows with the candidate's number: the first ones go straight on.
-void EscapeWalk::draw_jitter() {
+void EscapeWalk::sample_jitter() {
   for (int i = 0; i < kCandidates; ++i) {
     const std::span<float> v(jitter_.data() + 3 * i, 3);
     for (float& value : v) value = rng_.bell();
@@ -84,7 +84,7 @@ void EscapeWalk::draw_jitter() {
 }
 
 int EscapeWalk::advance(Tree& tree, int node) {
-  draw_jitter();
+  sample_jitter();
   run_.checker().walk(tree[node], step_, candidates_);
   run_.check_states(candidates_, is_valid_);
   const std::size_t joints = drift_.size();

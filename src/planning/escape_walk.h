@@ -31,11 +31,11 @@ class EscapeWalk {
   int extend(Tree& tree);
 
  private:
-  /// Draws what stays the same along a walk.
+  /// AnchoredSamples what stays the same along a walk.
   void begin();
   /// One step from `node`; the new node, or -1.
   int advance(Tree& tree, int node);
-  void draw_jitter();
+  void sample_jitter();
 
   PlannerRun& run_;
   Rng rng_;

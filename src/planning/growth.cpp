@@ -14,16 +14,16 @@ constexpr int kPatience = 300;
 
 Growth::Growth(PlannerRun& run)
     : run_(run),
-      draws_(run),
+      anchored_(run),
       walk_(run),
-      rng_(run.make_rng(Chance::relief)),
+      rng_(run.make_rng(RngStream::relief)),
       samples_(kMostSteps * run.start().size()),
       ends_(kMostSteps * run.start().size()),
       is_valid_(kMostSteps) {
   steps_.reserve(kMostSteps);
 }
 
-bool Growth::draw(const Tree& tree) {
+bool Growth::sample_steps(const Tree& tree) {
   const std::size_t joints = run_.start().size();
   const auto wanted = static_cast<std::size_t>(std::min(kMostSteps, 1 + rejections_));
   steps_.clear();
@@ -33,7 +33,7 @@ bool Growth::draw(const Tree& tree) {
   }
   while (steps_.size() < wanted && run_.begin_iterations() > 0) {
     const std::span<float> q(samples_.data() + steps_.size() * joints, joints);
-    const SampleSource source = draws_.next(tree.newest(), q);
+    const SampleSource source = anchored_.next(tree.newest(), q);
     const int node = choose_node(tree, q);
     if (node < 0) {
       report(source, SampleOutcome::rejected);

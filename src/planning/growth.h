@@ -4,7 +4,7 @@
 /// Where a tree grows next.
 #pragma once
 
-#include "planning/draws.h"
+#include "planning/anchored_samples.h"
 #include "planning/escape_walk.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
@@ -15,25 +15,25 @@
 
 namespace mneme::internal {
 
-/// Decides where a tree grows next: towards a draw of the sampler or around the newest node, or on
-/// an escape walk. Steps towards draws come in batches whose ends are validated a vector at a time:
+/// Decides where a tree grows next: towards a sample or around the newest node, or on
+/// an escape walk. Steps towards samples come in batches whose ends are validated a vector at a time:
 /// in narrow passages nearly all steps are blocked, and nearly all of those already at their ends,
 /// so that a blocked step costs one lane instead of a vector. Not thread-safe.
 class Growth {
  public:
   explicit Growth(PlannerRun& run);
 
-  /// Draws steps of `tree`: one after a success, more the longer there has been none. Samples
-  /// outside the domain of their nearest node are rejected. After kPatience rejections in a row a
-  /// step starts at a random node instead, wherever its sample is, so that no tree starves. False
-  /// if a limit is reached before the first step.
-  bool draw(const Tree& tree);
+  /// AnchoredSamples steps of `tree`: one after a success, more the longer there has been none.
+  /// Samples outside the domain of their nearest node are rejected. After kPatience rejections in a
+  /// row a step starts at a random node instead, wherever its sample is, so that no tree starves.
+  /// False if a limit is reached before the first step.
+  bool sample_steps(const Tree& tree);
 
   [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
-  /// Takes step `i` of the batch and goes on towards its draw until blocked; the last new node, or
+  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node, or
   /// -1 if the step itself is blocked.
   int take(int i, Tree& tree);
-  // Of a step towards a draw; a walk has none of it.
+  // For a step towards a sample; a walk has none of it.
   /// The node that step `i` starts at.
   [[nodiscard]] int node(int i) const { return step(i).node; }
   [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
@@ -65,7 +65,7 @@ class Growth {
   void report(SampleSource source, SampleOutcome outcome);
 
   PlannerRun& run_;
-  Draws draws_;
+  AnchoredSamples anchored_;
   EscapeWalk walk_;
   Rng rng_;
   int rejections_ = 0;  ///< in a row

@@ -109,7 +109,7 @@ bool PlannerRun::must_stop() {
   return is_stopped_;
 }
 
-/// Whether verification will pass a motion. Its branch is found again and again otherwise.
+/// True if verification will pass a motion; its branch would be found again and again otherwise.
 bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> to) {
   const auto is_end = [&](std::span<const float> q) {
     const auto is_same = [&](const std::vector<float>& end) { return std::ranges::equal(q, end); };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What all planners do around their algorithm: limits, and what becomes of a path.
+/// The part that all planners share around their algorithm: limits, and finishing of paths.
 #pragma once
 
 #include "mneme/planning.h"
@@ -20,9 +20,9 @@ namespace mneme::internal {
 
 using FloatPath = std::vector<std::vector<float>>;
 
-/// Sources of random numbers of one run besides the sampler, which takes the seed itself and, of
-/// what derives from it, the first tasks.
-enum class Chance : std::uint64_t { goals = 16, relief, anchors, walks };
+/// Random streams of one run. The sampler takes the seed itself and the first tasks derived from
+/// it.
+enum class RngStream : std::uint64_t { goals = 16, relief, anchors, walks };
 
 /// One call of a planner. Not thread-safe.
 class PlannerRun {
@@ -43,8 +43,8 @@ class PlannerRun {
     return result_.iterations > kLongSearch && std::isfinite(first_domain_);
   }
   [[nodiscard]] const PlanSettings& settings() const { return settings_; }
-  [[nodiscard]] Rng make_rng(Chance chance) const {
-    return Rng(derive_seed(settings_.seed, static_cast<std::uint64_t>(chance)));
+  [[nodiscard]] Rng make_rng(RngStream stream) const {
+    return Rng(derive_seed(settings_.seed, static_cast<std::uint64_t>(stream)));
   }
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
@@ -62,10 +62,10 @@ class PlannerRun {
   [[nodiscard]] bool must_stop();
   /// Counts nodes that trees or the roadmap gain, or lose: how many there may be is limited.
   void count_nodes(int gained) { node_count_ += gained; }
-  /// A draw from the sampler, which the observer does not see: it may be replaced.
-  SampleSource draw(std::span<float> q) { return stream_->next(q); }
+  /// A sample that the observer does not see, because it may be replaced.
+  SampleSource next_sample(std::span<float> q) { return stream_->next(q); }
   SampleSource sample(std::span<float> q) {
-    const SampleSource source = draw(q);
+    const SampleSource source = next_sample(q);
     checker_.project(q);
     show_sample(q, source);
     return source;

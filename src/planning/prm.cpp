@@ -8,7 +8,7 @@
 #include "mneme/planning.h"
 
 #include "planning/configuration_set.h"
-#include "planning/draws.h"
+#include "planning/anchored_samples.h"
 #include "planning/planner_run.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr int kBatch = 16;
 
 class Prm {
  public:
-  explicit Prm(PlannerRun& run) : run_(run), draws_(run), milestones_(run.space(), run.isa()) {
+  explicit Prm(PlannerRun& run) : run_(run), anchored_(run), milestones_(run.space(), run.isa()) {
     add_milestone(run.start());
     add_goals(0);
   }
@@ -37,8 +37,8 @@ class Prm {
     while (const auto count = static_cast<std::size_t>(run_.begin_iterations(kBatch))) {
       add_goals(run_.take_further_goals());
       for (std::size_t i = 0; i < count; ++i)
-        sources[i] =
-            draws_.next(milestones_[milestones_.size() - 1], {batch.data() + i * joints, joints});
+        sources[i] = anchored_.next(milestones_[milestones_.size() - 1],
+                                    {batch.data() + i * joints, joints});
       run_.check_states({batch.data(), count * joints}, {is_valid.data(), count});
       for (std::size_t i = 0; i < count && !run_.must_stop(); ++i) {
         if (is_valid[i] == 0) {
@@ -175,7 +175,7 @@ class Prm {
   }
 
   PlannerRun& run_;
-  Draws draws_;
+  AnchoredSamples anchored_;
   ConfigurationSet milestones_;
   std::vector<int> ends_ = {kStart};       ///< milestones of the start, and then of the goals
   std::vector<int> component_;             ///< label of each milestone

@@ -76,9 +76,8 @@ bool add_exact(const Contact& contact, Scene& scene) {
 
 Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings, const PlanQuery& ends) {
-  auto plain = CollisionChecker::make(robot, scene, settings);
-  if (!plain) return tl::unexpected(plain.error());
-  QueryChecker result{*std::move(plain), {}, true};
+  CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
+  QueryChecker result{std::move(plain), {}, true};
   std::optional<Scene> checked_scene;
   const auto judge = [&](const Configuration& q, const std::string& end) {
     const bool is_configuration = !robot.describe_violation(q, "");
@@ -93,10 +92,8 @@ Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
   judge(ends.start, "start");
   for (const Configuration& goal : ends.goals) judge(goal, "goal");
   if (!checked_scene) return result;
-  return CollisionChecker::make(robot, *checked_scene, settings).map([&](CollisionChecker checker) {
-    result.checker = std::move(checker);
-    return std::move(result);
-  });
+  result.checker = MNEME_TRY(CollisionChecker::make(robot, *checked_scene, settings));
+  return result;
 }
 
 }  // namespace mneme

@@ -103,7 +103,7 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
   return {std::move(text), advise(room)};
 }
 
-/// What `q`, a configuration of the robot, is in contact with, or nothing.
+/// The contacts of `q`, a configuration of the robot, or nothing.
 std::optional<Refusal> find_contact(const CollisionChecker& checker, const Configuration& q) {
   if (internal::is_clear(checker, q)) return std::nullopt;
   const Configuration inside = checker.robot().normalized(q);

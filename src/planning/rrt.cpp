@@ -20,7 +20,7 @@ class Rrt {
   explicit Rrt(PlannerRun& run)
       : run_(run),
         tree_(run),
-        rng_(run.make_rng(Chance::goals)),
+        rng_(run.make_rng(RngStream::goals)),
         tried_from_(run.goals().size(), -1) {
     tree_.add(run.start(), -1);
   }
@@ -30,7 +30,7 @@ class Rrt {
     while (run_.begin_iterations()) {
       static_cast<void>(run_.take_further_goals());
       tried_from_.resize(run_.goals().size(), -1);
-      const int goal = draw_goal();
+      const int goal = sample_goal();
       const int node = goal >= 0 ? untried_node_near(goal) : -1;
       if (node >= 0 ? is_goal_reached(node, goal) : is_goal_reached_by_growing(q)) {
         return run_.finish(tree_.size());
@@ -41,7 +41,7 @@ class Rrt {
 
  private:
   /// A goal instead of a sample, as often as the goal bias says, otherwise -1.
-  int draw_goal() {
+  int sample_goal() {
     if (rng_.uniform() >= run_.settings().goal_bias) return -1;
     return static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())));
   }

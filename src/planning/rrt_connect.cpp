@@ -8,8 +8,8 @@
 // branch, and planning goes on.
 #include "mneme/planning.h"
 
-#include "planning/planner_run.h"
 #include "planning/growth.h"
+#include "planning/planner_run.h"
 #include "planning/tree.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ class RrtConnect {
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;
-      if (!growth_.draw(growing)) return run_.give_up(node_count());
+      if (!growth_.sample_steps(growing)) return run_.give_up(node_count());
       for (int i = 0; i < growth_.size(); ++i) {
         const int node = growth_.take(i, growing);
         if (node < 0) {

@@ -9,10 +9,10 @@
 namespace mneme::internal {
 namespace {
 
-/// Of squared radii; VAMP's figures.
+/// Factor on squared radii, as in VAMP.
 constexpr float kDomainGrowth = 1.0002f;
 constexpr float kLeastDomain = 1;
-/// Of the range: a projected step that gains less ends in circles.
+/// Share of the range: a projected step that gains less ends in circles.
 constexpr float kLeastProgress = 0.1f;
 
 }  // namespace

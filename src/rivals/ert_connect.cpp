@@ -103,7 +103,7 @@ class ErtConnect {
   ErtConnect(PlannerRun& run, PriorPath prior, std::size_t goal)
       : run_(run),
         prior_(std::move(prior)),
-        rng_(run.make_rng(Chance::goals)),
+        rng_(run.make_rng(RngStream::goals)),
         reaches_(joint_deviations(run.checker().robot(), kTube)),
         sides_{Side(run, 0), Side(run, 1)} {
     add(sides_[0], run.start(), -1, 0, true);

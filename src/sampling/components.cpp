@@ -21,7 +21,7 @@ class ComponentStream final : public SampleStream {
   }
 
   SampleSource next(std::span<float> q) override {
-    if (++draws_ % ComponentSource::kDrawsPerGroup == 0) open(opened_ + 1);
+    if (++samples_ % ComponentSource::kSamplesPerGroup == 0) open(opened_ + 1);
     for (;;) {
       if (choices_.empty() && opened_ < source_.group_count()) open(opened_ + 1);
       if (choices_.empty()) {
@@ -29,7 +29,7 @@ class ComponentStream final : public SampleStream {
         return rest_->next(q);
       }
       const std::size_t i = rng_.index(static_cast<std::uint32_t>(choices_.size()));
-      if (make(choices_[i])) return draw(choices_[i], q);
+      if (make(choices_[i])) return sample(choices_[i], q);
       choices_[i] = choices_.back();
       choices_.pop_back();
     }
@@ -61,7 +61,7 @@ class ComponentStream final : public SampleStream {
     return true;
   }
 
-  SampleSource draw(const Choice& choice, std::span<float> q) {
+  SampleSource sample(const Choice& choice, std::span<float> q) {
     const std::span<const float> mean(means_.data() + choice.begin, sigmas_.size());
     const std::span<const float> factor = source_.factor(choice.group, choice.component);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = rng_.bell();
@@ -82,9 +82,9 @@ class ComponentStream final : public SampleStream {
   const internal::JointSpace& space_;
   const ComponentSource& source_;
   std::span<const float> sigmas_;       ///< per joint
-  std::unique_ptr<SampleStream> rest_;  ///< where there is nothing to draw from
+  std::unique_ptr<SampleStream> rest_;  ///< if there are no components
   Rng rng_;
-  std::uint64_t draws_ = 0;
+  std::uint64_t samples_ = 0;
   int opened_ = 0;  ///< groups
   std::vector<Choice> choices_;
   std::vector<float> means_;

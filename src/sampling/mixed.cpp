@@ -8,17 +8,17 @@
 namespace mneme {
 namespace {
 
-/// Draws from a source after which half of its first lambda is left: the less is left in the end,
-/// the sooner, so that what falls costs about as many draws whatever the floor.
+/// Samples from a source after which half of its first lambda is left. A lower floor is reached
+/// faster, so that the fall costs about the same number of samples for every floor.
 double samples_to_half(double least_lambda) {
-  constexpr double kDraws = 25000, kLeast = 500;
-  return std::max(kDraws * least_lambda, kLeast);
+  constexpr double kSamples = 25000, kLeast = 500;
+  return std::max(kSamples * least_lambda, kLeast);
 }
 
 /// Algorithm 1, lines 2 to 6.
 class MixedStream final : public SampleStream {
  public:
-  /// `seed` of the last stream, the rest, and of the choice between the streams follow the others'.
+  /// The seeds of the rest, and of the choice between the streams, follow those of the sources.
   MixedStream(const std::vector<MixedSource>& sources, const Sampler& rest, std::uint64_t seed)
       : rng_(derive_seed(seed, sources.size() + 2)) {
     for (const MixedSource& source : sources) {

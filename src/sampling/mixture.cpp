@@ -62,7 +62,7 @@ class MixtureStream final : public SampleStream {
   const GaussianMixture& mixture_;
   std::span<const float> sigmas_;  ///< per joint
   Widening widening_;
-  double open_;  ///< components that the next draw may take
+  double open_;  ///< components that the next sample may take
   std::uint32_t component_count_;
   Rng rng_;
 };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What limits on joints mean for the squared path speeds at the ends of a cell.
+/// Limits of joints as limits of the squared path speeds at the ends of a cell.
 #pragma once
 
 #include <vector>

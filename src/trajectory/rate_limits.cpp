@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/rate_limits.h"
-
 #include "base/as_index.h"
 #include "base/check_ranges.h"
+#include "base/fail.h"
 #include "base/files.h"
-#include "scene/yaml.h"
+#include "scene/input.h"
+#include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ constexpr double kMostRate = 1e6;
 constexpr double kLeastRate = 1e-6;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// Of any joint of the robot, also of those outside the group.
+/// Limits of any joint of the robot, also of those outside the group.
 struct JointRates {
   double velocity = 0;
   std::optional<double> acceleration;
@@ -83,13 +83,13 @@ void read_file(const std::string& file, const Robot& robot, Rates& rates) {
   for (const auto& [name, joint] : input.at("joint_limits").entries()) {
     const auto found = rates.find(name);
     if (found == rates.end()) {
-      joint.fail(ErrorCode::invalid, fmt::format("robot '{}' has no such joint", robot.name()));
+      joint.fail(ErrorCode::invalid, "robot '{}' has no such joint", robot.name());
     }
     read_joint(joint, found->second);
   }
 }
 
-/// Of joints without limits of their own.
+/// The limits, with those of the settings where the joint has none.
 JointRates complete(JointRates own, const TrajectorySettings& settings) {
   if (!own.acceleration) own.acceleration = settings.acceleration_limit;
   if (!own.jerk) own.jerk = settings.jerk_limit.value_or(kUnlimited);
@@ -126,17 +126,16 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
                          std::string_view what, double most = kMostRate) {
   if (as_index(robot.joint_count()) != rates.size()) {
     return fail(ErrorCode::invalid,
-                fmt::format("there are {} limits of {}, but robot '{}' has {} "
-                            "joints in its group",
-                            rates.size(), what, robot.name(), robot.joint_count()));
+                "there are {} limits of {}, but robot '{}' has {} "
+                "joints in its group",
+                rates.size(), what, robot.name(), robot.joint_count());
   }
   for (int i = 0; i < robot.joint_count(); ++i) {
     const double rate = rates[as_index(i)];
     // Written so that a NaN is refused.
     if (rate >= kLeastRate && rate <= most) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("joint '{}': its limit of {} is {}, expected {} to {}",
-                            robot.group_joint(i).name, what, rate, kLeastRate, most));
+    return fail(ErrorCode::invalid, "joint '{}': its limit of {} is {}, expected {} to {}",
+                robot.group_joint(i).name, what, rate, kLeastRate, most);
   }
   return {};
 }
@@ -144,10 +143,8 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
 }  // namespace
 
 Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits) {
-  if (auto checked = check_rates(robot, limits.velocity, "velocity"); !checked) return checked;
-  if (auto checked = check_rates(robot, limits.acceleration, "acceleration"); !checked) {
-    return checked;
-  }
+  MNEME_TRY(check_rates(robot, limits.velocity, "velocity"));
+  MNEME_TRY(check_rates(robot, limits.acceleration, "acceleration"));
   if (limits.jerk.empty()) return {};
   return check_rates(robot, limits.jerk, "jerk", kUnlimited);
 }
@@ -156,25 +153,17 @@ Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits) {
 
 Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings& settings,
                                     const std::string& file) {
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  MNEME_TRY(internal::check_ranges(settings));
   internal::Rates rates = internal::rates_of_urdf(robot);
   if (!file.empty()) {
-    const auto read = internal::without_throwing([&] {
-      internal::read_file(file, robot, rates);
-      return true;
-    });
-    if (!read) return tl::unexpected(read.error());
+    MNEME_TRY(internal::without_throwing([&] { internal::read_file(file, robot, rates); }));
   }
   for (auto& [name, own] : rates) own = internal::complete(own, settings);
   RateLimits limits = internal::limits_of_group(robot, rates);
   internal::heed_followers(robot, rates, limits);
   for (double& velocity : limits.velocity) velocity *= settings.velocity_scale;
   for (double& rate : limits.acceleration) rate *= settings.acceleration_scale;
-  if (auto checked = internal::check_rate_limits(robot, limits); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  MNEME_TRY(internal::check_rate_limits(robot, limits));
   return limits;
 }
 

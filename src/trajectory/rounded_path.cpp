@@ -12,7 +12,7 @@ namespace {
 
 /// Waypoints that are not farther apart are one: radians or metres, a rounding error of planners.
 constexpr double kSamePlace = 1e-6;
-/// What is left of a leg where corners take all of it. More would be a jump.
+/// A leg no longer than this between its corners is left out.
 constexpr double kNothing = 1e-12;
 /// A corner that is not free is tried again with this fraction of the tolerance.
 constexpr double kTighter = 0.25;
@@ -115,7 +115,7 @@ class Corner {
   std::vector<double> turn_;
 };
 
-/// What is left of a leg between its corners.
+/// The part of a leg between its corners.
 Curve straight(const Leg& leg, double from, double to) {
   return {plus(leg.begin, from, leg.direction), leg.direction, {}, to - from};
 }

@@ -5,8 +5,6 @@
 // motion keeps, because each of its derivatives is the average of the motion's. Its third one is
 // the difference of two accelerations over the window. By Taylor's theorem it is off the motion by
 // at most acceleration window^2 / 24.
-#include "trajectory/smooth_motion.h"
-
 #include "trajectory/speed_profile.h"
 
 #include <algorithm>
@@ -32,7 +30,7 @@ double find_window(const RateLimits& limits) {
   return window;
 }
 
-/// Of averages off the motion, at most.
+/// Greatest distance of the averages from the motion.
 double find_deviation(const RateLimits& limits) {
   return norm(limits.acceleration) * std::pow(find_window(limits), 2) / 24;
 }

@@ -16,7 +16,7 @@ namespace {
 /// Fraction of the limits that is left to rounding.
 constexpr double kRoom = 1 - 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Of a parabola.
+/// Cells of a parabola.
 constexpr int kCells = 16;
 
 /// A straight curve, or a part of a parabola of constant path acceleration.

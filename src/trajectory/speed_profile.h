@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// How fast a rounded path can be followed.
+/// How fast a rounded path can be followed: within limits of rates, and of jerk.
 #pragma once
 
 #include "mneme/trajectory.h"
@@ -12,9 +12,12 @@
 
 namespace mneme::internal {
 
+/// Error: invalid, naming the joint, unless there are limits within range for each of the group.
+[[nodiscard]] Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits);
+
 struct Followed {
   Trajectory motion;
-  /// Of each curve, and of the end, before averages.
+  /// Times at which each curve begins, and the end, before averages.
   std::vector<double> begins_s;
 };
 
@@ -26,5 +29,15 @@ struct Followed {
 /// that hold at both ends hold in between.
 [[nodiscard]] Followed follow_fastest(const RoundedPath& path, const RateLimits& limits,
                                       double window_s = 0);
+
+[[nodiscard]] bool has_jerk_limit(const RateLimits& limits);
+
+/// A motion along the path, averaged over a window of time that is long enough for the limits of
+/// jerk, of which there is one. On straight curves that changes nothing but the times. Near
+/// parabolas it leads off the path, by at most `tolerance`, and is verified again: where it does
+/// not pass, the path's corner is stopped at. Accelerations are lowered where a shorter window
+/// makes up for that.
+[[nodiscard]] Trajectory follow_smoothly(RoundedPath path, const RateLimits& limits,
+                                         double tolerance, const MotionVerifier* verifier);
 
 }  // namespace mneme::internal

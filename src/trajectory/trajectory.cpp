@@ -3,9 +3,7 @@
 #include "mneme/trajectory.h"
 
 #include "base/check_ranges.h"
-#include "trajectory/rate_limits.h"
 #include "trajectory/rounded_path.h"
-#include "trajectory/smooth_motion.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
@@ -103,13 +101,13 @@ Trajectory::Point Trajectory::at(double time_s) const {
 
 Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   if (!(dt > 0) || !std::isfinite(dt)) {
-    return fail(ErrorCode::invalid, fmt::format("dt is {}; expected seconds above 0", dt));
+    return fail(ErrorCode::invalid, "dt is {}; expected seconds above 0", dt);
   }
   if (!(duration_s() / dt < kMostPoints)) {
     return fail(ErrorCode::invalid,
-                fmt::format("a point every {} s of a trajectory of {} s would be more than {} "
-                            "points; a larger dt gives fewer",
-                            dt, duration_s(), kMostPoints));
+                "a point every {} s of a trajectory of {} s would be more than {} "
+                "points; a larger dt gives fewer",
+                dt, duration_s(), kMostPoints);
   }
   std::vector<Point> points;
   const int steps = static_cast<int>(std::ceil(duration_s() / dt - kLeastStep));
@@ -121,13 +119,9 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
 Result<Trajectory> parameterize(const Robot& robot, const Path& path, const RateLimits& limits,
                                 const TrajectorySettings& settings,
                                 const MotionVerifier* verifier) {
-  if (auto checked = check_path(robot, path); !checked) return tl::unexpected(checked.error());
-  if (auto checked = internal::check_rate_limits(robot, limits); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  if (auto checked = internal::check_ranges(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  MNEME_TRY(check_path(robot, path));
+  MNEME_TRY(internal::check_rate_limits(robot, limits));
+  MNEME_TRY(internal::check_ranges(settings));
   // Averages leave the path by half of the tolerance, corners by the other half.
   const bool is_smooth = internal::has_jerk_limit(limits);
   const double tolerance = is_smooth ? settings.path_tolerance / 2 : settings.path_tolerance;

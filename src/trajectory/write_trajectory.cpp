@@ -56,8 +56,8 @@ std::string to_yaml(const Robot& robot, std::span<const Point> points) {
     text += fmt::format(
         "- positions: {}\n  velocities: {}\n  accelerations: {}\n  effort: []\n"
         "  time_from_start: {}\n",
-        internal::yaml_numbers(point.position), internal::yaml_numbers(point.velocity),
-        internal::yaml_numbers(point.acceleration), yaml_time(point.time_s));
+        internal::yaml_flow(point.position), internal::yaml_flow(point.velocity),
+        internal::yaml_flow(point.acceleration), yaml_time(point.time_s));
   }
   return text;
 }

@@ -21,10 +21,10 @@ struct BatchFixture {
     settings.max_iterations = 10000;
     return settings;
   }
-  /// Draws until a batch of `count` steps has been rejected as a whole.
+  /// AnchoredSamples until a batch of `count` steps has been rejected as a whole.
   void reject_until(int count) {
     do {
-      REQUIRE(batch.draw(tree));
+      REQUIRE(batch.sample_steps(tree));
       for (int i = 0; i < batch.size(); ++i) batch.settle(i, SampleOutcome::rejected);
     } while (batch.size() < count);
   }
@@ -71,28 +71,28 @@ struct WalkingFixture {
 TEST_SUITE("unit") {
   TEST_CASE("a batch is one step after a success and grows with the rejections in a row") {
     BatchFixture f({{0, 0, 1}});
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.size() == 1);
     f.batch.settle(0, SampleOutcome::rejected);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.size() == 2);
     f.reject_until(16);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.size() == 16);
     f.batch.settle(0, SampleOutcome::extended);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.size() == 1);
   }
 
   TEST_CASE("steps go from the nearest node towards the sample, at most the range") {
     BatchFixture f({{0, 0, 2}, {0, 0.25, 0}});
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.node(0) == 0);
     CHECK(f.batch.end(0)[2] == doctest::Approx(0.5));
     CHECK(f.batch.sample(0)[2] == 2);
     CHECK(!f.batch.is_sample_reached(0));
     f.batch.settle(0, SampleOutcome::extended);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.end(0)[1] == 0.25f);
     CHECK(f.batch.is_sample_reached(0));
   }
@@ -101,7 +101,7 @@ TEST_SUITE("unit") {
     BatchFixture f({{0.5, 0, 0}, {0.85, 0, 0}});
     const int near_wall = f.tree.add(std::vector<float>{0.5f, 0.0f, 0.0f}, 0);
     f.reject_until(2);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     for (int i = 0; i < f.batch.size(); ++i) {
       CHECK(f.batch.node(i) == near_wall);
       CHECK(f.batch.is_end_valid(i) == (f.batch.sample(i)[0] < 0.8f));
@@ -111,7 +111,7 @@ TEST_SUITE("unit") {
   TEST_CASE("samples outside the domain of their node are rejected without a step") {
     BatchFixture f({{0, 0, 2}, {0, 0, 0.5}});
     for (int i = 0; i < 20000; ++i) f.tree.adapt_domain(0, false);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     REQUIRE(f.batch.size() == 1);
     CHECK(f.batch.sample(0)[2] == 0.5f);
     const auto& reports = f.sampler.log().reports;
@@ -125,7 +125,7 @@ TEST_SUITE("unit") {
     for (int i = 0; i < 20000; ++i) f.tree.adapt_domain(1, false);
     int from_root = 0;
     for (int round = 0; round < 20; ++round) {
-      REQUIRE(f.batch.draw(f.tree));
+      REQUIRE(f.batch.sample_steps(f.tree));
       REQUIRE(f.batch.size() == 1);
       from_root += f.batch.node(0) == 0 ? 1 : 0;
       f.batch.settle(0, SampleOutcome::extended);
@@ -138,14 +138,14 @@ TEST_SUITE("unit") {
     BatchFixture f({{0, 0, 1}});
     f.reject_until(16);
     f.settings.max_iterations = f.sampler.log().drawn + 5;
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.size() == 5);
-    CHECK(!f.batch.draw(f.tree));
+    CHECK(!f.batch.sample_steps(f.tree));
   }
 
   TEST_CASE("a step that is taken goes on towards its draw until it is there") {
     BatchFixture f({{0, 0, 1.75}});
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     const int last = f.batch.take(0, f.tree);
     CHECK(last == 4);
     CHECK(f.tree.size() == 5);
@@ -155,12 +155,12 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a step that is taken ends before what blocks it") {
     BatchFixture f({{2, 0, 0}});
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.take(0, f.tree) == 1);
     CHECK(f.tree.size() == 2);
     CHECK(f.tree[1][0] == 0.5f);
     f.batch.settle(0, SampleOutcome::extended);
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.take(0, f.tree) == -1);
     CHECK(f.tree.size() == 2);
   }
@@ -168,7 +168,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a step that is taken ends at the limit of nodes") {
     BatchFixture f({{0, 0, 1.75}});
     f.settings.max_nodes = 3;
-    REQUIRE(f.batch.draw(f.tree));
+    REQUIRE(f.batch.sample_steps(f.tree));
     CHECK(f.batch.take(0, f.tree) == 2);
     CHECK(f.tree.size() == 3);
     CHECK(f.batch.take(0, f.tree) == -1);
@@ -179,7 +179,7 @@ TEST_SUITE("unit") {
     WalkingFixture f(1);
     for (std::uint64_t i = 1; i <= 20; ++i) {
       const int before = f.tree.size();
-      REQUIRE(f.growth.draw(f.tree));
+      REQUIRE(f.growth.sample_steps(f.tree));
       CHECK(f.growth.size() == 1);
       CHECK(f.of_run.run.iterations() == i);
       const int last = f.growth.take(0, f.tree);
@@ -197,7 +197,7 @@ TEST_SUITE("unit") {
     std::uint64_t walks = 0;
     for (int i = 0; i < 200; ++i) {
       const std::uint64_t drawn = f.log().drawn;
-      REQUIRE(f.growth.draw(f.tree));
+      REQUIRE(f.growth.sample_steps(f.tree));
       CHECK(f.growth.size() == 1);
       const bool is_walk = f.log().drawn == drawn;
       walks += is_walk ? 1 : 0;
@@ -212,8 +212,8 @@ TEST_SUITE("unit") {
   TEST_CASE("walks end at the limit of iterations") {
     WalkingFixture f(1);
     f.of_run.settings.max_iterations = 3;
-    for (int i = 0; i < 3; ++i) REQUIRE(f.growth.draw(f.tree));
-    CHECK(!f.growth.draw(f.tree));
+    for (int i = 0; i < 3; ++i) REQUIRE(f.growth.sample_steps(f.tree));
+    CHECK(!f.growth.sample_steps(f.tree));
     CHECK(f.growth.size() == 0);
     CHECK(f.of_run.run.iterations() == 3);
     CHECK(f.log().drawn == 0);

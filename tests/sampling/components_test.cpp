@@ -72,7 +72,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a group more takes part every so many draws, from the first ones on") {
     const auto source = std::make_shared<FakeSource>(std::vector{5, 5, 5, 5}, 2);
-    const int period = ComponentSource::kDrawsPerGroup;
+    const int period = ComponentSource::kSamplesPerGroup;
     const Samples samples = draw_components(source, 0.1, 3 * period);
     const auto part = [&](int begin, int end) {
       return counts({samples.sources.begin() + begin, samples.sources.begin() + end});

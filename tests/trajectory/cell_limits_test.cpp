@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/cell_limits.h"
 #include "support/support.h"
+#include "trajectory/cell_limits.h"
 
 #include <cmath>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/rounded_path.h"
 #include "planning/small_worlds.h"
 #include "trajectory/empty_scene.h"
+#include "trajectory/rounded_path.h"
 #include "trajectory/trajectory_flaws.h"
 
 namespace mneme::test {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/speed_profile.h"
 #include "support/support.h"
 #include "trajectory/dense_profile.h"
 #include "trajectory/empty_scene.h"
+#include "trajectory/speed_profile.h"
 #include "trajectory/trajectory_flaws.h"
 
 namespace mneme::test {

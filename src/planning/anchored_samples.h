@@ -11,12 +11,12 @@
 
 namespace mneme::internal {
 
-/// The sampler's draws; in place of uniform ones, as often as the settings say, draws around the
-/// newest node of what grows, where the search has got to. Kin of expansive trees: Hsu, Latombe and
-/// Motwani, DOI 10.1142/S0218195999000285. Not thread-safe.
-class Draws {
+/// The sampler's samples. In place of uniform ones, as often as the settings say, samples around the
+/// newest node, where the search is. Kin of expansive trees: Hsu, Latombe and Motwani,
+/// DOI 10.1142/S0218195999000285. Not thread-safe.
+class AnchoredSamples {
  public:
-  explicit Draws(PlannerRun& run);
+  explicit AnchoredSamples(PlannerRun& run);
 
   SampleSource next(std::span<const float> newest, std::span<float> q);
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/planning_fixture.h"
 #include "planning/scripted_sampler.h"
-#include "planning/draws.h"
+#include "planning/anchored_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace mneme::test {
 namespace {
 
-using DrawnRow = std::vector<float>;
+using Row = std::vector<float>;
 
 PlanSettings anchored(double probability, std::optional<double> sigma = {}) {
   PlanSettings settings;
@@ -24,21 +24,21 @@ World open_room(const Robot& robot) {
   return {"open", robot, {}, {zero, {zero}}};
 }
 
-std::vector<DrawnRow> draw_rows(RunFixture& f, int count, const DrawnRow& newest) {
-  internal::Draws draws(f.run);
-  std::vector<DrawnRow> rows;
+std::vector<Row> sample_rows(RunFixture& f, int count, const Row& newest) {
+  internal::AnchoredSamples samples(f.run);
+  std::vector<Row> rows;
   for (int i = 0; i < count; ++i) {
     rows.emplace_back(newest.size());
-    CHECK(draws.next(newest, rows.back()) == kUniformSource);
+    CHECK(samples.next(newest, rows.back()) == kUniformSource);
   }
   return rows;
 }
 
 /// Mean and standard deviation of the differences from `newest` of one joint.
-std::pair<double, double> spread_of(const std::vector<DrawnRow>& rows, const DrawnRow& newest,
+std::pair<double, double> spread_of(const std::vector<Row>& rows, const Row& newest,
                                     std::size_t joint) {
   double sum = 0, squares = 0;
-  for (const DrawnRow& row : rows) {
+  for (const Row& row : rows) {
     const double off = static_cast<double>(row[joint]) - newest[joint];
     sum += off;
     squares += off * off;
@@ -61,69 +61,69 @@ Robot lift() {
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("without anchors the draws are the sampler's") {
+  TEST_CASE("without anchors the samples are the sampler's") {
     RunFixture f(open_room(lift()), anchored(0));
-    internal::Draws draws(f.run);
+    internal::AnchoredSamples samples(f.run);
     const auto stream = f.sampler->start(f.settings.seed);
-    DrawnRow drawn(3), expected(3);
+    Row sampled(3), expected(3);
     for (int i = 0; i < 1000; ++i) {
-      CHECK(draws.next(DrawnRow{0, 0, 0}, drawn) == stream->next(expected));
-      CHECK(drawn == expected);
+      CHECK(samples.next(Row{0, 0, 0}, sampled) == stream->next(expected));
+      CHECK(sampled == expected);
     }
   }
 
-  TEST_CASE("draws that come from memory are never replaced") {
+  TEST_CASE("samples that come from memory are never replaced") {
     const std::vector<Configuration> script = {{0.5, 1, -1}, {-0.25, 0.125, 3}, {1, -1, 0}};
     RunFixture f(open_room(lift()), anchored(1, 0.01), Isa::automatic,
                  std::make_unique<ScriptedSampler>(script));
-    internal::Draws draws(f.run);
-    DrawnRow q(3);
+    internal::AnchoredSamples samples(f.run);
+    Row q(3);
     for (std::size_t i = 0; i < 300; ++i) {
-      CHECK(draws.next(DrawnRow{0, 0, 0}, q) == static_cast<SampleSource>(i % 3));
+      CHECK(samples.next(Row{0, 0, 0}, q) == static_cast<SampleSource>(i % 3));
       CHECK(Configuration(q.begin(), q.end()) == script[i % 3]);
     }
   }
 
-  TEST_CASE("each draw takes one of the sampler's, whether it is replaced or not") {
+  TEST_CASE("each sample takes one of the sampler's, whether it is replaced or not") {
     const auto rng_free = [](double probability) {
       RunFixture f(open_room(lift()), anchored(probability, 1e-3));
-      internal::Draws draws(f.run);
-      DrawnRow q(3);
-      for (int i = 0; i < 100; ++i) draws.next(DrawnRow{0, 0, 0}, q);
-      f.run.draw(q);
+      internal::AnchoredSamples samples(f.run);
+      Row q(3);
+      for (int i = 0; i < 100; ++i) samples.next(Row{0, 0, 0}, q);
+      f.run.next_sample(q);
       return q;
     };
     CHECK(rng_free(0) == rng_free(1));
     CHECK(rng_free(0) == rng_free(0.5));
   }
 
-  TEST_CASE("the observer sees each draw as it is returned, once") {
+  TEST_CASE("the observer sees each sample as it is returned, once") {
     struct Spy : PlanObserver {
-      std::vector<std::pair<DrawnRow, SampleSource>> seen;
+      std::vector<std::pair<Row, SampleSource>> seen;
       void on_sample(std::span<const float> q, SampleSource source) override {
-        seen.emplace_back(DrawnRow(q.begin(), q.end()), source);
+        seen.emplace_back(Row(q.begin(), q.end()), source);
       }
     } spy;
     PlanSettings settings = anchored(0.5, 0.1);
     settings.observer = &spy;
     RunFixture f(open_room(lift()), settings);
-    internal::Draws draws(f.run);
-    DrawnRow q(3);
+    internal::AnchoredSamples samples(f.run);
+    Row q(3);
     for (std::size_t i = 0; i < 200; ++i) {
-      const SampleSource source = draws.next(DrawnRow{0.5, 0.5, 0.5}, q);
+      const SampleSource source = samples.next(Row{0.5, 0.5, 0.5}, q);
       REQUIRE(spy.seen.size() == i + 1);
       CHECK(spy.seen.back() == std::pair(q, source));
     }
   }
 
-  TEST_CASE("the same seed gives the same draws and another one others") {
-    const DrawnRow newest = {0.5, -0.5, 3};
-    std::vector<std::vector<DrawnRow>> runs;
+  TEST_CASE("the same seed gives the same samples and another one others") {
+    const Row newest = {0.5, -0.5, 3};
+    std::vector<std::vector<Row>> runs;
     for (const std::uint64_t seed : {1, 1, 2}) {
       PlanSettings settings = anchored(0.8);
       settings.seed = seed;
       RunFixture f(open_room(lift()), settings);
-      runs.push_back(draw_rows(f, 100, newest));
+      runs.push_back(sample_rows(f, 100, newest));
     }
     CHECK(runs[0] == runs[1]);
     CHECK(runs[0] != runs[2]);
@@ -131,28 +131,28 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("law") {
-  TEST_CASE("anchored draws lie around the newest node, slides by half as much") {
+  TEST_CASE("anchored samples lie around the newest node, slides by half as much") {
     constexpr double kSigma = 0.125;
     RunFixture f(open_room(lift()), anchored(1, kSigma));
-    const DrawnRow newest = {0.5, -0.25, 1};
-    const std::vector<DrawnRow> rows = draw_rows(f, 20000, newest);
+    const Row newest = {0.5, -0.25, 1};
+    const std::vector<Row> rows = sample_rows(f, 20000, newest);
     for (std::size_t joint = 0; joint < 3; ++joint) {
       INFO("joint ", joint);
       const double sigma = joint == 0 ? 0.5 * kSigma : kSigma;
       const auto [mean, deviation] = spread_of(rows, newest, joint);
       CHECK(std::abs(mean) < 5 * sigma / std::sqrt(20000.0));
       CHECK(std::abs(deviation / sigma - 1) < 0.03);
-      for (const DrawnRow& row : rows) REQUIRE(std::abs(row[joint] - newest[joint]) < 4.9 * sigma);
+      for (const Row& row : rows) REQUIRE(std::abs(row[joint] - newest[joint]) < 4.9 * sigma);
     }
   }
 
-  TEST_CASE("the joints of an anchored draw are independent of each other") {
+  TEST_CASE("the joints of an anchored sample are independent of each other") {
     RunFixture f(open_room(lift()), anchored(1, 0.125));
-    const DrawnRow newest = {0, 0, 0};
-    const std::vector<DrawnRow> rows = draw_rows(f, 20000, newest);
+    const Row newest = {0, 0, 0};
+    const std::vector<Row> rows = sample_rows(f, 20000, newest);
     for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 2u), std::pair(0u, 2u)}) {
       double product = 0;
-      for (const DrawnRow& row : rows) product += static_cast<double>(row[a]) * row[b];
+      for (const Row& row : rows) product += static_cast<double>(row[a]) * row[b];
       const double scale = spread_of(rows, newest, a).second * spread_of(rows, newest, b).second;
       CHECK(std::abs(product / 20000 / scale) < 5 / std::sqrt(20000.0));
     }
@@ -167,19 +167,19 @@ TEST_SUITE("law") {
       add_link(parts, JointType::revolute, Vec3(0.1, 0, 0), Vec3::UnitZ(), 100, {});
     }
     RunFixture f(open_room(make_small_robot(std::move(parts))), settings);
-    const DrawnRow newest(4, 0.0f);
-    const std::vector<DrawnRow> rows = draw_rows(f, 20000, newest);
+    const Row newest(4, 0.0f);
+    const std::vector<Row> rows = sample_rows(f, 20000, newest);
     for (std::size_t joint = 0; joint < 4; ++joint) {
       CHECK(std::abs(spread_of(rows, newest, joint).second / 2 - 1) < 0.03);
     }
   }
 
-  TEST_CASE("draws stay within the limits, around any node and with any deviation") {
+  TEST_CASE("samples stay within the limits, around any node and with any deviation") {
     const Robot robot = lift();
     for (const double sigma : {0.0, 0.1, 3.0, 100.0}) {
       RunFixture f(open_room(robot), anchored(1, sigma));
-      for (const DrawnRow& newest : {DrawnRow{2, -2, 3.1f}, DrawnRow{-2, 2, -3.1f}}) {
-        for (const DrawnRow& row : draw_rows(f, 500, newest)) {
+      for (const Row& newest : {Row{2, -2, 3.1f}, Row{-2, 2, -3.1f}}) {
+        for (const Row& row : sample_rows(f, 500, newest)) {
           REQUIRE(!robot.describe_violation(Configuration(row.begin(), row.end()), "draw"));
           REQUIRE(std::abs(row[0]) <= 2);
           REQUIRE(std::abs(row[1]) <= 2);
@@ -189,20 +189,20 @@ TEST_SUITE("law") {
     }
   }
 
-  TEST_CASE("draws around a continuous joint's jump lie on both sides of it") {
+  TEST_CASE("samples around a continuous joint's jump lie on both sides of it") {
     RunFixture f(open_room(lift()), anchored(1, 0.1));
-    const std::vector<DrawnRow> rows = draw_rows(f, 400, {0, 0, 3.14f});
-    const auto beyond = std::ranges::count_if(rows, [](const DrawnRow& row) { return row[2] < 0; });
+    const std::vector<Row> rows = sample_rows(f, 400, {0, 0, 3.14f});
+    const auto beyond = std::ranges::count_if(rows, [](const Row& row) { return row[2] < 0; });
     CHECK(beyond > 150);
     CHECK(beyond < 250);
   }
 
-  TEST_CASE("as many uniform draws are replaced as the settings say") {
+  TEST_CASE("as many uniform samples are replaced as the settings say") {
     for (const double probability : {0.25, 0.8}) {
       RunFixture f(open_room(lift()), anchored(probability, 1e-6));
-      const std::vector<DrawnRow> rows = draw_rows(f, 4000, {0.5, 0.5, 0.5});
+      const std::vector<Row> rows = sample_rows(f, 4000, {0.5, 0.5, 0.5});
       const auto near = std::ranges::count_if(
-          rows, [](const DrawnRow& row) { return std::abs(row[0] - 0.5f) < 1e-4f; });
+          rows, [](const Row& row) { return std::abs(row[0] - 0.5f) < 1e-4f; });
       CHECK(std::abs(static_cast<double>(near) / 4000 / probability - 1) < 0.1);
     }
   }
