@@ -82,7 +82,7 @@ struct Problem {
 struct ProblemCache;
 [[nodiscard]] std::shared_ptr<ProblemCache> make_problem_cache();
 
-/// What may be set from outside the problem's file.
+/// Settings that complete or replace the problem's file.
 struct ProblemOptions {
   std::string robot_path;  ///< URDF to use instead of the one that the problem names
   /// A robot that is there already, instead of the one that the problem names: what the file and
@@ -103,8 +103,7 @@ struct ProblemOptions {
   /// Metres of drop_own_points at the start, instead of what the problem says; its notes become
   /// warnings. MoveIt's scenes have no clouds.
   std::optional<double> self_filter = std::nullopt;
-  /// Of whoever loads many problems, so that neither their file nor their robot is read again for
-  /// each; one thread's alone.
+  /// For callers that load many problems: file and robot are read once. Use by one thread only.
   std::shared_ptr<ProblemCache> cache = nullptr;
   /// Called for links that have got their spheres, as that of approximate_robot().
   SphereProgress on_approximated = nullptr;

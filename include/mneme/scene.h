@@ -40,7 +40,7 @@ struct Obstacle {
 struct Scene {
   std::string name;
   std::vector<Obstacle> obstacles;
-  /// What was left aside while reading its files, such as points that are not finite.
+  /// Notes on parts left aside while reading its files, such as points that are not finite.
   std::vector<std::string> warnings = {};
   /// Names of two links, one of them with a sphere approximation at least, that are checked against
   /// each other by exact geometry, as those of Obstacle::exact_links. Not written to files.

@@ -7,7 +7,6 @@
 #include "base/files.h"
 #include "pipeline/settings_input.h"
 #include "scene/input.h"
-#include "scene/yaml.h"
 
 #include <fmt/ranges.h>
 

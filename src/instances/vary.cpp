@@ -7,7 +7,6 @@
 #include "geometry/solids.h"
 #include "scene/input.h"
 #include "scene/scene_input.h"
-#include "scene/yaml.h"
 
 #include <fmt/format.h>
 

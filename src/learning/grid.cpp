@@ -6,7 +6,6 @@
 #include "experience/key_index.h"
 #include "store/row_check.h"
 #include "scene/input.h"
-#include "scene/yaml.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/allowed_contacts.h"
-
-#include "scene/scene_input.h"
+#include "problem/problem_input.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/attached_input.h"
-
 #include "mneme/spheres.h"
+
+#include "problem/problem_input.h"
 
 #include <fmt/format.h>
 
@@ -40,12 +40,10 @@ class AttachedReader {
     AttachedObject object{read_name(item.at("name")), item.at("link").text(), {}};
     if (!links_.contains(object.link)) {
       item.at("link").fail(ErrorCode::invalid,
-                           fmt::format("expected a link of robot {} to carry \"{}\", got \"{}\"",
-                                       robot_.name(), object.name, object.link));
+                           "expected a link of robot {} to carry \"{}\", got \"{}\"", robot_.name(),
+                           object.name, object.link);
     }
-    if (const auto touching = item.find("touch")) {
-      for (const Input& name : touching->items()) object.may_touch.push_back(name.text());
-    }
+    for (const Input& name : item.items("touch")) object.may_touch.push_back(name.text());
     if (const auto shapes = item.find("shapes")) {
       item.allow_keys({"name", "link", "touch", "shapes"});
       for (const Input& shape : shapes->items()) read_into(shape, shape_spelling_, object);
@@ -60,9 +58,8 @@ class AttachedReader {
     std::string name = input.text();
     if (name.empty()) input.fail_expecting("a name");
     if (links_.contains(name) || !names_.insert(name).second) {
-      input.fail(ErrorCode::invalid,
-                 fmt::format("expected a name of its own, got \"{}\", which names {}", name,
-                             links_.contains(name) ? "a link" : "another attached object"));
+      input.fail(ErrorCode::invalid, "expected a name of its own, got \"{}\", which names {}", name,
+                 links_.contains(name) ? "a link" : "another attached object");
     }
     return name;
   }
@@ -73,7 +70,7 @@ class AttachedReader {
     if (type.is_text() && type.text() == "mesh") {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      // Of points and the like, which cannot be attached.
+      // Only points and the like have warnings, and they cannot be attached.
       std::vector<std::string> warnings;
       object.shapes.push_back(read_shape(input, spelling, warnings));
     }
@@ -103,13 +100,10 @@ class AttachedReader {
   }
 
   void check_touching(const Input& item) const {
-    const auto touching = item.find("touch");
-    if (!touching) return;
-    for (const Input& name : touching->items()) {
+    for (const Input& name : item.items("touch")) {
       if (links_.contains(name.text()) || names_.contains(name.text())) continue;
-      name.fail(ErrorCode::invalid,
-                fmt::format("expected a link of robot {} or an attached object, got \"{}\"",
-                            robot_.name(), name.text()));
+      name.fail(ErrorCode::invalid, "expected a link of robot {} or an attached object, got \"{}\"",
+                robot_.name(), name.text());
     }
   }
 
@@ -130,9 +124,7 @@ std::vector<AttachedObject> read_attached(const Input& problem, const ObstacleSp
 
 Robot attach_to(const Robot& robot, std::vector<AttachedObject> objects, const Input& place) {
   if (objects.empty()) return robot;
-  auto attached = attach(robot, std::move(objects));
-  if (!attached) place.fail(attached.error().code, attached.error().message);
-  return *std::move(attached);
+  return place.take(attach(robot, std::move(objects)));
 }
 
 }  // namespace mneme::internal

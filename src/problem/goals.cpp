@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/goals.h"
-
 #include "base/as_index.h"
-#include "robot/link_shapes.h"
-#include "scene/shape_fields.h"
+#include "base/fail.h"
+#include "problem/problem_input.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,9 +29,10 @@ Configuration read_joint_map(const Input& input, const Robot& robot) {
   for (const auto& [name, value] : input.entries()) {
     const auto joint = std::ranges::find(names, name) - names.begin();
     if (joint == std::ssize(names)) {
-      value.fail(ErrorCode::invalid, fmt::format("expected a joint of the planning group ({}), got "
-                                                 "\"{}\"",
-                                                 fmt::join(names, ", "), name));
+      value.fail(ErrorCode::invalid,
+                 "expected a joint of the planning group ({}), got "
+                 "\"{}\"",
+                 fmt::join(names, ", "), name);
     }
     q[as_index(joint)] = value.number();
     is_given[as_index(joint)] = true;
@@ -40,17 +40,15 @@ Configuration read_joint_map(const Input& input, const Robot& robot) {
   const auto missing = std::ranges::find(is_given, false) - is_given.begin();
   if (missing < std::ssize(names)) {
     input.fail(ErrorCode::invalid,
-               fmt::format("expected a value of each joint of the planning group, got none of {}",
-                           names[as_index(missing)]));
+               "expected a value of each joint of the planning group, got none of {}",
+               names[as_index(missing)]);
   }
   return q;
 }
 
 Eigen::Matrix3d read_unit_quaternion(const Input& input) {
   const std::vector<double> xyzw = input.finite_numbers(4, "a quaternion as x, y, z, w");
-  const auto rotation = rotation_from_unit_quaternion(std::span(xyzw).first<4>());
-  if (!rotation) input.fail(rotation.error().code, rotation.error().message);
-  return *rotation;
+  return input.take(rotation_from_unit_quaternion(std::span(xyzw).first<4>()));
 }
 
 Vec3 read_position_tolerance(const Input& input) {
@@ -76,9 +74,7 @@ PoseGoal placed(const Input& place, PoseGoal goal, const Transform& X_RF, const 
     goal.pose = X_RF * goal.pose;
     return goal;
   }
-  auto in_root = in_root_frame(std::move(goal), problem.robot, problem.start);
-  if (!in_root) place.fail(in_root.error().code, in_root.error().message);
-  return *std::move(in_root);
+  return place.take(in_root_frame(std::move(goal), problem.robot, problem.start));
 }
 
 PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem& problem) {
@@ -117,19 +113,14 @@ Configuration read_configuration(const Input& input, const Robot& robot) {
   if (input.is_number()) {
     input.fail_expecting("a list of values, a map from joints to values or the name of a state");
   }
-  if (input.is_text()) {
-    auto state = robot.configuration_of(input.text());
-    if (!state) input.fail(state.error().code, state.error().message);
-    return *std::move(state);
-  }
+  if (input.is_text()) return input.take(robot.configuration_of(input.text()));
   return input.numbers();
 }
 
 Configuration read_configuration(const GivenConfiguration& given, const std::string& what,
                                  const Robot& robot) {
-  auto q = robot.configuration_of(given);
-  if (!q) throw InputFailure{{q.error().code, fmt::format("{}: {}", what, q.error().message)}};
-  return *std::move(q);
+  const InputValue nothing;
+  return Input(nothing, what).take(robot.configuration_of(given));
 }
 
 void add_pose_goal(const Input& place, PoseGoal goal, Problem& problem) {
@@ -158,6 +149,51 @@ bool take_goals(const ProblemOptions& options, const Transform& X_RF, Problem& p
     add_pose_goal(place, placed(place, goal, X_RF, problem), problem);
   }
   return options.goal || !options.pose_goals.empty();
+}
+
+namespace {
+
+Vec3 read_direction(const Input& input) {
+  const Vec3 direction = read_point(input);
+  if (!(direction.norm() > 0)) input.fail_expecting("a direction other than 0");
+  return direction.normalized();
+}
+
+OrientationConstraint read_constraint(const Input& input, const Transform& X_RF) {
+  input.allow_keys({"link", "axis", "up", "angle"});
+  OrientationConstraint constraint;
+  constraint.link = input.at("link").text();
+  if (const auto axis = input.find("axis")) constraint.axis = read_direction(*axis);
+  if (const auto up = input.find("up")) constraint.up = read_direction(*up);
+  constraint.up = X_RF.rotation * constraint.up;
+  constraint.angle = input.at("angle").finite_number();
+  return constraint;
+}
+
+}  // namespace
+
+void read_constraints(const Input& problem_input, const Transform& X_RF, Problem& problem) {
+  const auto constraints = problem_input.find("constraints");
+  if (!constraints) return;
+  for (const Input& input : constraints->items()) {
+    add_constraint(input, read_constraint(input, X_RF), problem);
+  }
+}
+
+void take_constraints(const ProblemOptions& options, const Transform& X_RF, Problem& problem) {
+  const InputValue nothing;
+  const std::string source = "constraint";
+  for (OrientationConstraint constraint : options.constraints) {
+    constraint.up = X_RF.rotation * constraint.up;
+    add_constraint(Input(nothing, source), std::move(constraint), problem);
+  }
+}
+
+void add_constraint(const Input& place, OrientationConstraint constraint, Problem& problem) {
+  if (const auto fault = describe_fault(problem.robot, constraint)) {
+    place.fail(ErrorCode::invalid, *fault);
+  }
+  problem.constraints.push_back(std::move(constraint));
 }
 
 }  // namespace mneme::internal
@@ -191,8 +227,8 @@ Result<Eigen::Matrix3d> rotation_from_unit_quaternion(std::span<const double, 4>
   constexpr double kUnitTolerance = 1e-3;
   const double length = std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
   if (!(std::abs(length - 1) <= kUnitTolerance)) {
-    return fail(ErrorCode::invalid,
-                fmt::format("expected a quaternion of length 1, got one of length {:.6g}", length));
+    return fail(ErrorCode::invalid, "expected a quaternion of length 1, got one of length {:.6g}",
+                length);
   }
   return rotation_from_quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
 }
@@ -213,12 +249,11 @@ Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot, std::span<cons
   if (goal.frame.empty()) return goal;
   const auto link = robot.find_link(goal.frame);
   if (!link) {
-    return fail(ErrorCode::invalid,
-                fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), goal.frame));
+    return fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(),
+                goal.frame);
   }
   if (const auto violation = robot.describe_violation(q, "start")) {
-    return fail(ErrorCode::invalid,
-                fmt::format("link \"{}\" is nowhere: {}", goal.frame, *violation));
+    return fail(ErrorCode::invalid, "link \"{}\" is nowhere: {}", goal.frame, *violation);
   }
   goal.pose = robot.link_poses(q)[as_index(*link)] * goal.pose;
   goal.frame.clear();

@@ -3,14 +3,8 @@
 #include "mneme/problem.h"
 
 #include "base/files.h"
-#include "problem/allowed_contacts.h"
-#include "problem/compact_file.h"
 #include "problem/moveit_problem.h"
-#include "problem/moveit_request.h"
 #include "problem/problem_input.h"
-#include "scene/moveit_scene.h"
-#include "scene/scene_input.h"
-#include "scene/yaml.h"
 
 #include <fmt/format.h>
 
@@ -28,11 +22,11 @@ using internal::Input;
 void refuse_xml(std::string_view text, const std::string& path) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos || text[begin] != '<') return;
-  throw internal::InputFailure{
-      {ErrorCode::invalid,
-       fmt::format("{}: this is XML, such as a robot's URDF; expected a problem: a YAML file that "
-                   "names robot, scene, start and goal",
-                   path)}};
+  internal::throw_failure(
+      ErrorCode::invalid,
+      "{}: this is XML, such as a robot's URDF; expected a problem: a YAML file "
+      "that names robot, scene, start and goal",
+      path);
 }
 
 /// A file that holds what a scene does, where a problem names its scene.
@@ -42,9 +36,8 @@ void refuse_scene(const Input& input) {
     const auto found = input.find(key);
     if (!found) continue;
     if (input.find("start") || input.find("goal") || input.find("goals")) {
-      found->fail(
-          ErrorCode::invalid,
-          fmt::format("expected it in the problem's scene, as in `scene: {{{}: ..}}`", key));
+      found->fail(ErrorCode::invalid,
+                  "expected it in the problem's scene, as in `scene: {{{}: ..}}`", key);
     }
     input.fail(ErrorCode::invalid,
                "this is a scene; expected a problem, which names robot, scene, start and goal");
@@ -66,8 +59,7 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
   refuse_scene(input);
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
                     "start", "goal", "goals", "allow", "attached", "constraints", "self_filter"});
-  const auto named = input.find("name");
-  const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
+  const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
   FramedScene scene = internal::read_scene_of_problem(input, path);
   return internal::read_problem(
       {input, input, name, internal::directory_of(path), std::move(scene.scene),
@@ -104,7 +96,7 @@ FramedScene extract_from_yaml(const std::string& path) {
   }
   if (!input.is_map() || !input.find("scene")) return value_or_throw(load_framed_scene(path));
   FramedScene scene = internal::read_scene_of_problem(input, path);
-  if (const auto frame = input.find("frame")) scene.frame = frame->text();
+  scene.frame = input.text_or("frame", scene.frame);
   internal::read_allowed(input, scene.scene);
   return scene;
 }
@@ -128,8 +120,8 @@ Result<Scene> in_root_frame(const FramedScene& framed, const Robot& robot) {
     const Input place(nothing, framed.scene.name);
     const auto X_RF = internal::find_fixed_link(robot, framed.frame, place);
     if (!X_RF) {
-      place.fail(ErrorCode::invalid, fmt::format("expected a link of robot {} as frame, got \"{}\"",
-                                                 robot.name(), framed.frame));
+      place.fail(ErrorCode::invalid, "expected a link of robot {} as frame, got \"{}\"",
+                 robot.name(), framed.frame);
     }
     return internal::moved(*X_RF, framed.scene);
   });

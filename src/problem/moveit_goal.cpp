@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/moveit_goal.h"
-
-#include "scene/moveit_messages.h"
+#include "problem/moveit_problem.h"
 
 #include <fmt/format.h>
 
@@ -19,15 +17,14 @@ namespace {
 
 /// Metres: wherever a robot reaches.
 constexpr double kAnywhere = 1e3;
-/// Of a rotation vector's length: a cone so much narrower has no longer ones, whatever the turn.
+/// Factor on a cone so that no rotation vector within it is too long, for any turn.
 constexpr double kRotationVectorShare = 2 / std::numbers::pi;
 
 std::optional<Input> only_constraint(const Input& goal, std::string_view key) {
-  const std::vector<Input> constraints = items_if_any(goal, key);
+  const std::vector<Input> constraints = goal.items(key);
   if (constraints.size() > 1) {
-    goal.at(key).fail(
-        ErrorCode::unsupported,
-        fmt::format("expected at most one of {} in a goal, got {}", key, constraints.size()));
+    goal.at(key).fail(ErrorCode::unsupported, "expected at most one of {} in a goal, got {}", key,
+                      constraints.size());
   }
   return constraints.empty() ? std::nullopt : std::optional(constraints.front());
 }
@@ -42,14 +39,13 @@ struct Region {
 Region read_region(const Input& constraint, const Transform& X_RF) {
   const Input region = constraint.at("constraint_region");
   region.allow_keys({"primitives", "primitive_poses", "meshes", "mesh_poses"});
-  const std::vector<Input> primitives = items_if_any(region, "primitives");
-  const std::vector<Input> poses = items_if_any(region, "primitive_poses");
-  if (primitives.size() != 1 || poses.size() != 1 || !items_if_any(region, "meshes").empty()) {
-    region.fail(
-        ErrorCode::unsupported,
-        fmt::format("expected a region of one primitive and its pose, got {} primitives, {} "
-                    "poses and {} meshes",
-                    primitives.size(), poses.size(), items_if_any(region, "meshes").size()));
+  const std::vector<Input> primitives = region.items("primitives");
+  const std::vector<Input> poses = region.items("primitive_poses");
+  if (primitives.size() != 1 || poses.size() != 1 || !region.items("meshes").empty()) {
+    region.fail(ErrorCode::unsupported,
+                "expected a region of one primitive and its pose, got {} primitives, {} "
+                "poses and {} meshes",
+                primitives.size(), poses.size(), region.items("meshes").size());
   }
   const Transform X_RB = X_RF * read_moveit_pose(poses.front());
   const Shape shape = read_moveit_primitive(primitives.front(), X_RB, "the region");
@@ -64,7 +60,7 @@ Region read_region(const Input& constraint, const Transform& X_RF) {
 void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
   constraint.allow_keys(
       {"header", "link_name", "target_point_offset", "constraint_region", "weight"});
-  if (const auto offset = constraint.find("target_point_offset"); offset && !offset->is_nothing()) {
+  if (const auto offset = constraint.find_value("target_point_offset")) {
     const bool is_zero = std::ranges::all_of(
         offset->entries(), [](const auto& entry) { return entry.second.finite_number() == 0; });
     if (!is_zero) {
@@ -112,8 +108,8 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
   goal.turn = tolerance[static_cast<std::size_t>(widest)];
   goal.cone = std::min(tolerance[static_cast<std::size_t>((widest + 1) % 3)],
                        tolerance[static_cast<std::size_t>((widest + 2) % 3)]);
-  const auto vector = constraint.find("parameterization");
-  const bool is_vector = vector && !vector->is_nothing() && vector->number() == 1;
+  const auto vector = constraint.find_value("parameterization");
+  const bool is_vector = vector && vector->number() == 1;
   if (is_vector) goal.cone *= kRotationVectorShare;
   if (!is_vector && goal.axis == Axis::y) narrow_about_middle_axis(goal);
   // Leaning turns the angles about the axis, too, a little.
@@ -124,8 +120,8 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
 }  // namespace
 
 bool is_moveit_pose_goal(const Input& goal) {
-  return !items_if_any(goal, "position_constraints").empty() ||
-         !items_if_any(goal, "orientation_constraints").empty();
+  return !goal.items("position_constraints").empty() ||
+         !goal.items("orientation_constraints").empty();
 }
 
 PoseGoal read_moveit_pose_goal(const Input& goal, const FrameOf& frame_of) {
@@ -142,8 +138,8 @@ PoseGoal read_moveit_pose_goal(const Input& goal, const FrameOf& frame_of) {
     const Input link = position->at("link_name");
     if (orientation && link.text() != result.link) {
       link.fail(ErrorCode::unsupported,
-                fmt::format("expected the link of the orientation constraint, {}, got {}",
-                            result.link, link.text()));
+                "expected the link of the orientation constraint, {}, got {}", result.link,
+                link.text());
     }
     result.link = link.text();
     read_position(*position, frame_of(*position), result);
@@ -157,9 +153,9 @@ OrientationConstraint read_moveit_path_constraint(const Input& constraint,
   read_orientation(constraint, frame_of(constraint), region);
   if (region.turn < std::numbers::pi) {
     constraint.fail(ErrorCode::unsupported,
-                    fmt::format("expected a path constraint with a tolerance of pi about one axis, "
-                                "got {:.5g} at most: only leaning is limited",
-                                region.turn));
+                    "expected a path constraint with a tolerance of pi about one axis, "
+                    "got {:.5g} at most: only leaning is limited",
+                    region.turn);
   }
   OrientationConstraint result;
   result.link = constraint.at("link_name").text();

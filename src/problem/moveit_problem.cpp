@@ -4,16 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/files.h"
-#include "problem/allowed_contacts.h"
-#include "problem/attached_input.h"
-#include "problem/constraints.h"
-#include "problem/goals.h"
-#include "problem/moveit_goal.h"
-#include "problem/moveit_request.h"
 #include "problem/problem_input.h"
-#include "scene/moveit_scene.h"
-#include "scene/scene_input.h"
-#include "scene/yaml.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,16 +22,12 @@ constexpr std::string_view kRequest = "request";
 constexpr double kSamePosition = 1e-5;
 
 bool has_joint(const Robot& robot, const std::string& name) {
-  const auto joints = robot.joints();
-  return std::any_of(joints.begin(), joints.end(),
-                     [&](const Joint& joint) { return joint.name == name; });
+  return std::ranges::count(robot.joints(), name, &Joint::name) > 0;
 }
 
 bool is_planned(const Robot& robot, const std::string& name) {
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    if (robot.group_joint(i).name == name) return true;
-  }
-  return false;
+  return std::ranges::any_of(robot.group(),
+                             [&](int i) { return robot.joints()[as_index(i)].name == name; });
 }
 
 Configuration positions_of_group(const Robot& robot, const std::map<std::string, double>& positions,
@@ -49,9 +36,10 @@ Configuration positions_of_group(const Robot& robot, const std::map<std::string,
   for (int i = 0; i < robot.joint_count(); ++i) {
     const auto position = positions.find(robot.group_joint(i).name);
     if (position == positions.end()) {
-      place.fail(ErrorCode::invalid, fmt::format("expected a {} position of joint {}, which is "
-                                                 "planned for; there is none",
-                                                 what, robot.group_joint(i).name));
+      place.fail(ErrorCode::invalid,
+                 "expected a {} position of joint {}, which is "
+                 "planned for; there is none",
+                 what, robot.group_joint(i).name);
     }
     q.push_back(position->second);
   }
@@ -121,9 +109,7 @@ class MoveitReader {
                         "expected the key robot_model_name, or a robot that is "
                         "given beside the problem");
     }
-    const Result<std::string> found = find_robot(scene_.robot_name);
-    if (!found) scene_input_.at("robot_model_name").fail(found.error().code, found.error().message);
-    return *found;
+    return scene_input_.at("robot_model_name").take(find_robot(scene_.robot_name));
   }
 
   ProblemRobot load_robot() {
@@ -211,9 +197,8 @@ class MoveitReader {
       const MoveitObject& object = shaped(state_.attached[i].object);
       if (object.plane_count > 0) {
         state_.attached[i].object.place.fail(
-            ErrorCode::unsupported,
-            fmt::format("object \"{}\": expected primitives to be carried, got a plane",
-                        object.obstacle.name));
+            ErrorCode::unsupported, "object \"{}\": expected primitives to be carried, got a plane",
+            object.obstacle.name);
       }
       objects[i].shapes = object.obstacle.shapes;
       if (object.frame == objects[i].link) continue;
@@ -231,9 +216,9 @@ class MoveitReader {
     });
     if (found == scene_.objects.end()) {
       object.place.fail(ErrorCode::invalid,
-                        fmt::format("object \"{}\": expected primitives, or an object of this name "
-                                    "in the world",
-                                    object.obstacle.name));
+                        "object \"{}\": expected primitives, or an object of this name "
+                        "in the world",
+                        object.obstacle.name);
     }
     return *found;
   }
@@ -245,8 +230,8 @@ class MoveitReader {
     std::ranges::move(describe_fixed_contacts(robot.robot, scene),
                       std::back_inserter(robot.warnings));
     for (const char* key : {"max_velocity_scaling_factor", "max_acceleration_scaling_factor"}) {
-      const auto factor = request_input_.find(key);
-      if (!factor || factor->is_nothing()) continue;
+      const auto factor = request_input_.find_value(key);
+      if (!factor) continue;
       const double share = factor->finite_number();
       // MoveIt takes 0 for what nobody has set.
       if (share == 0 || share == 1) continue;
@@ -307,11 +292,10 @@ class MoveitReader {
     const auto stays = state_.positions.find(name);
     if (!has_joint(robot, name) || stays == state_.positions.end() ||
         std::abs(stays->second - position) > kSamePosition) {
-      place.fail(
-          ErrorCode::invalid,
-          fmt::format("expected positions of joints that are planned for, got one of {}; the "
-                      "robot is {}",
-                      name, robot.name()));
+      place.fail(ErrorCode::invalid,
+                 "expected positions of joints that are planned for, got one of {}; the "
+                 "robot is {}",
+                 name, robot.name());
     }
   }
 
@@ -344,9 +328,9 @@ std::string scene_of_request(const Input& request, const std::string& path) {
   const std::size_t at = name.rfind(kRequest);
   if (at == std::string::npos) {
     request.fail(ErrorCode::invalid,
-                 fmt::format("the scene of this motion plan request is unknown; expected a file "
-                             "name with \"request\" in it, or SCENE.yaml,{}",
-                             path));
+                 "the scene of this motion plan request is unknown; expected a file "
+                 "name with \"request\" in it, or SCENE.yaml,{}",
+                 path);
   }
   return (file.parent_path() / name.replace(at, kRequest.size(), "scene")).string();
 }

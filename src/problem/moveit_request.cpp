@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/moveit_request.h"
-
-#include "problem/moveit_goal.h"
-#include "scene/moveit_messages.h"
+#include "problem/moveit_problem.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,9 +17,9 @@ namespace {
 void refuse_constraints(const Input& constraints, std::initializer_list<std::string_view> keys,
                         std::string_view what) {
   for (const std::string_view key : keys) {
-    if (!items_if_any(constraints, key).empty()) {
-      constraints.at(key).fail(ErrorCode::unsupported,
-                               fmt::format("{} are not supported; expected {}", key, what));
+    if (!constraints.items(key).empty()) {
+      constraints.at(key).fail(ErrorCode::unsupported, "{} are not supported; expected {}", key,
+                               what);
     }
   }
 }
@@ -45,7 +42,7 @@ std::map<std::string, JointRange> read_goal(const Input& goal) {
                        "joint_constraints alone, or constraints of position and orientation");
     return ranges;
   }
-  for (const Input& constraint : items_if_any(goal, "joint_constraints")) {
+  for (const Input& constraint : goal.items("joint_constraints")) {
     constraint.allow_keys(
         {"joint_name", "position", "tolerance_above", "tolerance_below", "weight"});
     const double position = constraint.at("position").finite_number();
@@ -53,30 +50,28 @@ std::map<std::string, JointRange> read_goal(const Input& goal) {
                            position + read_tolerance(constraint, "tolerance_above")};
     const Input joint = constraint.at("joint_name");
     if (!ranges.emplace(joint.text(), range).second) {
-      joint.fail(ErrorCode::parse,
-                 fmt::format("expected each joint once, got {} again", joint.text()));
+      joint.fail(ErrorCode::parse, "expected each joint once, got {} again", joint.text());
     }
   }
   if (ranges.empty()) goal.fail(ErrorCode::parse, "expected joint_constraints, got none");
   return ranges;
 }
 
-/// Those of orientation.
+/// The orientation constraints of the path; others are refused.
 std::vector<Input> read_path_constraints(const Input& input) {
   constexpr std::string_view kSupported = "a path without constraints other than of orientation";
   std::vector<Input> constraints;
-  const auto path = input.find("path_constraints");
-  if (path && !path->is_nothing()) {
+  const auto path = input.find_value("path_constraints");
+  if (path) {
     refuse_constraints(*path, {"position_constraints", "visibility_constraints"}, kSupported);
-    if (!items_if_any(*path, "joint_constraints").empty()) {
-      path->fail(ErrorCode::unsupported,
-                 fmt::format("joint_constraints are not supported here; expected {}", kSupported));
+    if (!path->items("joint_constraints").empty()) {
+      path->fail(ErrorCode::unsupported, "joint_constraints are not supported here; expected {}",
+                 kSupported);
     }
-    constraints = items_if_any(*path, "orientation_constraints");
+    constraints = path->items("orientation_constraints");
   }
-  const auto trajectory = input.find("trajectory_constraints");
-  if (trajectory && !trajectory->is_nothing() &&
-      !items_if_any(*trajectory, "constraints").empty()) {
+  const auto trajectory = input.find_value("trajectory_constraints");
+  if (trajectory && !trajectory->items("constraints").empty()) {
     trajectory->fail(ErrorCode::unsupported,
                      "trajectory_constraints are not supported; expected none");
   }
@@ -99,10 +94,8 @@ MoveitRequest read_moveit_request(const Input& input) {
                     "max_cartesian_speed"});
   MoveitRequest request;
   request.path_constraints = read_path_constraints(input);
-  if (const auto group = input.find("group_name"); group && !group->is_nothing()) {
-    request.group = group->text();
-  }
-  if (const auto start = input.find("start_state"); start && !start->is_nothing()) {
+  if (const auto group = input.find_value("group_name")) request.group = group->text();
+  if (const auto start = input.find_value("start_state")) {
     request.start = read_moveit_state(*start);
   }
   request.goal_places = input.at("goal_constraints").items();
@@ -131,8 +124,8 @@ class AllowedReader {
 
  private:
   void read_entries() {
-    for (const Input& name : items_if_any(matrix_, "entry_names")) names_.push_back(name.text());
-    const std::vector<Input> rows = items_if_any(matrix_, "entry_values");
+    for (const Input& name : matrix_.items("entry_names")) names_.push_back(name.text());
+    const std::vector<Input> rows = matrix_.items("entry_values");
     check_count(matrix_, rows.size(), "row");
     std::vector<std::vector<bool>> values;
     for (const Input& row : rows) values.push_back(read_row(row));
@@ -140,8 +133,8 @@ class AllowedReader {
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
         if (values[i][j] != values[j][i]) {
           rows[j].fail(ErrorCode::parse,
-                       fmt::format("expected a symmetric matrix, got two values for {} and {}",
-                                   names_[i], names_[j]));
+                       "expected a symmetric matrix, got two values for {} and {}", names_[i],
+                       names_[j]);
         }
         if (values[i][j]) allow(names_[i], names_[j]);
       }
@@ -150,8 +143,8 @@ class AllowedReader {
 
   void check_count(const Input& place, std::size_t count, std::string_view what) const {
     if (count != names_.size()) {
-      place.fail(ErrorCode::parse, fmt::format("expected one {} per name, got {} for {} names",
-                                               what, count, names_.size()));
+      place.fail(ErrorCode::parse, "expected one {} per name, got {} for {} names", what, count,
+                 names_.size());
     }
   }
 
@@ -166,12 +159,11 @@ class AllowedReader {
   }
 
   void read_defaults() {
-    const std::vector<Input> names = items_if_any(matrix_, "default_entry_names");
-    const std::vector<Input> values = items_if_any(matrix_, "default_entry_values");
+    const std::vector<Input> names = matrix_.items("default_entry_names");
+    const std::vector<Input> values = matrix_.items("default_entry_values");
     if (names.size() != values.size()) {
-      matrix_.fail(ErrorCode::parse,
-                   fmt::format("expected one default value per name, got {} for {} names",
-                               values.size(), names.size()));
+      matrix_.fail(ErrorCode::parse, "expected one default value per name, got {} for {} names",
+                   values.size(), names.size());
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = names[i].text();
@@ -201,7 +193,7 @@ class AllowedReader {
       unknown_.insert(name);
       is_known = false;
     }
-    // What is wrong with a pair of known names is that both are obstacles.
+    // A pair of known names is refused only if both are obstacles.
     if (is_known) static_cast<void>(contacts_.allow(a, b));
   }
 
@@ -218,8 +210,8 @@ class AllowedReader {
 std::vector<std::string> read_moveit_allowed(const Input& scene,
                                              const std::vector<std::string>& names,
                                              AllowedContacts& contacts) {
-  const auto matrix = scene.find("allowed_collision_matrix");
-  if (!matrix || matrix->is_nothing()) return {};
+  const auto matrix = scene.find_value("allowed_collision_matrix");
+  if (!matrix) return {};
   return AllowedReader(*matrix, names, contacts).read();
 }
 

@@ -7,13 +7,7 @@
 #include "base/as_index.h"
 #include "base/files.h"
 #include "check/link_distances.h"
-#include "problem/allowed_contacts.h"
-#include "problem/attached_input.h"
-#include "problem/constraints.h"
-#include "problem/goals.h"
-#include "problem/self_filter.h"
 #include "robot/link_shapes.h"
-#include "scene/scene_input.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,7 +23,7 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr std::size_t kShownJoints = 3;
-/// Of the robot's reach.
+/// In multiples of the robot's reach.
 constexpr double kFarAway = 2;
 constexpr std::size_t kCachedRobots = 8;
 
@@ -43,31 +37,22 @@ std::string find_path(const Input& input, const std::string& directory,
   if (robot.find('/') != std::string::npos || robot.ends_with(".urdf")) {
     return (std::filesystem::path(directory) / robot).string();
   }
-  const Result<std::string> found = find_robot(robot);
-  if (!found) named.fail(found.error().code, found.error().message);
-  return *found;
+  return named.take(find_robot(robot));
 }
 
 /// Why the value of a joint cannot be fixed, or nothing.
 std::string describe_obstruction(const Robot& robot, const std::string& name) {
-  const auto joints = robot.joints();
-  const auto joint = std::find_if(joints.begin(), joints.end(),
-                                  [&](const Joint& candidate) { return candidate.name == name; });
-  if (joint == joints.end()) return "no such joint";
-  const auto group = robot.group();
-  if (std::find(group.begin(), group.end(), joint - joints.begin()) != group.end()) {
-    return "planned for";
-  }
+  const auto joint = std::ranges::find(robot.joints(), name, &Joint::name);
+  if (joint == robot.joints().end()) return "no such joint";
+  if (std::ranges::count(robot.group(), joint - robot.joints().begin()) > 0) return "planned for";
   if (joint->mimic) return "follows another joint";
   return joint->type == JointType::fixed ? "a fixed joint" : "";
 }
 
-/// Of a file that cannot be read it is said where it is named, too: others may name it as well.
+/// The value. The error of a file that cannot be read names the place that names the file.
 template <class T>
 T value_named_by(const Input& place, Result<T> result) {
-  if (!result && result.error().code == ErrorCode::io) {
-    place.fail(ErrorCode::io, result.error().message);
-  }
+  if (!result && result.error().code == ErrorCode::io) return place.take(std::move(result));
   return value_or_throw(std::move(result));
 }
 
@@ -180,9 +165,8 @@ void check_robot_facts(const Input& input, const Robot& robot) {
     }
     const std::vector<double> expected = links->numbers();
     if (!std::equal(lengths.begin(), lengths.end(), expected.begin(), expected.end(), is_close)) {
-      links->fail(ErrorCode::invalid,
-                  fmt::format("expected the lengths of robot {}'s capsules, [{}], got [{}]",
-                              robot.name(), fmt::join(lengths, ", "), fmt::join(expected, ", ")));
+      links->fail(ErrorCode::invalid, "expected the lengths of robot {}'s capsules, [{}], got [{}]",
+                  robot.name(), fmt::join(lengths, ", "), fmt::join(expected, ", "));
     }
   }
   if (const auto limits = input.find("joint_limits")) {
@@ -192,9 +176,8 @@ void check_robot_facts(const Input& input, const Robot& robot) {
       const Joint& joint = robot.group_joint(i);
       if (!is_close(joint.lower, range[0]) || !is_close(joint.upper, range[1])) {
         limits->fail(ErrorCode::invalid,
-                     fmt::format("expected the limits of robot {}'s joint {}, [{}, {}], got [{}]",
-                                 robot.name(), joint.name, joint.lower, joint.upper,
-                                 fmt::join(range, ", ")));
+                     "expected the limits of robot {}'s joint {}, [{}, {}], got [{}]", robot.name(),
+                     joint.name, joint.lower, joint.upper, fmt::join(range, ", "));
       }
     }
   }
@@ -210,9 +193,9 @@ std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& 
     const Joint& joint = robot.joints()[as_index(link->parent_joint)];
     if (joint.type != JointType::fixed) {
       place.fail(ErrorCode::unsupported,
-                 fmt::format("expected the root link of robot {} or one fixed to it, got \"{}\", "
-                             "which joint {} moves",
-                             robot.name(), name, joint.name));
+                 "expected the root link of robot {} or one fixed to it, got \"{}\", "
+                 "which joint {} moves",
+                 robot.name(), name, joint.name);
     }
     X_RF = joint.origin * X_RF;
     link = &links[as_index(joint.parent_link)];
@@ -227,8 +210,8 @@ Transform read_frame(const Input& input, const Robot& robot) {
   }
   const auto X_RF = find_fixed_link(robot, frame->text(), *frame);
   if (!X_RF) {
-    frame->fail(ErrorCode::invalid, fmt::format("expected a link of robot {}, got \"{}\"",
-                                                robot.name(), frame->text()));
+    frame->fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(),
+                frame->text());
   }
   return *X_RF;
 }
@@ -252,8 +235,7 @@ std::vector<Input> find_goals(const Input& input) {
 }  // namespace
 
 FramedScene read_scene_of_problem(const Input& problem, const std::string& path) {
-  const auto named = problem.find("name");
-  const std::string name = named ? named->text() : std::filesystem::path(path).stem().string();
+  const std::string name = problem.text_or("name", std::filesystem::path(path).stem().string());
   const Input scene = problem.at("scene");
   if (scene.is_text()) {
     const std::string file = (std::filesystem::path(directory_of(path)) / scene.text()).string();
@@ -375,9 +357,9 @@ Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
     const auto& [first, second] = allowing.allowed_pairs.back();
     input.problem.at("allow").fail(
         ErrorCode::invalid,
-        fmt::format("expected pairs of a link and an obstacle or an attached object: the robot is "
-                    "given, got its links \"{}\" and \"{}\"",
-                    first, second));
+        "expected pairs of a link and an obstacle or an attached object: the robot is "
+        "given, got its links \"{}\" and \"{}\"",
+        first, second);
   };
   return read_with(std::move(robot), input, options, refuse);
 }

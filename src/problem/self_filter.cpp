@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/self_filter.h"
-
+#include "base/fail.h"
 #include "check/link_distances.h"
+#include "problem/problem_input.h"
 
 #include <fmt/format.h>
 
@@ -58,8 +58,7 @@ std::size_t drop_near(const Body& body, double distance, PointCloud& cloud) {
 Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robot,
                                                  std::span<const double> q, double distance) {
   if (!(distance >= 0 && std::isfinite(distance))) {
-    return fail(ErrorCode::invalid,
-                fmt::format("self_filter: expected 0 or more metres, got {}", distance));
+    return fail(ErrorCode::invalid, "self_filter: expected 0 or more metres, got {}", distance);
   }
   if (const auto violation = robot.describe_violation(q, "self_filter")) {
     return fail(ErrorCode::invalid, *violation);

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/edit_scene.h"
+#include "mneme/scene.h"
 
+#include "base/fail.h"
 #include "geometry/parts.h"
 #include "geometry/solids.h"
-#include "scene/cloud_file.h"
+#include "scene/compound_files.h"
+#include "scene/scene_input.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +17,7 @@ namespace mneme {
 namespace {
 
 tl::unexpected<Error> refuse_edit(std::string_view name, std::string_view what) {
-  return fail(ErrorCode::invalid, fmt::format("obstacle \"{}\": {}", name, what));
+  return fail(ErrorCode::invalid, "obstacle \"{}\": {}", name, what);
 }
 
 tl::unexpected<Error> refuse_unknown(const Scene& scene, std::string_view name) {
@@ -33,22 +35,19 @@ auto* find_in(Obstacles& obstacles, std::string_view name) {
 Result<void> internal::check_shapes(const Obstacle& obstacle) {
   for (const Shape& shape : obstacle.shapes) {
     if (const std::string_view flaw = find_flaw(shape); !flaw.empty()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("obstacle '{}': {}", obstacle.name, said_of(shape, flaw)));
+      return fail(ErrorCode::invalid, "obstacle '{}': {}", obstacle.name, said_of(shape, flaw));
     }
     const auto* cloud = std::get_if<PointCloud>(&shape);
     if (cloud == nullptr) continue;
-    auto checked = check_point_count(obstacle.name, cloud->parts->list().size());
-    if (!checked) return checked;
+    MNEME_TRY(check_point_count(obstacle.name, cloud->parts->list().size()));
   }
   return {};
 }
 
 Result<void> check_point_count(std::string_view obstacle, std::size_t points) {
   if (points <= internal::kMaxCloudPoints) return {};
-  return fail(ErrorCode::unsupported,
-              fmt::format("obstacle '{}': expected at most {} points, got {}", obstacle,
-                          internal::kMaxCloudPoints, points));
+  return fail(ErrorCode::unsupported, "obstacle '{}': expected at most {} points, got {}", obstacle,
+              internal::kMaxCloudPoints, points);
 }
 
 const Obstacle* Scene::find(std::string_view obstacle) const {
@@ -63,7 +62,7 @@ Result<void> Scene::add(Obstacle obstacle) {
   if (find(obstacle.name) != nullptr) {
     return refuse_edit(obstacle.name, "expected a name of its own, there is one of this name");
   }
-  if (auto checked = internal::check_shapes(obstacle); !checked) return checked;
+  MNEME_TRY(internal::check_shapes(obstacle));
   obstacles.push_back(std::move(obstacle));
   return {};
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/input.h"
 
+#include "base/fail.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -76,8 +78,7 @@ void Input::fail(ErrorCode code, const std::string& what) const {
 }
 
 void Input::fail_expecting(const std::string& expected) const {
-  fail(ErrorCode::parse,
-       fmt::format("expected {}, got {}", expected, std::visit(Describe{}, value_->content)));
+  fail(ErrorCode::parse, "expected {}, got {}", expected, std::visit(Describe{}, value_->content));
 }
 
 Input Input::child(const InputValue& value, std::string_view key) const {
@@ -88,8 +89,8 @@ void Input::allow_keys(const std::vector<std::string_view>& keys) const {
   for (const auto& [key, input] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
       const std::vector<std::string> names(keys.begin(), keys.end());
-      input.fail(ErrorCode::parse, fmt::format("unknown key, expected one of {}{}",
-                                               fmt::join(keys, ", "), did_you_mean(key, names)));
+      input.fail(ErrorCode::parse, "unknown key, expected one of {}{}", fmt::join(keys, ", "),
+                 did_you_mean(key, names));
     }
   }
 }
@@ -103,9 +104,14 @@ std::optional<Input> Input::find(std::string_view key) const {
   return std::nullopt;
 }
 
+std::optional<Input> Input::find_value(std::string_view key) const {
+  auto found = find(key);
+  return found && !found->is_nothing() ? std::move(found) : std::nullopt;
+}
+
 Input Input::at(std::string_view key) const {
   auto found = find(key);
-  if (!found) fail(ErrorCode::parse, fmt::format("expected the key {}, which is missing", key));
+  if (!found) fail(ErrorCode::parse, "expected the key {}, which is missing", key);
   return *std::move(found);
 }
 
@@ -127,6 +133,11 @@ std::vector<Input> Input::items() const {
     result.emplace_back(item, *source_, fmt::format("{}[{}]", key_, result.size()));
   }
   return result;
+}
+
+std::vector<Input> Input::items(std::string_view key) const {
+  const auto list = find_value(key);
+  return list ? list->items() : std::vector<Input>();
 }
 
 std::optional<double> Input::as_number() const {
@@ -181,6 +192,11 @@ std::string Input::text() const {
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
   if (text == nullptr) fail_expecting("a text");
   return text->text;
+}
+
+std::string Input::text_or(std::string_view key, const std::string& fallback) const {
+  const auto found = find(key);
+  return found ? found->text() : fallback;
 }
 
 std::vector<double> Input::numbers() const {

@@ -6,6 +6,10 @@
 
 #include "mneme/base.h"
 
+#include "base/fail.h"
+
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdint>
 #include <initializer_list>
@@ -39,30 +43,6 @@ struct InputEntry {
   InputValue value;
 };
 
-/// Thrown by everything that reads input, and turned into an Error by without_throwing().
-struct InputFailure {
-  Error error;
-};
-
-/// The result of `read`, or the error that it threw.
-template <class Read>
-auto without_throwing(Read&& read) -> Result<decltype(read())> {
-  try {
-    return read();
-  } catch (const InputFailure& failure) {
-    return tl::unexpected<Error>(failure.error);
-  }
-}
-
-/// The value, or InputFailure with the error.
-template <class T>
-T value_or_throw(Result<T> result) {
-  if (!result) {
-    throw InputFailure{std::move(result.error())};
-  }
-  return *std::move(result);
-}
-
 /// A value and the way to it. The value and the name of its source must outlive it. Whatever does
 /// not find what it expects throws InputFailure with "SOURCE:LINE: key KEY: expected ..., got ...".
 class Input {
@@ -77,8 +57,19 @@ class Input {
   /// The name of the file, or whatever names the text.
   [[nodiscard]] const std::string& source() const { return *source_; }
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
+  template <class First, class... Rest>
+  [[noreturn]] void fail(ErrorCode code, fmt::format_string<First, Rest...> what, First&& first,
+                         Rest&&... rest) const {
+    fail(code, fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   /// Fails with "expected EXPECTED, got" and a description of the value.
   [[noreturn]] void fail_expecting(const std::string& expected) const;
+  /// The value, or fails with the error of what this value led to.
+  template <class T>
+  [[nodiscard]] T take(Result<T> result) const {
+    if (!result) fail(result.error().code, result.error().message);
+    return *std::move(result);
+  }
 
   [[nodiscard]] bool is_map() const {
     return std::holds_alternative<InputValue::Map>(value_->content);
@@ -100,9 +91,13 @@ class Input {
   /// Fails if this is no map or has a key that is not one of `keys`.
   void allow_keys(const std::vector<std::string_view>& keys) const;
   [[nodiscard]] std::optional<Input> find(std::string_view key) const;
+  /// The same; nothing also for a key without a value.
+  [[nodiscard]] std::optional<Input> find_value(std::string_view key) const;
   [[nodiscard]] Input at(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, Input>> entries() const;
   [[nodiscard]] std::vector<Input> items() const;
+  /// The items of the list `key`; none if the key is missing or has no value.
+  [[nodiscard]] std::vector<Input> items(std::string_view key) const;
 
   /// Also infinite or not a number, as YAML can say.
   [[nodiscard]] double number() const;
@@ -113,6 +108,8 @@ class Input {
   [[nodiscard]] double positive_number() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;
+  /// The text of the key, or `fallback` without it.
+  [[nodiscard]] std::string text_or(std::string_view key, const std::string& fallback) const;
   [[nodiscard]] std::vector<double> numbers() const;
   /// Exactly `count` finite numbers; `what` describes them in the message.
   [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
@@ -125,5 +122,12 @@ class Input {
   const std::string* source_;
   std::string key_;
 };
+
+/// The one document of `yaml`; `source` names it in messages. Throws InputFailure, also for a
+/// doubled key and for aliases that expand to more than a few million values.
+[[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
+
+/// The value of `json`, with lines; `source` names it in messages. Throws InputFailure.
+[[nodiscard]] InputValue parse_json(std::string_view json, const std::string& source);
 
 }  // namespace mneme::internal

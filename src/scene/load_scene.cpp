@@ -3,9 +3,9 @@
 #include "mneme/scene.h"
 
 #include "base/files.h"
+#include "scene/input.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
-#include "scene/yaml.h"
 
 #include <fmt/format.h>
 
@@ -36,9 +36,9 @@ Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string&
     for (const internal::MoveitAttached& attached : scene.state.attached) {
       attached.object.place.fail(
           ErrorCode::unsupported,
-          fmt::format("object \"{}\" is attached to link \"{}\"; expected a scene without attached "
-                      "objects, or its motion plan request too: a robot carries them",
-                      attached.object.obstacle.name, attached.link));
+          "object \"{}\" is attached to link \"{}\"; expected a scene without attached "
+          "objects, or its motion plan request too: a robot carries them",
+          attached.object.obstacle.name, attached.link);
     }
     return internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
   });
@@ -53,12 +53,10 @@ Result<Scene> load_scene(const std::string& path) {
 }
 
 Result<FramedScene> load_framed_scene(const std::string& path) {
-  const auto text = internal::read_text_file(path);
-  if (!text) return tl::unexpected<Error>(text.error());
-  return parse_framed_scene(*text, path).map([&](FramedScene scene) {
-    scene.files = {path};
-    return scene;
-  });
+  const std::string text = MNEME_TRY(internal::read_text_file(path));
+  FramedScene scene = MNEME_TRY(parse_framed_scene(text, path));
+  scene.files = {path};
+  return scene;
 }
 
 Result<Scene> parse_scene(std::string_view yaml, const std::string& source) {

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/moveit_messages.h"
-
-#include "scene/moveit_compounds.h"
+#include "scene/compound_files.h"
+#include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <set>
 #include <span>
 
@@ -49,44 +51,37 @@ namespace {
 
 void read_positions(const Input& input, MoveitState& state) {
   input.allow_keys({"header", "name", "position", "velocity", "effort"});
-  const std::vector<Input> names = items_if_any(input, "name");
-  const std::vector<Input> positions = items_if_any(input, "position");
+  const std::vector<Input> names = input.items("name");
+  const std::vector<Input> positions = input.items("position");
   if (names.size() != positions.size()) {
-    input.fail(ErrorCode::parse,
-               fmt::format("expected one position per name, got {} names and {} positions",
-                           names.size(), positions.size()));
+    input.fail(ErrorCode::parse, "expected one position per name, got {} names and {} positions",
+               names.size(), positions.size());
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool is_new =
         state.positions.emplace(names[i].text(), positions[i].finite_number()).second;
     if (!is_new) {
-      names[i].fail(ErrorCode::parse,
-                    fmt::format("expected each joint once, got {} again", names[i].text()));
+      names[i].fail(ErrorCode::parse, "expected each joint once, got {} again", names[i].text());
     }
   }
 }
 
 void read_base(const Input& input, MoveitState& state) {
   input.allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
-  const std::vector<Input> names = items_if_any(input, "joint_names");
-  const std::vector<Input> transforms = items_if_any(input, "transforms");
+  const std::vector<Input> names = input.items("joint_names");
+  const std::vector<Input> transforms = input.items("transforms");
   if (names.empty() && transforms.empty()) return;
   if (names.size() != 1 || transforms.size() != 1) {
     input.fail(names.size() == transforms.size() ? ErrorCode::unsupported : ErrorCode::parse,
-               fmt::format("expected one virtual joint that carries the robot's root link, got {} "
-                           "names and {} transforms",
-                           names.size(), transforms.size()));
+               "expected one virtual joint that carries the robot's root link, got {} "
+               "names and {} transforms",
+               names.size(), transforms.size());
   }
   state.base = read_moveit_transform(transforms.front());
   state.base_frame = read_frame_id(input);
 }
 
 }  // namespace
-
-std::vector<Input> items_if_any(const Input& input, std::string_view key) {
-  const auto list = input.find(key);
-  return list && !list->is_nothing() ? list->items() : std::vector<Input>();
-}
 
 std::string read_frame_id(const Input& input) {
   const auto header = input.find("header");
@@ -129,25 +124,94 @@ Shape read_moveit_primitive(const Input& primitive, const Transform& pose, std::
   if (name == "cone" || name == "4" || name == "prism" || name == "5") {
     const bool is_cone = name == "cone" || name == "4";
     type.fail(ErrorCode::unsupported,
-              fmt::format("{} has a {}, which is not supported; expected box, sphere or cylinder",
-                          owner, is_cone ? "cone" : "prism"));
+              "{} has a {}, which is not supported; expected box, sphere or cylinder", owner,
+              is_cone ? "cone" : "prism");
   }
   type.fail_expecting("box, sphere or cylinder");
 }
 
 namespace {
 
+/// Metres, half of them.
+constexpr double kPlaneWidth = 100, kPlaneThickness = 0.0005;
+
+std::size_t read_index(const Input& input, std::size_t count) {
+  const double value = input.finite_number();
+  if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value)) {
+    input.fail(ErrorCode::parse, "expected the index of one of {} vertices, got {}", count, value);
+  }
+  return static_cast<std::size_t>(value);
+}
+
+Mesh read_moveit_mesh(const Input& mesh, const Transform& pose) {
+  mesh.allow_keys({"triangles", "vertices"});
+  std::vector<Vec3> vertices;
+  for (const Input& vertex : mesh.items("vertices")) {
+    vertices.push_back(read_moveit_point(vertex));
+  }
+  std::vector<Triangle> triangles;
+  for (const Input& triangle : mesh.items("triangles")) {
+    const Input indices = triangle.is_map() ? triangle.at("vertex_indices") : triangle;
+    static_cast<void>(indices.finite_numbers(3, "indices of vertices"));
+    std::array<Vec3, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      corners[i] = vertices[read_index(indices.items()[i], vertices.size())];
+    }
+    triangles.push_back({corners[0], corners[1], corners[2]});
+    if (triangles.back().area() <= 0) triangles.pop_back();
+  }
+  if (triangles.empty()) {
+    mesh.fail(ErrorCode::parse, "expected a mesh with a triangle that has an area");
+  }
+  return {pose, std::make_shared<Parts<Triangle>>(std::move(triangles)), 0};
+}
+
+Box read_moveit_plane(const Input& plane, const Transform& pose) {
+  plane.allow_keys({"coef"});
+  const Input coefficients = plane.at("coef");
+  const std::vector<double> c = coefficients.finite_numbers(4, "a, b, c, d of a plane");
+  const Vec3 normal(c[0], c[1], c[2]);
+  if (!(normal.norm() > 1e-9)) coefficients.fail_expecting("a normal that is not zero");
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal.normalized());
+  const Transform X_SP{turn.toRotationMatrix(), -c[3] / normal.squaredNorm() * normal};
+  return {pose * X_SP, Vec3(kPlaneWidth, kPlaneWidth, kPlaneThickness)};
+}
+
+std::optional<Octree> read_moveit_octomap(const Input& octomap) {
+  if (!octomap.is_map()) return std::nullopt;
+  const auto map = octomap.find("octomap");
+  const auto data = map && map->is_map() ? map->find_value("data") : std::nullopt;
+  if (!data) return std::nullopt;
+  std::string bytes;
+  for (const double value : data->numbers()) {
+    if (!(value >= -128 && value <= 255) || value != std::floor(value)) {
+      data->fail_expecting("bytes");
+    }
+    bytes += static_cast<char>(static_cast<int>(value));
+  }
+  if (bytes.empty()) return std::nullopt;
+  const std::string id = map->at("id").text();
+  if (id != "OcTree" && id != "ColorOcTree") map->at("id").fail_expecting("OcTree or ColorOcTree");
+  const OctreeFormat format{map->at("binary").boolean(), id == "ColorOcTree",
+                            map->at("resolution").positive_number()};
+  auto cubes = data->take(parse_octree_data(bytes, format, {}, octomap.source()));
+  const auto origin = octomap.find("origin");
+  return Octree{origin ? read_moveit_pose(*origin) : Transform{},
+                std::make_shared<Parts<Cube>>(std::move(cubes)), 0};
+}
+
 /// Adds the shapes of the list `key`, each at its pose of `pose_key`, or all at that of the object.
 template <class Read>
 void add_shapes(const Input& object, std::string_view key, std::string_view pose_key,
                 const Transform& X_FO, const Read& read_one, MoveitObject& result) {
-  const std::vector<Input> shapes = items_if_any(object, key);
-  const std::vector<Input> poses = items_if_any(object, pose_key);
+  const std::vector<Input> shapes = object.items(key);
+  const std::vector<Input> poses = object.items(pose_key);
   const bool is_posed_as_one = poses.empty() && object.find("pose");
   if (poses.size() != shapes.size() && !is_posed_as_one) {
     object.fail(ErrorCode::parse,
-                fmt::format("object \"{}\": expected one pose per shape, got {} {} and {} poses",
-                            result.obstacle.name, shapes.size(), key, poses.size()));
+                "object \"{}\": expected one pose per shape, got {} {} and {} poses",
+                result.obstacle.name, shapes.size(), key, poses.size());
   }
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Transform X_OS = poses.empty() ? Transform{} : read_moveit_pose(poses[i]);
@@ -160,8 +224,8 @@ void refuse_operation(const Input& object, const std::string& id) {
   if (!operation) return;
   const std::string name = operation->is_text() ? operation->text() : "";
   if (name != "0" && name != "add" && name != "ADD") {
-    operation->fail(ErrorCode::unsupported,
-                    fmt::format("object \"{}\": expected the operation add, got \"{}\"", id, name));
+    operation->fail(ErrorCode::unsupported, "object \"{}\": expected the operation add, got \"{}\"",
+                    id, name);
   }
 }
 
@@ -182,10 +246,10 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   add_shapes(object, "primitives", "primitive_poses", X_FO, primitive, result);
   add_shapes(object, "meshes", "mesh_poses", X_FO, read_moveit_mesh, result);
   add_shapes(object, "planes", "plane_poses", X_FO, read_moveit_plane, result);
-  result.plane_count = items_if_any(object, "planes").size();
+  result.plane_count = object.items("planes").size();
   if (result.obstacle.shapes.empty() && !may_be_empty) {
-    object.fail(ErrorCode::parse,
-                fmt::format("object \"{}\": expected at least one primitive, mesh or plane", id));
+    object.fail(ErrorCode::parse, "object \"{}\": expected at least one primitive, mesh or plane",
+                id);
   }
   return result;
 }
@@ -194,7 +258,7 @@ MoveitAttached read_attached(const Input& attached) {
   attached.allow_keys({"link_name", "object", "touch_links", "detach_posture", "weight"});
   MoveitAttached result{
       read_object(attached.at("object"), true), attached.at("link_name").text(), {}};
-  for (const Input& link : items_if_any(attached, "touch_links")) {
+  for (const Input& link : attached.items("touch_links")) {
     result.touch_links.push_back(link.text());
   }
   return result;
@@ -205,8 +269,8 @@ void refuse_twice(const std::vector<MoveitAttached>& attached) {
   const MoveitObject& last = attached.back().object;
   for (const MoveitAttached& other : std::span(attached).first(attached.size() - 1)) {
     if (other.object.obstacle.name != last.obstacle.name) continue;
-    last.place.fail(ErrorCode::parse, fmt::format("expected a name of its own, got \"{}\" again",
-                                                  last.obstacle.name));
+    last.place.fail(ErrorCode::parse, "expected a name of its own, got \"{}\" again",
+                    last.obstacle.name);
   }
 }
 
@@ -218,7 +282,7 @@ MoveitState read_moveit_state(const Input& input) {
   MoveitState state;
   if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
   if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
-  for (const Input& attached : items_if_any(input, "attached_collision_objects")) {
+  for (const Input& attached : input.items("attached_collision_objects")) {
     state.attached.push_back(read_attached(attached));
     refuse_twice(state.attached);
   }
@@ -250,11 +314,11 @@ std::vector<MoveitObject> read_moveit_objects(const Input& world) {
       names.insert("octomap");
     }
   }
-  for (const Input& object : items_if_any(world, "collision_objects")) {
+  for (const Input& object : world.items("collision_objects")) {
     objects.push_back(read_object(object));
     if (!names.insert(objects.back().obstacle.name).second) {
-      object.fail(ErrorCode::parse, fmt::format("expected a name of its own, got \"{}\" again",
-                                                objects.back().obstacle.name));
+      object.fail(ErrorCode::parse, "expected a name of its own, got \"{}\" again",
+                  objects.back().obstacle.name);
     }
   }
   return objects;

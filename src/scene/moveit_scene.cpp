@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/moveit_scene.h"
 
-#include "scene/moveit_messages.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
@@ -22,16 +21,16 @@ std::string frame_of_state(const Input& scene) {
 }  // namespace
 
 MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
-  for (const Input& item : items_if_any(scene, "fixed_frame_transforms")) {
+  for (const Input& item : scene.items("fixed_frame_transforms")) {
     item.allow_keys({"header", "child_frame_id", "transform"});
     // Unlike elsewhere in ROS, MoveIt's transform takes coordinates in the frame of the header to
     // those in the child frame, which is always the planning frame.
     const Input target = item.at("child_frame_id");
     if (!planning_frame_.empty() && target.text() != planning_frame_) {
       target.fail(ErrorCode::parse,
-                  fmt::format("expected the planning frame \"{}\" as in the entries before, got "
-                              "\"{}\"",
-                              planning_frame_, target.text()));
+                  "expected the planning frame \"{}\" as in the entries before, got "
+                  "\"{}\"",
+                  planning_frame_, target.text());
     }
     planning_frame_ = target.text();
     X_PF_[read_frame_id(item)] = read_moveit_transform(item.at("transform"));
@@ -44,9 +43,9 @@ MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
   const auto known = X_PF_.find(state.base_frame);
   if (!is_planning_frame && known == X_PF_.end()) {
     scene.fail(ErrorCode::invalid,
-               fmt::format("expected the robot's pose in the planning frame \"{}\", got one in "
-                           "\"{}\"",
-                           planning_frame_, state.base_frame));
+               "expected the robot's pose in the planning frame \"{}\", got one in "
+               "\"{}\"",
+               planning_frame_, state.base_frame);
   }
   X_PR_ = is_planning_frame ? *state.base : known->second * *state.base;
 }
@@ -58,11 +57,10 @@ Transform MoveitFrames::pose_in_root(const std::string& frame, const Input& plac
   const auto known = X_PF_.find(name);
   const bool is_planning_frame = !name.empty() && name == planning_frame_;
   if (!is_planning_frame && known == X_PF_.end()) {
-    place.fail(
-        ErrorCode::invalid,
-        fmt::format("expected a frame that is a link of the robot, the planning frame \"{}\" "
-                    "or one of the fixed_frame_transforms, got \"{}\"",
-                    planning_frame_, name));
+    place.fail(ErrorCode::invalid,
+               "expected a frame that is a link of the robot, the planning frame \"{}\" "
+               "or one of the fixed_frame_transforms, got \"{}\"",
+               planning_frame_, name);
   }
   Transform X_RP = X_PR_ ? X_PR_->inverse() : Transform{};
   if (const auto link = X_PR_ ? std::nullopt : find_link(planning_frame_, place)) X_RP = *link;
@@ -73,12 +71,12 @@ namespace {
 
 void refuse_other_values(const Input& scene, std::string_view list, std::string_view key,
                          double expected) {
-  for (const Input& item : items_if_any(scene, list)) {
+  for (const Input& item : scene.items(list)) {
     const double value = item.at(key).finite_number();
     if (value != expected) {
       item.fail(ErrorCode::unsupported,
-                fmt::format("link \"{}\" has the {} {}; expected {}: others are not supported",
-                            item.at("link_name").text(), key, value, expected));
+                "link \"{}\" has the {} {}; expected {}: others are not supported",
+                item.at("link_name").text(), key, value, expected);
     }
   }
 }
@@ -99,9 +97,7 @@ MoveitScene read_moveit_scene(const Input& input, const std::string& default_nam
   MoveitScene scene;
   const auto name = input.find("name");
   scene.name = name && name->is_text() && !name->text().empty() ? name->text() : default_name;
-  if (const auto robot = input.find("robot_model_name"); robot && !robot->is_nothing()) {
-    scene.robot_name = robot->text();
-  }
+  if (const auto robot = input.find_value("robot_model_name")) scene.robot_name = robot->text();
   if (const auto state = input.find("robot_state")) scene.state = read_moveit_state(*state);
   if (const auto world = input.find("world")) scene.objects = read_moveit_objects(*world);
   if (const auto is_diff = input.find("is_diff"); is_diff && is_diff->boolean()) {
@@ -147,11 +143,10 @@ FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) 
   const Transform X_RF = is_root_known ? frames.X_PR()->inverse() : Transform{};
   for (const MoveitObject& object : scene.objects) {
     if (frame_of(object) != result.frame) {
-      object.place.fail(
-          ErrorCode::invalid,
-          fmt::format("object \"{}\" is given in frame \"{}\", others in \"{}\"; only "
-                      "a problem with a robot may have objects in several frames",
-                      object.obstacle.name, frame_of(object), result.frame));
+      object.place.fail(ErrorCode::invalid,
+                        "object \"{}\" is given in frame \"{}\", others in \"{}\"; only "
+                        "a problem with a robot may have objects in several frames",
+                        object.obstacle.name, frame_of(object), result.frame);
     }
     result.scene.obstacles.push_back(placed(X_RF, object));
   }

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/octree_file.h"
-
+#include "base/fail.h"
 #include "base/files.h"
 #include "geometry/axis_box.h"
+#include "scene/compound_files.h"
 #include "scene/input.h"
 
 #include <fmt/format.h>
@@ -36,8 +36,7 @@ class OctreeReader {
     const Cube root{Vec3::Zero(), format_.resolution * (1 << (kDepth - 1))};
     if (!rest_.empty()) format_.is_binary ? read_binary(root, 0) : read_full(root, 0);
     if (!rest_.empty()) {
-      fail(ErrorCode::parse,
-           fmt::format("expected no more than the tree, got {} bytes more", rest_.size()));
+      fail(ErrorCode::parse, "expected no more than the tree, got {} bytes more", rest_.size());
     }
   }
 
@@ -48,8 +47,9 @@ class OctreeReader {
   }
 
  private:
-  [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
-    throw InputFailure{{code, fmt::format("{}: {}", source_, what)}};
+  template <class... Args>
+  [[noreturn]] void fail(ErrorCode code, fmt::format_string<Args...> what, Args&&... args) const {
+    throw_failure(code, "{}: {}", source_, fmt::format(what, std::forward<Args>(args)...));
   }
 
   std::string_view take_bytes(std::size_t count) {
@@ -61,7 +61,7 @@ class OctreeReader {
 
   void expect_depth(int depth) const {
     if (depth >= kDepth) {
-      fail(ErrorCode::parse, fmt::format("expected a tree of at most {} levels", kDepth));
+      fail(ErrorCode::parse, "expected a tree of at most {} levels", kDepth);
     }
   }
 
@@ -99,8 +99,7 @@ class OctreeReader {
 
   void add(const Cube& cube, std::vector<Cube>& cubes) const {
     if (cubes.size() >= use_.most_cubes) {
-      fail(ErrorCode::unsupported,
-           fmt::format("expected at most {} leaves of a kind", use_.most_cubes));
+      fail(ErrorCode::unsupported, "expected at most {} leaves of a kind", use_.most_cubes);
     }
     cubes.push_back(cube);
   }
@@ -149,19 +148,20 @@ std::string_view value_of(std::string_view line, std::string_view key) {
 }
 
 OctreeFormat read_header(std::string_view& rest, const std::string& source) {
-  const auto fail = [&](ErrorCode code, const std::string& what) {
-    throw InputFailure{{code, fmt::format("{}: {}", source, what)}};
-  };
   OctreeFormat format;
   const std::string_view first = take_line(rest);
   format.is_binary = first == "# Octomap OcTree binary file";
   if (!format.is_binary && first != "# Octomap OcTree file") {
-    fail(ErrorCode::unsupported,
-         "expected a file of OctoMap 1 (.bt or .ot), which begins with \"# Octomap OcTree\"");
+    throw_failure(
+        ErrorCode::unsupported,
+        "{}: expected a file of OctoMap 1 (.bt or .ot), which begins with \"# Octomap OcTree\"",
+        source);
   }
   std::string_view id;
   for (std::string_view line = take_line(rest); line != "data"; line = take_line(rest)) {
-    if (line.empty()) fail(ErrorCode::parse, "expected a header of OctoMap, which ends with data");
+    if (line.empty())
+      throw_failure(ErrorCode::parse, "{}: expected a header of OctoMap, which ends with data",
+                    source);
     if (const auto value = value_of(line, "id"); !value.empty()) id = value;
     if (const auto value = value_of(line, "res"); !value.empty()) {
       std::from_chars(value.data(), value.data() + value.size(), format.resolution);
@@ -169,8 +169,8 @@ OctreeFormat read_header(std::string_view& rest, const std::string& source) {
   }
   format.is_colored = id == "ColorOcTree";
   if (id != "OcTree" && !format.is_colored) {
-    fail(ErrorCode::unsupported,
-         fmt::format("expected the id OcTree or ColorOcTree, got \"{}\"", id));
+    throw_failure(ErrorCode::unsupported, "{}: expected the id OcTree or ColorOcTree, got \"{}\"",
+                  source, id);
   }
   return format;
 }
@@ -181,9 +181,8 @@ Result<std::vector<Cube>> parse_octree_data(std::string_view bytes, const Octree
                                             const OctreeUse& use, const std::string& source) {
   constexpr double kLeastResolution = 1e-4, kMostResolution = 100;
   if (!(format.resolution >= kLeastResolution && format.resolution <= kMostResolution)) {
-    return fail(ErrorCode::parse,
-                fmt::format("{}: expected a resolution of {} to {} m, got {}", source,
-                            kLeastResolution, kMostResolution, format.resolution));
+    return fail(ErrorCode::parse, "{}: expected a resolution of {} to {} m, got {}", source,
+                kLeastResolution, kMostResolution, format.resolution);
   }
   return without_throwing([&] {
     OctreeReader reader(bytes, format, use, source);
@@ -194,15 +193,14 @@ Result<std::vector<Cube>> parse_octree_data(std::string_view bytes, const Octree
 
 Result<std::vector<Cube>> parse_octree(std::string_view bytes, const OctreeUse& use,
                                        const std::string& source) {
-  const auto format = without_throwing([&] { return read_header(bytes, source); });
-  if (!format) return tl::unexpected<Error>(format.error());
-  return parse_octree_data(bytes, *format, use, source);
+  const OctreeFormat format =
+      MNEME_TRY(without_throwing([&] { return read_header(bytes, source); }));
+  return parse_octree_data(bytes, format, use, source);
 }
 
 Result<std::vector<Cube>> read_octree(const std::string& path, const OctreeUse& use) {
-  const auto bytes = read_text_file(path);
-  if (!bytes) return tl::unexpected<Error>(bytes.error());
-  return parse_octree(*bytes, use, path);
+  const std::string bytes = MNEME_TRY(read_text_file(path));
+  return parse_octree(bytes, use, path);
 }
 
 }  // namespace mneme::internal

@@ -107,9 +107,10 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
     const auto [link, name] = read_name_pair(pair);
     Obstacle* obstacle = scene.find(name);
     if (obstacle == nullptr) {
-      pair.fail(ErrorCode::invalid, fmt::format("expected a link and an obstacle of this scene, "
-                                                "got no obstacle \"{}\"",
-                                                name));
+      pair.fail(ErrorCode::invalid,
+                "expected a link and an obstacle of this scene, "
+                "got no obstacle \"{}\"",
+                name);
     }
     obstacle->may_touch.push_back(link);
   }
@@ -122,8 +123,7 @@ Scene read_scene(const Input& input, const std::string& default_name) {
   if (const auto obstacles = input.find("obstacles")) {
     read_obstacles(*obstacles, kSceneSpelling, scene);
   }
-  const auto name = input.find("name");
-  Scene result = scene.take(name ? name->text() : default_name);
+  Scene result = scene.take(input.text_or("name", default_name));
   if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, result);
   return result;
 }

@@ -1,18 +1,168 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/shape_fields.h"
-
-#include "scene/compound_fields.h"
-#include "scene/yaml.h"
+#include "geometry/axis_box.h"
+#include "geometry/mesh_file.h"
+#include "scene/compound_files.h"
+#include "scene/scene_input.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
+
+/// Metres. What is longer is rather given in another unit.
+constexpr double kLongestLikely = 50;
+
+/// The key `file`, which stands for the list `key`.
+std::optional<Input> find_file(const Input& input, std::string_view key) {
+  auto file = input.find("file");
+  if (file && input.find(key)) {
+    file->fail(ErrorCode::parse, "expected either file or {}, got both", key);
+  }
+  return file;
+}
+
+/// The path of the key `file`, relative to the file that names it.
+std::string path_of(const Input& file) {
+  if (!file.is_text() || file.text().empty()) file.fail_expecting("the path of a file");
+  return (std::filesystem::path(file.source()).parent_path() / file.text()).string();
+}
+
+double scale_of(const Input& input) {
+  const auto scale = input.find("scale");
+  return scale ? scale->positive_number() : 1.0;
+}
+
+template <class Part>
+void warn_of_unit(const Input& file, const std::vector<Part>& parts,
+                  std::vector<std::string>& warnings) {
+  const AxisBox box = box_around(parts);
+  const double longest = (box.high - box.low).maxCoeff();
+  if (!(longest > kLongestLikely)) return;
+  warnings.push_back(
+      file.place(fmt::format("is {:.0f} m long; one in millimetres needs scale: 0.001", longest)));
+}
+
+/// Numbers of the list `key`, `count` for each part.
+std::vector<double> list_of(const Input& input, std::string_view key, std::size_t count) {
+  const Input list = input.at(key);
+  const auto is_row = [](const Input& item) { return item.is_list(); };
+  if (list.is_list() && std::ranges::any_of(list.items(), is_row)) {
+    list.fail_expecting(fmt::format("the numbers of all parts in one list, {} for each", count));
+  }
+  const std::vector<double> numbers = list.numbers();
+  if (numbers.empty() || numbers.size() % count != 0) {
+    list.fail(ErrorCode::parse, "expected {} numbers for each of the parts, got {}", count,
+              numbers.size());
+  }
+  for (const double x : numbers) {
+    if (!std::isfinite(static_cast<float>(x))) list.fail_expecting("finite numbers");
+  }
+  return numbers;
+}
+
+template <class Part>
+CompoundShape<Part> compound_of(std::vector<Part> parts) {
+  return {{}, std::make_shared<Parts<Part>>(std::move(parts)), 0};
+}
+
+PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
+  std::vector<CloudPoint> points;
+  const auto file = find_file(input, "points");
+  const double scale = scale_of(input);
+  const auto at = [&](double x, double y, double z) {
+    points.push_back({static_cast<float>(scale * x), static_cast<float>(scale * y),
+                      static_cast<float>(scale * z)});
+  };
+  if (!file) {
+    const std::vector<double> numbers = list_of(input, "points", 3);
+    for (std::size_t i = 0; i < numbers.size(); i += 3) {
+      at(numbers[i], numbers[i + 1], numbers[i + 2]);
+    }
+    return compound_of(std::move(points));
+  }
+  const std::string path = path_of(*file);
+  const CloudFile cloud = file->take(read_cloud(path));
+  if (cloud.skipped > 0) {
+    warnings.push_back(file->place(fmt::format("{}: {} of {} points are not finite and left out",
+                                               path, cloud.skipped, cloud.size())));
+  }
+  points.reserve(cloud.points.size());
+  for (const CloudPoint& p : cloud.points) at(p[0], p[1], p[2]);
+  warn_of_unit(*file, points, warnings);
+  return compound_of(std::move(points));
+}
+
+Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
+  if (const auto file = find_file(input, "triangles")) {
+    const Vec3 scale = Vec3::Constant(scale_of(input));
+    auto triangles = file->take(read_triangles(path_of(*file), scale, {}));
+    warn_of_unit(*file, triangles, warnings);
+    return compound_of(std::move(triangles));
+  }
+  const double scale = scale_of(input);
+  const std::vector<double> n = list_of(input, "triangles", 9);
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < n.size(); i += 9) {
+    triangles.push_back({scale * Vec3(n[i], n[i + 1], n[i + 2]),
+                         scale * Vec3(n[i + 3], n[i + 4], n[i + 5]),
+                         scale * Vec3(n[i + 6], n[i + 7], n[i + 8])});
+  }
+  return compound_of(std::move(triangles));
+}
+
+Octree read_octree_shape(const Input& input) {
+  const auto file = find_file(input, "cubes");
+  const auto unknown = input.find("unknown");
+  const bool is_occupied = unknown && unknown->is_text() && unknown->text() == "occupied";
+  if (unknown && !is_occupied && !(unknown->is_text() && unknown->text() == "free")) {
+    unknown->fail_expecting("free or occupied");
+  }
+  if (file) return compound_of(file->take(read_octree(path_of(*file), {is_occupied})));
+  if (unknown) unknown->fail(ErrorCode::parse, "expected a file beside it, got cubes");
+  const Input list = input.at("cubes");
+  const std::vector<double> n = list_of(input, "cubes", 4);
+  std::vector<Cube> cubes;
+  for (std::size_t i = 0; i < n.size(); i += 4) {
+    if (!(n[i + 3] > 0)) list.fail_expecting("edges above 0");
+    cubes.push_back({Vec3(n[i], n[i + 1], n[i + 2]), 0.5 * n[i + 3]});
+  }
+  return compound_of(std::move(cubes));
+}
+
+void append(const Vec3& p, std::vector<double>& numbers) {
+  numbers.insert(numbers.end(), {p.x(), p.y(), p.z()});
+}
+
+std::vector<double> numbers_of(const Parts<CloudPoint>& parts) {
+  std::vector<double> numbers;
+  for (const CloudPoint& p : parts.list()) numbers.insert(numbers.end(), {p[0], p[1], p[2]});
+  return numbers;
+}
+
+std::vector<double> numbers_of(const Parts<Triangle>& parts) {
+  std::vector<double> numbers;
+  for (const Triangle& t : parts.list()) {
+    for (const Vec3& p : {t.a, t.b, t.c}) append(p, numbers);
+  }
+  return numbers;
+}
+
+std::vector<double> numbers_of(const Parts<Cube>& parts) {
+  std::vector<double> numbers;
+  for (const Cube& c : parts.list()) {
+    append(c.center, numbers);
+    numbers.push_back(2 * c.half_extent);
+  }
+  return numbers;
+}
 
 /// Reads the shape of one obstacle, and refuses keys that its type does not have.
 class ShapeReader {
@@ -124,49 +274,43 @@ class ShapeReader {
   std::vector<std::string>& warnings_;
 };
 
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Pose and sizes of a shape.
 class DescribeFields {
  public:
-  using Fields = std::vector<ShapeField>;
   explicit DescribeFields(const ObstacleSpelling& spelling) : spelling_(spelling) {}
 
-  Fields operator()(const Sphere& s) const {
-    return {point(spelling_.position, s.center), {"radius", {s.radius}}};
+  Json operator()(const Sphere& s) const {
+    return {{spelling_.position, json_of(s.center)}, {"radius", s.radius}};
   }
-  Fields operator()(const Box& s) const {
-    return posed(s.pose, {point("size", 2.0 * s.half_extents)});
+  Json operator()(const Box& s) const {
+    return posed(s.pose, {{"size", json_of(2.0 * s.half_extents)}});
   }
-  Fields operator()(const Cylinder& s) const {
-    return posed(s.pose, {{"radius", {s.radius}}, {"length", {s.length}}});
+  Json operator()(const Cylinder& s) const {
+    return posed(s.pose, {{"radius", s.radius}, {"length", s.length}});
   }
-  Fields operator()(const Capsule& s) const {
-    return {point("a", s.a), point("b", s.b), {"radius", {s.radius}}};
+  Json operator()(const Capsule& s) const {
+    return {{"a", json_of(s.a)}, {"b", json_of(s.b)}, {"radius", s.radius}};
   }
   template <class Part>
-  Fields operator()(const CompoundShape<Part>& s) const {
-    Fields own;
-    if (s.radius > 0) own.push_back({"radius", {s.radius}});
-    own.push_back({key_of(*s.parts), numbers_of(*s.parts), true});
+  Json operator()(const CompoundShape<Part>& s) const {
+    Json own = Json::object();
+    if (s.radius > 0) own["radius"] = s.radius;
+    own[key_of(*s.parts)] = numbers_of(*s.parts);
     return posed(s.pose, own);
   }
 
  private:
-  static std::string_view key_of(const Parts<CloudPoint>&) { return "points"; }
-  static std::string_view key_of(const Parts<Triangle>&) { return "triangles"; }
-  static std::string_view key_of(const Parts<Cube>&) { return "cubes"; }
+  static const char* key_of(const Parts<CloudPoint>&) { return "points"; }
+  static const char* key_of(const Parts<Triangle>&) { return "triangles"; }
+  static const char* key_of(const Parts<Cube>&) { return "cubes"; }
 
-  static ShapeField point(std::string_view key, const Vec3& p) {
-    return {key, {p.x(), p.y(), p.z()}, true};
-  }
-
-  [[nodiscard]] Fields posed(const Transform& pose, const Fields& sizes) const {
-    Fields fields = {point(spelling_.position, pose.translation)};
-    if (spelling_.writes_no_rotation || pose.rotation != Eigen::Matrix3d::Identity()) {
-      const Eigen::Quaterniond q(pose.rotation);
-      fields.push_back({spelling_.quaternion, {q.x(), q.y(), q.z(), q.w()}, true});
-      std::vector<double>& values = fields.back().values;
-      if (spelling_.is_scalar_first) std::rotate(values.begin(), values.end() - 1, values.end());
-    }
-    fields.insert(fields.end(), sizes.begin(), sizes.end());
+  [[nodiscard]] Json posed(const Transform& pose, const Json& sizes) const {
+    Json fields = pose_json(pose, spelling_);
+    fields.update(sizes);
     return fields;
   }
 
@@ -208,17 +352,41 @@ Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
   return ShapeReader(input, spelling, warnings).read();
 }
 
-std::vector<ShapeField> shape_fields(const Shape& shape, const ObstacleSpelling& spelling) {
-  return std::visit(DescribeFields(spelling), shape);
+Json pose_json(const Transform& pose, const ObstacleSpelling& spelling) {
+  Json fields = {{spelling.position, json_of(pose.translation)}};
+  if (spelling.writes_no_rotation || pose.rotation != Eigen::Matrix3d::Identity()) {
+    const Eigen::Quaterniond q(pose.rotation);
+    fields[std::string(spelling.quaternion)] = spelling.is_scalar_first
+                                                   ? Json{q.w(), q.x(), q.y(), q.z()}
+                                                   : Json{q.x(), q.y(), q.z(), q.w()};
+  }
+  return fields;
 }
 
-std::string yaml_shape(const Shape& shape) {
-  std::string text = fmt::format("type: {}", shape_name(shape));
-  for (const ShapeField& field : shape_fields(shape, kSceneSpelling)) {
-    text += fmt::format(", {}: {}", field.key,
-                        field.is_list ? yaml_numbers(field.values) : yaml_number(field.values[0]));
+Json shape_json(const Shape& shape, const ObstacleSpelling& spelling) {
+  Json fields = {{"type", shape_name(shape)}};
+  fields.update(std::visit(DescribeFields(spelling), shape));
+  return fields;
+}
+
+Json obstacles_json(const Scene& scene, const ObstacleSpelling& spelling) {
+  Json obstacles = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) {
+      Json fields = {{obstacle.shapes.size() == 1 ? "name" : "body", obstacle.name}};
+      fields.update(shape_json(shape, spelling));
+      obstacles.push_back(std::move(fields));
+    }
   }
-  return text;
+  return obstacles;
+}
+
+Json allowed_json(const Scene& scene) {
+  Json pairs = Json::array();
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
+  }
+  return pairs;
 }
 
 }  // namespace mneme::internal

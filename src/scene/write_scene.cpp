@@ -2,83 +2,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
-#include "scene/shape_fields.h"
+#include "base/fail.h"
+#include "scene/scene_input.h"
 #include "scene/yaml.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <optional>
+#include <vector>
 
 namespace mneme {
-namespace {
 
-/// The key `allow`, where there are such contacts.
-std::string describe_allowed(const Scene& scene) {
-  std::vector<std::string> pairs;
-  for (const Obstacle& obstacle : scene.obstacles) {
-    for (const std::string& link : obstacle.may_touch) {
-      pairs.push_back(fmt::format("[{}, {}]", internal::yaml_string(link),
-                                  internal::yaml_string(obstacle.name)));
-    }
-  }
-  return pairs.empty() ? "" : fmt::format("allow: [{}]\n", fmt::join(pairs, ", "));
-}
-
-}  // namespace
+using Json = nlohmann::ordered_json;
 
 std::string to_yaml(const Scene& scene) {
-  std::string text = fmt::format("name: {}\nobstacles:{}\n", internal::yaml_string(scene.name),
-                                 scene.obstacles.empty() ? " []" : "");
-  for (const Obstacle& obstacle : scene.obstacles) {
-    const char* naming_key = obstacle.shapes.size() == 1 ? "name" : "body";
-    for (const Shape& shape : obstacle.shapes) {
-      text += fmt::format("  - {{{}: {}, {}}}\n", naming_key, internal::yaml_string(obstacle.name),
-                          internal::yaml_shape(shape));
-    }
-  }
-  return text + describe_allowed(scene);
+  const Json obstacles = internal::obstacles_json(scene, internal::kSceneSpelling);
+  const Json allowed = internal::allowed_json(scene);
+  return fmt::format(
+      "name: {}\n{}{}", internal::yaml_string(scene.name),
+      obstacles.empty() ? "obstacles: []\n" : internal::yaml_list("obstacles", obstacles),
+      allowed.empty() ? "" : fmt::format("allow: {}\n", internal::yaml_flow(allowed)));
 }
 
 namespace {
 
-std::string moveit_point(const Vec3& p) { return internal::yaml_numbers({p.data(), 3}); }
+/// As MoveIt's messages have it.
+struct MoveitPrimitive {
+  const char* type;
+  std::vector<double> dimensions;
+  Transform pose;
 
-std::string moveit_pose(const Transform& X) {
-  const Eigen::Vector4d xyzw = Eigen::Quaterniond(X.rotation).coeffs();
-  return fmt::format("{{position: {}, orientation: {}}}", moveit_point(X.translation),
-                     internal::yaml_numbers({xyzw.data(), 4}));
-}
-
-struct Primitive {
-  std::string shape;
-  std::string pose;
+  [[nodiscard]] std::string shape_text() const {
+    return internal::yaml_flow({{"type", type}, {"dimensions", dimensions}});
+  }
+  [[nodiscard]] std::string pose_text() const {
+    const Vec3& p = pose.translation;
+    const Eigen::Quaterniond q(pose.rotation);
+    return internal::yaml_flow(
+        {{"position", {p.x(), p.y(), p.z()}}, {"orientation", {q.x(), q.y(), q.z(), q.w()}}});
+  }
 };
 
 /// Nothing for what MoveIt lacks.
 struct DescribeForMoveit {
-  using Answer = std::optional<Primitive>;
+  using Answer = std::optional<MoveitPrimitive>;
   Answer operator()(const Sphere& s) const {
-    return Primitive{
-        fmt::format("{{type: sphere, dimensions: [{}]}}", internal::yaml_number(s.radius)),
-        moveit_pose({Eigen::Matrix3d::Identity(), s.center})};
+    return MoveitPrimitive{"sphere", {s.radius}, {Eigen::Matrix3d::Identity(), s.center}};
   }
   Answer operator()(const Box& s) const {
-    return Primitive{
-        fmt::format("{{type: box, dimensions: {}}}", moveit_point(2.0 * s.half_extents)),
-        moveit_pose(s.pose)};
+    const Vec3 size = 2.0 * s.half_extents;
+    return MoveitPrimitive{"box", {size.x(), size.y(), size.z()}, s.pose};
   }
   Answer operator()(const Cylinder& s) const {
-    return Primitive{fmt::format("{{type: cylinder, dimensions: [{}, {}]}}",
-                                 internal::yaml_number(s.length), internal::yaml_number(s.radius)),
-                     moveit_pose(s.pose)};
+    return MoveitPrimitive{"cylinder", {s.length, s.radius}, s.pose};
   }
-  Answer operator()(const Capsule&) const { return std::nullopt; }
-  template <class Part>
-  Answer operator()(const CompoundShape<Part>&) const {
-    return std::nullopt;
-  }
+  Answer operator()(const auto&) const { return std::nullopt; }
 };
 
 Result<std::string> describe(const Obstacle& obstacle, const std::string& frame) {
@@ -88,12 +68,12 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
     const auto primitive = std::visit(DescribeForMoveit{}, shape);
     if (!primitive) {
       return fail(ErrorCode::unsupported,
-                  fmt::format("obstacle \"{}\" has the type {}; expected spheres, boxes and "
-                              "cylinders alone",
-                              obstacle.name, shape_name(shape)));
+                  "obstacle \"{}\" has the type {}; expected spheres, boxes and "
+                  "cylinders alone",
+                  obstacle.name, shape_name(shape));
     }
-    shapes += fmt::format("        - {}\n", primitive->shape);
-    poses += fmt::format("        - {}\n", primitive->pose);
+    shapes += fmt::format("        - {}\n", primitive->shape_text());
+    poses += fmt::format("        - {}\n", primitive->pose_text());
   }
   return fmt::format(
       "    - id: {}\n      header: {{frame_id: {}}}\n      primitives:\n{}      "
@@ -107,8 +87,8 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
 Result<std::string> to_moveit_yaml(const FramedScene& framed) {
   if (framed.frame.empty()) {
     return fail(ErrorCode::invalid,
-                fmt::format("scene \"{}\": expected the name of its frame, which MoveIt needs",
-                            framed.scene.name));
+                "scene \"{}\": expected the name of its frame, which MoveIt needs",
+                framed.scene.name);
   }
   std::string text = fmt::format("name: {}\nworld:\n  collision_objects:{}\n",
                                  internal::yaml_string(framed.scene.name),
@@ -116,13 +96,12 @@ Result<std::string> to_moveit_yaml(const FramedScene& framed) {
   for (const Obstacle& obstacle : framed.scene.obstacles) {
     if (!obstacle.may_touch.empty()) {
       return fail(ErrorCode::unsupported,
-                  fmt::format("\"{}\" may touch obstacle \"{}\"; expected a scene without allowed "
-                              "contacts: MoveIt has them in a matrix of all links",
-                              obstacle.may_touch.front(), obstacle.name));
+                  "\"{}\" may touch obstacle \"{}\"; expected a scene without allowed "
+                  "contacts: MoveIt has them in a matrix of all links",
+                  obstacle.may_touch.front(), obstacle.name);
     }
-    const auto described = describe(obstacle, framed.frame);
-    if (!described) return described;
-    text += *described;
+    const std::string described = MNEME_TRY(describe(obstacle, framed.frame));
+    text += described;
   }
   return text;
 }

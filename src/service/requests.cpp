@@ -3,11 +3,8 @@
 #include "service/requests.h"
 
 #include "pipeline/settings_input.h"
-#include "problem/compact_file.h"
-#include "problem/goals.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
-#include "scene/shape_fields.h"
 
 #include <fmt/format.h>
 

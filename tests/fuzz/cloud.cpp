@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/cloud_file.h"
 #include "fuzz/fuzz_input.h"
+#include "scene/compound_files.h"
 
 #include <algorithm>
 #include <cmath>

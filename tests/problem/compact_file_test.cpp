@@ -3,7 +3,7 @@
 #include "mneme/base.h"
 #include "mneme/problem.h"
 
-#include "problem/compact_file.h"
+#include "problem/problem_input.h"
 #include "problem/small_robots.h"
 #include "support/support.h"
 

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/allowed_contacts.h"
 #include "problem/moveit_files.h"
 #include "problem/moveit_problem.h"
-#include "problem/moveit_request.h"
+#include "problem/problem_input.h"
 #include "problem/small_robots.h"
 #include "scene/read_yaml.h"
 #include "support/support.h"

@@ -274,8 +274,8 @@ TEST_SUITE("unit") {
     CHECK(internal::yaml_number(3.0) == "3");
     CHECK(internal::yaml_number(-INFINITY) == "-.inf");
     CHECK(internal::yaml_number(NAN) == ".nan");
-    CHECK(internal::yaml_numbers(std::vector<double>{1, 2.5}) == "[1, 2.5]");
-    CHECK(internal::yaml_numbers({}) == "[]");
+    CHECK(internal::yaml_flow(std::vector<double>{1, 2.5}) == "[1, 2.5]");
+    CHECK(internal::yaml_flow(std::vector<double>()) == "[]");
   }
 
   TEST_CASE("texts are quoted where they must be") {

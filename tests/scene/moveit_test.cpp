@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/moveit_messages.h"
 #include "scene/moveit_scene.h"
 #include "scene/read_yaml.h"
 

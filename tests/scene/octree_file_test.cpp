@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/octree_file.h"
+#include "scene/compound_files.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>

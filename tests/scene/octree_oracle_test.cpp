@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The reader of octrees against OctoMap's own.
-#include "scene/octree_file.h"
+#include "scene/compound_files.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>

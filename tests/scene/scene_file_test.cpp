@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
+#include "scene/input.h"
 #include "scene/read_yaml.h"
 #include "scene/scene_input.h"
-#include "scene/yaml.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>

@@ -1,24 +1,41 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Octrees of OctoMap (Hornung et al., DOI 10.1007/s10514-012-9321-0), in files and in messages.
+/// Files of compound shapes: points in PLY and PCD, octrees of OctoMap (Hornung et al.,
+/// DOI 10.1007/s10514-012-9321-0).
 #pragma once
 
 #include "mneme/base.h"
 #include "mneme/geometry.h"
+#include "mneme/scene.h"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace mneme::internal {
 
+inline constexpr std::size_t kMaxCloudPoints = 4'000'000;
+
+struct CloudFile {
+  std::vector<CloudPoint> points;  ///< one at least, all finite
+  std::size_t skipped = 0;         ///< points with a coordinate that is not finite
+  std::size_t size() const { return points.size() + skipped; }
+};
+
+/// A PLY or PCD file, text or binary, by what it begins with. Errors name `source`, and the line if
+/// one is wrong: no such file, or one without x, y and z of floating point, that ends early or goes
+/// on, has more points than kMaxCloudPoints or none that is finite.
+[[nodiscard]] Result<CloudFile> read_cloud(const std::string& path);
+[[nodiscard]] Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source);
+
 /// Occupied cubes, and unknown ones that are taken for occupied.
 inline constexpr std::size_t kMaxCubes = 2'000'000;
 
-/// What is made of one.
+/// Settings for reading an octree.
 struct OctreeUse {
-  /// What is unknown in the box around all leaves that are known is occupied, too.
+  /// Unknown space within the box around all known leaves is occupied, too.
   bool is_unknown_occupied = false;
   std::size_t most_cubes = kMaxCubes;  ///< occupied ones, and unknown ones if they are
 };

@@ -1,0 +1,270 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/input.h"
+#include "scene/tree_builder.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <sstream>
+
+namespace mneme::internal {
+
+void TreeBuilder::refuse(int line, const std::string& what) const {
+  throw InputFailure{{ErrorCode::parse, fmt::format("{}:{}: {}", source_, line, what)}};
+}
+
+bool TreeBuilder::is_key_next() const {
+  return !levels_.empty() && !levels_.back().key &&
+         std::holds_alternative<InputValue::Map>(levels_.back().value.content);
+}
+
+std::optional<int> TreeBuilder::key_line() const {
+  return levels_.empty() || !levels_.back().key ? std::nullopt
+                                                : std::optional(levels_.back().key_line);
+}
+
+void TreeBuilder::set_key(int line, const std::string& key) {
+  Level& level = levels_.back();
+  if (!level.keys.insert(key).second) {
+    refuse(line, fmt::format("key {}: expected once, got a second time", key));
+  }
+  level.key = key;
+  level.key_line = line;
+}
+
+void TreeBuilder::open(int line, Content content) {
+  constexpr std::size_t kMaxDepth = 64;
+  if (is_key_next()) refuse(line, "expected a key that is a text");
+  if (levels_.size() >= kMaxDepth) {
+    refuse(line, fmt::format("expected values nested at most {} deep", kMaxDepth));
+  }
+  count(line, 1);
+  levels_.push_back({{std::move(content), line}, {}, {}, 0});
+}
+
+const InputValue& TreeBuilder::close() {
+  InputValue value = std::move(levels_.back().value);
+  levels_.pop_back();
+  if (levels_.empty()) return root_ = std::move(value);
+  Level& parent = levels_.back();
+  if (auto* map = std::get_if<InputValue::Map>(&parent.value.content)) {
+    map->push_back({std::move(*parent.key), std::move(value)});
+    parent.key.reset();
+    return map->back().value;
+  }
+  auto& list = std::get<InputValue::List>(parent.value.content);
+  list.push_back(std::move(value));
+  return list.back();
+}
+
+void TreeBuilder::count(int line, int values) {
+  if (values > max_values_ - values_) {
+    refuse(line, fmt::format("expected at most {} values", max_values_));
+  }
+  values_ += values;
+}
+
+namespace {
+
+int line_of(const YAML::Mark& mark) { return mark.line + 1; }
+
+int count_values(const InputValue& value) {
+  int count = 1;
+  if (const auto* list = std::get_if<InputValue::List>(&value.content)) {
+    for (const InputValue& item : *list) count += count_values(item);
+  } else if (const auto* map = std::get_if<InputValue::Map>(&value.content)) {
+    for (const InputEntry& entry : *map) count += count_values(entry.value);
+  }
+  return count;
+}
+
+/// Listens to the parser itself: yaml-cpp's tree keeps doubled keys, and its reader of several
+/// documents does not return from some malformed texts.
+class YamlListener : public YAML::EventHandler {
+ public:
+  explicit YamlListener(TreeBuilder& tree) : tree_(tree) {}
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ > 1) {
+      tree_.refuse(line_of(mark), "expected the end of the text after one YAML document");
+    }
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    // The parser notices that a value is missing only where the next thing begins.
+    open(tree_.key_line().value_or(line_of(mark)), {}, anchor);
+    close();
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& text) override {
+    if (tree_.is_key_next()) {
+      tree_.set_key(line_of(mark), text);
+      return;
+    }
+    open(line_of(mark), InputValue::Text{text, tag == "!"}, anchor);
+    close();
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open(line_of(mark), InputValue::List{}, anchor);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open(line_of(mark), InputValue::Map{}, anchor);
+  }
+  void OnMapEnd() override { close(); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto anchored = anchored_.find(anchor);
+    if (anchored == anchored_.end()) {
+      tree_.refuse(line_of(mark), "expected an alias of a value that has ended");
+    }
+    tree_.count(line_of(mark), count_values(anchored->second) - 1);
+    open(line_of(mark), anchored->second.content, 0);
+    close();
+  }
+
+ private:
+  void open(int line, TreeBuilder::Content content, YAML::anchor_t anchor) {
+    tree_.open(line, std::move(content));
+    anchors_.push_back(anchor);
+  }
+  void close() {
+    const InputValue& value = tree_.close();
+    if (anchors_.back() != 0) anchored_[anchors_.back()] = value;
+    anchors_.pop_back();
+  }
+
+  TreeBuilder& tree_;
+  std::vector<YAML::anchor_t> anchors_;  ///< of the values that are open, 0 for none
+  std::map<YAML::anchor_t, InputValue> anchored_;
+  int documents_ = 0;
+};
+
+}  // namespace
+
+InputValue parse_yaml(std::string_view yaml, const std::string& source) {
+  // Aliases can make a small text a huge tree.
+  constexpr int kMaxValues = 4'000'000;
+  TreeBuilder tree(source, kMaxValues);
+  YamlListener listener(tree);
+  try {
+    std::istringstream stream{std::string(yaml)};
+    YAML::Parser parser(stream);
+    if (parser.HandleNextDocument(listener)) parser.HandleNextDocument(listener);
+    return tree.take();
+  } catch (const YAML::Exception& error) {
+    tree.refuse(line_of(error.mark),
+                fmt::format("expected YAML: {} (column {})", error.msg, error.mark.column + 1));
+  }
+}
+
+namespace {
+
+/// Reads characters and leaves word of how far it has got: the parser tells lines of errors only.
+class TrackedIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  TrackedIterator(const char* here, const char** reached) : here_(here), reached_(reached) {}
+  reference operator*() const { return *here_; }
+  TrackedIterator& operator++() {
+    *reached_ = ++here_;
+    return *this;
+  }
+  bool operator==(const TrackedIterator& other) const { return here_ == other.here_; }
+  bool operator!=(const TrackedIterator& other) const { return here_ != other.here_; }
+
+ private:
+  const char* here_;
+  const char** reached_;
+};
+
+class JsonListener : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  JsonListener(std::string_view text, TreeBuilder& tree)
+      : text_(text), tree_(tree), reached_(text.data()), counted_(text.data()) {}
+
+  bool parse() {
+    return nlohmann::json::sax_parse(TrackedIterator(text_.data(), &reached_),
+                                     TrackedIterator(text_.data() + text_.size(), &reached_), this);
+  }
+
+  bool null() override { return add({}); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(static_cast<double>(value)); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& text) override { return add(InputValue::Text{text, true}); }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override {
+    tree_.open(line(), InputValue::Map{});
+    return true;
+  }
+  bool key(string_t& key) override {
+    tree_.set_key(line(), key);
+    return true;
+  }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override {
+    tree_.open(line(), InputValue::List{});
+    return true;
+  }
+  bool end_array() override { return close(); }
+  bool parse_error(std::size_t, const std::string&,
+                   const nlohmann::json::exception& error) override {
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: what matters"
+    std::string_view what = error.what();
+    what.remove_prefix(std::min(what.size(), what.find("] ") + 2));
+    if (what.starts_with("parse error at ")) {
+      what.remove_prefix(std::min(what.size(), what.find(": ") + 2));
+    }
+    tree_.refuse(line(), fmt::format("expected JSON: {}", what));
+  }
+
+ private:
+  bool add(TreeBuilder::Content content) {
+    tree_.open(line(), std::move(content));
+    return close();
+  }
+  bool close() {
+    tree_.close();
+    return true;
+  }
+
+  /// The line of the character before the last one read: a number ends at the next character.
+  int line() {
+    const char* end = std::max(counted_, reached_ - (reached_ == text_.data() ? 0 : 1));
+    line_ += static_cast<int>(std::count(counted_, end, '\n'));
+    counted_ = end;
+    return line_;
+  }
+
+  std::string_view text_;
+  TreeBuilder& tree_;
+  const char* reached_;
+  const char* counted_;
+  int line_ = 1;
+};
+
+}  // namespace
+
+InputValue parse_json(std::string_view json, const std::string& source) {
+  constexpr int kMaxValues = 16'000'000;
+  TreeBuilder tree(source, kMaxValues);
+  if (!JsonListener(json, tree).parse()) tree.refuse(1, "expected JSON");
+  return tree.take();
+}
+
+}  // namespace mneme::internal
