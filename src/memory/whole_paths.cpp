@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/memory.h"
 
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 #include "robot/joint_space.h"
 
 #include <algorithm>

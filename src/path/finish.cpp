@@ -3,7 +3,7 @@
 #include "mneme/path.h"
 
 #include "base/threads.h"
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 #include "robot/joint_space.h"
 
 #include <algorithm>

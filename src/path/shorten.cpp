@@ -3,7 +3,6 @@
 #include "mneme/path.h"
 
 #include "base/as_index.h"
-#include "path/path_conversion.h"
 #include "path/waypoints.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/path.h"
 
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 
 #include <algorithm>
 #include <cmath>

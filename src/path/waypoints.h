@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A path while it is shortened.
+/// Paths as rows of single precision, as planners and shortening have them.
 #pragma once
+
+#include "mneme/path.h"
 
 #include "robot/joint_space.h"
 
@@ -11,6 +13,12 @@
 #include <vector>
 
 namespace mneme::internal {
+
+[[nodiscard]] std::vector<float> to_floats(std::span<const double> q);
+/// Row by row.
+[[nodiscard]] std::vector<float> to_rows(const Path& path);
+/// Within the limits, which floats may miss by rounding.
+[[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 
 /// A point of a path: `fraction` of the way along motion `motion`.
 struct PathPoint {

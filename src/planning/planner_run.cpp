@@ -3,7 +3,7 @@
 #include "planning/planner_run.h"
 
 #include "base/threads.h"
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 
 #include <algorithm>
 #include <limits>

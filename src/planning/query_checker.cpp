@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/planning.h"
 
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 #include "planning/end_contacts.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #include "replay/proven_motions.h"
 
 #include "geometry/solids.h"
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 
 #include <algorithm>
 #include <list>

@@ -4,7 +4,6 @@
 
 #include "base/as_index.h"
 #include "base/threads.h"
-#include "path/path_conversion.h"
 #include "path/waypoints.h"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 #include "replay/replay.h"
 
 #include "base/threads.h"
-#include "path/path_conversion.h"
 #include "path/waypoints.h"
 #include "replay/push_off.h"
 

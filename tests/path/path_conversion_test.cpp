@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/small_worlds.h"
-#include "path/path_conversion.h"
+#include "path/waypoints.h"
 
 namespace mneme::test {
 
