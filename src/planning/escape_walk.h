@@ -31,7 +31,7 @@ class EscapeWalk {
   int extend(Tree& tree);
 
  private:
-  /// AnchoredSamples what stays the same along a walk.
+  /// Samples what stays the same along a walk.
   void begin();
   /// One step from `node`; the new node, or -1.
   int advance(Tree& tree, int node);

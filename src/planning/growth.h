@@ -23,7 +23,7 @@ class Growth {
  public:
   explicit Growth(PlannerRun& run);
 
-  /// AnchoredSamples steps of `tree`: one after a success, more the longer there has been none.
+  /// Samples steps of `tree`: one after a success, more the longer there has been none.
   /// Samples outside the domain of their nearest node are rejected. After kPatience rejections in a
   /// row a step starts at a random node instead, wherever its sample is, so that no tree starves.
   /// False if a limit is reached before the first step.

@@ -7,8 +7,8 @@
 // which is what a query waits for.
 #include "mneme/planning.h"
 
-#include "planning/configuration_set.h"
 #include "planning/anchored_samples.h"
+#include "planning/configuration_set.h"
 #include "planning/planner_run.h"
 
 #include <algorithm>

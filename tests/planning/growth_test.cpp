@@ -21,7 +21,7 @@ struct BatchFixture {
     settings.max_iterations = 10000;
     return settings;
   }
-  /// AnchoredSamples until a batch of `count` steps has been rejected as a whole.
+  /// Samples until a batch of `count` steps has been rejected as a whole.
   void reject_until(int count) {
     do {
       REQUIRE(batch.sample_steps(tree));
