@@ -53,6 +53,11 @@ struct AxisBox {
   return {c.center - half, c.center + half};
 }
 
+[[nodiscard]] inline AxisBox box_of(const Capsule& c) {
+  const Vec3 reach = Vec3::Constant(c.radius);
+  return {c.a.cwiseMin(c.b) - reach, c.a.cwiseMax(c.b) + reach};
+}
+
 template <class Part>
 [[nodiscard]] std::vector<AxisBox> boxes_of(const std::vector<Part>& parts) {
   std::vector<AxisBox> boxes;

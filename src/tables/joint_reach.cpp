@@ -39,7 +39,7 @@ Transform pose_of(const Crossing& crossing, const JointBox& box) {
 }
 
 /// All values that the joints may have.
-JointBox box_of(std::span<const MovingJoint> joints) {
+JointBox all_values_of(std::span<const MovingJoint> joints) {
   JointBox box;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const auto [lower, upper] = joints[i].limits;
@@ -161,7 +161,7 @@ Linkage::Crossing Linkage::crossing(const Robot& robot, const FrameRow& row, boo
 bool Linkage::can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const {
   if (joints_.size() > kMostJoints) return true;
   const MovingSpheres spheres(a, b, there_, back_);
-  std::vector<JointBox> boxes = {box_of(joints_)};
+  std::vector<JointBox> boxes = {all_values_of(joints_)};
   for (int looked_at = 0; !boxes.empty(); ++looked_at) {
     if (looked_at == kMostBoxes) return true;
     JointBox box = boxes.back();

@@ -280,8 +280,7 @@ class RobotTablesBuilder {
   static void store_box(std::span<const Capsule> shapes, BodyRow& row) {
     AxisBox box;
     for (const Capsule& shape : shapes) {
-      const Vec3 reach = Vec3::Constant(shape.radius + kBoxRounding);
-      box.include(AxisBox{shape.a.cwiseMin(shape.b) - reach, shape.a.cwiseMax(shape.b) + reach});
+      box.include(box_of(Capsule{shape.a, shape.b, shape.radius + kBoxRounding}));
     }
     store(Vec3(0.5 * (box.low + box.high)), row.box_center);
     store(Vec3(0.5 * (box.high - box.low)), row.box_half_extents);

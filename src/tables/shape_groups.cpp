@@ -33,10 +33,7 @@ double farthest(std::span<const Capsule> shapes, const Vec3& center, Vec3& end) 
 /// The middle of the box around all shapes.
 Vec3 middle(std::span<const Capsule> shapes) {
   AxisBox box;
-  for (const Capsule& shape : shapes) {
-    const Vec3 radius = Vec3::Constant(shape.radius);
-    box.include(AxisBox{shape.a.cwiseMin(shape.b) - radius, shape.a.cwiseMax(shape.b) + radius});
-  }
+  for (const Capsule& shape : shapes) box.include(box_of(shape));
   return (box.low + box.high) / 2;
 }
 
