@@ -23,13 +23,21 @@ void Keywords::apply_memory(MemorySettings& settings) {
   apply(settings);
 }
 
+void Keywords::apply_memory_mode(MemoryMode& mode) {
+  known_.push_back("memory");
+  if (!arguments_.contains("memory")) return;
+  const py::object given = arguments_["memory"];
+  if (!py::isinstance<py::str>(given)) fail_type("memory", given, "'auto', 'off' or 'paper'");
+  mode = unwrap(parse_memory_mode(given.cast<std::string>()));
+}
+
 std::string describe_memory_keywords() {
   std::string names;
   for (const MemoryKind* kind : memory_kinds()) {
     names += (names.empty() ? "" : ", ") + std::string(kind->name);
   }
   return "kind: str = None\n    kind of memory: " + names +
-         "; left out, those of the database, or the robot's\n" +
+         ". Default: all of the database, or the robot's\n" +
          describe_keywords<MemorySettings>();
 }
 
@@ -98,6 +106,7 @@ SolveSettings read_solve_settings(const std::string& planner, const std::string&
   keywords.apply(settings);
   keywords.apply(settings.plan);
   keywords.apply_memory(settings.memory);
+  keywords.apply_memory_mode(settings.memory_mode);
   keywords.apply(settings.learn);
   keywords.apply(settings.ik);
   keywords.finish();

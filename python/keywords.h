@@ -55,6 +55,8 @@ class Keywords {
   }
   /// The same for a kind of memory: the keyword kind, and what its settings declare.
   void apply_memory(MemorySettings& settings);
+  /// The same for the keyword memory: "auto", "off" or "paper".
+  void apply_memory_mode(MemoryMode& mode);
   /// Raises TypeError if a keyword belongs to none of the settings.
   void finish() const;
 

@@ -38,16 +38,18 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, IkSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("ik-seeds", s.seeds, 1, 100000000,
-        "most configurations that inverse kinematics starts from, 16 at a time; all of them are "
-        "tried only where there is no solution");
+        "Largest number of configurations from which inverse kinematics starts, 16 at a time. All "
+        "are tried only where there is no solution.");
   visit("ik-solutions", s.solutions, 1, 1000,
-        "solutions after which no more are looked for; planners start with so many goals");
+        "Number of solutions after which the search ends. Planners start with this many goals.");
   visit("ik-position-tolerance", s.position_tolerance, 1e-5, 1.0,
-        "metres that a solution may be off its pose, which a region's own tolerances contain");
+        "Largest distance of a solution from its pose, metres. Counts within a region's own "
+        "tolerances.");
   visit("ik-rotation-tolerance", s.rotation_tolerance, 1e-4, 1.0,
-        "radians that a solution may be off its pose, which a region's own tolerances contain");
+        "Largest angle between a solution and its pose, radians. Counts within a region's own "
+        "tolerances.");
   visit("ik-apart", s.apart, 0.0, 1e3,
-        "joint-space distance below which two solutions count as one, radians");
+        "Joint-space distance below which two solutions count as one, radians.");
 }
 
 struct IkResult {

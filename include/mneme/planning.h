@@ -87,57 +87,57 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 1e-3, 1e3,
-        "longest single extension of a tree, radians of L2 joint distance; left out, the robot's "
-        "default (0.64 for a planar arm, 0.5 otherwise); long ones are rejected more often, short "
-        "ones explore slowly");
-  visit("timeout", s.timeout_s, 0.0, 1e6, "time limit in seconds, kept within 10 ms");
+        "Longest single extension of a tree, radians of L2 joint distance. Longer ones are "
+        "rejected more often, shorter ones explore slowly. Default: the robot's (0.64 for a planar "
+        "arm, 0.5 otherwise).");
+  visit("timeout", s.timeout_s, 0.0, 1e6, "Time limit, seconds, kept within 10 ms.");
   visit("max-iterations", s.max_iterations, std::uint64_t{1}, ~std::uint64_t{0},
-        "iteration limit; left out, none; with a seed it makes a run repeatable whatever the "
-        "machine's load");
+        "Iteration limit. With a seed it makes a run repeatable under any load of the machine. "
+        "Default: none.");
   visit("max-nodes", s.max_nodes, std::uint64_t{1}, ~std::uint64_t{0},
-        "most nodes of all trees or of the roadmap, which bounds memory: about 100 bytes each for "
-        "7 joints, 300 with prm");
+        "Largest number of nodes of all trees or of the roadmap. Bounds memory: about 100 bytes "
+        "per node for 7 joints, 300 with prm.");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0},
-        "seed of all random numbers: same seed, inputs and instruction set, same path");
-  visit(
-      "simplify", s.simplify, false, true,
-      "shorten the path: drop and relax waypoints, straighten random joints over random stretches");
+        "Seed of all random numbers. Same seed, inputs and instruction set: same path.");
+  visit("simplify", s.simplify, false, true,
+        "Shorten the path: drop and relax waypoints, straighten random joints over random "
+        "stretches.");
   visit("patience", s.patience, 0, 1000000,
-        "shortening ends once so many vectors of 16 states were checked in vain: more takes longer "
-        "for a shorter path; 0 only drops waypoints");
+        "Shortening ends after this many checks of 16 states in vain. More takes longer for a "
+        "shorter path; 0 only drops waypoints.");
   visit("improve", s.improve, 0.0, 1e6,
-        "seconds to look for shorter paths once there is one: plans from other seeds, several at a "
-        "time, and shortens the best for longer");
+        "Time to look for shorter paths once there is one, seconds. Plans from other seeds, "
+        "several at once, and shortens the best one further.");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
-        "most rounds of improving, of three plans each but for the first; left out, as many as the "
-        "time allows; with a seed it makes them repeatable");
+        "Largest number of rounds of improving, of three plans each after the first. With a seed "
+        "it makes them repeatable. Default: as many as the time allows.");
   visit("verify", s.verify, false, true,
-        "check the final path; motions that fail are mended, or removed and planning goes on");
+        "Check the final path. Motions that fail are mended, or removed and planning goes on.");
   visit("continuous", s.continuous, false, true,
-        "verification also rules out contact between states, by bounds on how far each link moves; "
-        "off, it looks at states at ten times the resolution");
+        "Verification also rules out contact between states, by bounds on how far each link moves. "
+        "Off: it checks states at ten times the resolution.");
   visit("neighbours", s.neighbours, 1, 1000,
-        "prm: connections tried per new milestone; more cost more motion checks");
+        "prm: connections to try per new milestone. More cost more motion checks.");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,
-        "rrt: probability of extending towards a goal instead of a sample");
+        "rrt: probability of extending towards a goal instead of a sample.");
   visit("anchor", s.anchor, 0.0, 1.0,
-        "rrt_connect, prm: probability that a uniform sample is replaced by one around the newest "
-        "node of what grows; 0 is the textbook's planner; at 1 a planner may never get anywhere");
+        "rrt_connect, prm: probability of replacing a uniform sample by one around the newest "
+        "node. At 1 a planner may make no progress; 0 is the textbook's planner.");
   visit("anchor-sigma", s.anchor_sigma, 0.0, 100.0,
-        "standard deviation of samples around a node, radians (half as many metres for prismatic "
-        "joints); left out, 4 over the square root of the number of joints");
+        "Standard deviation of samples around a node, radians (half as many metres for prismatic "
+        "joints). Default: 4 over the square root of the number of joints.");
   visit("walk", s.walk, 0.0, 1.0,
-        "rrt_connect: probability that the newest node goes on an escape walk instead of growing "
-        "towards a sample; at 1 a planner may never get anywhere; left out, the robot's default "
-        "(0.15 for a planar arm, 0.1 otherwise)");
+        "rrt_connect: probability of an escape walk from the newest node instead of growth towards "
+        "a sample. At 1 a planner may make no progress; 0 is the textbook's planner. Default: the "
+        "robot's (0.15 for a planar arm, 0.1 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
-        "for them; left out, the robot's default (0 for a planar arm, 3000 otherwise)");
+        "for it. Default: the robot's (0 for a planar arm, 3000 otherwise).");
   visit("ompl-defaults", s.ompl_defaults, false, true,
-        "OMPL's planners as OMPL sets them up: range of a fifth of the extent, motions checked at "
-        "a hundredth of it, paths returned without verification and not remembered; they may "
-        "tunnel through obstacles. Otherwise they are tuned: range 0.4 rad, motions checked and "
-        "paths verified as for mneme's own");
+        "Run OMPL's planners with OMPL's own settings: range of a fifth of the extent, motions "
+        "checked at a hundredth of it. Paths are neither verified nor remembered, and may tunnel "
+        "through obstacles. Off: range 0.4 rad, motions checked and paths verified as for mneme's "
+        "planners.");
 }
 
 /// The motion planning question: reach any of `goals` from `start`.

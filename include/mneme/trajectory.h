@@ -31,20 +31,20 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, TrajectorySettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("dt", s.dt, 1e-4, 1e4,
-        "seconds between two points of a trajectory that is written; the last step may be shorter");
+        "Time between two written points of a trajectory, seconds. The last step may be shorter.");
   visit("velocity-scale", s.velocity_scale, 0.001, 1.0,
-        "fraction of the velocity limits that a trajectory may use");
+        "Fraction of the velocity limits that a trajectory may use.");
   visit("acceleration-scale", s.acceleration_scale, 0.001, 1.0,
-        "fraction of the acceleration limits that a trajectory may use");
+        "Fraction of the acceleration limits that a trajectory may use.");
   visit("acceleration-limit", s.acceleration_limit, 0.001, 1e6,
-        "acceleration limit, rad/s^2 (m/s^2 for prismatic joints), of joints for which neither the "
-        "URDF nor a file of limits gives one");
+        "Acceleration limit, rad/s^2 (m/s^2 for prismatic joints), of joints without one in the "
+        "URDF or a file of limits.");
   visit("jerk-limit", s.jerk_limit, 0.001, 1e6,
-        "jerk limit, rad/s^3 (m/s^3 for prismatic joints), of joints for which no file of limits "
-        "gives one; left out, none: accelerations jump");
+        "Jerk limit, rad/s^3 (m/s^3 for prismatic joints), of joints without one in a file of "
+        "limits. Default: none, accelerations jump.");
   visit("path-tolerance", s.path_tolerance, 0.0, 10.0,
-        "farthest L2 joint distance between a trajectory and its path, where corners are rounded; "
-        "larger is faster; at 0 a trajectory stops at every corner");
+        "Largest L2 joint distance between a trajectory and its path where corners are rounded. "
+        "Larger is faster; at 0 a trajectory stops at each corner.");
 }
 
 /// What the joints of a planning group may do, in the order of a configuration; all above 0, and

@@ -544,6 +544,7 @@ def plan(
     planner: str = "rrt_connect",
     sampler: Optional[str] = None,
     isa: str = "automatic",
+    memory: str = "auto",
     record: bool = False,
     # settings:solve
     lambda_: Optional[float] = None,

@@ -31,6 +31,15 @@ def test_memory_is_learned_and_drawn_from(problem, learned):
     assert checker.is_valid(plan.means.astype(float)).all()
 
 
+def test_memory_modes_are_automatic_off_or_the_papers(problem, learned):
+    assert mneme.plan(problem, learned, memory="off").primitives == []
+    assert len(mneme.plan(problem, learned, memory="paper", max_iterations=1).means) > 0
+    with pytest.raises(mneme.Error, match="auto, off or paper"):
+        mneme.plan(problem, learned, memory="on")
+    with pytest.raises(TypeError, match="memory"):
+        mneme.plan(problem, learned, memory=True)
+
+
 def test_rows_can_be_looked_at(robot, problem, learned, tmp_path):
     assert len(learned) == 1
     row = learned[0]
