@@ -76,13 +76,13 @@ T take_value(Result<T>&& result) {
 }  // namespace internal
 
 /// The value of a Result, or returns its error from the enclosing function:
-/// `const Scene scene = MNEME_TRY(load_scene(path));`, or as a statement for Result<void>. The whole
-/// of an initializer or a statement, never a part of a larger expression.
-#define MNEME_TRY(...)                                                              \
-  __extension__({                                                                   \
-    auto try_result = (__VA_ARGS__);                                                \
-    if (!try_result) return ::tl::unexpected(std::move(try_result).error());        \
-    ::mneme::internal::take_value(std::move(try_result));                           \
+/// `const Scene scene = MNEME_TRY(load_scene(path));`, or as a statement for Result<void>. The
+/// whole of an initializer or a statement, never a part of a larger expression.
+#define MNEME_TRY(...)                                                       \
+  __extension__({                                                            \
+    auto try_result = (__VA_ARGS__);                                         \
+    if (!try_result) return ::tl::unexpected(std::move(try_result).error()); \
+    ::mneme::internal::take_value(std::move(try_result));                    \
   })
 
 /// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or

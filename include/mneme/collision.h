@@ -64,8 +64,8 @@ struct WalkStep {
   int limb = 0;           ///< less than CollisionChecker::limbs().size()
   int pulled_points = 1;  ///< number of points, from the tip on, that go towards the next one of
                           ///< the limb; 0: nothing is pulled, what is near obstacles is pushed
-  float length = 0;     ///< metres that they go; >= 0
-  float clearance = 0;  ///< metres that all of the robot is pushed away from obstacles; >= 0
+  float length = 0;       ///< metres that they go; >= 0
+  float clearance = 0;    ///< metres that all of the robot is pushed away from obstacles; >= 0
   std::span<const float> drift;   ///< joint_count values: where joints go that nothing pulls,
                                   ///< radians per metre of the step
   std::span<const float> jitter;  ///< 3 values a candidate, added to the unit vectors of

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// fail() with the format of a message, and how readers of files leave at the first fault: they throw
-/// inside, and return a Result.
+/// fail() with the format of a message, and how readers of files leave at the first fault: they
+/// throw inside, and return a Result.
 #pragma once
 
 #include "mneme/base.h"

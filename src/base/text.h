@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Text that every engine and file format can hold, fields of CSV files, and names like one that was
-/// misspelt.
+/// Text that every engine and file format can hold, fields of CSV files, and names like one that
+/// was misspelt.
 #pragma once
 
 #include <cstddef>

@@ -92,7 +92,8 @@ HWY_INLINE std::uint64_t near_keys_of(const CoarsePair* blocks, std::size_t pair
   for (std::size_t pair = 0; pair < pair_count; ++pair, ++blocks) {
     const CellsV q = pair_of(query, pair);
     for (std::size_t i = 0; i < kBlocks * kParts; ++i) {
-      const std::int16_t* cells = blocks[i / kParts * pair_count].cells + i % kParts * 2 * kSumLanes;
+      const std::int16_t* cells =
+          blocks[i / kParts * pair_count].cells + i % kParts * 2 * kSumLanes;
       totals[i] = add_squares(hn::Sub(hn::Load(Cells(), cells), q), totals[i]);
     }
   }

@@ -11,8 +11,8 @@
 
 namespace mneme::internal {
 
-/// The sampler's samples. In place of uniform ones, as often as the settings say, samples around the
-/// newest node, where the search is. Kin of expansive trees: Hsu, Latombe and Motwani,
+/// The sampler's samples. In place of uniform ones, as often as the settings say, samples around
+/// the newest node, where the search is. Kin of expansive trees: Hsu, Latombe and Motwani,
 /// DOI 10.1142/S0218195999000285. Not thread-safe.
 class AnchoredSamples {
  public:

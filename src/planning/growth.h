@@ -16,9 +16,9 @@
 namespace mneme::internal {
 
 /// Decides where a tree grows next: towards a sample or around the newest node, or on
-/// an escape walk. Steps towards samples come in batches whose ends are validated a vector at a time:
-/// in narrow passages nearly all steps are blocked, and nearly all of those already at their ends,
-/// so that a blocked step costs one lane instead of a vector. Not thread-safe.
+/// an escape walk. Steps towards samples come in batches whose ends are validated a vector at a
+/// time: in narrow passages nearly all steps are blocked, and nearly all of those already at their
+/// ends, so that a blocked step costs one lane instead of a vector. Not thread-safe.
 class Growth {
  public:
   explicit Growth(PlannerRun& run);
@@ -30,8 +30,8 @@ class Growth {
   bool sample_steps(const Tree& tree);
 
   [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
-  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node, or
-  /// -1 if the step itself is blocked.
+  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node,
+  /// or -1 if the step itself is blocked.
   int take(int i, Tree& tree);
   // For a step towards a sample; a walk has none of it.
   /// The node that step `i` starts at.

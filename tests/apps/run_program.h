@@ -32,8 +32,8 @@ struct ProcessChanges {
   bool is_powerless = false;             ///< permissions of files bind it, also as root
 };
 
-/// Permissions of files bind root, too, in the program that this process becomes. Another user instead might not be allowed
-/// to enter the directory that the tree lies in.
+/// Permissions of files bind root, too, in the program that this process becomes. Another user
+/// instead might not be allowed to enter the directory that the tree lies in.
 inline bool give_up_power_over_files() {
   if (geteuid() != 0) return true;
   return prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE) == 0 &&

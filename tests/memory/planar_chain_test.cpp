@@ -30,7 +30,7 @@ std::string two_links(const std::string& link, const std::string& joint) {
 }
 
 std::string joint_xml(const std::string& xyz, const std::string& axis = "0 0 1",
-                     const std::string& parent = "upper") {
+                      const std::string& parent = "upper") {
   return R"(<joint name="b" type="continuous"><parent link=")" + parent +
          R"("/><child link="lower"/><origin xyz=")" + xyz + R"("/><axis xyz=")" + axis +
          R"("/></joint>)";

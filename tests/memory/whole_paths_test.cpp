@@ -324,7 +324,8 @@ TEST_SUITE("flow") {
     SolveSettings of_paths;
     of_paths.memory.kind = "paths";
     const auto gl =
-        create_gl_sampler({"", memory.problem.robot, "", memory.problem.scene, {}, {}, {}}, memory.database, of_paths);
+        create_gl_sampler({"", memory.problem.robot, "", memory.problem.scene, {}, {}, {}},
+                          memory.database, of_paths);
     REQUIRE_FALSE(gl.has_value());
     CHECK(gl.error().code == ErrorCode::invalid);
     CHECK(gl.error().message.find("start and goal") != std::string::npos);

@@ -51,9 +51,10 @@ TEST_SUITE("unit") {
   TEST_CASE("a planner goes to goals that come while it searches") {
     const World world = walled_slider();
     const Configuration late = {-0.7, 0.9};
-    for (const auto& [planner, plan] : {std::pair<const char*, OwnPlanner>("rrt_connect", rrt_connect),
-                                     std::pair<const char*, OwnPlanner>("rrt", rrt),
-                                     std::pair<const char*, OwnPlanner>("prm", prm)}) {
+    for (const auto& [planner, plan] :
+         {std::pair<const char*, OwnPlanner>("rrt_connect", rrt_connect),
+          std::pair<const char*, OwnPlanner>("rrt", rrt),
+          std::pair<const char*, OwnPlanner>("prm", prm)}) {
       const std::string name = planner;
       CAPTURE(name);
       LateGoals goals({late});

@@ -74,7 +74,7 @@ TEST_SUITE("law") {
     std::vector<Sphere> proposals;
     for (int i = 0; i < 300; ++i) {
       const double y = points.uniform(0, 10), x = points.uniform(0, 10);
-    elements.push_back(point_at(x, y));
+      elements.push_back(point_at(x, y));
       proposals.push_back({elements.back().bound.center, points.uniform(0.2, 2)});
     }
     Rng first(2);
