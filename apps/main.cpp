@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/base.h"
+#include "mneme/baselines.h"
 #ifdef MNEME_WITH_OMPL
 #include "mneme/ompl.h"
 #endif
@@ -31,6 +32,7 @@ Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the lim
   4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";
 
 void set_up(CLI::App& program, Action& action) {
+  add_baseline_samplers();
 #ifdef MNEME_WITH_OMPL
   add_ompl_planners();
 #endif

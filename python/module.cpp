@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/baselines.h"
 #ifdef MNEME_WITH_OMPL
 #include "mneme/ompl.h"
 #endif
@@ -10,6 +11,7 @@
 #include <pybind11/pybind11.h>
 
 PYBIND11_MODULE(_mneme, module) {
+  mneme::add_baseline_samplers();
 #ifdef MNEME_WITH_OMPL
   mneme::add_ompl_planners();
 #endif

@@ -6,8 +6,9 @@
 usage: check_rooms.py SOURCE_DIRECTORY [--fix]
 
 Rooms: src/ROOM and include/mneme/ROOM.h include what src/rooms.txt allows them: headers of the rooms that stand behind
-the colon, and of those that these may use. Behind "|" stand the private headers that a room shows to others; each has a
-user there, and all others are its own. --shown counts them. Public headers, apps, the Python
+the colon, and of those that these may use, in their own library or one that it links. Behind "|" stand the private
+headers that a room shows to others; each has a user there, and all others are its own. --shown counts them.
+mneme/mneme.h includes headers of the library mneme only. Public headers, apps, the Python
 module, the examples and src/ompl include public headers ("mneme/...") and those of their own directory only. Each room
 has a test program.
 
@@ -40,22 +41,33 @@ OWN, MNEME, OTHER, THIRD_PARTY, STANDARD = range(5)
 BLOCKS = ("own header", '"mneme/..."', 'other "..."', "third party <...>", "standard library and system <...>")
 
 
+def expand(path, name, uses, known):
+    """`name`, what it uses, and what that uses in turn."""
+    direct = set(uses.split())
+    if unknown := direct - set(known):
+        sys.exit(f"{path}: {name} uses {sorted(unknown)}, which do not stand above it")
+    return {name} | direct | {used for d in direct for used in known[d]}
+
+
 def read_rooms(path):
-    """Returns {room: rooms it may include}, with transitive use expanded, and {room: headers it shows}."""
-    allowed, shown = {}, {}
+    """Returns {room: rooms it may include}, with transitive use expanded, {room: headers it shows}, {room: its library}."""
+    libraries, allowed, shown, library_of = {}, {}, {}, {}
     for line in path.read_text().splitlines():
         if not line.strip() or line.startswith("#"):
             continue
-        room, _, rest = line.partition(":")
+        name, _, rest = line.partition(":")
         uses, _, headers = rest.partition("|")
-        shown[room] = set(headers.split())
-        direct = set(uses.split())
-        unknown = direct - set(allowed)
-        if unknown:
-            sys.exit(f"{path}: {room} uses {sorted(unknown)}, which do not stand below it")
-        below = EVERYWHERE & set(allowed)
-        allowed[room] = {room} | below | direct | {r for d in direct for r in allowed[d]}
-    return allowed, shown
+        if name.startswith("library "):
+            library = name.removeprefix("library ")
+            libraries[library] = expand(path, library, uses, libraries)
+            continue
+        shown[name] = set(headers.split())
+        library_of[name] = library
+        allowed[name] = expand(path, name, uses, allowed) | EVERYWHERE & set(allowed)
+        strange = {room for room in allowed[name] if library_of[room] not in libraries[library]}
+        if strange:
+            sys.exit(f"{path}: {name} of {library} uses {sorted(strange)}, whose libraries it does not link")
+    return allowed, shown, library_of
 
 
 def quoted_includes(lines):
@@ -110,6 +122,14 @@ def check_shown(files, rooms, shown):
                 findings.append(f"{name}:{number}: {other}/{header} is private; src/rooms.txt says what {other} shows")
     return findings + [f"src/rooms.txt: {room} shows {header}, which no other room includes"
                        for room, headers in shown.items() for header in sorted(headers) if (room, header) not in used]
+
+
+def check_umbrella(name, lines, library_of):
+    """Headers of other libraries that mneme/mneme.h includes."""
+    if name != "include/mneme/mneme.h":
+        return []
+    return [f"{name}:{number}: {include} is not of the library mneme" for number, include in quoted_includes(lines)
+            if library_of.get(pathlib.PurePosixPath(include).stem) != "mneme"]
 
 
 def check_public(root, name, lines):
@@ -239,7 +259,7 @@ def main():
     parser.add_argument("--shown", action="store_true", help="count the private headers that rooms show, and end")
     arguments = parser.parse_args()
     root = arguments.root
-    rooms, shown = read_rooms(root / "src/rooms.txt")
+    rooms, shown, library_of = read_rooms(root / "src/rooms.txt")
     if arguments.shown:
         print(*(f"{room}: {len(headers)}" for room, headers in shown.items() if headers), sep="\n")
         print(f"in all: {sum(len(headers) for headers in shown.values())}")
@@ -254,6 +274,7 @@ def main():
         if name.startswith(("src/", "include/")):
             texts[name] = text
         findings += check_rooms(name, lines, rooms)
+        findings += check_umbrella(name, lines, library_of)
         findings += check_public(root, name, lines)
         findings += check_order(path, name, lines, arguments.fix)
     sources = {name: text.splitlines() for name, text in texts.items() if name.startswith("src/")}

@@ -51,7 +51,7 @@ def table(rooms):
 
 def listed_rooms(path):
     return [line.partition(":")[0] for line in path.read_text().splitlines()
-            if line.strip() and not line.startswith("#")]
+            if line.strip() and not line.startswith(("#", "library "))]
 
 
 def shortcomings(rooms, listed):

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "micro/suite.h"
-#include "pipeline/cvae_sampler.h"
+#include "baselines/cvae_sampler.h"
 
 namespace mneme::bench {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// All of mneme, in the order of the flow.
+/// The library mneme::mneme, in the order of the flow.
 #pragma once
 
 #include "mneme/base.h"
@@ -23,6 +23,3 @@
 #include "mneme/memory.h"
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
-#include "mneme/instances.h"
-#include "mneme/report.h"
-#include "mneme/benchmark.h"

@@ -249,15 +249,17 @@ struct SolveResult {
 struct SamplerEntry {
   std::string_view name;
   std::string_view summary;
+  /// Null: uniform within the joint limits.
   std::shared_ptr<const Sampler> (*make)(internal::MemorySampler& memory) = nullptr;
   bool draws_from_memory = false;   ///< from a database; without one it is uniform
   bool draws_valid_states = false;  ///< for planners that do so: see PlannerEntry
 };
-/// "gl" (Algorithm 1), "uniform", "halton"; baselines on the same memory: "pooled",
-/// "nearest_scenes", "cvae"; OMPL's samplers of valid states.
+/// "gl" (Algorithm 1), "uniform" and "halton", then those that were added.
 [[nodiscard]] std::span<const SamplerEntry> samplers();
-/// Of those that some planner takes: OMPL's only where its planners are.
 [[nodiscard]] std::vector<std::string> sampler_names();
+/// Adds samplers of another library; names that are known are left alone. Call it before planning:
+/// not thread-safe, and references to entries end.
+void add_samplers(std::span<const SamplerEntry> entries);
 /// Error: an unknown name; the message lists those there are.
 [[nodiscard]] Result<const SamplerEntry*> find_sampler(std::string_view name);
 

@@ -41,6 +41,7 @@ def test_another_project_finds_and_links_the_library(installed, tmp_path):
     run(["cmake", "--build", tmp_path / "build"])
     printed = run([tmp_path / "build/consumer", tmp_path / "memory.db"], cwd="/")
     assert re.match(r"\d+\.\d+\.\d+ .*planar/threaded_b2.yaml", printed)
+    assert run([tmp_path / "build/measures"], cwd="/").startswith("problem,set,planner,sampler,seed")
     if (installed / "lib/cmake/mneme/mneme-client-targets.cmake").exists():
         assert run([tmp_path / "build/asks"], cwd="/") == "solved\n"
 

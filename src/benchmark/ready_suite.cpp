@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
-#include "mneme/rivals.h"
+#include "mneme/baselines.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/benchmark.h"
-#include "mneme/rivals.h"
+#include "mneme/baselines.h"
 
 #include "base/files.h"
 #include "pipeline/settings_input.h"
@@ -202,7 +202,11 @@ class SuiteReader {
       setting.planners = read_names(*planners, find_planner_or_rival);
     }
     if (const auto samplers = map.find("samplers")) {
-      setting.samplers = read_names(*samplers, find_sampler);
+      // Planners that this build lacks may have samplers that it does not know either.
+      const bool is_known = std::ranges::any_of(setting.planners, [](const std::string& planner) {
+        return find_planner_or_rival(planner).has_value();
+      });
+      setting.samplers = is_known ? read_names(*samplers, find_sampler) : read_texts(*samplers);
     }
     read_number(map, "timeout", setting.solve.plan.timeout_s, 0, 1e6);
   }

@@ -93,6 +93,7 @@ void add_ompl_planners() {
     };
   }
   add_planners(std::move(entries));
+  ompl::add_valid_samplers();
 }
 
 }  // namespace mneme

@@ -26,5 +26,7 @@ void set_range(::ompl::base::Planner& planner, double range);
 /// that draw from a bell, radians.
 [[nodiscard]] ::ompl::base::ValidStateSamplerAllocator valid_sampler_allocator(
     std::string_view name, double deviation);
+/// Adds them to samplers().
+void add_valid_samplers();
 
 }  // namespace mneme::ompl

@@ -9,6 +9,7 @@
 #include <ompl/base/samplers/MaximizeClearanceValidStateSampler.h>
 #include <ompl/base/samplers/ObstacleBasedValidStateSampler.h>
 
+#include <algorithm>
 #include <array>
 
 namespace mneme {
@@ -17,8 +18,6 @@ namespace {
 
 namespace ob = ::ompl::base;
 
-constexpr std::array<std::string_view, 4> kSamplers = {"gaussian", "obstacle_based", "bridge_test",
-                                                       "max_clearance"};
 
 template <class Sampler>
 ob::ValidStateSamplerPtr make(const ob::SpaceInformation* information, double deviation) {
@@ -29,20 +28,40 @@ ob::ValidStateSamplerPtr make(const ob::SpaceInformation* information, double de
   return sampler;
 }
 
+struct ValidSampler {
+  std::string_view name;
+  std::string_view summary;
+  ob::ValidStateSamplerPtr (*make)(const ob::SpaceInformation* information, double deviation);
+};
+
+constexpr std::array<ValidSampler, 4> kSamplers = {{
+    {"gaussian", "OMPL's sampler of valid states near obstacles",
+     make<ob::GaussianValidStateSampler>},
+    {"obstacle_based", "OMPL's sampler of valid states at obstacles",
+     make<ob::ObstacleBasedValidStateSampler>},
+    {"bridge_test", "OMPL's sampler of valid states between obstacles",
+     make<ob::BridgeTestValidStateSampler>},
+    {"max_clearance", "OMPL's sampler of valid states far from obstacles",
+     make<ob::MaximizeClearanceValidStateSampler>},
+}};
+
 }  // namespace
 
 ob::ValidStateSamplerAllocator valid_sampler_allocator(std::string_view name, double deviation) {
-  using Make = ob::ValidStateSamplerPtr (*)(const ob::SpaceInformation*, double);
-  constexpr std::array<Make, kSamplers.size()> kMakers = {
-      make<ob::GaussianValidStateSampler>, make<ob::ObstacleBasedValidStateSampler>,
-      make<ob::BridgeTestValidStateSampler>, make<ob::MaximizeClearanceValidStateSampler>};
-  for (std::size_t i = 0; i < kSamplers.size(); ++i) {
-    if (kSamplers[i] != name) continue;
-    return [make = kMakers[i], deviation](const ob::SpaceInformation* information) {
-      return make(information, deviation);
-    };
+  const auto sampler = std::ranges::find(kSamplers, name, &ValidSampler::name);
+  if (sampler == kSamplers.end()) return {};
+  return [make = sampler->make, deviation](const ob::SpaceInformation* information) {
+    return make(information, deviation);
+  };
+}
+
+void add_valid_samplers() {
+  std::vector<SamplerEntry> entries;
+  for (const ValidSampler& sampler : kSamplers) {
+    entries.push_back(
+        {.name = sampler.name, .summary = sampler.summary, .draws_valid_states = true});
   }
-  return {};
+  add_samplers(entries);
 }
 
 }  // namespace ompl

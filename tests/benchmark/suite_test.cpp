@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/baselines.h"
 #include "mneme/benchmark.h"
 
 #include "support/support.h"
@@ -211,6 +212,7 @@ settings:
                                            "ompl:BKPIECE1",  "ompl:KPIECE1",    "ompl:BiEST",
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",
                                            "ompl:Lightning", "ompl:Thunder"};
+    add_baseline_samplers();
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
     for (const char* directory :

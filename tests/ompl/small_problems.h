@@ -65,6 +65,7 @@ inline std::vector<std::string> ompl_names() {
 
 /// Of OMPL's samplers of valid states.
 inline std::vector<std::string> valid_sampler_names() {
+  add_ompl_planners();
   std::vector<std::string> names;
   for (const SamplerEntry& sampler : samplers()) {
     if (sampler.draws_valid_states) names.emplace_back(sampler.name);

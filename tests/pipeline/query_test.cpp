@@ -332,11 +332,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("samplers of valid states are refused with planners that draw none") {
+    const SamplerEntry near_walls = {
+        .name = "near_walls", .summary = "valid states only", .draws_valid_states = true};
+    add_samplers({&near_walls, 1});
     SolveSettings settings;
-    settings.sampler = "gaussian";
+    settings.sampler = "near_walls";
     const Error error = refusal(settings);
     CHECK(error.code == ErrorCode::invalid);
-    CHECK(error.message.find("'gaussian'") != std::string::npos);
+    CHECK(error.message.find("'near_walls'") != std::string::npos);
   }
 
   TEST_CASE("a database of the robot will do, one of another robot is refused with both") {

@@ -3,6 +3,8 @@
 
 /// Plans at random for all robots, planners and samplers, and has FCL look at every path again.
 /// Succeeds if nothing was wrong with any of them.
+#include "mneme/baselines.h"
+
 #include "soak/campaign.h"
 #include "soak/endurance.h"
 #include "soak/sampling_limits.h"
@@ -162,6 +164,7 @@ int run_endurance(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  mneme::add_baseline_samplers();
   Options options;
   CampaignSettings& settings = options.settings;
   CLI::App app("Plans at random and has FCL look at every path again.");

@@ -7,7 +7,7 @@ import sys
 import pytest
 from tools_of_source import TOOLS
 
-ROOMS = "base:\nrobot:\nscene: robot\nompl: scene\n"
+ROOMS = "library mneme:\nbase:\nrobot:\nscene: robot\nlibrary mneme_ompl: mneme\nompl: scene\n"
 RIGHT = """// what it does
 #include "robot/tree.h"
 
@@ -58,6 +58,7 @@ def test_a_tree_in_order_passes(tree):
     ("include/mneme/scene.h", '#include "robot/tree.h"\n', "include/mneme/scene.h:1: include may include public headers"),
     ("python/a.cpp", '#include "console.h"\n', "python/a.cpp:1: python may include public headers"),
     ("src/ompl/a.cpp", '#include "robot/tree.h"\n', "src/ompl/a.cpp:1: src/ompl may include public headers"),
+    ("include/mneme/mneme.h", '#include "mneme/ompl.h"\n', "mneme/ompl.h is not of the library mneme"),
     ("src/robot/a.cpp", '#include <vector>\n\n#include "mneme/robot.h"\n', "a.cpp:3: mneme/robot.h"),
     ("src/robot/a.cpp", '#include <vector>\n#include <Eigen/Core>\n', "Eigen/Core (third party <...>) belongs above"),
     ("src/robot/a.cpp", '#include "mneme/robot.h"\n#include <vector>\n', "a blank line belongs above vector"),
@@ -69,6 +70,13 @@ def test_each_mistake_is_named(tree, name, text, message):
     code, output = check(tree({name: text}))
     assert code == 1
     assert message in output
+
+
+def test_a_room_uses_its_own_library_and_those_that_it_links(tree):
+    root = tree({"src/rooms.txt": "library mneme:\nbase:\nlibrary mneme_view: mneme\nrobot:\nlibrary mneme_ompl: mneme\nscene: robot\n"})
+    done = subprocess.run([sys.executable, TOOLS / "check_rooms.py", root], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "scene of mneme_ompl uses ['robot'], whose libraries it does not link" in done.stderr
 
 
 def test_a_namespace_has_one_type_of_a_name(tree):

@@ -35,7 +35,7 @@ def test_a_room_with_less_than_90_percent_fails_by_name(tmp_path):
 
 
 def test_a_listed_room_that_was_not_counted_fails(tmp_path):
-    done = run(tmp_path, LOW.replace("89,", "95,", 1), "low:\nattic: low\n")
+    done = run(tmp_path, LOW.replace("89,", "95,", 1), "library mneme:\nlow:\nattic: low\n")
     assert (done.returncode, done.stderr) == (1, "attic: no line of it was counted\n")
 
 

@@ -10,9 +10,9 @@
 #include <CLI/CLI.hpp>
 
 #include "mneme/memory.h"
-#include "pipeline/cvae_sampler.h"
-#include "pipeline/cvae_weights.h"
-#include "pipeline/scene_image.h"
+#include "baselines/cvae_sampler.h"
+#include "baselines/cvae_weights.h"
+#include "baselines/scene_image.h"
 #include "training.h"
 
 namespace mneme {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rivals/arm_cell.h"
+#include "baselines/arm_cell.h"
 
 namespace mneme::test {
 namespace {

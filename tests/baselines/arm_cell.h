@@ -4,7 +4,7 @@
 /// An arm of two links, and a memory of ways of its own.
 #pragma once
 
-#include "mneme/rivals.h"
+#include "mneme/baselines.h"
 
 #include "support/planar_memory.h"
 

@@ -4,7 +4,7 @@
 /// Weights of a decoder that was never trained.
 #pragma once
 
-#include "pipeline/cvae_weights.h"
+#include "baselines/cvae_weights.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/small_cvae.h"
+#include "baselines/small_cvae.h"
 
 namespace mneme::test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What others do with remembered paths, re-created on mneme's databases and kernels so that it can
+/// What others do with the same memory, re-created on mneme's databases and kernels so that it can
 /// be measured beside mneme. For benchmarks alone: a rival may return what nobody has verified.
 #pragma once
 
@@ -12,8 +12,12 @@
 
 namespace mneme {
 
-/// Takes the place of a planner in a suite. To add one: src/rivals/NAME.cpp, a declaration and a
-/// row in src/rivals/rivals.cpp, a test.
+/// Adds to samplers() the baselines on the same memory: "pooled", "nearest_scenes" and "cvae". Call
+/// it before planning.
+void add_baseline_samplers();
+
+/// Takes the place of a planner in a suite. To add one: src/baselines/NAME.cpp, a declaration and a
+/// row in src/baselines/rivals.cpp, a test.
 struct Rival {
   std::string_view name;
   std::string_view summary;

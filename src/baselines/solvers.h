@@ -4,20 +4,20 @@
 /// What the table of rivals calls.
 #pragma once
 
-#include "mneme/rivals.h"
+#include "mneme/baselines.h"
 
 #include "pipeline/query.h"
 
 namespace mneme::internal {
 
-// src/rivals/path_cache.cpp
+// src/baselines/path_cache.cpp
 [[nodiscard]] Result<SolveResult> fetch_fastest(const Problem& problem, Database* database,
                                                 const SolveSettings& settings);
 [[nodiscard]] Result<SolveResult> fetch_nearest(const Problem& problem, Database* database,
                                                 const SolveSettings& settings);
 [[nodiscard]] Result<SolveResult> fetch_free(const Problem& problem, Database* database,
                                              const SolveSettings& settings);
-// src/rivals/ert_connect.cpp
+// src/baselines/ert_connect.cpp
 [[nodiscard]] Result<SolveResult> solve_by_ert_connect(const Problem& problem, Database* database,
                                                        const SolveSettings& settings);
 

@@ -1,12 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/baseline_samplers.h"
+#include "baselines/baseline_samplers.h"
 
+#include "mneme/baselines.h"
+
+#include "baselines/cvae_sampler.h"
+#include "baselines/scene_image.h"
 #include "memory/moved_means.h"
 #include "pipeline/memory_steps.h"
-#include "pipeline/scene_image.h"
+#include "pipeline/memory_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -81,3 +86,46 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
 }
 
 }  // namespace mneme::internal
+
+namespace mneme {
+namespace {
+
+using internal::MemorySampler;
+using SharedSampler = std::shared_ptr<const Sampler>;
+
+SharedSampler pooled(MemorySampler& memory) {
+  return memory.draw_mixture(
+      [&memory] { return internal::pool_all(memory.query(), memory.asked()); });
+}
+
+SharedSampler nearest_scenes(MemorySampler& memory) {
+  return memory.draw_mixture(
+      [&memory] { return internal::recall_nearest_scenes(memory.query(), memory.asked()); });
+}
+
+SharedSampler cvae(MemorySampler& memory) {
+  return memory.draw_from([&query = memory.query()]() -> Result<SharedSampler> {
+    const auto weights = MNEME_TRY(internal::load_cvae(internal::cvae_path(*query.database)));
+    return internal::make_cvae_sampler(query.problem.robot, query.problem.scene, weights);
+  });
+}
+
+constexpr std::array<SamplerEntry, 3> kBaselines = {
+    {{.name = "pooled",
+      .summary = "baseline: all components of the memory, wherever they were learned",
+      .make = pooled,
+      .draws_from_memory = true},
+     {.name = "nearest_scenes",
+      .summary = "baseline: components of the scenes that are most similar as a whole",
+      .make = nearest_scenes,
+      .draws_from_memory = true},
+     {.name = "cvae",
+      .summary = "baseline: a variational autoencoder that was trained on the memory",
+      .make = cvae,
+      .draws_from_memory = true}}};
+
+}  // namespace
+
+void add_baseline_samplers() { add_samplers(kBaselines); }
+
+}  // namespace mneme

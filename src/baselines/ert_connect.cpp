@@ -11,7 +11,7 @@
 #include "pipeline/resolve_goals.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
-#include "rivals/solvers.h"
+#include "baselines/solvers.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/cvae_weights.h"
+#include "baselines/cvae_weights.h"
 
 #include <xxhash.h>
 

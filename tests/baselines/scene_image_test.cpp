@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/scene_image.h"
+#include "baselines/scene_image.h"
 #include "support/support.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/rivals.h"
+#include "mneme/baselines.h"
 
-#include "rivals/solvers.h"
+#include "baselines/solvers.h"
 
 #include <algorithm>
 #include <array>

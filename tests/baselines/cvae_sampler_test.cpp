@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/cvae_sampler.h"
-#include "pipeline/scene_image.h"
-#include "pipeline/small_cvae.h"
+#include "mneme/baselines.h"
+
+#include "baselines/cvae_sampler.h"
+#include "baselines/scene_image.h"
+#include "baselines/small_cvae.h"
 
 namespace mneme::test {
 namespace {
@@ -99,6 +101,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the sampler cvae of solve() reads the weights beside the database") {
+    add_baseline_samplers();
     const Problem problem = planar_problem("threaded_b4");
     const TemporaryDirectory directory;
     Database database = make_database(directory / "m.db", problem.robot);

@@ -5,7 +5,7 @@
 // was planned between ends like the query's is returned again, the fastest first, without a look at
 // the scene. What departs: docs/baselines.md.
 #include "pipeline/memory_steps.h"
-#include "rivals/solvers.h"
+#include "baselines/solvers.h"
 
 #include <algorithm>
 #include <optional>

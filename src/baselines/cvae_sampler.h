@@ -4,7 +4,7 @@
 
 #include "mneme/pipeline.h"
 
-#include "pipeline/cvae_weights.h"
+#include "baselines/cvae_weights.h"
 
 #include <memory>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/cvae_sampler.h"
+#include "baselines/cvae_sampler.h"
 
-#include "pipeline/scene_image.h"
+#include "baselines/scene_image.h"
 #include "robot/joint_space.h"
 
 #include <Eigen/Core>
