@@ -177,17 +177,12 @@ Result<std::vector<BenchmarkRow>> read_rows(const std::string& path) {
       .map([](CsvRuns runs) { return std::move(runs.rows); });
 }
 
-Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bool is_resumed) {
+Result<void> RowFile::open(const std::string& csv, bool is_resumed) {
   std::error_code missing;
   if (is_resumed && std::filesystem::exists(csv, missing)) {
     Result<std::vector<BenchmarkRow>> rows = read_rows(csv);
     if (!rows) return tl::unexpected(rows.error());
     rows_ = std::move(*rows);
-  }
-  if (!sqlite.empty()) {
-    Result<RunDatabase> database = RunDatabase::open(sqlite, rows_);
-    if (!database) return tl::unexpected(database.error());
-    database_ = std::move(*database);
   }
   path_ = csv;
   return write_all();
@@ -195,10 +190,6 @@ Result<void> RowFile::open(const std::string& csv, const std::string& sqlite, bo
 
 Result<void> RowFile::add(const BenchmarkRow& row) {
   rows_.push_back(row);
-  if (database_) {
-    const Result<void> added = database_->add(row);
-    if (!added) return added;
-  }
   if (path_.empty()) return {};
   file_ << to_csv_line(row);
   return flush();

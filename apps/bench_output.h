@@ -31,11 +31,11 @@ inline constexpr std::size_t kMaxCsvBytes = std::size_t{256} << 20;
 
 class RowFile {
  public:
-  /// Opens `csv` and `sqlite`, where they are not empty, for the rows to come. With `is_resumed`
-  /// those that the CSV file holds are kept; a broken last line is left aside.
-  Result<void> open(const std::string& csv, const std::string& sqlite, bool is_resumed);
+  /// Opens `csv`, if it is not empty, for the rows to come. With `is_resumed` those that it holds
+  /// are kept; a broken last line is left aside.
+  Result<void> open(const std::string& csv, bool is_resumed);
   Result<void> add(const BenchmarkRow& row);
-  /// Puts `rows` in the place of all that the CSV file has; the SQLite file keeps its order.
+  /// Puts `rows` in the place of all that the file has.
   Result<void> replace(std::vector<BenchmarkRow> rows);
 
   [[nodiscard]] const std::vector<BenchmarkRow>& rows() const { return rows_; }
@@ -46,7 +46,6 @@ class RowFile {
 
   std::string path_;
   std::ofstream file_;
-  std::optional<RunDatabase> database_;
   std::vector<BenchmarkRow> rows_;
 };
 

@@ -30,8 +30,6 @@ using Json = nlohmann::ordered_json;
 struct ExportRun {
   std::vector<std::string> csv_files;
   std::string log_directory;
-  std::string arena;
-  std::string sqlite;
 };
 
 Result<std::vector<BenchmarkRow>> read_all(const std::vector<std::string>& paths) {
@@ -119,17 +117,8 @@ Result<ExitCode> run_report(const ReportRun& run) {
 }
 
 Result<ExitCode> run_export(const ExportRun& run) {
-  const auto checked = check_files(std::array{run.arena, run.sqlite}, run.csv_files);
-  if (!checked) return tl::unexpected(checked.error());
-  const auto rows = read_all(run.csv_files);
-  if (!rows) return tl::unexpected(rows.error());
-  Result<void> written;
-  if (!run.log_directory.empty()) written = write_ompl_logs(run.log_directory, *rows);
-  if (written && !run.arena.empty()) written = write_planner_arena(run.arena, *rows);
-  if (written && !run.sqlite.empty()) {
-    written = RunDatabase::open(run.sqlite, *rows).map([](const RunDatabase&) {});
-  }
-  if (!written) return tl::unexpected(written.error());
+  const auto rows = MNEME_TRY(read_all(run.csv_files));
+  MNEME_TRY(write_ompl_logs(run.log_directory, rows));
   return ExitCode::done;
 }
 
@@ -152,19 +141,15 @@ void add_report(CLI::App& bench, Action& action) {
 void add_export(CLI::App& bench, Action& action) {
   CLI::App* command = bench.add_subcommand("export", "Write runs for other programs");
   command->footer(
-      "Example:\n  mneme bench export runs.csv --ompl-logs logs --planner-arena planner_arena.db");
+      "Example:\n  mneme bench export runs.csv --ompl-logs logs\n"
+      "  ompl_benchmark_statistics logs/*.log -d runs.db");
   const auto run = std::make_shared<ExportRun>();
   command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
-  command->add_option("--ompl-logs", run->log_directory,
-                      "directory for logs that ompl_benchmark_statistics reads, one per problem");
-  command->add_option("--planner-arena", run->arena, "database for Planner Arena; replaced");
-  command->add_option("--sqlite", run->sqlite, "SQLite file with the rows as a table");
-  command->callback([run, &action] {
-    if (run->log_directory.empty() && run->arena.empty() && run->sqlite.empty()) {
-      throw CLI::RequiredError("--ompl-logs, --planner-arena or --sqlite");
-    }
-    action = [run] { return run_export(*run); };
-  });
+  command
+      ->add_option("--ompl-logs", run->log_directory,
+                   "directory for logs that ompl_benchmark_statistics reads, one per problem")
+      ->required();
+  command->callback([run, &action] { action = [run] { return run_export(*run); }; });
 }
 
 }  // namespace

@@ -35,7 +35,6 @@ struct BenchOptions {
   std::string db;
   DatabaseSettings kept;
   std::string csv;
-  std::string sqlite;
   std::string out;
   std::string memories;
   std::vector<std::string> suite_settings;
@@ -52,7 +51,7 @@ Result<void> check_files(const BenchOptions& options, const std::vector<LoadedPr
   for (const auto& [set, problem] : problems) {
     add_problem_files("a file of a problem", problem, options.robot_options.srdf_path, inputs);
   }
-  return check_outputs(std::array{options.csv, options.sqlite}, inputs);
+  return check_outputs(std::array{options.csv}, inputs);
 }
 
 Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
@@ -105,10 +104,9 @@ Result<ExitCode> run_problems(const BenchOptions& options) {
   if (!plan) return tl::unexpected(plan.error());
   plan->cancel = interrupt_flag();
   RowFile file;
-  const Result<bool> is_complete =
-      file.open(options.csv, options.sqlite, options.is_resumed).and_then([&] {
-        return run_with_progress(*plan, file);
-      });
+  const Result<bool> is_complete = file.open(options.csv, options.is_resumed).and_then([&] {
+    return run_with_progress(*plan, file);
+  });
   if (!is_complete) return tl::unexpected(is_complete.error());
   print_bench_results(file.rows(), options.is_json);
   if (*is_complete) return judge_rows(file.rows());
@@ -165,8 +163,6 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   add_database(command, options.db, options.kept, "memory of the sampler gl: an SQLite file");
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
-  command.add_option("--sqlite", options.sqlite,
-                     "SQLite file whose table runs gets the same rows while it runs");
   command.add_flag("--resume", options.is_resumed,
                    "keep the rows of --csv (of a suite: those in --out) and run only what is "
                    "missing");
@@ -174,7 +170,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
              "runs at the same time; more than idle cores make times longer");
   command.add_option("--out", options.out,
                      "directory for what a suite leaves (default out/bench/NAME): runs.csv, "
-                     "runs.sqlite, report.html and its figures, planner_arena.db, logs for OMPL");
+                     "report.html and its figures, logs for OMPL");
   command.add_option("--memories", options.memories,
                      "directory of the memories that a suite learns (default: memories in --out); "
                      "those that are there already are not learned again");

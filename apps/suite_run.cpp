@@ -163,8 +163,7 @@ Result<void> check_files(const SuiteRun& run, const Suite& suite, const std::str
   for (const SuiteMemory& memory : suite.memories) {
     inputs.push_back({"a memory", memory_file(memory, memories)});
   }
-  const std::array outputs = {out + "/runs.csv", out + "/runs.sqlite", out + "/report.html",
-                              out + "/planner_arena.db", out + "/memories.csv"};
+  const std::array outputs = {out + "/runs.csv", out + "/report.html", out + "/memories.csv"};
   return check_outputs(outputs, inputs);
 }
 
@@ -204,8 +203,7 @@ Result<void> write_results(const std::string& out, const std::string& name,
   ReportOptions options;
   options.title = name;
   return write_report(out + "/report.html", make_benchmark_report(rows, memories, options))
-      .and_then([&] { return write_ompl_logs(out + "/ompl", rows); })
-      .and_then([&] { return write_planner_arena(out + "/planner_arena.db", rows); });
+      .and_then([&] { return write_ompl_logs(out + "/ompl", rows); });
 }
 
 }  // namespace
@@ -228,7 +226,7 @@ Result<ExitCode> run_suite(const SuiteRun& run) {
   RowFile file;
   Result<bool> is_complete = false;
   if (!ready->is_interrupted) {
-    is_complete = file.open(out + "/runs.csv", out + "/runs.sqlite", run.is_resumed).and_then([&] {
+    is_complete = file.open(out + "/runs.csv", run.is_resumed).and_then([&] {
       return run_with_progress(ready->plan, file);
     });
     if (!is_complete) return tl::unexpected(is_complete.error());

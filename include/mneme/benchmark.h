@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// Benchmarks: problems, runs and their rows, suites of experiments (bench/suites/*.yaml), and what
-/// becomes of the rows: tables, a report, a database, and the files of OMPL's benchmark tools.
+/// becomes of the rows: tables, a report, and logs for OMPL's benchmark tools.
 #pragma once
 
 #include "mneme/base.h"
@@ -400,36 +400,13 @@ struct BenchmarkReport {
                                                     std::span<const MemoryRow> memories,
                                                     const ReportOptions& options);
 
-/// A table `runs` in an SQLite file, with the columns of the CSV file; other programs may read it
-/// while it grows.
-class RunDatabase {
- public:
-  /// Replaces the table in `path` by `rows`. Errors: io; corrupt if it is no SQLite file; invalid
-  /// if it has tables besides.
-  [[nodiscard]] static Result<RunDatabase> open(const std::string& path,
-                                                std::span<const BenchmarkRow> rows);
-  RunDatabase(RunDatabase&&) noexcept;
-  RunDatabase& operator=(RunDatabase&&) noexcept;
-  ~RunDatabase();
-  Result<void> add(const BenchmarkRow& row);
-
- private:
-  struct State;
-  explicit RunDatabase(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
-};
-
-/// The runs of one problem as a log of OMPL's ompl::tools::Benchmark, which
-/// ompl_benchmark_statistics reads. A planner is named "PLANNER_SAMPLER_SETTING".
+/// The runs of one problem as a log of OMPL's ompl::tools::Benchmark, of which
+/// ompl_benchmark_statistics makes the database that Planner Arena reads. A planner is named
+/// "PLANNER_SAMPLER_SETTING".
 struct OmplLog {
   std::string experiment;  ///< "SET_PROBLEM"
   std::string text;
 };
 [[nodiscard]] std::vector<OmplLog> to_ompl_logs(std::span<const BenchmarkRow> rows);
-
-/// Writes `path` anew as ompl_benchmark_statistics would from the logs: what Planner Arena
-/// (plannerarena.org) takes. Errors: io; `path` is no SQLite file.
-[[nodiscard]] Result<void> write_planner_arena(const std::string& path,
-                                               std::span<const BenchmarkRow> rows);
 
 }  // namespace mneme

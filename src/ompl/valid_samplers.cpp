@@ -18,7 +18,6 @@ namespace {
 
 namespace ob = ::ompl::base;
 
-
 template <class Sampler>
 ob::ValidStateSamplerPtr make(const ob::SpaceInformation* information, double deviation) {
   auto sampler = std::make_shared<Sampler>(information);

@@ -30,12 +30,8 @@ std::vector<SamplerEntry>& table() {
        .summary = "what memory knows of the scene, mixed with uniform samples (Algorithm 1)",
        .make = gl,
        .draws_from_memory = true},
-      {.name = "uniform",
-       .summary = "uniform within the joint limits",
-       .make = uniform_source},
-      {.name = "halton",
-       .summary = "a Halton sequence with a random shift",
-       .make = halton_source},
+      {.name = "uniform", .summary = "uniform within the joint limits", .make = uniform_source},
+      {.name = "halton", .summary = "a Halton sequence with a random shift", .make = halton_source},
   };
   return entries;
 }

@@ -22,12 +22,8 @@ TEST_SUITE("unit") {
     const std::string read = "is the memory that is read; expected another file";
     const std::string kept = "is a memory; expected another file";
     check_bad_inputs({
-        {{"bench", "run", problem, "--db", memory, "--sqlite", memory}, 1, {memory, read}},
         {{"bench", "run", problem, "--db", memory, "--csv", memory}, 1, {memory, read}},
         {{"bench", "run", problem, "--csv", memory}, 1, {memory, kept}},
-        {{"bench", "run", problem, "--sqlite", memory}, 1, {memory, kept}},
-        {{"bench", "export", csv, "--sqlite", memory}, 1, {memory, kept}},
-        {{"bench", "export", csv, "--planner-arena", files / "link"}, 1, {files / "link", kept}},
         {{"bench", "report", csv, "-o", memory}, 1, {memory, kept}},
         {{"plan", problem, "--db", memory, "--trace", memory}, 1, {memory, read}},
         {{"plan", problem, "--db", memory, "--view", files / "link"}, 1, {files / "link", read}},
