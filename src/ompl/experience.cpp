@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ompl/experience.h"
-
 #include "mneme/ompl.h"
 
 #include "ompl/planner_table.h"
-#include "ompl/silence.h"
 
 #include <ompl/geometric/planners/experience/LightningRetrieveRepair.h>
 #include <ompl/geometric/planners/experience/ThunderRetrieveRepair.h>
@@ -144,9 +141,8 @@ Result<void> train_experience(std::string_view planner, const Robot& robot,
   const Silence silence;
   try {
     // Experience is of no scene: what is blocked in one may be free in the next.
-    const auto checker = CollisionChecker::make(robot, Scene{});
-    if (!checker) return tl::unexpected(checker.error());
-    const ::ompl::base::SpaceInformationPtr information = make_space_information(*checker);
+    const auto checker = MNEME_TRY(CollisionChecker::make(robot, Scene{}));
+    const ::ompl::base::SpaceInformationPtr information = make_space_information(checker);
     bool is_written = false;
     if (planner == kThunder) {
       is_written = write(*make_thunder(information), information, paths, path);

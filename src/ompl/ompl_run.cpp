@@ -1,17 +1,20 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ompl/ompl_run.h"
+#include "mneme/ompl.h"
 
-#include "ompl/count_samples.h"
-#include "ompl/experience.h"
-#include "ompl/silence.h"
-#include "ompl/verified_motion_validity.h"
+#include "ompl/planner_table.h"
+#include "ompl/states.h"
 
+#include <ompl/base/PlannerTerminationCondition.h>
+#include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/goals/GoalStates.h>
+#include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
+#include <mutex>
 
 namespace mneme::ompl {
 namespace {
@@ -27,7 +30,42 @@ ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Con
   return state;
 }
 
-}  // namespace
+/// One call of a planner of OMPL: what PlannerRun is for mneme's own. Not thread-safe. OMPL may
+/// throw from each of its functions.
+class OmplRun {
+ public:
+  /// Refers to its arguments.
+  OmplRun(const OmplPlanner& planner, const PlanTask& task);
+
+  /// Plans until the limits are reached. Errors: experience that cannot be read.
+  [[nodiscard]] Result<PlanResult> plan();
+
+ private:
+  void set_up_information();
+  void define_problem();
+  [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
+  [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
+  [[nodiscard]] bool is_full() const;
+  /// The time is up, or the run is cancelled.
+  [[nodiscard]] bool is_over() const;
+  [[nodiscard]] Path solution() const;
+  /// Shortens and verifies a path, as far as the settings say; false if it is refused.
+  [[nodiscard]] bool is_accepted(Path& path);
+  void explain_failure();
+
+  const OmplPlanner& planner_;
+  const PlanTask& task_;
+  const PlanSettings& settings_;
+  const Robot& robot_;
+  std::shared_ptr<WorkCounters> counters_ = std::make_shared<WorkCounters>();
+  std::shared_ptr<::ompl::base::SpaceInformation> information_;
+  ::ompl::base::ProblemDefinitionPtr definition_;
+  Stopwatch stopwatch_;
+  CheckCounters checks_;  ///< of simplification and verification
+  /// Planners free what they worked with when they end, and may ask from several threads.
+  mutable std::atomic<bool> was_full_{false};
+  PlanResult result_;
+};
 
 OmplRun::OmplRun(const OmplPlanner& planner, const PlanTask& task)
     : planner_(planner), task_(task), settings_(task.settings), robot_(task.checker.robot()) {
@@ -100,9 +138,8 @@ Result<ob::PlannerPtr> OmplRun::make_planner() const {
 }
 
 Result<PlanResult> OmplRun::plan() {
-  const auto made = make_planner();
-  if (!made) return tl::unexpected(made.error());
-  const ob::PlannerPtr& planner = *made;
+  const auto made = MNEME_TRY(make_planner());
+  const ob::PlannerPtr& planner = made;
   planner->setProblemDefinition(definition_);
   // One per attempt, because parallel planners end theirs when they have a path.
   for (auto limit = limits(); !limit; limit = limits()) {
@@ -176,6 +213,24 @@ void OmplRun::explain_failure() {
                           : "the planner gave up before the time limit";
   }
   result_.message += task_.shorten_and_verify.describe_refused();
+}
+
+std::mutex silence_mutex;
+int silence_count = 0;
+::ompl::msg::OutputHandler* previous_handler = nullptr;
+
+}  // namespace
+
+Silence::Silence() {
+  const std::lock_guard lock(silence_mutex);
+  if (silence_count++ > 0) return;
+  previous_handler = ::ompl::msg::getOutputHandler();
+  ::ompl::msg::noOutputHandler();
+}
+
+Silence::~Silence() {
+  const std::lock_guard lock(silence_mutex);
+  if (--silence_count == 0) ::ompl::msg::useOutputHandler(previous_handler);
 }
 
 Result<PlanResult> run(const OmplPlanner& planner, const PlanTask& task) {

@@ -4,9 +4,6 @@
 
 #include "mneme/ompl.h"
 
-#include "ompl/experience.h"
-#include "ompl/ompl_run.h"
-
 #include <ompl/geometric/planners/est/BiEST.h>
 #include <ompl/geometric/planners/est/EST.h>
 #include <ompl/geometric/planners/est/ProjEST.h>

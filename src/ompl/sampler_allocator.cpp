@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/ompl.h"
 
-#include "ompl/count_samples.h"
-#include "ompl/joint_values.h"
+#include "ompl/states.h"
 
 #include <atomic>
 

@@ -133,4 +133,28 @@ ob::StateSamplerPtr JointStateSpace::allocDefaultStateSampler() const {
   return std::make_shared<JointStateSampler>(this, is_continuous_);
 }
 
+::ompl::geometric::PathGeometric to_ompl(const Path& path,
+                                         const ob::SpaceInformationPtr& information) {
+  ::ompl::geometric::PathGeometric result(information);
+  const ob::StateSpacePtr& space = information->getStateSpace();
+  for (const Configuration& q : path) {
+    ob::State* state = space->allocState();
+    space->copyFromReals(state, q);
+    space->enforceBounds(state);
+    result.getStates().push_back(state);
+  }
+  return result;
+}
+
+Path from_ompl(const ::ompl::geometric::PathGeometric& path, const Robot& robot) {
+  const ob::StateSpacePtr& space = path.getSpaceInformation()->getStateSpace();
+  Path result;
+  std::vector<double> q;
+  for (std::size_t i = 0; i < path.getStateCount(); ++i) {
+    space->copyToReals(q, path.getState(static_cast<unsigned>(i)));
+    result.push_back(robot.normalized(q));
+  }
+  return result;
+}
+
 }  // namespace mneme::ompl

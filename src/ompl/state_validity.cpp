@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/ompl.h"
 
-#include "ompl/joint_values.h"
-#include "ompl/work.h"
+#include "ompl/states.h"
 
 namespace mneme::ompl {
 namespace {

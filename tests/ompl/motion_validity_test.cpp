@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/small_problems.h"
-#include "ompl/verified_motion_validity.h"
+#include "ompl/states.h"
 
 namespace mneme::test {
 namespace {

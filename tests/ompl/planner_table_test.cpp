@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/planner_table.h"
-#include "ompl/silence.h"
 #include "ompl/small_problems.h"
 
 #include <algorithm>

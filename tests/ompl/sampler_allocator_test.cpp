@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ompl/silence.h"
+#include "ompl/planner_table.h"
 #include "ompl/small_problems.h"
 #include "pipeline/memory_steps.h"
 
