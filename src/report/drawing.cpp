@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 
 namespace mneme::internal {
 namespace {
@@ -21,43 +22,25 @@ constexpr int kTraceStates = 241;
 constexpr std::size_t kMostLongLabels = 3;
 constexpr double kFrameMargin = 0.12;  // metres between a primitive's circles and its frame
 
-std::optional<Error> misfit(const Robot& robot, const Configuration& q, std::string_view what) {
+/// Why `q` is no configuration of the robot, or nothing: limits do not matter here.
+std::optional<std::string> misfit(const Robot& robot, const Configuration& q,
+                                  std::string_view what) {
   if (static_cast<int>(q.size()) != robot.joint_count()) {
-    return Error{ErrorCode::invalid,
-                 fmt::format("picture: {} has {} values; robot {} has {} joints", what, q.size(),
-                             robot.name(), robot.joint_count())};
+    return fmt::format("{} has {} values; robot {} has {} joints", what, q.size(), robot.name(),
+                       robot.joint_count());
   }
-  if (!std::ranges::all_of(q, [](double value) { return std::isfinite(value); })) {
-    return Error{ErrorCode::invalid,
-                 fmt::format("picture: {} has a value that is not a finite number", what)};
-  }
-  return std::nullopt;
+  if (std::ranges::all_of(q, [](double value) { return std::isfinite(value); })) return {};
+  return fmt::format("{} has a value that is not a finite number", what);
 }
 
-std::optional<Error> find_misfit(const PlanarPicture& picture) {
-  const Robot& robot = picture.problem->robot;
-  if (auto error = misfit(robot, picture.problem->start, "the start")) return error;
-  for (const Configuration& goal : picture.problem->goals) {
-    if (auto error = misfit(robot, goal, "a goal")) return error;
-  }
-  for (const Configuration& waypoint : picture.path) {
-    if (auto error = misfit(robot, waypoint, "a waypoint")) return error;
-  }
-  if (picture.gl == nullptr) return std::nullopt;
-  const GaussianMixture* mixture = picture.gl->mixture.get();
-  if (mixture != nullptr && mixture->component_count() > 0 &&
-      mixture->joint_count != robot.joint_count()) {
-    return Error{ErrorCode::invalid,
-                 fmt::format("picture: the mixture has {} joints; robot {} has {}",
-                             mixture->joint_count, robot.name(), robot.joint_count())};
-  }
-  for (const PrimitiveRetrieval& retrieval : picture.gl->primitives) {
+Result<void> check_keys(const GlSampler& gl) {
+  for (const PrimitiveRetrieval& retrieval : gl.primitives) {
     if (retrieval.primitive.key.size() == 6) continue;
-    return Error{ErrorCode::invalid,
-                 fmt::format("picture: a primitive's key has {} numbers; a pair of circles has 6",
-                             retrieval.primitive.key.size())};
+    return fail(ErrorCode::invalid,
+                fmt::format("picture: a primitive's key has {} numbers; a pair of circles has 6",
+                            retrieval.primitive.key.size()));
   }
-  return std::nullopt;
+  return {};
 }
 
 /// The rectangle along the line of centres around both circles of a key in the scene's frame.
@@ -169,7 +152,10 @@ Result<Drawing> make_drawing(const PlanarPicture& picture) {
                     "z and whose links stay in the plane z = 0 can be drawn",
                     problem.robot.name()));
   }
-  if (auto error = find_misfit(picture)) return tl::unexpected(std::move(*error));
+  if (const auto flaw = find_misfit(problem, picture.path, picture.gl)) {
+    return fail(ErrorCode::invalid, "picture: " + *flaw);
+  }
+  if (picture.gl != nullptr) MNEME_TRY(check_keys(*picture.gl));
   Drawing drawing;
   for (const Obstacle& obstacle : problem.scene.obstacles) {
     for (const Shape& shape : obstacle.shapes) {
@@ -183,6 +169,32 @@ Result<Drawing> make_drawing(const PlanarPicture& picture) {
   if (picture.gl != nullptr) add_memories(picture, drawing);
   add_path(picture, drawing);
   return drawing;
+}
+
+std::optional<std::string> find_misfit(const Problem& problem, const Path& path,
+                                       const GlSampler* gl) {
+  const Robot& robot = problem.robot;
+  if (auto flaw = misfit(robot, problem.start, "the start")) return flaw;
+  for (const Configuration& goal : problem.goals) {
+    if (auto flaw = misfit(robot, goal, "a goal")) return flaw;
+  }
+  for (const Configuration& waypoint : path) {
+    if (auto flaw = misfit(robot, waypoint, "a waypoint")) return flaw;
+  }
+  const GaussianMixture* mixture = gl == nullptr ? nullptr : gl->mixture.get();
+  const bool fits = mixture == nullptr || mixture->component_count() == 0 ||
+                    mixture->joint_count == robot.joint_count();
+  if (fits) return {};
+  return fmt::format("the mixture has {} joints; robot {} has {}", mixture->joint_count,
+                     robot.name(), robot.joint_count());
+}
+
+Configuration along(const Robot& robot, std::span<const double> from, std::span<const double> to,
+                    double fraction) {
+  Configuration q(from.begin(), from.end());
+  const Configuration delta = robot.difference(from, to);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
+  return q;
 }
 
 Bounds bounds_of(const Drawing& drawing) {
@@ -242,10 +254,7 @@ std::vector<Configuration> spread_along(const Robot& robot, const Path& path, in
     }
     const double length = passed[motion] - passed[motion - 1];
     const double fraction = length > 0 ? (distance - passed[motion - 1]) / length : 0;
-    const Configuration delta = robot.difference(path[motion - 1], path[motion]);
-    Configuration q = path[motion - 1];
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
-    spread.push_back(std::move(q));
+    spread.push_back(along(robot, path[motion - 1], path[motion], fraction));
   }
   return spread;
 }

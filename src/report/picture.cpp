@@ -305,18 +305,17 @@ PlanarPicture make_picture(const Problem& problem, const SolveResult& result) {
 
 Result<std::string> to_svg(const PlanarPicture& picture) {
   using namespace internal;
-  const Result<Drawing> drawing = make_drawing(picture);
-  if (!drawing) return tl::unexpected(drawing.error());
+  const Drawing drawing = MNEME_TRY(make_drawing(picture));
   const double top = picture.title.empty() ? kSide : kTitleHeight;
-  const PlanarView view(bounds_of(*drawing), {kSide, top}, kPictureWidth - 2 * kSide);
+  const PlanarView view(bounds_of(drawing), {kSide, top}, kPictureWidth - 2 * kSide);
   const PixelBox panel = {kSide, top, kPictureWidth - kSide, top + view.height()};
-  const std::vector<LegendEntry> legend = legend_of(*drawing, !picture.path.empty());
+  const std::vector<LegendEntry> legend = legend_of(drawing, !picture.path.empty());
   const double legend_width = kPictureWidth - 2 * kSide;
   const double height = panel.bottom + 6 + legend_height(legend, legend_width) + 6;
   SvgWriter svg;
   open_document(svg, height, picture.title.empty() ? picture.problem->name : picture.title);
   if (!picture.title.empty()) write_title(svg, picture.title);
-  write_panel(svg, *drawing, view, panel);
+  write_panel(svg, drawing, view, panel);
   write_legend(svg, legend, {kSide, panel.bottom + 6}, legend_width);
   svg.close();
   return svg.str();

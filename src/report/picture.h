@@ -83,6 +83,10 @@ using Arm = std::vector<ArmLine>;
 /// The capsules of the robot's links at `q`, and its spheres as lines of one point.
 [[nodiscard]] Arm arm_at(const Robot& robot, std::span<const double> q);
 
+/// The configuration at `fraction` of a motion.
+[[nodiscard]] Configuration along(const Robot& robot, std::span<const double> from,
+                                  std::span<const double> to, double fraction);
+
 /// `count` >= 2 configurations at equal distances along `path`, which is not empty; both ends
 /// included.
 [[nodiscard]] std::vector<Configuration> spread_along(const Robot& robot, const Path& path,
@@ -114,6 +118,11 @@ struct Drawing {
   Point base;
   double reach = 0;  ///< no point of the robot is farther from the base
 };
+
+/// Why start, goals, path or mixture do not fit the problem's robot; nothing if they do. `gl` may
+/// be null.
+[[nodiscard]] std::optional<std::string> find_misfit(const Problem& problem, const Path& path,
+                                                     const GlSampler* gl);
 
 /// Errors: unsupported if the robot is not planar; invalid if a configuration, a primitive or the
 /// mixture does not fit it.

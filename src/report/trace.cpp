@@ -73,14 +73,6 @@ PlanTrace::Limits limits_of(const Robot& robot, const RateLimits* rates) {
   return limits;
 }
 
-Configuration along(const Robot& robot, std::span<const double> from, std::span<const double> to,
-                    double fraction) {
-  Configuration q(from.begin(), from.end());
-  const Configuration delta = robot.difference(from, to);
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
-  return q;
-}
-
 class Tracer {
  public:
   Tracer(const Problem& problem, const Scene& scene, const TraceSettings& settings, Looks looks,
@@ -295,28 +287,8 @@ class Tracer {
   std::vector<ObstacleShape> obstacles_;
 };
 
-/// Why something has no pose, or nothing: limits do not matter here.
-std::optional<std::string> unusable(const Robot& robot, std::span<const double> q,
-                                    const std::string& what) {
-  if (static_cast<int>(q.size()) != robot.joint_count()) {
-    return what + " has " + std::to_string(q.size()) + " values, expected " +
-           std::to_string(robot.joint_count());
-  }
-  const bool is_finite = std::ranges::all_of(q, [](double value) { return std::isfinite(value); });
-  return is_finite ? std::nullopt : std::optional(what + " holds a value that is not finite");
-}
-
 Result<void> check_fit(const Problem& problem, const SolveResult& result) {
-  const Robot& robot = problem.robot;
-  std::optional<std::string> flaw = unusable(robot, problem.start, "start");
-  for (const Configuration& goal : problem.goals)
-    if (!flaw) flaw = unusable(robot, goal, "goal");
-  for (const Configuration& q : result.plan.path)
-    if (!flaw) flaw = unusable(robot, q, "a configuration of the path");
-  if (!flaw && result.gl.mixture != nullptr && result.gl.mixture->component_count() > 0 &&
-      result.gl.mixture->joint_count != robot.joint_count()) {
-    flaw = "the memory is of another robot";
-  }
+  std::optional<std::string> flaw = find_misfit(problem, result.plan.path, &result.gl);
   const auto obstacle_count = static_cast<int>(problem.scene.obstacles.size());
   for (const PrimitiveRetrieval& retrieval : result.gl.primitives) {
     for (const int i : retrieval.primitive.obstacles)
@@ -350,8 +322,7 @@ void PlanRecorder::on_edge(std::span<const float> from, std::span<const float> t
 Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
                              const PlanRecorder* recorder, double load_time_s,
                              const TraceSettings& settings, const TimedPlan& timed) {
-  if (auto checked = internal::check_fit(problem, result); !checked)
-    return tl::unexpected(checked.error());
+  MNEME_TRY(internal::check_fit(problem, result));
   PlanTrace trace;
   trace.problem = problem.name;
   trace.robot = problem.robot.name();

@@ -32,6 +32,14 @@ Json flat(std::span<const Vec3> points) {
   return list;
 }
 
+/// What `to` makes of each of the items.
+template <class Items, class ToJson>
+Json list_of(const Items& items, ToJson&& to) {
+  Json list = Json::array();
+  for (const auto& item : items) list.push_back(to(item));
+  return list;
+}
+
 /// x, y, z, then a quaternion x, y, z, w.
 Json to_json(const Transform& pose) {
   Json list = Json::array();
@@ -43,9 +51,7 @@ Json to_json(const Transform& pose) {
 }
 
 Json to_json(const PlanTrace::Poses& poses) {
-  Json list = Json::array();
-  for (const Transform& pose : poses) list.push_back(to_json(pose));
-  return list;
+  return list_of(poses, [](const Transform& pose) { return to_json(pose); });
 }
 
 Json to_json(const Sphere& sphere) {
@@ -139,13 +145,11 @@ Json shape_json(const Shape& shape, const Shares& shares) {
 }
 
 Json looks_json(const std::vector<PlanTrace::Look>& looks, const Shares& shares) {
-  Json list = Json::array();
-  for (const PlanTrace::Look& look : looks) {
+  return list_of(looks, [&](const PlanTrace::Look& look) {
     Json json = shape_json(look.shape, shares);
     if (!look.color.empty()) json["color"] = look.color;
-    list.push_back(std::move(json));
-  }
-  return list;
+    return json;
+  });
 }
 
 Json links_json(const PlanTrace& trace) {
@@ -156,10 +160,10 @@ Json links_json(const PlanTrace& trace) {
   Json list = Json::array();
   for (std::size_t i = 0; i < trace.links.size(); ++i) {
     const Link& link = trace.links[i];
-    Json spheres = Json::array(), capsules = Json::array();
-    for (const Sphere& sphere : link.spheres) spheres.push_back(to_json(sphere));
-    for (const Capsule& capsule : link.capsules) capsules.push_back(to_json(capsule));
-    Json json = {{"name", link.name}, {"spheres", spheres}, {"capsules", capsules}};
+    const auto to_list = [](const auto& solid) { return to_json(solid); };
+    Json json = {{"name", link.name},
+                 {"spheres", list_of(link.spheres, to_list)},
+                 {"capsules", list_of(link.capsules, to_list)}};
     if (!trace.looks[i].empty()) json["visual"] = looks_json(trace.looks[i], shares);
     if (!trace.carriers[i].empty()) json["carrier"] = trace.carriers[i];
     list.push_back(std::move(json));
@@ -172,20 +176,13 @@ Json obstacles_json(const Scene& scene) {
   for (const Obstacle& obstacle : scene.obstacles)
     for (const Shape& shape : obstacle.shapes) all.push_back(&shape);
   const Shares shares(all);
-  Json list = Json::array();
-  for (const Obstacle& obstacle : scene.obstacles) {
-    Json shapes = Json::array();
-    for (const Shape& shape : obstacle.shapes) shapes.push_back(shape_json(shape, shares));
-    list.push_back({{"name", obstacle.name}, {"shapes", shapes}});
-  }
-  return list;
+  const auto to_shape = [&](const Shape& shape) { return shape_json(shape, shares); };
+  return list_of(scene.obstacles, [&](const Obstacle& obstacle) -> Json {
+    return {{"name", obstacle.name}, {"shapes", list_of(obstacle.shapes, to_shape)}};
+  });
 }
 
-Json numbers(std::span<const double> values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(number(value));
-  return list;
-}
+Json numbers(const std::vector<double>& values) { return list_of(values, number); }
 
 Json limits_json(const PlanTrace::Limits& limits) {
   return {{"lower", numbers(limits.lower)},
@@ -195,16 +192,14 @@ Json limits_json(const PlanTrace::Limits& limits) {
 }
 
 Json touches_json(const std::vector<PlanTrace::Touch>& touches) {
-  Json list = Json::array();
-  for (const PlanTrace::Touch& touch : touches) {
-    list.push_back({{"goal", touch.goal},
-                    {"link", touch.link},
-                    {"other", touch.other},
-                    {"is_self", touch.is_self},
-                    {"distance", rounded(touch.distance)},
-                    {"place", flat(std::array{touch.place})}});
-  }
-  return list;
+  return list_of(touches, [](const PlanTrace::Touch& touch) -> Json {
+    return {{"goal", touch.goal},
+            {"link", touch.link},
+            {"other", touch.other},
+            {"is_self", touch.is_self},
+            {"distance", rounded(touch.distance)},
+            {"place", flat(std::array{touch.place})}};
+  });
 }
 
 Json waypoint_json(const PlanTrace::Waypoint& waypoint) {
@@ -222,32 +217,26 @@ Json waypoint_json(const PlanTrace::Waypoint& waypoint) {
 }
 
 Json primitives_json(const std::vector<PlanTrace::Primitive>& primitives) {
-  Json list = Json::array();
-  for (const PlanTrace::Primitive& primitive : primitives) {
-    Json errors = Json::array();
-    for (const double error : primitive.similarity_errors) errors.push_back(rounded(error));
-    list.push_back({{"obstacles", primitive.primitive.obstacles},
-                    {"gap", number(primitive.primitive.gap)},
-                    {"similarity_errors", errors},
-                    {"is_learned", primitive.is_learned},
-                    {"components", primitive.components},
-                    {"draws", primitive.draws}});
-  }
-  return list;
+  return list_of(primitives, [](const PlanTrace::Primitive& primitive) -> Json {
+    return {{"obstacles", primitive.primitive.obstacles},
+            {"gap", number(primitive.primitive.gap)},
+            {"similarity_errors", list_of(primitive.similarity_errors, rounded)},
+            {"is_learned", primitive.is_learned},
+            {"components", primitive.components},
+            {"draws", primitive.draws}};
+  });
 }
 
 Json arms_json(const std::vector<PlanTrace::Arm>& arms) {
-  Json list = Json::array();
-  for (const PlanTrace::Arm& arm : arms)
-    list.push_back({{"origin", arm.source}, {"points", flat(arm.points)}});
-  return list;
+  return list_of(arms, [](const PlanTrace::Arm& arm) -> Json {
+    return {{"origin", arm.source}, {"points", flat(arm.points)}};
+  });
 }
 
 Json edges_json(const std::vector<PlanTrace::Edge>& edges) {
-  Json list = Json::array();
-  for (const PlanTrace::Edge& edge : edges)
-    list.push_back({{"graph", edge.graph}, {"tips", flat(edge.tips)}});
-  return list;
+  return list_of(edges, [](const PlanTrace::Edge& edge) -> Json {
+    return {{"graph", edge.graph}, {"tips", flat(edge.tips)}};
+  });
 }
 
 Json plan_json(const PlanTrace& trace) {
@@ -299,12 +288,9 @@ std::string to_json(const PlanTrace& trace) {
   json["links"] = links_json(trace);
   json["obstacles"] = obstacles_json(trace.scene);
   json["start"] = internal::to_json(trace.start);
-  json["goals"] = Json::array();
-  for (const PlanTrace::Poses& goal : trace.goals) json["goals"].push_back(internal::to_json(goal));
+  json["goals"] = list_of(trace.goals, [](const auto& poses) { return internal::to_json(poses); });
   json["touches"] = touches_json(trace.touches);
-  json["waypoints"] = Json::array();
-  for (const PlanTrace::Waypoint& waypoint : trace.waypoints)
-    json["waypoints"].push_back(waypoint_json(waypoint));
+  json["waypoints"] = list_of(trace.waypoints, waypoint_json);
   json["vertices"] = trace.vertices;
   json["primitives"] = primitives_json(trace.primitives);
   json["components"] = {{"count", trace.component_count}, {"shown", arms_json(trace.components)}};

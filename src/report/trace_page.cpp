@@ -118,17 +118,16 @@ std::string replaced(std::string_view text, std::string_view place, std::string_
 
 /// What both have in common stands in the page once.
 Result<void> add_beside(PlainJson& trace, std::string_view text, const std::string& source) {
-  Result<PlainJson> beside = parse_trace(text, source + ", beside");
-  if (!beside) return tl::unexpected(beside.error());
+  PlainJson beside = MNEME_TRY(parse_trace(text, source + ", beside"));
   for (const char* key : {"robot", "joints", "is_planar"}) {
-    if (trace[key] == (*beside)[key]) continue;
+    if (trace[key] == beside[key]) continue;
     return fail(ErrorCode::invalid,
                 fmt::format("{}: the trace beside it is of another robot", source));
   }
   for (const char* key : {"links", "obstacles"}) {
-    if (trace[key] == (*beside)[key]) (*beside)[key] = PlainJson::array();
+    if (trace[key] == beside[key]) beside[key] = PlainJson::array();
   }
-  trace["beside"] = *std::move(beside);
+  trace["beside"] = std::move(beside);
   return {};
 }
 
@@ -138,17 +137,15 @@ Result<void> add_beside(PlainJson& trace, std::string_view text, const std::stri
 Result<std::string> to_page(std::string_view json, const std::string& source,
                             std::string_view beside) {
   using namespace internal;
-  Result<PlainJson> trace = parse_trace(json, source);
-  if (!trace) return tl::unexpected(trace.error());
+  PlainJson trace = MNEME_TRY(parse_trace(json, source));
   if (!beside.empty()) {
-    auto added = add_beside(*trace, beside, source);
-    if (!added) return tl::unexpected(added.error());
+    MNEME_TRY(add_beside(trace, beside, source));
   }
-  const std::string title = trace->at("problem").get<std::string>() + ", " +
-                            trace->at("robot").get<std::string>() + " - mneme";
+  const std::string title = trace.at("problem").get<std::string>() + ", " +
+                            trace.at("robot").get<std::string>() + " - mneme";
   // The trace comes last in the page: whatever it holds is not searched for places.
   return replaced(replaced(viewer_page(), kTitlePlace, escape_markup(title)), kTracePlace,
-                  script_text(*trace));
+                  script_text(trace));
 }
 
 }  // namespace mneme

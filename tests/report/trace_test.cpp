@@ -270,9 +270,9 @@ TEST_SUITE("unit") {
     const auto has = [](const std::string& text, const char* part) {
       return text.find(part) != std::string::npos;
     };
-    CHECK(has(message([](auto& p) { p.problem.start = {1}; }), "start has 1 values, expected 3"));
-    CHECK(has(message([](auto& p) { p.problem.goals[0][1] = NAN; }), "goal holds a value"));
-    CHECK(has(message([](auto& p) { p.result.plan.path[1].pop_back(); }), "of the path has 2"));
+    CHECK(has(message([](auto& p) { p.problem.start = {1}; }), "the start has 1 values; robot"));
+    CHECK(has(message([](auto& p) { p.problem.goals[0][1] = NAN; }), "a goal has a value"));
+    CHECK(has(message([](auto& p) { p.result.plan.path[1].pop_back(); }), "a waypoint has 2"));
     CHECK(has(message([](auto& p) {
                 p.result.gl.primitives[0].primitive.obstacles = {0, 9};
               }),
