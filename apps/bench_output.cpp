@@ -4,7 +4,6 @@
 #include "bench_output.h"
 
 #include "console.h"
-#include "files.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,10 +11,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace mneme::app {
@@ -171,46 +168,11 @@ std::vector<std::string> invalid_problems(const std::vector<BenchmarkRow>& rows)
 
 }  // namespace
 
-Result<std::vector<BenchmarkRow>> read_rows(const std::string& path) {
-  return read_file(path, kMaxCsvBytes)
-      .and_then([&](const std::string& text) { return parse_csv(text, path); })
-      .map([](CsvRuns runs) { return std::move(runs.rows); });
-}
-
-Result<void> RowFile::open(const std::string& csv, bool is_resumed) {
-  std::error_code missing;
-  if (is_resumed && std::filesystem::exists(csv, missing)) {
-    Result<std::vector<BenchmarkRow>> rows = read_rows(csv);
-    if (!rows) return tl::unexpected(rows.error());
-    rows_ = std::move(*rows);
-  }
-  path_ = csv;
-  return write_all();
-}
-
-Result<void> RowFile::add(const BenchmarkRow& row) {
-  rows_.push_back(row);
-  if (path_.empty()) return {};
-  file_ << to_csv_line(row);
-  return flush();
-}
-
-Result<void> RowFile::replace(std::vector<BenchmarkRow> rows) {
-  rows_ = std::move(rows);
-  return write_all();
-}
-
-Result<void> RowFile::write_all() {
-  if (path_.empty()) return {};
-  const Result<void> written = write_file(path_, to_csv(rows_));
-  if (!written) return written;
-  file_ = std::ofstream(path_, std::ios::app);
-  return flush();
-}
-
-Result<void> RowFile::flush() {
-  if (file_.flush()) return {};
-  return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
+OnRows show_rows() {
+  return [table = std::shared_ptr<LiveTable>()](auto rows, std::size_t total) mutable {
+    if (!table) table = std::make_shared<LiveTable>(total);
+    table->update(rows);
+  };
 }
 
 nlohmann::ordered_json summary_json(const std::vector<BenchmarkRow>& rows) {
@@ -242,50 +204,6 @@ ExitCode judge_rows(const std::vector<BenchmarkRow>& rows) {
   print_error(fmt::format("{} did not survive the check at ten times the resolution",
                           counted(static_cast<std::size_t>(wrong), "path", "paths")));
   return ExitCode::failure;
-}
-
-Result<bool> run_with_progress(BenchPlan& plan, RowFile& file) {
-  const Result<void> same = check_same_settings(plan, file.rows());
-  if (!same) return tl::unexpected(same.error());
-  LiveTable table(plan.run_count());
-  const std::vector<BenchmarkRow> done = file.rows();
-  const auto is_complete = run_bench(plan, done, [&](const BenchmarkRow& row, const SolveResult&) {
-    return file.add(row).map([&] { table.update(file.rows()); });
-  });
-  if (!is_complete) return is_complete;
-  std::vector<BenchmarkRow> rows = file.rows();
-  sort_rows(plan, rows);
-  return file.replace(std::move(rows)).map([&] { return *is_complete; });
-}
-
-Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
-  const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
-  if (const std::filesystem::path parent = stem.parent_path(); !parent.empty()) {
-    if (auto made = make_directory(parent.string()); !made) return made;
-  }
-  for (const ReportFigure& figure : report.figures) {
-    const auto written =
-        write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg);
-    if (!written) return written;
-  }
-  return write_file(path, report.html);
-}
-
-Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
-  if (auto made = make_directory(directory); !made) return made;
-  for (const OmplLog& log : to_ompl_logs(rows)) {
-    auto written = write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text);
-    if (!written) return written;
-  }
-  return {};
-}
-
-Result<std::vector<MemoryRow>> read_memories(const std::string& path) {
-  std::error_code missing;
-  if (!std::filesystem::exists(path, missing)) return std::vector<MemoryRow>();
-  return read_file(path, kMaxCsvBytes).and_then([&](const std::string& text) {
-    return parse_memory_csv(text, path);
-  });
 }
 
 }  // namespace mneme::app

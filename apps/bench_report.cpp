@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/report.h"
+
 #include "bench_output.h"
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "options.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 
 namespace mneme::app {
@@ -35,9 +38,8 @@ struct ExportRun {
 Result<std::vector<BenchmarkRow>> read_all(const std::vector<std::string>& paths) {
   std::vector<BenchmarkRow> rows;
   for (const std::string& path : paths) {
-    auto read = read_rows(path);
-    if (!read) return read;
-    std::move(read->begin(), read->end(), std::back_inserter(rows));
+    std::vector<BenchmarkRow> read = MNEME_TRY(read_rows(path));
+    std::ranges::move(read, std::back_inserter(rows));
   }
   if (rows.empty()) {
     return fail(ErrorCode::invalid, fmt::format("'{}' has no runs", paths.front()));
@@ -45,20 +47,13 @@ Result<std::vector<BenchmarkRow>> read_all(const std::vector<std::string>& paths
   return rows;
 }
 
-Result<void> check_files(std::span<const std::string> outputs,
-                         const std::vector<std::string>& csv_files) {
-  std::vector<ReadFile> inputs;
-  for (const std::string& csv : csv_files) inputs.push_back({"a file of runs", csv});
-  return check_outputs(outputs, inputs);
-}
-
 /// The memories beside the CSV files, each once.
 Result<std::vector<MemoryRow>> memories_beside(const std::vector<std::string>& paths) {
   std::vector<MemoryRow> all;
   for (const std::string& path : paths) {
-    auto read = read_memories((fs::path(path).parent_path() / "memories.csv").string());
-    if (!read) return read;
-    for (MemoryRow& row : *read) {
+    const std::string beside = (fs::path(path).parent_path() / "memories.csv").string();
+    std::vector<MemoryRow> read = MNEME_TRY(read_memories(beside));
+    for (MemoryRow& row : read) {
       std::erase_if(all, [&](const MemoryRow& r) { return r.name == row.name; });
       all.push_back(std::move(row));
     }
@@ -91,24 +86,21 @@ Json to_json(const std::vector<SeriesRatio>& ratios) {
 }
 
 Result<ExitCode> run_report(const ReportRun& run) {
-  const auto checked = check_files(std::array{run.out}, run.csv_files);
-  if (!checked) return tl::unexpected(checked.error());
-  const auto rows = read_all(run.csv_files);
-  if (!rows) return tl::unexpected(rows.error());
-  const auto memories = memories_beside(run.csv_files);
-  if (!memories) return tl::unexpected(memories.error());
-  const BenchmarkReport report = make_benchmark_report(*rows, *memories, run.options);
-  if (auto written = write_report(run.out, report); !written) {
-    return tl::unexpected(written.error());
-  }
-  const std::vector<SeriesRatio> ratios = compare_series(*rows, run.options.baseline);
+  std::vector<ReadFile> inputs;
+  add_files("a file of runs", run.csv_files, inputs);
+  MNEME_TRY(check_outputs(std::array{run.out}, inputs));
+  const auto rows = MNEME_TRY(read_all(run.csv_files));
+  const auto memories = MNEME_TRY(memories_beside(run.csv_files));
+  const BenchmarkReport report = make_benchmark_report(rows, memories, run.options);
+  MNEME_TRY(write_report(run.out, report));
+  const std::vector<SeriesRatio> ratios = compare_series(rows, run.options.baseline);
   if (run.is_json) {
-    Json json = summary_json(*rows);
+    Json json = summary_json(rows);
     json["ratios"] = to_json(ratios);
     print_json(json);
     return ExitCode::done;
   }
-  fmt::print("{}: {} with {}\n", run.out, counted(rows->size(), "run", "runs"),
+  fmt::print("{}: {} with {}\n", run.out, counted(rows.size(), "run", "runs"),
              counted(report.figures.size(), "figure", "figures"));
   if (!ratios.empty()) {
     fmt::print("\nHow much faster, with 95 % intervals:\n{}", to_table(ratios));

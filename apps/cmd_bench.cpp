@@ -3,14 +3,14 @@
 
 /// mneme bench: plans many problems and tells how long it took.
 #include "mneme/benchmark.h"
+#include "mneme/report.h"
 
 #include "bench_output.h"
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
+#include "learning_run.h"
 #include "options.h"
-#include "suite_run.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -55,17 +55,11 @@ Result<void> check_files(const BenchOptions& options, const std::vector<LoadedPr
 }
 
 Result<std::vector<LoadedProblem>> load_problems(const BenchOptions& options) {
-  const auto found = find_bench_problems(options.arguments).and_then([&](auto all) {
-    return take_part(std::move(all), options.part);
-  });
-  if (!found) return tl::unexpected(found.error());
-  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  std::vector<SuiteProblems> entries;
-  for (const BenchProblem& bench : *found) entries.push_back({bench.where, bench.set, ""});
-  auto loaded = load_bench_problems(entries, *overrides, print_note);
-  if (!loaded) return loaded;
-  return check_files(options, *loaded).map([&] { return *std::move(loaded); });
+  const auto found = MNEME_TRY(find_bench_problems(options.arguments, options.part));
+  const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  auto loaded = MNEME_TRY(load_bench_problems(found, overrides, print_note));
+  MNEME_TRY(check_files(options, loaded));
+  return loaded;
 }
 
 Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
@@ -74,18 +68,15 @@ Result<void> open_memories(const BenchOptions& options, BenchPlan& plan) {
     const Robot& robot = loaded.problem.robot;
     const std::pair key{options.db, robot.hash()};
     if (plan.memories.contains(key)) continue;
-    Result<Database> database = open_memory(options.db, robot, options.settings, options.kept);
-    if (!database) return tl::unexpected(database.error());
-    plan.memories.emplace(key, std::make_shared<Database>(std::move(*database)));
+    Database database = MNEME_TRY(open_memory(options.db, robot, options.settings, options.kept));
+    plan.memories.emplace(key, std::make_shared<Database>(std::move(database)));
   }
   return {};
 }
 
 Result<BenchPlan> make_plan(const BenchOptions& options) {
-  Result<std::vector<LoadedProblem>> problems = load_problems(options);
-  if (!problems) return tl::unexpected(problems.error());
   BenchPlan plan;
-  plan.problems = std::move(*problems);
+  plan.problems = MNEME_TRY(load_problems(options));
   BenchCase base;
   base.memory = options.db;
   base.settings = options.settings;
@@ -94,33 +85,42 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
   plan.seed_count = options.seed_count;
   plan.first_seed = options.settings.plan.seed;
   plan.jobs = options.jobs;
-  const Result<void> opened = open_memories(options, plan);
-  if (!opened) return tl::unexpected(opened.error());
+  plan.cancel = interrupt_flag();
+  MNEME_TRY(open_memories(options, plan));
   return plan;
 }
 
 Result<ExitCode> run_problems(const BenchOptions& options) {
-  Result<BenchPlan> plan = make_plan(options);
-  if (!plan) return tl::unexpected(plan.error());
-  plan->cancel = interrupt_flag();
+  BenchPlan plan = MNEME_TRY(make_plan(options));
   RowFile file;
-  const Result<bool> is_complete = file.open(options.csv, options.is_resumed).and_then([&] {
-    return run_with_progress(*plan, file);
-  });
-  if (!is_complete) return tl::unexpected(is_complete.error());
+  MNEME_TRY(file.open(options.csv, options.is_resumed));
+  const bool is_complete = MNEME_TRY(run_bench(plan, file, show_rows()));
   print_bench_results(file.rows(), options.is_json);
-  if (*is_complete) return judge_rows(file.rows());
+  if (is_complete) return judge_rows(file.rows());
   print_note(options.csv.empty() ? "interrupted"
                                  : "interrupted; the same command with --resume goes on from here");
   return ExitCode::interrupted;
 }
 
 Result<ExitCode> run_suite_command(const BenchOptions& options) {
-  return run_suite(
-      {options.arguments.front(), options.out, options.memories,
-       options.has_seeds ? std::optional(options.seed_count) : std::nullopt,
-       options.has_timeout ? std::optional(options.settings.plan.timeout_s) : std::nullopt,
-       options.suite_settings, options.jobs, options.is_resumed, options.is_json});
+  const SuiteRun run{
+      options.arguments.front(),
+      options.out,
+      options.memories,
+      options.has_seeds ? std::optional(options.seed_count) : std::nullopt,
+      options.has_timeout ? std::optional(options.settings.plan.timeout_s) : std::nullopt,
+      options.suite_settings,
+      options.jobs,
+      options.is_resumed};
+  const SuiteResult result = MNEME_TRY(
+      run_suite(run, SuiteHooks{print_note, watch_learning, show_rows(), interrupt_flag()}));
+  print_bench_results(result.rows, options.is_json);
+  if (!result.is_complete) {
+    print_note("interrupted; the same command with --resume goes on from here");
+    return ExitCode::interrupted;
+  }
+  print_note(fmt::format("the report is {}", result.report));
+  return judge_rows(result.rows);
 }
 
 /// A flag for a comma-separated list of different `names`.

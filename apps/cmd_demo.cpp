@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "console.h"
 #include "demo_finding.h"
-#include "files.h"
 #include "inputs.h"
 #include "learning_run.h"
 #include "options.h"
@@ -64,34 +63,28 @@ Result<std::string> scene_file(const DemoOptions& options, const std::string& na
 }
 
 Result<DemoMemory> learn_grid(const DemoOptions& options) {
-  Result<PrimitiveGrid> grid = scene_file(options, "planar/grid.yaml").and_then(load_grid);
-  if (!grid) return tl::unexpected(grid.error());
-  grid->count = options.primitive_count.value_or(grid->count);
-  const Result<Robot> robot = load_named_robot(kRobot);
-  if (!robot) return tl::unexpected(robot.error());
-  Result<Database> database =
-      Database::open(options.out + "/planar.db", make_space(*robot), OpenMode::create);
-  if (!database) return tl::unexpected(database.error());
-  const std::vector<PrimitiveKey> keys = cover_grid(*grid, options.job.seed);
-  Result<LearnSummary> summary = learn_with_progress(*robot, keys, *database, options.job);
-  if (!summary) return tl::unexpected(summary.error());
-  print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary->learned,
-                         summary->time_s, summary->skipped));
-  return DemoMemory{std::make_shared<Database>(std::move(*database)), *summary};
+  PrimitiveGrid grid = MNEME_TRY(scene_file(options, "planar/grid.yaml").and_then(load_grid));
+  grid.count = options.primitive_count.value_or(grid.count);
+  const Robot robot = MNEME_TRY(load_named_robot(kRobot));
+  Database database =
+      MNEME_TRY(Database::open(options.out + "/planar.db", make_space(robot), OpenMode::create));
+  const std::vector<PrimitiveKey> keys = cover_grid(grid, options.job.seed);
+  LearnSummary summary = MNEME_TRY(learn_with_progress(robot, keys, database, options.job));
+  print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary.learned,
+                         summary.time_s, summary.skipped));
+  return DemoMemory{std::make_shared<Database>(std::move(database)), summary};
 }
 
 Result<std::vector<Problem>> load_problems(const DemoOptions& options) {
   std::vector<Problem> problems;
   for (const char* name : kProblems) {
-    const Result<std::string> path = scene_file(options, fmt::format("planar/{}.yaml", name));
-    if (!path) return tl::unexpected(path.error());
-    if (!std::filesystem::exists(*path)) {
-      print_note(fmt::format("skipped: there is no '{}'", *path));
+    const std::string path = MNEME_TRY(scene_file(options, fmt::format("planar/{}.yaml", name)));
+    if (!std::filesystem::exists(path)) {
+      print_note(fmt::format("skipped: there is no '{}'", path));
       continue;
     }
-    Result<Problem> problem = read_problem(*path);
-    if (!problem) return tl::unexpected(problem.error());
-    problems.push_back(std::move(*problem));
+    Problem problem = MNEME_TRY(read_problem(path));
+    problems.push_back(std::move(problem));
   }
   return problems;
 }
@@ -196,23 +189,19 @@ Result<DemoResults> run_plan(BenchPlan& plan, const DemoOptions& options, Databa
     if (!is_shown) return {};
     const auto problem = std::ranges::find(plan.problems, row.problem,
                                            [](const LoadedProblem& p) { return p.problem.name; });
-    auto picture = draw(problem->problem, &result);
-    if (!picture) return tl::unexpected(picture.error());
-    auto page = write_page(options, problem->problem, database, settings_of(plan, row));
-    if (!page) return tl::unexpected(page.error());
-    picture->page = *std::move(page);
-    pictures[row.problem] = *std::move(picture);
+    auto picture = MNEME_TRY(draw(problem->problem, &result));
+    auto page = MNEME_TRY(write_page(options, problem->problem, database, settings_of(plan, row)));
+    picture.page = std::move(page);
+    pictures[row.problem] = std::move(picture);
     return {};
   };
-  const Result<bool> is_complete = run_bench(plan, {}, take);
-  if (!is_complete) return tl::unexpected(is_complete.error());
-  results.is_interrupted = !*is_complete;
+  const bool is_complete = MNEME_TRY(run_bench(plan, {}, take));
+  results.is_interrupted = !is_complete;
   for (const LoadedProblem& loaded : plan.problems) {
     const auto found = pictures.find(loaded.problem.name);
-    const Result<ReportPicture> picture =
-        found != pictures.end() ? found->second : draw(loaded.problem, nullptr);
-    if (!picture) return tl::unexpected(picture.error());
-    results.pictures.push_back(*picture);
+    const ReportPicture picture =
+        MNEME_TRY(found != pictures.end() ? found->second : draw(loaded.problem, nullptr));
+    results.pictures.push_back(picture);
   }
   sort_by_case(results.rows);
   return results;
@@ -268,31 +257,27 @@ void print_results(const DemoOptions& options, const DemoMemory& memory, const D
 }
 
 Result<ExitCode> run_demo(const DemoOptions& options) {
-  const Result<std::vector<Problem>> problems = load_problems(options);
-  if (!problems) return tl::unexpected(problems.error());
-  const Result<void> made = make_directory(options.out);
-  if (!made) return tl::unexpected(made.error());
-  Result<DemoMemory> memory = learn_grid(options);
-  if (!memory) return tl::unexpected(memory.error());
-  if (memory->summary.is_cancelled) return ExitCode::interrupted;
-  BenchPlan plan = make_plan(options, *problems, memory->database);
-  const Result<DemoResults> results = run_plan(plan, options, *memory->database);
-  if (!results) return tl::unexpected(results.error());
-  if (results->is_interrupted) return ExitCode::interrupted;
+  const std::vector<Problem> problems = MNEME_TRY(load_problems(options));
+  MNEME_TRY(make_directory(options.out));
+  DemoMemory memory = MNEME_TRY(learn_grid(options));
+  if (memory.summary.is_cancelled) return ExitCode::interrupted;
+  BenchPlan plan = make_plan(options, problems, memory.database);
+  const DemoResults results = MNEME_TRY(run_plan(plan, options, *memory.database));
+  if (results.is_interrupted) return ExitCode::interrupted;
 
   const std::string report = options.out + "/report.html";
   ReportOptions page;
   page.title = "mneme: the planar arm, planned from memory";
-  page.introduction = describe_finding(results->rows) + introduction(*memory);
-  page.pictures = results->pictures;
+  page.introduction = describe_finding(results.rows) + introduction(memory);
+  page.pictures = results.pictures;
   page.by_problem = true;
   const Result<void> written =
-      write_file(options.out + "/results.csv", to_csv(results->rows)).and_then([&] {
-        return write_file(report, make_benchmark_report(results->rows, {}, page).html);
+      write_file(options.out + "/results.csv", to_csv(results.rows)).and_then([&] {
+        return write_file(report, make_benchmark_report(results.rows, {}, page).html);
       });
   if (!written) return tl::unexpected(written.error());
-  print_results(options, *memory, *results, report);
-  return judge_rows(results->rows);
+  print_results(options, memory, results, report);
+  return judge_rows(results.rows);
 }
 
 }  // namespace

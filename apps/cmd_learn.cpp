@@ -146,13 +146,12 @@ void report_problems(const LearnOptions& options, const LearnSummary& summary,
 }
 
 Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
-  const Result<ProblemOptions> overrides =
-      problem_options(options.source.robot, options.source.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const auto problems = load_problem_lesson(options.problems, options.part, *overrides);
-  if (!problems) return tl::unexpected(problems.error());
-  if (problems->empty()) return fail(ErrorCode::invalid, "the part has no problems");
-  const Robot& robot = problems->front().robot;
+  const auto overrides =
+      MNEME_TRY(problem_options(options.source.robot, options.source.robot_options));
+  const auto found = MNEME_TRY(find_bench_problems(options.problems, options.part));
+  const auto problems = MNEME_TRY(load_lesson_problems(found, overrides, print_note));
+  if (problems.empty()) return fail(ErrorCode::invalid, "the part has no problems");
+  const Robot& robot = problems.front().robot;
   MemorySettings memory = options.source.memory;
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
   Result<Database> database =
@@ -160,7 +159,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   if (!database) return tl::unexpected(database.error());
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
-  const auto summary = learn_with_progress(*problems, memory, *database, lesson);
+  const auto summary = learn_with_progress(problems, memory, *database, lesson);
   if (!summary) return tl::unexpected(summary.error());
   report_problems(options, *summary, *database);
   return end_of(*summary);

@@ -8,7 +8,6 @@
 
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
 #include "options.h"
 #include "problem_primitives.h"

@@ -5,10 +5,10 @@
 #include "mneme/collision.h"
 #include "mneme/goal.h"
 #include "mneme/robot.h"
+#include "mneme/report.h"
 
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
 #include "options.h"
 

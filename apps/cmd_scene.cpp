@@ -5,10 +5,10 @@
 #include "mneme/instances.h"
 #include "mneme/memory.h"
 #include "mneme/problem.h"
+#include "mneme/report.h"
 
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
 #include "options.h"
 #include "problem_primitives.h"
@@ -43,10 +43,9 @@ struct ConvertOptions {
 Result<FramedScene> read_scene(const ConvertOptions& options) {
   Result<FramedScene> scene = extract_scene(options.input);
   if (!scene || options.robot.empty()) return scene;
-  const Result<Robot> robot = load_named_robot(options.robot);
-  if (!robot) return tl::unexpected(robot.error());
-  return in_root_frame(*scene, *robot).map([&](Scene moved) {
-    return FramedScene{std::move(moved), robot->links().front().name, scene->files};
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot));
+  return in_root_frame(*scene, robot).map([&](Scene moved) {
+    return FramedScene{std::move(moved), robot.links().front().name, scene->files};
   });
 }
 
@@ -56,22 +55,19 @@ Result<std::string> to_text(const FramedScene& scene, const std::string& format)
 }
 
 Result<ExitCode> run_convert(const ConvertOptions& options) {
-  Result<FramedScene> scene = read_scene(options);
-  if (!scene) return tl::unexpected(scene.error());
+  FramedScene scene = MNEME_TRY(read_scene(options));
   std::vector<ReadFile> inputs;
-  add_files("a file of the scene", scene->files, inputs);
-  const auto checked = check_outputs(std::array{options.output}, inputs);
-  if (!checked) return tl::unexpected(checked.error());
-  if (scene->frame.empty()) scene->frame = options.frame;
-  const Result<std::string> text = to_text(*scene, options.format);
-  if (!text) return tl::unexpected(text.error());
+  add_files("a file of the scene", scene.files, inputs);
+  MNEME_TRY(check_outputs(std::array{options.output}, inputs));
+  if (scene.frame.empty()) scene.frame = options.frame;
+  const std::string text = MNEME_TRY(to_text(scene, options.format));
   if (options.output == "-") {
-    fmt::print("{}", *text);
+    fmt::print("{}", text);
     return ExitCode::done;
   }
-  return write_file(options.output, *text).map([&] {
+  return write_file(options.output, text).map([&] {
     print_note(fmt::format("wrote {}: {}", options.output,
-                           counted(scene->scene.obstacles.size(), "obstacle", "obstacles")));
+                           counted(scene.scene.obstacles.size(), "obstacle", "obstacles")));
     return ExitCode::done;
   });
 }
@@ -133,16 +129,13 @@ Result<std::string> write_one(const VaryOptions& options, const FramedScene& nom
 }
 
 Result<ExitCode> run_vary(const VaryOptions& options) {
-  const Result<FramedScene> nominal = extract_scene(options.nominal);
-  if (!nominal) return tl::unexpected(nominal.error());
-  const Result<Variations> variations = load_variations(options.variations);
-  if (!variations) return tl::unexpected(variations.error());
-  if (auto made = make_directory(options.output); !made) return tl::unexpected(made.error());
+  const FramedScene nominal = MNEME_TRY(extract_scene(options.nominal));
+  const Variations variations = MNEME_TRY(load_variations(options.variations));
+  MNEME_TRY(make_directory(options.output));
   std::vector<std::string> files;
   for (int i = 1; i <= options.count && !interrupt_flag()->load(); ++i) {
-    Result<std::string> file = write_one(options, *nominal, *variations, i);
-    if (!file) return tl::unexpected(file.error());
-    files.push_back(std::move(*file));
+    std::string file = MNEME_TRY(write_one(options, nominal, variations, i));
+    files.push_back(std::move(file));
   }
   if (options.is_json) {
     print_json({{"seed", options.seed}, {"files", files}});
@@ -190,11 +183,10 @@ Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspac
     return decompose(memory_query(*workspace.problem), options.memory).map(wrap);
   }
   if (options.robot.empty()) return Primitives();
-  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
-  if (!robot) return tl::unexpected(robot.error());
-  return in_root_frame(workspace.framed, *robot)
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
+  return in_root_frame(workspace.framed, robot)
       .and_then([&](const Scene& scene) {
-        return decompose({*robot, scene}, options.memory);
+        return decompose({robot, scene}, options.memory);
       })
       .map(wrap);
 }
@@ -248,16 +240,13 @@ void print_scene(const Scene& scene, const Primitives& primitives) {
 }
 
 Result<ExitCode> run_info(const SceneInfoOptions& options) {
-  const Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const Result<Workspace> workspace = load_workspace(options.scene, *overrides);
-  if (!workspace) return tl::unexpected(workspace.error());
-  const Result<Primitives> primitives = primitives_of(options, *workspace);
-  if (!primitives) return tl::unexpected(primitives.error());
+  const ProblemOptions overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  const Workspace workspace = MNEME_TRY(load_workspace(options.scene, overrides));
+  const Primitives primitives = MNEME_TRY(primitives_of(options, workspace));
   if (options.is_json) {
-    print_json(to_json(workspace->framed.scene, *primitives));
+    print_json(to_json(workspace.framed.scene, primitives));
   } else {
-    print_scene(workspace->framed.scene, *primitives);
+    print_scene(workspace.framed.scene, primitives);
   }
   return ExitCode::done;
 }

@@ -8,7 +8,7 @@
 #include "mneme/service.h"
 
 #include "console.h"
-#include "files.h"
+#include "mneme/report.h"
 #include "inputs.h"
 #include "options.h"
 

@@ -5,7 +5,6 @@
 #include "mneme/report.h"
 
 #include "commands.h"
-#include "files.h"
 #include "options.h"
 
 #include <fmt/format.h>

@@ -3,10 +3,10 @@
 
 #include "mneme/upkeep.h"
 #include "mneme/experience.h"
+#include "mneme/report.h"
 
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
 #include "options.h"
 

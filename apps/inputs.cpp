@@ -6,9 +6,9 @@
 #include "mneme/benchmark.h"
 #include "mneme/collision.h"
 #include "mneme/spheres.h"
+#include "mneme/report.h"
 
 #include "console.h"
-#include "files.h"
 
 #include <fmt/format.h>
 

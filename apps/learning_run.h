@@ -7,12 +7,16 @@
 #include "mneme/learning.h"
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace mneme::app {
 
 /// The primitives that cover the grid; fewer if it is interrupted.
 [[nodiscard]] std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed);
+
+/// Says what is learned, lets the run heed an interrupt and shows how far it is.
+void watch_learning(LearnRun& run, const std::string& what);
 
 /// Learns `keys` with progress on standard error until it is done or interrupted.
 [[nodiscard]] Result<LearnSummary> learn_with_progress(const Robot& robot,

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lessons.h"
 
-#include "mneme/benchmark.h"
-
 #include "console.h"
 #include "inputs.h"
 
@@ -121,32 +119,6 @@ Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
     if (!added) return tl::unexpected(added.error());
   }
   return lesson;
-}
-
-Result<std::vector<Problem>> load_problem_lesson(const std::vector<std::string>& files,
-                                                 const std::string& part,
-                                                 const ProblemOptions& overrides) {
-  const auto found = find_bench_problems(files).and_then(
-      [&](auto problems) { return take_part(std::move(problems), part); });
-  if (!found) return tl::unexpected(found.error());
-  ProblemOptions options = overrides;
-  options.cache = make_problem_cache();
-  std::vector<Problem> problems;
-  for (const BenchProblem& entry : *found) {
-    Result<Problem> problem = load_problem(entry.where, options);
-    if (!problem) return tl::unexpected(problem.error());
-    if (!problems.empty() && problems.front().robot.hash() != problem->robot.hash()) {
-      return fail(
-          ErrorCode::invalid,
-          fmt::format("'{}': its robot '{}' differs from that of '{}'; expected problems of "
-                      "one robot",
-                      entry.where, problem->robot.name(), found->front().where));
-    }
-    for (const std::string& warning : problem->warnings) print_warning(warning);
-    problem->name = fmt::format("{}#{}", entry.set, problem->name);
-    problems.push_back(std::move(*problem));
-  }
-  return problems;
 }
 
 }  // namespace mneme::app

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What `mneme learn` learns: the primitives of scenes and problems, or problems themselves.
+/// What `mneme learn` learns from scenes and problems: their primitives.
 #pragma once
 
 #include "mneme/learning.h"
@@ -28,11 +28,5 @@ struct PrimitiveLesson {
 };
 
 [[nodiscard]] Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source);
-
-/// The problems among `files`, which are files, single problems and directories, that `part` says,
-/// see take_part(): all of one robot, and named after their sets too.
-[[nodiscard]] Result<std::vector<Problem>> load_problem_lesson(
-    const std::vector<std::string>& files, const std::string& part,
-    const ProblemOptions& overrides);
 
 }  // namespace mneme::app

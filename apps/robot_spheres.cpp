@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/spheres.h"
+#include "mneme/report.h"
 
 #include "commands.h"
 #include "console.h"
-#include "files.h"
 #include "inputs.h"
 #include "options.h"
 

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory_file.h"
 
-#include "files.h"
+#include "mneme/report.h"
+
 #include "options.h"
 
 #include <fmt/format.h>

@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -140,25 +142,20 @@ struct SetSummary {
 /// ">" marks those of failures.
 [[nodiscard]] std::string to_table(std::span<const BenchmarkRow> rows);
 
-/// Problems of a suite: whatever `mneme bench run` takes, relative to the suite's file.
+/// Problems of a benchmark: whatever `mneme bench run` takes, in a suite relative to its file.
 struct SuiteProblems {
-  std::string where;
+  std::string where;       ///< a file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory
   std::string set;         ///< the figure that they share; empty for the name of the file
   std::string part;        ///< "I/N" for every N-th beginning with the I-th; empty for all
   std::string robot = {};  ///< URDF instead of the problems' own robot; empty for that
   std::string srdf = {};   ///< of that robot; empty for the one beside it
 };
-
-/// A problem of a benchmark, by what load_problem takes.
-struct BenchProblem {
-  std::string set;    ///< of the problem, for tables
-  std::string where;  ///< a file, FILE.json#NAME or SCENE.yaml,REQUEST.yaml
-};
-/// The problems of `arguments`, in order. A compact file stands for all its problems, and a
-/// directory for all problems below it, sorted by path. A set is a file of many problems, or a
-/// directory of files of one.
-[[nodiscard]] Result<std::vector<BenchProblem>> find_bench_problems(
-    const std::vector<std::string>& arguments);
+/// The single problems of `arguments`, in order, or the `part` "I/N" of them, 1 <= I <= N, so that
+/// some can be learned from and the others measured. A compact file stands for all its problems,
+/// and a directory for all problems below it, sorted by path. A set is a file of many problems, or
+/// a directory of files of one.
+[[nodiscard]] Result<std::vector<SuiteProblems>> find_bench_problems(
+    const std::vector<std::string>& arguments, const std::string& part = "");
 
 /// The share "I/N" of a list.
 struct Part {
@@ -171,11 +168,6 @@ struct Part {
 };
 /// "I/N" with whole numbers 0 <= I <= N and N >= 1; nothing for other texts.
 [[nodiscard]] std::optional<Part> parse_part(std::string_view text);
-/// A part "I/N" of `problems`, 1 <= I <= N, so that some can be learned from and the others
-/// measured; all of them if `part` is empty.
-[[nodiscard]] Result<std::vector<BenchProblem>> take_part(std::vector<BenchProblem> problems,
-                                                          const std::string& part);
-
 /// Hears what people should know, such as a warning, in a sentence.
 using OnNote = std::function<void(const std::string& note)>;
 
@@ -183,8 +175,12 @@ struct LoadedProblem {
   std::string set;
   Problem problem;
 };
-/// The problems that `found` names. `on_note` hears their warnings, each once.
+/// The problems that `found` names. `on_note`, if any, hears their warnings, each once.
 [[nodiscard]] Result<std::vector<LoadedProblem>> load_bench_problems(
+    const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
+    const OnNote& on_note);
+/// The same to be learned from: all of one robot, and each named "SET#NAME".
+[[nodiscard]] Result<std::vector<Problem>> load_lesson_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
 
@@ -252,6 +248,34 @@ using OnRow = std::function<Result<void>(const BenchmarkRow& row, const SolveRes
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 
+/// Rows in memory and, with a name, in a CSV file that grows with them.
+class RowFile {
+ public:
+  /// Begins the file `csv`; none if it is empty. With `is_resumed` the rows that it holds are kept;
+  /// a broken last line is left out.
+  Result<void> open(const std::string& csv, bool is_resumed);
+  Result<void> add(const BenchmarkRow& row);
+  /// Puts the rows, also those of the file, into the order of sort_rows().
+  Result<void> sort(const BenchPlan& plan);
+
+  [[nodiscard]] const std::vector<BenchmarkRow>& rows() const { return rows_; }
+
+ private:
+  Result<void> write_all();
+  Result<void> flush();
+
+  std::string path_;
+  std::ofstream file_;
+  std::vector<BenchmarkRow> rows_;
+};
+/// The rows of a CSV file that a RowFile wrote.
+[[nodiscard]] Result<std::vector<BenchmarkRow>> read_rows(const std::string& path);
+/// Hears after each run all rows until then, and how many there will be.
+using OnRows = std::function<void(std::span<const BenchmarkRow> rows, std::size_t total)>;
+/// Runs what `file` does not hold yet and adds it there. False if it was cancelled. Errors: also
+/// rows of other settings.
+[[nodiscard]] Result<bool> run_bench(BenchPlan& plan, RowFile& file, const OnRows& on_rows);
+
 /// A database that a suite's runs draw from: a file that is there, or one that is learned first.
 struct SuiteMemory {
   std::string name;
@@ -304,40 +328,41 @@ struct MemoryRow {
 [[nodiscard]] Result<std::vector<MemoryRow>> parse_memory_csv(std::string_view text,
                                                               const std::string& source);
 
-/// What it took to learn a memory.
-struct LearnedMemory {
-  double time_s = 0;
-  bool is_cancelled = false;
+/// The rows that a suite wrote of its memories; none if there is no such file.
+[[nodiscard]] Result<std::vector<MemoryRow>> read_memories(const std::string& path);
+
+/// True of a YAML file that has a line of its own for the key `problems`.
+[[nodiscard]] bool is_suite_file(const std::string& path);
+/// A suite to be run, and what of it is to be different.
+struct SuiteRun {
+  std::string suite;     ///< path
+  std::string out;       ///< directory; empty for out/bench/NAME
+  std::string memories;  ///< directory; empty for OUT/memories
+  std::optional<int> seed_count;
+  std::optional<double> timeout_s;    ///< of all settings
+  std::vector<std::string> settings;  ///< names; empty for all
+  int jobs = 1;
+  bool is_resumed = false;
 };
-/// What a suite asks of its caller; none may be empty.
+/// How a suite shows what it does. Each may be empty.
 struct SuiteHooks {
-  /// Learns into the database `path` what is not there yet.
-  std::function<Result<LearnedMemory>(const SuiteMemory& memory, const std::string& path)> learn;
-  /// Writes to `file` what `planner`, which has experience of its own, makes of the paths that
-  /// `memory` is learned from. False if it was interrupted.
-  std::function<Result<bool>(const SuiteMemory& memory, const std::string& planner,
-                             const std::string& file)>
-      train;
   OnNote on_note;
+  /// Hears what is to be learned, such as "800 primitives", and may set the run's `on_progress`.
+  std::function<void(LearnRun& run, const std::string& what)> watch;
+  OnRows on_rows;
+  const std::atomic<bool>* cancel = nullptr;
 };
-
-/// A suite made ready to run: problems read, databases opened or learned.
-struct ReadySuite {
-  BenchPlan plan;
-  std::vector<MemoryRow> memories;
-  bool is_interrupted = false;  ///< while it learned: nothing is ready
+struct SuiteResult {
+  std::vector<BenchmarkRow> rows;
+  std::string report;        ///< path of the page
+  bool is_complete = false;  ///< otherwise it was cancelled
 };
-/// Reads the problems of `suite`, learns the memories that its settings draw from into
-/// `directory`/NAME.db, which is there, and opens them. Planners that this build lacks are left
-/// out. `known` are the memories of an earlier run; their times stand for what is not learned
-/// again. Errors: a planner with experience of its own and a memory that is not learned from
-/// problems.
-[[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory,
-                                               const std::vector<MemoryRow>& known,
-                                               const SuiteHooks& hooks);
-
-/// The database of `memory`: its file, or `directory`/NAME.db if it is learned.
-[[nodiscard]] std::string memory_file(const SuiteMemory& memory, const std::string& directory);
+/// Learns the memories of a suite, unless they are there, runs what its rows do not hold yet, and
+/// leaves rows, memories, report and logs for OMPL in a directory (docs/benchmarks.md). Planners
+/// that this build lacks are left out with a note. Errors: those of load_suite() and of what it
+/// reads; a result that would replace an input; a planner with experience of its own and a memory
+/// that is not learned from problems; rows there of other settings.
+[[nodiscard]] Result<SuiteResult> run_suite(const SuiteRun& run, const SuiteHooks& hooks);
 
 /// A ratio with its 95 % interval.
 struct TimeRatio {
@@ -399,6 +424,8 @@ struct BenchmarkReport {
 [[nodiscard]] BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
                                                     std::span<const MemoryRow> memories,
                                                     const ReportOptions& options);
+/// Writes the page to `path` and its figures beside it, as PAGE_FIGURE.svg.
+[[nodiscard]] Result<void> write_report(const std::string& path, const BenchmarkReport& report);
 
 /// The runs of one problem as a log of OMPL's ompl::tools::Benchmark, of which
 /// ompl_benchmark_statistics makes the database that Planner Arena reads. A planner is named
@@ -408,5 +435,8 @@ struct OmplLog {
   std::string text;
 };
 [[nodiscard]] std::vector<OmplLog> to_ompl_logs(std::span<const BenchmarkRow> rows);
+/// Writes a log per problem into `directory`, which is made if it is missing.
+[[nodiscard]] Result<void> write_ompl_logs(const std::string& directory,
+                                           std::span<const BenchmarkRow> rows);
 
 }  // namespace mneme

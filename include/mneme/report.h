@@ -257,5 +257,17 @@ void add_problem_files(std::string_view what, const Problem& problem, const std:
                                          std::span<const ReadFile> inputs);
 /// Error: invalid, if `path` is a memory, sound or not.
 [[nodiscard]] Result<void> refuse_memory(const std::string& path);
+/// check_outputs(), before hours of work rather than after: also an error if an output is a
+/// directory, or is in one that does not exist or may not be written.
+[[nodiscard]] Result<void> check_files_to_write(std::span<const std::string> outputs,
+                                                std::span<const ReadFile> inputs);
+
+/// The bytes of the file `path`, which may have at most `most_bytes`. Errors name `path`.
+[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t most_bytes);
+/// Writes `text` to a temporary file beside `path` and renames it, so that a reader sees the old
+/// file or the whole new one. Errors name `path`; a memory is never written over.
+[[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
+/// Makes a directory and those above it, if they are missing. Errors name `path`.
+[[nodiscard]] Result<void> make_directory(const std::string& path);
 
 }  // namespace mneme

@@ -45,14 +45,8 @@ class BoxPlot {
   std::string draw() {
     const double bottom = kTop + kPlotHeight;
     const double height = bottom + label_height() + 34;
-    svg_.open("svg",
-              {{"class", "plot boxes"},
-               {"xmlns", "http://www.w3.org/2000/svg"},
-               {"viewBox", fmt::format("0 0 {} {}", short_number(width_), short_number(height))},
-               {"width", short_number(width_)},
-               {"role", "img"},
-               {"aria-label", "Planning times of " + single_line(panel_.name)}});
-    svg_.element("rect", {{"class", "paper"}, {"width", "100%"}, {"height", "100%"}});
+    open_figure(svg_, "plot boxes", width_, height,
+                "Planning times of " + single_line(panel_.name));
     draw_axis(bottom);
     for (std::size_t i = 0; i < places_.size(); ++i)
       draw_series(panel_.series[i], places_[i], bottom);

@@ -4,7 +4,6 @@
 #include "benchmark/csv.h"
 
 #include "mneme/benchmark.h"
-#include "mneme/report.h"
 
 #include "base/text.h"
 
@@ -13,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <concepts>
+#include <type_traits>
 #include <utility>
 
 namespace mneme::internal {
@@ -42,29 +42,6 @@ std::optional<CsvRecord> read_csv_record(std::string_view text, std::size_t begi
   return std::nullopt;
 }
 
-std::string to_text(const std::vector<Improved>& improvements) {
-  std::string text;
-  for (const Improved& path : improvements) {
-    text += fmt::format("{}{}:{}", text.empty() ? "" : " ", path.time_s, path.path_length);
-  }
-  return text;
-}
-
-bool read_improvements(std::string_view text, std::vector<Improved>& improvements) {
-  improvements.clear();
-  while (!text.empty()) {
-    const std::string_view pair = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(pair.size() + 1, text.size()));
-    const std::size_t colon = pair.find(':');
-    Improved& path = improvements.emplace_back();
-    if (colon == pair.npos || !read_csv_number(pair.substr(0, colon), path.time_s) ||
-        !read_csv_number(pair.substr(colon + 1), path.path_length)) {
-      return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace mneme::internal
 
 namespace mneme {
@@ -79,172 +56,203 @@ constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeo
 constexpr std::array<std::string_view, 4> kFirstNewColumns = {",setting,", ",improvements,",
                                                               ",replayed,", ",duration_s\n"};
 
+template <class T, class Row>
+concept RowOf = std::same_as<std::remove_const_t<T>, Row>;
+
+/// Calls `visit(name, value)` for every column, in order.
+template <class Visitor>
+void visit_columns(RowOf<BenchmarkRow> auto& row, Visitor&& visit) {
+  visit("problem", row.problem);
+  visit("set", row.set);
+  visit("planner", row.planner);
+  visit("sampler", row.sampler);
+  visit("seed", row.seed);
+  visit("status", row.status);
+  visit("is_valid", row.is_path_valid);
+  visit("planning_time_s", row.planning_time_s);
+  visit("total_time_s", row.total_time_s);
+  visit("retrieval_time_s", row.retrieval_time_s);
+  visit("simplification_time_s", row.simplification_time_s);
+  visit("verification_time_s", row.verification_time_s);
+  visit("iterations", row.iterations);
+  visit("states_checked", row.states_checked);
+  visit("motions_checked", row.motions_checked);
+  visit("nodes", row.nodes);
+  visit("path_length", row.path_length);
+  visit("components", row.components);
+  visit("timeout_s", row.timeout_s);
+  visit("setting", row.setting);
+  visit("settings", row.settings);
+  visit("learning_time_s", row.learning_time_s);
+  visit("isa", row.isa);
+  visit("machine", row.machine);
+  visit("version", row.version);
+  visit("started", row.started);
+  visit("improvements", row.improvements);
+  visit("replayed", row.replayed);
+  visit("duration_s", row.duration_s);
+}
+template <class Visitor>
+void visit_columns(RowOf<MemoryRow> auto& row, Visitor&& visit) {
+  visit("name", row.name);
+  visit("primitives", row.primitives);
+  visit("components", row.components);
+  visit("bytes", row.bytes);
+  visit("learning_time_s", row.learning_time_s);
+}
+
 std::string csv_field(const std::string& text) { return internal::escape_csv(text); }
-std::string csv_field(const std::vector<Improved>& all) { return internal::to_text(all); }
+std::string csv_field(PlanStatus status) { return std::string(to_string(status)); }
+std::string csv_field(bool is_true) { return is_true ? "1" : "0"; }
+/// "0:11.2 0.0012:9.8": seconds and path lengths.
+std::string csv_field(const std::vector<Improved>& improvements) {
+  std::string text;
+  for (const Improved& path : improvements) {
+    text += fmt::format("{}{}:{}", text.empty() ? "" : " ", path.time_s, path.path_length);
+  }
+  return text;
+}
 template <class T>
 std::string csv_field(T number) {
   return fmt::format("{}", number);
 }
 
-/// Reads the fields of one line, and remembers the first that is wrong.
-class RowReader {
- public:
-  explicit RowReader(const std::vector<std::string>& fields) : fields_(fields) {}
-
-  BenchmarkRow read() {
-    BenchmarkRow row;
-    row.problem = next();
-    row.set = next();
-    row.planner = next();
-    row.sampler = next();
-    read("seed", row.seed);
-    read_status(row);
-    read_is_valid(row);
-    internal::visit_columns(row, [&](const char* name, auto& value) {
-      if (position_ < fields_.size()) read(name, value);
-    });
-    return row;
-  }
-  [[nodiscard]] const std::string& fault() const { return fault_; }
-
- private:
-  const std::string& next() { return fields_[position_++]; }
-
-  void read_status(BenchmarkRow& row) {
-    const std::string& name = next();
-    for (const PlanStatus status : kStatuses) {
-      if (to_string(status) != name) continue;
-      row.status = status;
-      row.is_solved = status == PlanStatus::solved;
-      return;
-    }
-    note("status", "a status", name);
-  }
-
-  void read_is_valid(BenchmarkRow& row) {
-    const std::string& text = next();
-    row.is_path_valid = text == "1";
-    if (text != "0" && text != "1") note("is_valid", "0 or 1", text);
-  }
-
-  void read(const char*, std::string& value) { value = next(); }
-  void read(const char* name, std::vector<Improved>& value) {
-    const std::string& text = next();
-    if (internal::read_improvements(text, value)) return;
-    note(name, "SECONDS:LENGTH pairs of numbers of 0 or more", text);
-  }
-  template <class T>
-  void read(const char* name, T& value) {
-    const std::string& text = next();
-    if (internal::read_csv_number(text, value)) return;
-    note(name, std::integral<T> ? "a whole number of 0 or more" : "a finite number of 0 or more",
-         text);
-  }
-
-  void note(const char* column, const char* expected, const std::string& text) {
-    if (fault_.empty()) {
-      fault_ = fmt::format("column {}: expected {}, got \"{}\"", column, expected, text);
+// Each is false if `text` is not what csv_field() writes.
+bool read_field(const std::string& text, std::string& value) {
+  value = text;
+  return true;
+}
+bool read_field(const std::string& text, PlanStatus& value) {
+  const auto status = std::ranges::find(
+      kStatuses, text, [](PlanStatus known) { return std::string(to_string(known)); });
+  if (status != kStatuses.end()) value = *status;
+  return status != kStatuses.end();
+}
+bool read_field(const std::string& text, bool& value) {
+  value = text == "1";
+  return text == "0" || text == "1";
+}
+bool read_field(const std::string& text, std::vector<Improved>& value) {
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::string_view pair = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(std::min(pair.size() + 1, rest.size()));
+    const std::size_t colon = pair.find(':');
+    Improved& path = value.emplace_back();
+    if (colon == pair.npos || !internal::read_csv_number(pair.substr(0, colon), path.time_s) ||
+        !internal::read_csv_number(pair.substr(colon + 1), path.path_length)) {
+      return false;
     }
   }
+  return true;
+}
+template <class T>
+bool read_field(const std::string& text, T& number) {
+  return internal::read_csv_number(text, number);
+}
 
-  const std::vector<std::string>& fields_;
-  std::size_t position_ = 0;
-  std::string fault_;
-};
+template <class T>
+constexpr std::string_view expected_of() {
+  if constexpr (std::same_as<T, PlanStatus>) return "a status";
+  if constexpr (std::same_as<T, bool>) return "0 or 1";
+  if constexpr (std::same_as<T, std::vector<Improved>>) {
+    return "SECONDS:LENGTH pairs of numbers of 0 or more";
+  }
+  return std::integral<T> ? "a whole number of 0 or more" : "a finite number of 0 or more";
+}
 
-constexpr std::string_view kHeader = "name,primitives,components,bytes,learning_time_s\n";
-
-}  // namespace
-
-std::string csv_header() {
-  std::string header = "problem,set,planner,sampler,seed,status,is_valid";
-  const BenchmarkRow row;
-  internal::visit_columns(
-      row, [&](const char* name, const auto&) { header += fmt::format(",{}", name); });
+template <class Row>
+std::string header_of() {
+  std::string header;
+  const Row row;
+  visit_columns(row, [&](std::string_view name, const auto&) {
+    header += fmt::format("{}{}", header.empty() ? "" : ",", name);
+  });
   return header + "\n";
 }
 
-std::string to_csv_line(const BenchmarkRow& row) {
-  std::string line = fmt::format("{},{},{},{},{},{},{:d}", internal::escape_csv(row.problem),
-                                 internal::escape_csv(row.set), internal::escape_csv(row.planner),
-                                 internal::escape_csv(row.sampler), row.seed, to_string(row.status),
-                                 row.is_path_valid);
-  internal::visit_columns(row,
-                          [&](const char*, const auto& value) { line += "," + csv_field(value); });
-  return line + "\n";
+template <class Row>
+std::string line_of(const Row& row) {
+  std::string line;
+  visit_columns(row, [&](std::string_view, const auto& value) { line += csv_field(value) + ","; });
+  line.back() = '\n';
+  return line;
 }
 
-std::string to_csv(std::span<const BenchmarkRow> rows) {
-  std::string text = csv_header();
-  for (const BenchmarkRow& row : rows) text += to_csv_line(row);
+template <class Row>
+std::string text_of(std::span<const Row> rows) {
+  std::string text = header_of<Row>();
+  for (const Row& row : rows) text += line_of(row);
   return text;
 }
 
-Result<CsvRuns> parse_csv(std::string_view text, const std::string& source) {
-  CsvRuns runs;
-  const auto header = internal::read_csv_record(text, 0);
-  if (!header) return runs;
-  const std::string columns = csv_header();
-  const std::string_view first_line = text.substr(0, header->end);
-  const bool is_old = std::ranges::any_of(kFirstNewColumns, [&](std::string_view column) {
-    return first_line == columns.substr(0, columns.find(column)) + "\n";
+/// The row of a line, which may lack the last columns.
+template <class Row>
+Result<Row> read_row(const std::vector<std::string>& fields) {
+  Row row;
+  std::string fault;
+  auto field = fields.begin();
+  visit_columns(row, [&]<class T>(std::string_view name, T& value) {
+    if (field == fields.end()) return;
+    if (!read_field(*field, value) && fault.empty()) {
+      fault = fmt::format("column {}: expected {}, got \"{}\"", name, expected_of<T>(), *field);
+    }
+    ++field;
   });
-  if (first_line != columns && !is_old) {
+  if (!fault.empty()) return fail(ErrorCode::parse, fault);
+  return row;
+}
+
+/// The whole lines below a header that `is_header` knows; `end` gets the bytes that they are.
+template <class Row, class IsHeader>
+Result<std::vector<Row>> read_rows_of(std::string_view text, const std::string& source,
+                                      IsHeader&& is_header, std::size_t& end) {
+  std::vector<Row> rows;
+  const auto header = internal::read_csv_record(text, 0);
+  if (!header) return rows;
+  if (!is_header(text.substr(0, header->end))) {
+    const std::string columns = header_of<Row>();
     return fail(ErrorCode::parse, fmt::format("{}:1: expected the columns {}", source,
                                               columns.substr(0, columns.size() - 1)));
   }
-  runs.complete_bytes = header->end;
-  while (const auto record = internal::read_csv_record(text, runs.complete_bytes)) {
-    const std::size_t line = runs.rows.size() + 2;
+  end = header->end;
+  while (const auto record = internal::read_csv_record(text, end)) {
+    const std::string place = fmt::format("{}: line {}: ", source, rows.size() + 2);
     if (record->fields.size() != header->fields.size()) {
-      return fail(ErrorCode::parse,
-                  fmt::format("{}: line {}: expected {} fields, got {}", source, line,
-                              header->fields.size(), record->fields.size()));
+      return fail(ErrorCode::parse, fmt::format("{}expected {} fields, got {}", place,
+                                                header->fields.size(), record->fields.size()));
     }
-    RowReader reader(record->fields);
-    runs.rows.push_back(reader.read());
-    if (!reader.fault().empty()) {
-      return fail(ErrorCode::parse, fmt::format("{}: line {}: {}", source, line, reader.fault()));
-    }
-    runs.complete_bytes = record->end;
+    Result<Row> row = read_row<Row>(record->fields);
+    if (!row) return fail(ErrorCode::parse, place + row.error().message);
+    rows.push_back(*std::move(row));
+    end = record->end;
   }
+  return rows;
+}
+
+}  // namespace
+
+std::string csv_header() { return header_of<BenchmarkRow>(); }
+std::string to_csv_line(const BenchmarkRow& row) { return line_of(row); }
+std::string to_csv(std::span<const BenchmarkRow> rows) { return text_of(rows); }
+std::string to_csv(std::span<const MemoryRow> rows) { return text_of(rows); }
+
+Result<CsvRuns> parse_csv(std::string_view text, const std::string& source) {
+  const std::string columns = csv_header();
+  const auto is_header = [&](std::string_view line) {
+    return line == columns || std::ranges::any_of(kFirstNewColumns, [&](std::string_view column) {
+             return line == columns.substr(0, columns.find(column)) + "\n";
+           });
+  };
+  CsvRuns runs;
+  runs.rows = MNEME_TRY(read_rows_of<BenchmarkRow>(text, source, is_header, runs.complete_bytes));
+  for (BenchmarkRow& row : runs.rows) row.is_solved = row.status == PlanStatus::solved;
   return runs;
 }
 
-std::string to_csv(std::span<const MemoryRow> rows) {
-  std::string text(kHeader);
-  for (const MemoryRow& row : rows) {
-    text += fmt::format("{},{},{},{},{}\n", internal::escape_csv(row.name), row.primitives,
-                        row.components, row.bytes, row.learning_time_s);
-  }
-  return text;
-}
-
 Result<std::vector<MemoryRow>> parse_memory_csv(std::string_view text, const std::string& source) {
-  if (!text.starts_with(kHeader)) {
-    return fail(ErrorCode::parse, fmt::format("{}:1: expected the columns {}", source,
-                                              kHeader.substr(0, kHeader.size() - 1)));
-  }
-  std::vector<MemoryRow> rows;
-  std::size_t at = kHeader.size();
-  while (const auto record = internal::read_csv_record(text, at)) {
-    const auto& fields = record->fields;
-    MemoryRow row;
-    const bool is_read = fields.size() == 5 &&
-                         internal::read_csv_number(fields[1], row.primitives) &&
-                         internal::read_csv_number(fields[2], row.components) &&
-                         internal::read_csv_number(fields[3], row.bytes) &&
-                         internal::read_csv_number(fields[4], row.learning_time_s);
-    if (!is_read) {
-      return fail(ErrorCode::parse,
-                  fmt::format("{}: line {}: expected a name and four numbers of 0 or more", source,
-                              rows.size() + 2));
-    }
-    row.name = fields[0];
-    rows.push_back(std::move(row));
-    at = record->end;
-  }
-  return rows;
+  const auto is_header = [](std::string_view line) { return line == header_of<MemoryRow>(); };
+  std::size_t end = 0;
+  return read_rows_of<MemoryRow>(text, source, is_header, end);
 }
 
 }  // namespace mneme

@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// CSV files (RFC 4180): the columns of a benchmark's rows, and how lines are read.
+/// How lines of CSV files (RFC 4180) are read.
 #pragma once
-
-#include "mneme/benchmark.h"
 
 #include <charconv>
 #include <concepts>
@@ -15,34 +13,6 @@
 #include <vector>
 
 namespace mneme::internal {
-
-/// Calls `visit(name, value)` for every column after problem, set, planner, sampler, seed, status
-/// and is_valid, in order.
-template <class Row, class Visitor>
-void visit_columns(Row& row, Visitor&& visit) {
-  visit("planning_time_s", row.planning_time_s);
-  visit("total_time_s", row.total_time_s);
-  visit("retrieval_time_s", row.retrieval_time_s);
-  visit("simplification_time_s", row.simplification_time_s);
-  visit("verification_time_s", row.verification_time_s);
-  visit("iterations", row.iterations);
-  visit("states_checked", row.states_checked);
-  visit("motions_checked", row.motions_checked);
-  visit("nodes", row.nodes);
-  visit("path_length", row.path_length);
-  visit("components", row.components);
-  visit("timeout_s", row.timeout_s);
-  visit("setting", row.setting);
-  visit("settings", row.settings);
-  visit("learning_time_s", row.learning_time_s);
-  visit("isa", row.isa);
-  visit("machine", row.machine);
-  visit("version", row.version);
-  visit("started", row.started);
-  visit("improvements", row.improvements);
-  visit("replayed", row.replayed);
-  visit("duration_s", row.duration_s);
-}
 
 /// The fields of one line, and where the next one begins.
 struct CsvRecord {
@@ -61,10 +31,5 @@ template <class T>
   if (error != std::errc() || stop != end || !(value >= T{0})) return false;
   return !std::floating_point<T> || value <= std::numeric_limits<T>::max();
 }
-
-/// "0:11.2 0.0012:9.8": seconds and path lengths.
-[[nodiscard]] std::string to_text(const std::vector<Improved>& improvements);
-/// False if `text` is not of that form.
-[[nodiscard]] bool read_improvements(std::string_view text, std::vector<Improved>& improvements);
 
 }  // namespace mneme::internal

@@ -65,7 +65,8 @@ class Curves {
     const auto rows = static_cast<double>((planners.size() + kColumns - 1) / kColumns);
     const auto lines = static_cast<double>((legend.size() + kLegendColumns - 1) / kLegendColumns);
     const double legend_top = kCurveTop + rows * kRowPitch - 26;
-    open(legend_top + lines * kLegendLine + 8);
+    open_figure(svg_, "plot curves", kCurveWidth, legend_top + lines * kLegendLine + 8,
+                text_.of_figure + ", " + single_line(panel_.name));
     for (std::size_t i = 0; i < planners.size(); ++i) draw_diagram(planners[i], i, curves);
     for (std::size_t i = 0; i < legend.size(); ++i) draw_legend(*legend[i], i, legend_top);
     svg_.close();
@@ -73,16 +74,6 @@ class Curves {
   }
 
  private:
-  void open(double height) {
-    svg_.open("svg", {{"class", "plot curves"},
-                      {"xmlns", "http://www.w3.org/2000/svg"},
-                      {"viewBox", fmt::format("0 0 {} {}", kCurveWidth, short_number(height))},
-                      {"width", short_number(kCurveWidth)},
-                      {"role", "img"},
-                      {"aria-label", text_.of_figure + ", " + single_line(panel_.name)}});
-    svg_.element("rect", {{"class", "paper"}, {"width", "100%"}, {"height", "100%"}});
-  }
-
   void make_axis(const std::vector<Curve>& curves, double longest_s) {
     double least = longest_s > 0 ? longest_s : 1;
     double most = kCurveShortest;

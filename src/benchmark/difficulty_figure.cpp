@@ -66,14 +66,7 @@ class Scatter {
 
   std::string draw() {
     const double width = kDotLeft + kDotSide + kDotRight, height = kDotTop + kDotSide + kDotBottom;
-    svg_.open("svg", {{"class", "plot"},
-                      {"xmlns", "http://www.w3.org/2000/svg"},
-                      {"viewBox", fmt::format("0 0 {} {}", width, height)},
-                      {"width", short_number(width)},
-                      {"height", short_number(height)},
-                      {"role", "img"},
-                      {"aria-label", up_ + " against difficulty"}});
-    svg_.element("rect", {{"class", "paper"}, {"width", "100%"}, {"height", "100%"}});
+    open_figure(svg_, "plot", width, height, up_ + " against difficulty");
     draw_axes();
     for (const Dot& dot : dots_) draw_dot(dot);
     for (std::size_t i = 0; i < planners_.size(); ++i) draw_legend(i);

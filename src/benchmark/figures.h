@@ -33,6 +33,9 @@ struct Tick {
 /// "3 ms", "20 s", "150 µs".
 [[nodiscard]] std::string format_duration(double seconds);
 
+/// Begins a figure of that size in pixels on its paper; `label` says what it shows.
+void open_figure(SvgWriter& svg, const std::string& kind, double width, double height,
+                 const std::string& label);
 void draw_line(SvgWriter& svg, const std::string& kind, Point from, Point to);
 /// `anchor` is start, middle or end.
 void draw_text(SvgWriter& svg, const std::string& kind, Point at, const std::string& anchor,

@@ -47,20 +47,19 @@ std::string directory_name(const fs::path& path, const fs::path& directory) {
 }
 
 Result<void> append_file(const fs::path& path, const fs::path& directory,
-                         std::vector<BenchProblem>& problems) {
+                         std::vector<SuiteProblems>& problems) {
   if (path.extension() != ".json") {
-    problems.push_back({directory_name(path, directory), path.string()});
+    problems.push_back({path.string(), directory_name(path, directory), ""});
     return {};
   }
-  const Result<std::vector<std::string>> names = list_problems(path.string());
-  if (!names) return tl::unexpected(names.error());
-  for (const std::string& name : *names) {
-    problems.push_back({set_name(path, directory), path.string() + "#" + name});
+  const std::vector<std::string> names = MNEME_TRY(list_problems(path.string()));
+  for (const std::string& name : names) {
+    problems.push_back({path.string() + "#" + name, set_name(path, directory), ""});
   }
   return {};
 }
 
-Result<void> append_directory(const fs::path& directory, std::vector<BenchProblem>& problems) {
+Result<void> append_directory(const fs::path& directory, std::vector<SuiteProblems>& problems) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(directory, error), end; !error && it != end;
@@ -75,10 +74,7 @@ Result<void> append_directory(const fs::path& directory, std::vector<BenchProble
                 fmt::format("cannot read '{}': {}", directory.string(), error.message()));
   }
   std::sort(files.begin(), files.end());
-  for (const fs::path& path : files) {
-    const Result<void> appended = append_file(path, directory, problems);
-    if (!appended) return appended;
-  }
+  for (const fs::path& path : files) MNEME_TRY(append_file(path, directory, problems));
   return {};
 }
 
@@ -94,29 +90,31 @@ void tell_apart(const std::vector<std::string>& own_sets, std::vector<LoadedProb
   }
 }
 
-}  // namespace
-
-Result<std::vector<BenchProblem>> find_bench_problems(const std::vector<std::string>& arguments) {
-  std::vector<BenchProblem> problems;
-  for (const std::string& argument : arguments) {
-    std::error_code ignored;
-    Result<void> appended;
-    const std::size_t before = problems.size();
-    const std::size_t hash = argument.find(".json#");
-    if (fs::is_directory(argument, ignored)) {
-      appended = append_directory(argument, problems);
-    } else if (hash != std::string::npos) {
-      problems.push_back({set_name(argument.substr(0, hash + 5), {}), argument});
-    } else {
-      appended = append_file(argument, {}, problems);
-    }
-    if (!appended) return tl::unexpected(appended.error());
-    if (problems.size() == before) {
-      return fail(ErrorCode::invalid, fmt::format("there are no problems in '{}'", argument));
+/// Hands on each problem of `found`, with its entry and what stands for it alone.
+using TakeProblem = std::function<Result<void>(const SuiteProblems& entry, const SuiteProblems& one,
+                                               Problem problem)>;
+Result<void> load_each(const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
+                       const OnNote& on_note, const TakeProblem& take) {
+  std::set<std::string> warnings;
+  const auto cache = make_problem_cache();
+  for (const SuiteProblems& entry : found) {
+    ProblemOptions options = overrides;
+    if (!entry.robot.empty()) options.robot_path = entry.robot;
+    if (!entry.srdf.empty()) options.robot.srdf_path = entry.srdf;
+    options.cache = cache;
+    const auto all = MNEME_TRY(find_bench_problems({entry.where}, entry.part));
+    for (const SuiteProblems& one : all) {
+      Problem problem = MNEME_TRY(load_problem(one.where, options));
+      for (const std::string& warning : problem.warnings) {
+        if (on_note && warnings.insert(warning).second) on_note("warning: " + warning);
+      }
+      MNEME_TRY(take(entry, one, std::move(problem)));
     }
   }
-  return problems;
+  return {};
 }
+
+}  // namespace
 
 std::optional<Part> parse_part(std::string_view text) {
   Part part;
@@ -129,19 +127,33 @@ std::optional<Part> parse_part(std::string_view text) {
                                                                  : std::nullopt;
 }
 
-Result<std::vector<BenchProblem>> take_part(std::vector<BenchProblem> problems,
-                                            const std::string& part) {
+Result<std::vector<SuiteProblems>> find_bench_problems(const std::vector<std::string>& arguments,
+                                                       const std::string& part) {
+  std::vector<SuiteProblems> problems;
+  for (const std::string& argument : arguments) {
+    std::error_code ignored;
+    const std::size_t before = problems.size();
+    const std::size_t hash = argument.find(".json#");
+    if (fs::is_directory(argument, ignored)) {
+      MNEME_TRY(append_directory(argument, problems));
+    } else if (hash != std::string::npos) {
+      problems.push_back({argument, set_name(argument.substr(0, hash + 5), {}), ""});
+    } else {
+      MNEME_TRY(append_file(argument, {}, problems));
+    }
+    if (problems.size() == before) {
+      return fail(ErrorCode::invalid, fmt::format("there are no problems in '{}'", argument));
+    }
+  }
   if (part.empty()) return problems;
   const std::optional<Part> parsed = parse_part(part);
   if (!parsed || parsed->index == 0) {
     return fail(ErrorCode::invalid,
                 fmt::format("'{}' is no part; expected I/N with 1 <= I <= N, such as 1/2", part));
   }
-  std::vector<BenchProblem> taken;
-  for (std::size_t i = 0; i < problems.size(); ++i) {
-    if (parsed->holds(i)) taken.push_back(std::move(problems[i]));
-  }
-  return taken;
+  std::size_t position = 0;
+  std::erase_if(problems, [&](const SuiteProblems&) { return !parsed->holds(position++); });
+  return problems;
 }
 
 Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuiteProblems>& found,
@@ -149,28 +161,36 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
                                                        const OnNote& on_note) {
   std::vector<LoadedProblem> problems;
   std::vector<std::string> own_sets;
-  std::set<std::string> warnings;
-  const auto cache = make_problem_cache();
-  for (const SuiteProblems& entry : found) {
-    auto all = find_bench_problems({entry.where}).and_then([&](auto list) {
-      return take_part(std::move(list), entry.part);
-    });
-    if (!all) return tl::unexpected(all.error());
-    ProblemOptions options = overrides;
-    if (!entry.robot.empty()) options.robot_path = entry.robot;
-    if (!entry.srdf.empty()) options.robot.srdf_path = entry.srdf;
-    options.cache = cache;
-    for (const BenchProblem& bench : *all) {
-      Result<Problem> problem = load_problem(bench.where, options);
-      if (!problem) return tl::unexpected(problem.error());
-      for (const std::string& warning : problem->warnings) {
-        if (warnings.insert(warning).second) on_note("warning: " + warning);
-      }
-      problems.push_back({entry.set.empty() ? bench.set : entry.set, std::move(*problem)});
-      own_sets.push_back(bench.set);
-    }
-  }
+  const auto take = [&](const SuiteProblems& entry, const SuiteProblems& one, Problem problem) {
+    problems.push_back({entry.set.empty() ? one.set : entry.set, std::move(problem)});
+    own_sets.push_back(one.set);
+    return Result<void>();
+  };
+  MNEME_TRY(load_each(found, overrides, on_note, take));
   tell_apart(own_sets, problems);
+  return problems;
+}
+
+Result<std::vector<Problem>> load_lesson_problems(const std::vector<SuiteProblems>& found,
+                                                  const ProblemOptions& overrides,
+                                                  const OnNote& on_note) {
+  std::vector<Problem> problems;
+  std::string first;
+  const auto take = [&](const SuiteProblems&, const SuiteProblems& one,
+                        Problem problem) -> Result<void> {
+    if (problems.empty()) first = one.where;
+    if (!problems.empty() && problems.front().robot.hash() != problem.robot.hash()) {
+      return fail(
+          ErrorCode::invalid,
+          fmt::format("'{}': its robot '{}' differs from that of '{}'; expected problems of "
+                      "one robot",
+                      one.where, problem.robot.name(), first));
+    }
+    problem.name = fmt::format("{}#{}", one.set, problem.name);
+    problems.push_back(std::move(problem));
+    return {};
+  };
+  MNEME_TRY(load_each(found, overrides, on_note, take));
   return problems;
 }
 

@@ -65,6 +65,17 @@ std::string format_duration(double seconds) {
   return fmt::format("{:.3g} \u00b5s", seconds * 1e6);
 }
 
+void open_figure(SvgWriter& svg, const std::string& kind, double width, double height,
+                 const std::string& label) {
+  svg.open("svg", {{"class", kind},
+                   {"xmlns", "http://www.w3.org/2000/svg"},
+                   {"viewBox", fmt::format("0 0 {} {}", short_number(width), short_number(height))},
+                   {"width", short_number(width)},
+                   {"role", "img"},
+                   {"aria-label", label}});
+  svg.element("rect", {{"class", "paper"}, {"width", "100%"}, {"height", "100%"}});
+}
+
 void draw_line(SvgWriter& svg, const std::string& kind, Point from, Point to) {
   svg.element("line", {{"class", kind},
                        {"x1", short_number(from.x)},

@@ -2,11 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/report.h"
 
+#include "base/files.h"
+
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -50,6 +58,35 @@ Result<void> refuse_geometry(const std::string& path) {
                   extension));
 }
 
+tl::unexpected<Error> cannot_write(const std::string& path) {
+  return fail(ErrorCode::io, "cannot write '" + path + "': " + std::strerror(errno));
+}
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Pipes and devices have no name to replace.
+Result<void> write_in_place(const std::string& path, std::string_view text) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text);
+  if (::close(file) != 0 || !is_written) return cannot_write(path);
+  return {};
+}
+
+mode_t default_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return static_cast<mode_t>(0666) & ~mask;
+}
+
 }  // namespace
 
 std::vector<ReadFile> robot_files(const std::string& urdf, const std::string& srdf) {
@@ -90,8 +127,62 @@ Result<void> check_outputs(std::span<const std::string> outputs, std::span<const
       return fail(ErrorCode::invalid,
                   fmt::format("'{}' is to be written twice; expected different files", output));
     }
-    if (auto checked = refuse_geometry(output); !checked) return checked;
-    if (auto checked = refuse_memory(output); !checked) return checked;
+    MNEME_TRY(refuse_geometry(output));
+    MNEME_TRY(refuse_memory(output));
+  }
+  return {};
+}
+
+Result<std::string> read_file(const std::string& path, std::size_t most_bytes) {
+  return internal::read_text_file(path, most_bytes);
+}
+
+Result<void> write_file(const std::string& path, std::string_view text) {
+  MNEME_TRY(refuse_memory(path));
+  std::error_code ignored;
+  if (is_special(path) && !fs::is_directory(path, ignored)) return write_in_place(path, text);
+  // A symbolic link stays one: what it points to is replaced.
+  const fs::path real = fs::weakly_canonical(path, ignored);
+  const std::string target = real.empty() ? path : real.string();
+  std::string temporary = target + ".XXXXXX";
+  const int file = ::mkstemp(temporary.data());
+  if (file < 0) return cannot_write(path);
+  const bool is_written = write_all(file, text) && ::fchmod(file, default_mode()) == 0;
+  const bool is_closed = ::close(file) == 0;
+  if (!is_written || !is_closed || std::rename(temporary.c_str(), target.c_str()) != 0) {
+    const auto error = cannot_write(path);
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return {};
+}
+
+Result<void> check_files_to_write(std::span<const std::string> outputs,
+                                  std::span<const ReadFile> inputs) {
+  MNEME_TRY(check_outputs(outputs, inputs));
+  for (const std::string& output : outputs) {
+    if (output.empty() || output == "-") continue;
+    std::error_code ignored;
+    const fs::path real = fs::weakly_canonical(fs::absolute(output, ignored), ignored);
+    if (fs::is_directory(real, ignored)) {
+      errno = EISDIR;
+      return cannot_write(output);
+    }
+    // What is renamed to it needs a place in its directory; pipes and devices are written to.
+    const bool is_replaced = !is_special(real);
+    const fs::path written = is_replaced ? real.parent_path() : real;
+    if (::access(written.c_str(), is_replaced ? W_OK | X_OK : W_OK) != 0) {
+      return cannot_write(output);
+    }
+  }
+  return {};
+}
+
+Result<void> make_directory(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) {
+    return fail(ErrorCode::io, "cannot make the directory '" + path + "': " + error.message());
   }
   return {};
 }

@@ -224,7 +224,7 @@ TEST_SUITE("unit") {
           0);
     const std::string text = to_csv(std::vector<MemoryRow>{{"a", 1, 2, 3, 4}});
     CHECK(parse_memory_csv(text + "b,1,x,3,4\n", "m.csv").error().message ==
-          "m.csv: line 3: expected a name and four numbers of 0 or more");
+          "m.csv: line 3: column components: expected a whole number of 0 or more, got \"x\"");
     for (const char* time : {"nan", "inf", "-1"}) {
       CHECK_FALSE(parse_memory_csv(text + "b,1,2,3," + time + "\n", "m.csv").has_value());
     }

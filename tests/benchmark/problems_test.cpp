@@ -10,15 +10,15 @@ namespace {
 
 TEST_SUITE("unit") {
   TEST_CASE("Parts are every N-th problem, and together all of them") {
-    const std::vector<BenchProblem> all = {{"", "a"}, {"", "b"}, {"", "c"}};
-    const auto odd = take_part(all, "1/2").value();
+    const std::vector<std::string> all = {"a.yaml", "b.yaml", "c.yaml"};
+    const auto odd = find_bench_problems(all, "1/2").value();
     REQUIRE(odd.size() == 2);
-    CHECK(odd[1].where == "c");
-    CHECK(take_part(all, "2/2").value().front().where == "b");
-    CHECK(take_part(all, "").value().size() == 3);
+    CHECK(odd[1].where == "c.yaml");
+    CHECK(find_bench_problems(all, "2/2").value().front().where == "b.yaml");
+    CHECK(find_bench_problems(all).value().size() == 3);
     for (const char* text : {"0/2", "3/2", "1/0", "1", "1/2x", "/2"}) {
       CAPTURE(text);
-      CHECK(take_part(all, text).error().message.find("is no part; expected I/N") !=
+      CHECK(find_bench_problems(all, text).error().message.find("is no part; expected I/N") !=
             std::string::npos);
     }
     CHECK(parse_part("0/4").value().holds(3));
@@ -31,7 +31,7 @@ TEST_SUITE("unit") {
     const auto found = find_bench_problems(where);
     REQUIRE(found.has_value());
     CHECK(found->size() >= 6);
-    for (const BenchProblem& problem : *found) {
+    for (const SuiteProblems& problem : *found) {
       const bool is_compact = problem.where.find(".json#") != std::string::npos;
       CHECK(problem.set == (is_compact ? "scenario3_narrow" : "planar"));
       CHECK(problem.where.find("grid") == std::string::npos);

@@ -4,6 +4,7 @@
 #include "mneme/baselines.h"
 #include "mneme/benchmark.h"
 
+#include "benchmark/suite_memories.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>
@@ -264,7 +265,7 @@ settings:
     std::vector<std::string> notes;
     SuiteHooks hooks;
     hooks.on_note = [&](const std::string& note) { notes.push_back(note); };
-    const auto ready = prepare_suite(*suite, directory / "memories", {}, hooks);
+    const auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, hooks);
     REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
     REQUIRE(ready->plan.cases.size() == 1);
     CHECK(ready->plan.cases[0].settings.planner == "prm");
@@ -281,7 +282,7 @@ settings:
                          "memories: {m: {file: m.db}}\nsettings: {s: {memory: m, replay: 0.5}}\n");
     const auto suite = load_suite(directory / "small.yaml");
     REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    auto ready = prepare_suite(*suite, directory / "memories", {}, {{}, {}, [](const auto&) {}});
+    auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, {});
     REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
     std::vector<std::string> names;
     ready->plan.seed_count = 1;
@@ -302,9 +303,7 @@ settings:
                          "}\nsettings:\n  grows: {memory: m, remember-after: 0}\n");
     const auto suite = load_suite(directory / "small.yaml");
     REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    SuiteHooks hooks;
-    hooks.on_note = [](const std::string&) {};
-    auto ready = prepare_suite(*suite, directory / "memories", {}, hooks);
+    auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, {});
     REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
     REQUIRE(ready->plan.memories.size() == 1);
     const Problem& scenario = ready->plan.problems.at(0).problem;

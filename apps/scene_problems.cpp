@@ -1,0 +1,333 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// mneme scene threaded, enclosed, repeat: compact files of random problems that have a path.
+#include "mneme/benchmark.h"
+#include "mneme/instances.h"
+#include "mneme/planning.h"
+#include "mneme/report.h"
+
+#include "commands.h"
+#include "console.h"
+#include "inputs.h"
+#include "options.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+namespace mneme::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMostProblems = 1000000;
+constexpr int kMostEnclosed = 100000;
+constexpr int kMaxBoxes = 100000;
+constexpr std::uint64_t kProofIterations = 100000;
+constexpr double kMostMetres = 10;
+
+/// What the three commands have in common.
+struct GeneratorOptions {
+  std::string robot;
+  RobotOptions robot_options;
+  std::string output;
+  std::uint64_t seed = 1;
+  int count = 0;
+  bool is_json = false;
+};
+
+void add_generator_flags(CLI::App& command, GeneratorOptions& options, int most,
+                         const std::string& output, const std::string& count,
+                         const std::string& seed) {
+  command.add_option("-o,--output", options.output, output)->required();
+  add_number(command, "--seed", options.seed, 0, std::numeric_limits<std::uint64_t>::max(), seed);
+  add_number(command, "-n,--count", options.count, 1, most, count);
+  add_json(command, options.is_json);
+}
+
+/// What a file calls `robot`: a name stays a name; a path must hold from wherever the file will be
+/// read.
+std::string robot_reference(const std::string& robot) {
+  return robot.find('/') == std::string::npos && !robot.ends_with(".urdf")
+             ? robot
+             : std::filesystem::absolute(robot).lexically_normal().string();
+}
+
+/// Adds `problem` to a file of problems of one robot, which the first one begins; returns its
+/// entry.
+Json& append_problem(const Problem& problem, const std::string& robot, Json& file) {
+  Json one = Json::parse(to_compact_json(problem, robot_reference(robot)));
+  if (file.is_null()) {
+    file = std::move(one);
+  } else {
+    file["problems"].push_back(std::move(one["problems"][0]));
+  }
+  return file["problems"].back();
+}
+
+/// Writes the file, and says so: as `summary` and the name of the file, or in a sentence.
+Result<ExitCode> write_problems(const GeneratorOptions& options, const Json& file, Json summary,
+                                const std::string& sentence) {
+  if (options.output == "-") {
+    fmt::print("{}\n", file.dump());
+  } else {
+    MNEME_TRY(write_file(options.output, file.dump() + "\n"));
+    summary["file"] = options.output;
+    if (options.is_json) print_json(summary);
+    if (!options.is_json) fmt::print("{}\n", sentence);
+  }
+  return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;
+}
+
+/// Lets a generator heed an interrupt and show how far it is.
+template <class Settings>
+void watch(const GeneratorOptions& options, Progress& progress, Settings& settings) {
+  settings.cancel = interrupt_flag();
+  settings.on_progress = [&](int made, int dropped) {
+    progress.update(made, options.count, fmt::format("{} dropped", dropped));
+  };
+}
+
+struct ThreadedOptions : GeneratorOptions {
+  std::array<double, 2> depth = {3, 5};
+  ThreadedSettings settings;
+};
+
+Result<void> set_depth(const std::array<double, 2>& depth, ThreadedSettings& settings) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!(depth[i] >= 1 && depth[i] <= 1000) || depth[i] != std::floor(depth[i])) {
+      return fail(ErrorCode::invalid, "--depth: expected whole numbers of links, such as 3:5");
+    }
+    settings.depth[i] = static_cast<int>(depth[i]);
+  }
+  return {};
+}
+
+Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
+  Json problems = Json::array();
+  for (const ThreadedInstance& instance : made.instances) {
+    problems.push_back({{"name", fmt::format("s{}_{:04}", options.seed, problems.size())},
+                        {"circles", instance.circles},
+                        {"start", instance.start},
+                        {"goal", instance.goal},
+                        {"gap", instance.gap},
+                        {"depth", instance.depth},
+                        {"witness", instance.witness}});
+  }
+  return {{"robot", robot_reference(options.robot)},
+          {"generator", kThreadedVersion},
+          {"seed", options.seed},
+          {"gap", options.settings.gap},
+          {"depth", options.settings.depth},
+          {"passages", options.settings.passages},
+          {"dropped", made.dropped},
+          {"problems", problems}};
+}
+
+Result<ExitCode> run_threaded(ThreadedOptions options) {
+  MNEME_TRY(set_depth(options.depth, options.settings));
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot, {}, std::array{options.output}));
+  Progress progress("threading");
+  watch(options, progress, options.settings);
+  const auto made =
+      MNEME_TRY(make_threaded_instances(robot, options.count, options.settings, options.seed));
+  return write_problems(options, to_json(options, made),
+                        {{"generator", kThreadedVersion},
+                         {"instances", made.instances.size()},
+                         {"dropped", made.dropped}},
+                        fmt::format("{} instances in {}, {} dropped that the proof did not solve",
+                                    made.instances.size(), options.output, made.dropped));
+}
+
+struct EnclosedOptions : GeneratorOptions {
+  EnclosedSettings settings;
+};
+
+/// Each problem with its witness.
+Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedInstances& made) {
+  Json file;
+  for (std::size_t i = 0; i < made.instances.size(); ++i) {
+    const EnclosedInstance& instance = made.instances[i];
+    const std::string name = fmt::format("e{}_{:04}", options.seed, i);
+    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    append_problem(problem, options.robot, file)["witness"] = instance.witness;
+  }
+  file["generator"] = kEnclosedVersion;
+  return file;
+}
+
+Result<ExitCode> run_enclosed(EnclosedOptions options) {
+  const Robot robot =
+      MNEME_TRY(load_named_robot(options.robot, options.robot_options, std::array{options.output}));
+  Progress progress("enclosing");
+  watch(options, progress, options.settings);
+  const auto made =
+      MNEME_TRY(make_enclosed_instances(robot, options.count, options.settings, options.seed));
+  return write_problems(
+      options, to_json(options, robot, made),
+      {{"generator", kEnclosedVersion},
+       {"instances", made.instances.size()},
+       {"dropped", made.dropped}},
+      fmt::format("{} in {}", counted(made.instances.size(), "instance", "instances"),
+                  options.output));
+}
+
+struct RepeatOptions : GeneratorOptions {
+  std::vector<std::string> problems;
+  std::string part;
+  int tasks = 20;
+  RepeatSettings settings;
+};
+
+/// Why a problem is no task, or nothing: start or goal is in contact, or there is no path.
+Result<void> prove(const Problem& problem) {
+  const auto checker = MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene));
+  PlanSettings settings;
+  settings.max_iterations = kProofIterations;
+  const PlanResult proof = plan_with(rrt_connect, checker, {problem.start, problem.goals},
+                                     *make_uniform_sampler(problem.robot), settings);
+  if (proof.is_solved()) return {};
+  return fail(ErrorCode::invalid, fmt::format("problem '{}': {}", problem.name, proof.message));
+}
+
+/// The first problems that have a path.
+Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
+  const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  const auto found = MNEME_TRY(find_bench_problems(options.problems, options.part));
+  auto problems = MNEME_TRY(load_lesson_problems(found, overrides, print_note));
+  std::vector<Problem> tasks;
+  for (Problem& problem : problems) {
+    if (std::ssize(tasks) == options.tasks) break;
+    if (const auto proven = prove(problem)) {
+      tasks.push_back(std::move(problem));
+    } else {
+      print_note("left out: " + proven.error().message);
+    }
+  }
+  if (std::ssize(tasks) == options.tasks) return tasks;
+  return fail(ErrorCode::invalid, fmt::format("--tasks: expected {} tasks with a path, got {}",
+                                              options.tasks, tasks.size()));
+}
+
+/// Tasks take turns, as they do in a cell.
+Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Problem>& tasks) {
+  Json file;
+  Progress progress("repeating");
+  for (int i = 1; i <= options.count && !interrupt_flag()->load(); ++i) {
+    for (std::size_t task = 0; task < tasks.size(); ++task) {
+      Rng rng(derive_seed(derive_seed(options.seed, task), static_cast<std::uint64_t>(i)));
+      Problem repeated = MNEME_TRY(repeat(tasks[task], options.settings, rng));
+      repeated.name = fmt::format("t{:02}_{:04}", task + 1, i);
+      append_problem(repeated, repeated.robot_path, file);
+    }
+    progress.update(i, options.count, "");
+  }
+  return file;
+}
+
+Result<ExitCode> run_repeat(const RepeatOptions& options) {
+  const auto tasks = MNEME_TRY(choose_tasks(options));
+  std::vector<ReadFile> inputs;
+  for (const Problem& task : tasks) {
+    add_problem_files("a file of a problem", task, options.robot_options.srdf_path, inputs);
+  }
+  MNEME_TRY(check_files_to_write(std::array{options.output}, inputs));
+  const Json file = MNEME_TRY(make_repeats(options, tasks));
+  const std::size_t problems = file.is_null() ? 0 : file.at("problems").size();
+  return write_problems(options, file,
+                        {{"seed", options.seed}, {"tasks", tasks.size()}, {"problems", problems}},
+                        fmt::format("{} of {} in {}", counted(problems, "problem", "problems"),
+                                    counted(tasks.size(), "task", "tasks"), options.output));
+}
+
+}  // namespace
+
+void add_scene_threaded(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<ThreadedOptions>();
+  options->robot = "planar8";
+  options->count = 100;
+  CLI::App* command = group.add_subcommand(
+      "threaded", "Write random problems of an arm threaded through a gap, each proven feasible");
+  command->footer(
+      "Example:\n  mneme scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 "
+      "-o threaded.json");
+  command->add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
+  add_generator_flags(*command, *options, kMostProblems,
+                      "compact problem file to write, - for standard output", "problems to write",
+                      "seed of all random numbers");
+  add_range(*command, "--gap", options->settings.gap, "metres between the two circles");
+  add_range(*command, "--depth", options->depth, "links from the first one that crosses the gap");
+  add_number(*command, "--passages", options->settings.passages, 1, 3,
+             "gaps: the start's, the goal's, and one in reach of the arm");
+  add_isa(*command);
+  command->callback([options, &action] { action = [options] { return run_threaded(*options); }; });
+}
+
+void add_scene_enclosed(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<EnclosedOptions>();
+  options->robot = "panda";
+  options->count = 20;
+  CLI::App* command = group.add_subcommand(
+      "enclosed", "Write random problems of any robot whose way is enclosed by boxes");
+  command->footer(
+      "Example:\n  mneme scene enclosed --robot panda --seed 1 -n 20 --clearance 0.01 --boxes 600 "
+      "-o enclosed.json");
+  command->add_option("--robot", options->robot, "URDF file or name (default panda)");
+  add_robot_flags(*command, options->robot_options);
+  add_generator_flags(*command, *options, kMostEnclosed, "compact problem file to write",
+                      "problems to write",
+                      "seed of all random numbers; the n-th problem depends on it and on n alone");
+  add_number(*command, "--clearance", options->settings.clearance, 1e-4, 1,
+             "metres that the boxes leave to the robot on its way, at least");
+  add_number(*command, "--boxes", options->settings.boxes, 1, kMaxBoxes,
+             "boxes around the way, if there is room");
+  add_range(*command, "--size", options->settings.size, "metres, full extents of a box");
+  add_number(*command, "--through", options->settings.through, 0, 100,
+             "random configurations that the way passes");
+  add_isa(*command);
+  command->callback([options, &action] { action = [options] { return run_enclosed(*options); }; });
+}
+
+void add_scene_repeat(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<RepeatOptions>();
+  options->count = 500;
+  CLI::App* command = group.add_subcommand(
+      "repeat", "Write the tasks of a cell, each again and again with small changes");
+  command->footer(
+      "Example:\n  mneme scene repeat problems.json --tasks 20 -n 500 --obstacles 0.02 --goal 0.03 "
+      "-o repeats.json");
+  command
+      ->add_option(
+          "PROBLEMS", options->problems,
+          "compact files, problems (FILE.json#NAME, YAML) or directories of them; those in "
+          "contact are left out")
+      ->required();
+  command->add_option("--part", options->part,
+                      "I/N: every N-th problem beginning with the I-th, such as 2/2");
+  command->add_option("--robot", options->robot,
+                      "robot to use instead of the problems': a URDF file or a name");
+  add_robot_flags(*command, options->robot_options);
+  add_number(*command, "--tasks", options->tasks, 1, kMostProblems,
+             "of the problems, the first ones");
+  add_generator_flags(
+      *command, *options, kMostProblems, "compact problem file to write", "problems per task",
+      "seed of all random numbers; the n-th repeat of a task depends on it and on n alone");
+  add_number(*command, "--obstacles", options->settings.obstacles, 0, kMostMetres,
+             "metres that each obstacle is moved at most");
+  add_number(*command, "--goal", options->settings.goal, 0, kMostMetres,
+             "metres that the tip of the arm is moved at most at the goal");
+  add_number(*command, "--base", options->settings.base, 0, kMostMetres,
+             "metres that the robot's base stands elsewhere at most");
+  add_number(*command, "--turn", options->settings.turn, 0, std::numbers::pi,
+             "radians that the robot's base is turned at most");
+  command->callback([options, &action] { action = [options] { return run_repeat(*options); }; });
+}
+
+}  // namespace mneme::app
