@@ -58,8 +58,7 @@ Result<GaussianMixture> pool_all(const Query& query, const MemoryQuery& asked) {
 
 Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQuery& asked) {
   const KindSettings& kind = query.kinds.front();
-  const auto primitives = decompose(asked, kind);
-  if (!primitives) return tl::unexpected(primitives.error());
+  const auto primitives = MNEME_TRY(decompose(asked, kind));
   if (kind.kind->name != kCircles) {
     return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
   }
@@ -77,7 +76,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
     });
     if (!visited) return tl::unexpected(visited.error());
   }
-  const auto wanted = static_cast<std::size_t>(kind.max_matches) * primitives->size();
+  const auto wanted = static_cast<std::size_t>(kind.max_matches) * primitives.size();
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
     return a.similarity_error < b.similarity_error;
   });

@@ -42,13 +42,11 @@ Result<std::vector<Entry>> look_up(const Query& query) {
   std::vector<Entry> entries;
   for (const KindSettings& kind : query.kinds) {
     if (!(kind.replay > 0)) continue;
-    const auto primitives = decompose(asked, kind);
-    if (!primitives) return tl::unexpected(primitives.error());
-    for (std::size_t i = 0; i < primitives->size(); ++i) {
-      const auto rows = query.database->find(
-          kind.kind->version, {&(*primitives)[i].primitive.key, 1}, kind.replay * kind.replay, 0);
-      if (!rows) return tl::unexpected(rows.error());
-      for (const KeyMatch& row : *rows) {
+    const auto primitives = MNEME_TRY(decompose(asked, kind));
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const auto rows = MNEME_TRY(query.database->find(
+          kind.kind->version, {&primitives[i].primitive.key, 1}, kind.replay * kind.replay, 0));
+      for (const KeyMatch& row : rows) {
         entries.push_back({row.experience->id, row.similarity_error, 0,
                            stored_path(asked, asked.goals[i], *row.experience)});
       }
