@@ -49,13 +49,12 @@ class Enclosure {
     instance.start = instance.witness.front();
     instance.goal = instance.witness.back();
     for (int barren = 0; barren < kNoRoom && is_wanted(instance.scene);) {
-      auto box = draw_box(instance.witness);
-      if (!box) return tl::unexpected(box.error());
+      auto box = MNEME_TRY(draw_box(instance.witness));
       ++barren;
-      if (!*box) continue;
+      if (!box) continue;
       barren = 0;
       const std::string name = fmt::format("box_{}", instance.scene.obstacles.size());
-      instance.scene.obstacles.push_back({name, {**box}});
+      instance.scene.obstacles.push_back({name, {*box}});
     }
     return instance;
   }
@@ -117,9 +116,8 @@ class Enclosure {
     for (const double part : kShrunk) {
       const Box box{{turn.toRotationMatrix(), near + off}, part * half};
       if (box.half_extents.minCoeff() < settings_.size[0] / 2) break;
-      const auto fits = leaves_clearance(box, witness);
-      if (!fits) return tl::unexpected(fits.error());
-      if (*fits) return std::optional(box);
+      const auto fits = MNEME_TRY(leaves_clearance(box, witness));
+      if (fits) return std::optional(box);
     }
     return std::optional<Box>();
   }
@@ -167,22 +165,20 @@ Result<void> check(const EnclosedSettings& settings) {
 Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
                                                   const EnclosedSettings& settings,
                                                   std::uint64_t seed) {
-  if (auto good = check(settings); !good) return tl::unexpected(good.error());
-  const auto empty = CollisionChecker::make(robot, {});
-  if (!empty) return tl::unexpected(empty.error());
+  MNEME_TRY(check(settings));
+  const auto empty = MNEME_TRY(CollisionChecker::make(robot, {}));
   const auto sampler = make_uniform_sampler(robot);
   EnclosedInstances made;
   for (std::uint64_t i = 0; std::ssize(made.instances) < count; ++i) {
-    auto instance = Enclosure(*empty, *sampler, settings, derive_seed(seed, i)).draw();
-    if (!instance) return tl::unexpected(instance.error());
+    auto instance = MNEME_TRY(Enclosure(empty, *sampler, settings, derive_seed(seed, i)).draw());
     if (internal::is_set(settings.cancel)) break;
-    if (!*instance) {
+    if (!instance) {
       if (++made.dropped < count + 10) continue;
       return fail(ErrorCode::invalid, "robot '" + robot.name() +
                                           "' finds no way between random configurations even "
                                           "without obstacles");
     }
-    made.instances.push_back(**std::move(instance));
+    made.instances.push_back(*std::move(instance));
     if (settings.on_progress) {
       settings.on_progress(static_cast<int>(made.instances.size()), made.dropped);
     }

@@ -58,12 +58,11 @@ class GoalMover {
     if (tips.empty()) {
       return fail(ErrorCode::unsupported, "robot " + robot.name() + " has no tip to move");
     }
-    auto kinematics = InverseKinematics::make(robot, tips.front());
-    if (!kinematics) return tl::unexpected(kinematics.error());
+    auto kinematics = MNEME_TRY(InverseKinematics::make(robot, tips.front()));
     const auto is_tip = [&](const Link& link) { return link.name == tips.front(); };
     const auto index = std::ranges::find_if(robot.links(), is_tip) - robot.links().begin();
     const Transform pose = robot.link_poses(goal)[static_cast<std::size_t>(index)];
-    return GoalMover(robot, goal, *std::move(kinematics), {tips.front(), pose});
+    return GoalMover(robot, goal, std::move(kinematics), {tips.front(), pose});
   }
 
   std::optional<Configuration> draw(const CollisionChecker& checker, const Transform& world,
@@ -107,19 +106,17 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
   if (auto fault = problem.robot.describe_violation(problem.goals.front(), "goal")) {
     return fail(ErrorCode::invalid, fmt::format("problem '{}': {}", problem.name, *fault));
   }
-  const auto mover = GoalMover::make(problem.robot, problem.goals.front());
-  if (!mover) return tl::unexpected(mover.error());
+  const auto mover = MNEME_TRY(GoalMover::make(problem.robot, problem.goals.front()));
   Problem repeated = problem;
   repeated.pose_goals.clear();
   for (int i = 0; i < kMostRepeatTries; ++i) {
     const Transform world = draw_world(settings, rng);
     repeated.scene = draw_scene(problem, world, settings.obstacles, rng);
-    const auto checker = CollisionChecker::make(problem.robot, repeated.scene);
-    if (!checker) return tl::unexpected(checker.error());
-    const auto goal = mover->draw(*checker, world, settings, rng);
+    const auto checker = MNEME_TRY(CollisionChecker::make(problem.robot, repeated.scene));
+    const auto goal = mover.draw(checker, world, settings, rng);
     if (!goal) continue;
     repeated.goals = {*goal};
-    if (!refuse_query(*checker, {repeated.start, repeated.goals})) return repeated;
+    if (!refuse_query(checker, {repeated.start, repeated.goals})) return repeated;
   }
   return fail(ErrorCode::invalid,
               fmt::format("problem '{}': its start or goal is in contact in each of {} repeats",

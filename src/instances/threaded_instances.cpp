@@ -40,19 +40,18 @@ class InstanceMaker {
     ThreadedInstances made;
     for (int barren = 0; static_cast<int>(made.instances.size()) < count;) {
       if (internal::is_set(settings_.cancel)) break;
-      auto candidate = draw();
-      if (!candidate) return tl::unexpected(candidate.error());
-      if (!*candidate) {
+      auto candidate = MNEME_TRY(draw());
+      if (!candidate) {
         if (++barren < kHopeless) continue;
         return fail(ErrorCode::invalid,
                     "no arm of robot '" + robot_.name() +
                         "' was found threaded through a gap of that width and depth");
       }
       barren = 0;
-      if ((*candidate)->witness.empty()) {
+      if (candidate->witness.empty()) {
         ++made.dropped;
       } else {
-        made.instances.push_back(*std::move(*candidate));
+        made.instances.push_back(*std::move(candidate));
       }
       if (settings_.on_progress) {
         settings_.on_progress(static_cast<int>(made.instances.size()), made.dropped);
@@ -74,17 +73,17 @@ class InstanceMaker {
       std::ranges::copy(circles_of(further), std::back_inserter(instance.circles));
       if (!second) second = further;
     }
-    const auto checker = CollisionChecker::make(robot_, make_circle_scene("", instance.circles));
-    if (!checker) return tl::unexpected(checker.error());
+    const auto checker =
+        MNEME_TRY(CollisionChecker::make(robot_, make_circle_scene("", instance.circles)));
     if (!std::ranges::all_of(instance.circles, is_base_outside)) return std::nullopt;
-    const auto start = draw_threaded(*checker, key, depth);
-    const auto goal = second ? draw_second_goal(*checker, key, *second) : draw_goal(*checker, key);
+    const auto start = draw_threaded(checker, key, depth);
+    const auto goal = second ? draw_second_goal(checker, key, *second) : draw_goal(checker, key);
     if (!start || !goal) return std::nullopt;
     instance.gap = make_primitive(key).gap;
     instance.depth = depth;
     instance.start = *start;
     instance.goal = *goal;
-    instance.witness = prove(*checker, instance);
+    instance.witness = prove(checker, instance);
     return instance;
   }
 
@@ -162,21 +161,20 @@ class InstanceMaker {
 Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
                                                   const ThreadedSettings& settings,
                                                   std::uint64_t seed) {
-  const auto chain = internal::PlanarChain::make(robot);
-  if (!chain) return tl::unexpected(chain.error());
+  const auto chain = MNEME_TRY(internal::PlanarChain::make(robot));
   if (!(settings.gap[0] > 0 && settings.gap[0] <= settings.gap[1])) {
     return fail(ErrorCode::invalid, "the range of gaps must be positive, the least first");
   }
   if (settings.depth[0] < 1 || settings.depth[0] > settings.depth[1] ||
-      settings.depth[1] > chain->link_count()) {
+      settings.depth[1] > chain.link_count()) {
     return fail(ErrorCode::invalid, "the range of depths must lie between 1 and " +
-                                        std::to_string(chain->link_count()) + ", the least first");
+                                        std::to_string(chain.link_count()) + ", the least first");
   }
   if (settings.passages < 1 || settings.passages > 3) {
     return fail(ErrorCode::invalid,
                 fmt::format("expected 1 to 3 passages, found {}", settings.passages));
   }
-  return InstanceMaker(robot, *chain, settings, seed).make(count);
+  return InstanceMaker(robot, chain, settings, seed).make(count);
 }
 
 }  // namespace mneme

@@ -148,12 +148,11 @@ Result<double> draw_factor(const Variation& variation, Rng& rng) {
 class Motion {
  public:
   static Result<Motion> draw(const Variation& variation, const Vec3& center, Rng& rng) {
-    if (auto checked = check_counts(variation); !checked) return tl::unexpected(checked.error());
-    const Result<double> factor = draw_factor(variation, rng);
-    if (!factor) return tl::unexpected(factor.error());
+    MNEME_TRY(check_counts(variation));
+    const double factor = MNEME_TRY(draw_factor(variation, rng));
     Motion motion;
     motion.center_ = center;
-    motion.factor_ = *factor;
+    motion.factor_ = factor;
     const Eigen::Matrix3d rotation = rotation_from_rpy(draw_vector(variation.rpy, rng));
     const Vec3 shift = draw_vector(variation.position, rng);
     motion.X_ = {rotation, center - rotation * center + shift};
@@ -208,10 +207,9 @@ Result<void> vary_size(const Variation& variation, Rng& rng, Obstacle& obstacle)
 }
 
 Result<void> vary_obstacle(const Variation& variation, Rng& rng, Obstacle& obstacle) {
-  if (auto sized = vary_size(variation, rng, obstacle); !sized) return sized;
-  const Result<Motion> motion = Motion::draw(variation, middle(obstacle), rng);
-  if (!motion) return tl::unexpected(motion.error());
-  motion->apply(obstacle);
+  MNEME_TRY(vary_size(variation, rng, obstacle));
+  const Motion motion = MNEME_TRY(Motion::draw(variation, middle(obstacle), rng));
+  motion.apply(obstacle);
   return {};
 }
 
@@ -257,14 +255,13 @@ Result<std::vector<int>> assign(const Scene& scene, const Variations& variations
 }  // namespace
 
 Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
-  const auto assigned = assign(scene, variations);
-  if (!assigned) return tl::unexpected(assigned.error());
+  const auto assigned = MNEME_TRY(assign(scene, variations));
   Scene varied = scene;
   for (std::size_t i = 0; i < varied.obstacles.size(); ++i) {
-    if ((*assigned)[i] < 0) continue;
+    if (assigned[i] < 0) continue;
     Obstacle& obstacle = varied.obstacles[i];
     const auto done =
-        vary_obstacle(variations.obstacles[internal::as_index((*assigned)[i])], rng, obstacle);
+        vary_obstacle(variations.obstacles[internal::as_index(assigned[i])], rng, obstacle);
     if (!done) {
       return fail(done.error().code,
                   fmt::format("obstacle '{}': {}", obstacle.name, done.error().message));
