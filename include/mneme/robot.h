@@ -150,6 +150,8 @@ class Robot {
   [[nodiscard]] const Joint& group_joint(int index) const {
     return model_->joints[static_cast<std::size_t>(model_->group[static_cast<std::size_t>(index)])];
   }
+  /// Names of the joints of the planning group, in the order of a configuration.
+  [[nodiscard]] std::vector<std::string> joint_names() const;
   /// Pairs of link indices (first < second) that are checked against each other.
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;

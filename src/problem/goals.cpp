@@ -16,14 +16,8 @@
 namespace mneme::internal {
 namespace {
 
-std::vector<std::string> group_joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
-  return names;
-}
-
 Configuration read_joint_map(const Input& input, const Robot& robot) {
-  const std::vector<std::string> names = group_joint_names(robot);
+  const std::vector<std::string> names = robot.joint_names();
   Configuration q(names.size());
   std::vector<bool> is_given(names.size(), false);
   for (const auto& [name, value] : input.entries()) {

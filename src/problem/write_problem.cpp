@@ -32,13 +32,6 @@ std::vector<Joint> fixed_joints(const Robot& robot) {
 
 using Json = nlohmann::ordered_json;
 
-/// The key `joints`: the robot's SRDF may name other ones, or several groups.
-Json joints_json(const Robot& robot) {
-  Json joints = Json::array();
-  for (int i = 0; i < robot.joint_count(); ++i) joints.push_back(robot.group_joint(i).name);
-  return joints;
-}
-
 Json fixed_joints_json(const Robot& robot) {
   Json values = Json::object();
   for (const Joint& joint : fixed_joints(robot)) values[joint.name] = joint.fixed_value;
@@ -133,9 +126,10 @@ std::string indented(const std::string& text) {
 
 std::string to_yaml(const Problem& problem, const std::string& robot) {
   using internal::yaml_flow;
+  // The robot's SRDF may name other joints, or several groups.
   std::string text =
       fmt::format("name: {}\nrobot: {}\njoints: {}\n", internal::yaml_string(problem.name),
-                  internal::yaml_string(robot), yaml_flow(joints_json(problem.robot)));
+                  internal::yaml_string(robot), yaml_flow(problem.robot.joint_names()));
   const Json fixed = fixed_joints_json(problem.robot);
   if (!fixed.empty()) text += fmt::format("fixed_joints: {}\n", yaml_flow(fixed));
   Json attached = attached_json(problem.robot, internal::kSceneSpelling);
@@ -181,7 +175,7 @@ std::string to_compact_json(const FramedScene& framed) {
 }
 
 std::string to_compact_json(const Problem& problem, const std::string& robot) {
-  Json file = {{"robot", robot}, {"joints", joints_json(problem.robot)}};
+  Json file = {{"robot", robot}, {"joints", problem.robot.joint_names()}};
   const Json fixed = fixed_joints_json(problem.robot);
   if (!fixed.empty()) file["fixed_joints"] = fixed;
   Json json = {{"name", problem.name}};

@@ -21,6 +21,12 @@ std::optional<int> Robot::find_link(std::string_view name) const {
   return internal::find_link(links(), name);
 }
 
+std::vector<std::string> Robot::joint_names() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < joint_count(); ++i) names.push_back(group_joint(i).name);
+  return names;
+}
+
 std::vector<Transform> Robot::link_poses(std::span<const double> q) const {
   return internal::forward_kinematics(joints(), group(), q);
 }

@@ -207,7 +207,7 @@ std::vector<double> Input::numbers() const {
 
 std::vector<double> Input::finite_numbers(std::size_t count, std::string_view what) const {
   if (!is_list() || items().size() != count) {
-    fail_expecting(fmt::format("{} numbers ({})", count, what));
+    fail_expecting("{} numbers ({})", count, what);
   }
   std::vector<double> result;
   for (const Input& item : items()) result.push_back(item.finite_number());

@@ -64,6 +64,11 @@ class Input {
   }
   /// Fails with "expected EXPECTED, got" and a description of the value.
   [[noreturn]] void fail_expecting(const std::string& expected) const;
+  template <class First, class... Rest>
+  [[noreturn]] void fail_expecting(fmt::format_string<First, Rest...> expected, First&& first,
+                                   Rest&&... rest) const {
+    fail_expecting(fmt::format(expected, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   /// The value, or fails with the error of what this value led to.
   template <class T>
   [[nodiscard]] T take(Result<T> result) const {

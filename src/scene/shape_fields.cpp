@@ -55,7 +55,7 @@ std::vector<double> list_of(const Input& input, std::string_view key, std::size_
   const Input list = input.at(key);
   const auto is_row = [](const Input& item) { return item.is_list(); };
   if (list.is_list() && std::ranges::any_of(list.items(), is_row)) {
-    list.fail_expecting(fmt::format("the numbers of all parts in one list, {} for each", count));
+    list.fail_expecting("the numbers of all parts in one list, {} for each", count);
   }
   const std::vector<double> numbers = list.numbers();
   if (numbers.empty() || numbers.size() % count != 0) {

@@ -18,12 +18,6 @@ namespace {
 using Point = Trajectory::Point;
 using Json = nlohmann::ordered_json;
 
-std::vector<std::string> joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
-  return names;
-}
-
 std::string yaml_time(double time_s) {
   const auto nanoseconds = static_cast<std::int64_t>(std::llround(time_s * 1e9));
   return fmt::format("{{sec: {}, nanosec: {}}}", nanoseconds / 1'000'000'000,
@@ -35,7 +29,7 @@ std::string yaml_time(double time_s) {
 std::string to_csv(const Robot& robot, std::span<const Point> points) {
   std::string text = "time";
   for (const char* quantity : {"position", "velocity", "acceleration"}) {
-    for (const std::string& name : joint_names(robot)) {
+    for (const std::string& name : robot.joint_names()) {
       text += fmt::format(",{}", internal::escape_csv(fmt::format("{}.{}", name, quantity)));
     }
   }
@@ -48,7 +42,7 @@ std::string to_csv(const Robot& robot, std::span<const Point> points) {
 
 std::string to_yaml(const Robot& robot, std::span<const Point> points) {
   std::string text = "header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: ''\njoint_names:\n";
-  for (const std::string& name : joint_names(robot)) {
+  for (const std::string& name : robot.joint_names()) {
     text += fmt::format("- {}\n", internal::yaml_string(name));
   }
   text += "points:\n";
@@ -65,7 +59,7 @@ std::string to_yaml(const Robot& robot, std::span<const Point> points) {
 std::string to_json(const Robot& robot, std::span<const Point> points) {
   Json json = {{"format", "mneme-trajectory"}, {"version", 1}};
   json["robot"] = robot.name();
-  json["joints"] = joint_names(robot);
+  json["joints"] = robot.joint_names();
   json["duration_s"] = points.empty() ? 0.0 : points.back().time_s;
   for (const char* key : {"times", "positions", "velocities", "accelerations"}) {
     json[key] = Json::array();
