@@ -52,18 +52,17 @@ Json to_json(const DatabaseInfo& info) {
                      {"samplers", kind.samplers},
                      {"components", kind.components}});
   }
-  const RobotHashes hashes = hashes_of(info.space);
-  const Json space = {{"robot_name", info.space.robot_name},
-                      {"robot_hash", hashes.model},
-                      {"kinematics_hash", hashes.kinematics},
-                      {"joint_count", info.space.joint_count},
+  const Json space = {{"robot_name", info.signature.robot_name},
+                      {"robot_hash", info.signature.model_hash},
+                      {"kinematics_hash", info.signature.kinematics_hash},
+                      {"joint_count", info.signature.joint_count},
                       {"kinds", kinds}};
   return {{"url", info.url},
           {"samplers", info.samplers},
           {"components", info.components},
           {"spaces", Json::array({space})},
-          {"robot_hash", hashes.model},
-          {"kinematics_hash", hashes.kinematics},
+          {"robot_hash", info.signature.model_hash},
+          {"kinematics_hash", info.signature.kinematics_hash},
           {"kinds", kinds},
           {"bytes", info.bytes},
           {"schema_version", info.schema_version},
@@ -81,12 +80,11 @@ void print_info(const DatabaseInfo& info) {
          "none: it holds nothing yet, and will be of the robot that is learned with first");
     return;
   }
-  line("robot", printable(info.space.robot_name));
-  const RobotHashes hashes = hashes_of(info.space);
-  line("kinematics",
-       hashes.kinematics.empty() ? "not noted: an older mneme made it" : hashes.kinematics);
-  line("robot hash", hashes.model);
-  line("joints", info.space.joint_count);
+  line("robot", printable(info.signature.robot_name));
+  line("kinematics", info.signature.kinematics_hash.empty() ? "not noted: an older mneme made it"
+                                                            : info.signature.kinematics_hash);
+  line("robot hash", info.signature.model_hash);
+  line("joints", info.signature.joint_count);
   for (const KindInfo& kind : info.kinds) {
     line("kind", fmt::format("{}, keys of {} numbers, {}", printable(kind.kind), kind.key_size,
                              counted(static_cast<std::size_t>(kind.samplers), "row", "rows")));
@@ -123,7 +121,8 @@ Result<ExitCode> run_info(const DbOptions& options) {
   if (!options.robot.empty()) {
     const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
     if (!robot) return tl::unexpected(robot.error());
-    const RobotDifference difference = compare_robots(database->space(), make_space(*robot));
+    const RobotDifference difference =
+        compare_robots(database->signature(), make_signature(*robot));
     comparison = &*std::ranges::find(kComparisons, difference, &Comparison::difference);
   }
   if (options.is_json) {
@@ -143,7 +142,7 @@ Json to_json(const Experience& row) {
   return {{"id", row.id},
           {"kind", row.kind},
           {"key", row.key},
-          {"components", row.sampler.component_count()},
+          {"components", row.component_count()},
           {"seed", row.provenance.seed},
           {"time", row.provenance.time},
           {"tool", row.provenance.tool},
@@ -152,7 +151,7 @@ Json to_json(const Experience& row) {
 
 void print_row(const Experience& row) {
   fmt::print("{:>8}  {:<12}  {:>8.4f}  {:>10}  {:>20}  {}\n", row.id, printable(row.kind),
-             fmt::join(row.key, " "), row.sampler.component_count(), row.provenance.seed,
+             fmt::join(row.key, " "), row.component_count(), row.provenance.seed,
              row.provenance.time);
 }
 
@@ -217,12 +216,13 @@ Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const D
                                         return read_problem(options.problem, given);
                                       });
   if (!problem) return tl::unexpected(problem.error());
-  if (compare_robots(database.space(), make_space(problem->robot)) > RobotDifference::shapes) {
+  if (compare_robots(database.signature(), make_signature(problem->robot)) >
+      RobotDifference::shapes) {
     return fail(ErrorCode::wrong_robot,
                 fmt::format("'{}' holds experience of the robot '{}' (kinematics {}), the problem "
                             "is for '{}' (kinematics {})",
-                            database.info().url, database.space().robot_name,
-                            hashes_of(database.space()).kinematics, problem->robot.name(),
+                            database.info().url, database.signature().robot_name,
+                            database.signature().kinematics_hash, problem->robot.name(),
                             problem->robot.kinematics_hash()));
   }
   std::vector<Lookup> lookups;
@@ -240,7 +240,7 @@ Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const D
 Json to_json(const Match& match) {
   return {{"id", match.experience->id},
           {"similarity_error", match.similarity_error},
-          {"components", match.experience->sampler.component_count()},
+          {"components", match.experience->component_count()},
           {"key", match.experience->key},
           {"rotation", match.to_scene.rotation},
           {"is_mirrored", match.to_scene.is_mirrored}};
@@ -254,7 +254,7 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
   for (const Match& match : matches) {
     fmt::print("  id {}, similarity error {:.4f} {}, {} components", match.experience->id,
                match.similarity_error, unit_of_error(primitive),
-               match.experience->sampler.component_count());
+               match.experience->component_count());
     if (!is_query(primitive)) fmt::print(", turned by {:.4f} rad", match.to_scene.rotation);
     const char* image = is_query(primitive) ? ", reversed" : ", mirrored";
     fmt::print("{}\n", match.to_scene.is_mirrored ? image : "");

@@ -66,8 +66,8 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
   PrimitiveGrid grid = MNEME_TRY(scene_file(options, "planar/grid.yaml").and_then(load_grid));
   grid.count = options.primitive_count.value_or(grid.count);
   const Robot robot = MNEME_TRY(load_named_robot(kRobot));
-  Database database =
-      MNEME_TRY(Database::open(options.out + "/planar.db", make_space(robot), OpenMode::create));
+  Database database = MNEME_TRY(
+      Database::open(options.out + "/planar.db", make_signature(robot), OpenMode::create));
   const std::vector<PrimitiveKey> keys = cover_grid(grid, options.job.seed);
   LearnSummary summary = MNEME_TRY(learn_with_progress(robot, keys, database, options.job));
   print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary.learned,
@@ -217,7 +217,7 @@ std::string introduction(const DemoMemory& memory) {
       "scenes. Times are planning times, retrieval included, on the instruction set {}. Every "
       "path was checked again by exact distances at ten times the resolution. A planner whose "
       "first {} runs on a problem all reached the time limit was not run further.",
-      info.space.joint_count, info.samplers, info.components, to_string(default_isa()),
+      info.signature.joint_count, info.samplers, info.components, to_string(default_isa()),
       kHopelessRuns);
 }
 

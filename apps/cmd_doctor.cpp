@@ -101,7 +101,7 @@ class ScratchFile {
 Result<std::string> try_memory(const Problem& problem) {
   const ScratchFile file;
   Result<Database> database =
-      Database::open(file.path(), make_space(problem.robot), OpenMode::create);
+      Database::open(file.path(), make_signature(problem.robot), OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   SolveSettings settings;
   settings.plan.timeout_s = kTimeout;

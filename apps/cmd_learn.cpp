@@ -155,7 +155,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   MemorySettings memory = options.source.memory;
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
   Result<Database> database =
-      Database::open(options.db, make_space(robot), OpenMode::create, options.kept);
+      Database::open(options.db, make_signature(robot), OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
@@ -205,7 +205,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
         "of each other");
   }
   Result<Database> database =
-      Database::open(options.db, make_space(robot), OpenMode::create, options.kept);
+      Database::open(options.db, make_signature(robot), OpenMode::create, options.kept);
   if (!database) return tl::unexpected(database.error());
   LearnJob job = options.job;
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};

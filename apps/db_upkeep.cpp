@@ -116,17 +116,17 @@ Result<ExitCode> run_import(const UpkeepOptions& options) {
 Result<ExitCode> run_adopt(const UpkeepOptions& options) {
   const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
   if (!robot) return tl::unexpected(robot.error());
-  const ExperienceSpace space = make_space(*robot);
-  return adopt_database(options.url, space, options.is_forced)
-      .map([&](const ExperienceSpace& before) {
+  const RobotSignature signature = make_signature(*robot);
+  return adopt_database(options.url, signature, options.is_forced)
+      .map([&](const RobotSignature& before) {
         if (options.is_json) {
-          print_json({{"robot_name", space.robot_name},
-                      {"kinematics_hash", hashes_of(space).kinematics},
-                      {"kinematics_hash_before", hashes_of(before).kinematics}});
+          print_json({{"robot_name", signature.robot_name},
+                      {"kinematics_hash", signature.kinematics_hash},
+                      {"kinematics_hash_before", before.kinematics_hash}});
         } else {
           fmt::print("the experience of robot '{}' is now that of robot '{}' (kinematics {})\n",
-                     printable(before.robot_name), printable(space.robot_name),
-                     hashes_of(space).kinematics);
+                     printable(before.robot_name), printable(signature.robot_name),
+                     signature.kinematics_hash);
         }
         return ExitCode::done;
       });

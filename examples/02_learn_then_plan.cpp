@@ -19,7 +19,7 @@ int fail_with(const mneme::Error& error) {
 }
 
 mneme::Result<mneme::Database> learn(const mneme::Robot& robot, const char* path) {
-  const auto space = mneme::make_space(robot);
+  const auto space = mneme::make_signature(robot);
   auto database = mneme::Database::open(path, space, mneme::OpenMode::create);
   if (!database) return database;
   const mneme::PrimitiveKey key = mneme::make_primitive(kLearned).key;

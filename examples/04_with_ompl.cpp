@@ -26,7 +26,7 @@ int main(int count, char** arguments) {
   if (count != 3) return std::cerr << "usage: 04_with_ompl PROBLEM.yaml MEMORY.db\n", 2;
   const auto problem = value_or_exit(mneme::load_problem(arguments[1]));
   const auto checker = value_or_exit(mneme::CollisionChecker::make(problem.robot, problem.scene));
-  const auto space = mneme::make_space(problem.robot);
+  const auto space = mneme::make_signature(problem.robot);
   auto memory =
       value_or_exit(mneme::Database::open(arguments[2], space, mneme::OpenMode::read_only));
   ompl::geometric::SimpleSetup setup(mneme::ompl::make_space_information(checker));  // mneme

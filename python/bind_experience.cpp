@@ -40,16 +40,22 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
   const py::gil_scoped_release released;
-  Memory memory(unwrap(robot ? Database::open(path.string(), make_space(*robot), open_mode, kept)
-                             : Database::inspect(path.string(), kept)));
+  Memory memory(unwrap(robot
+                           ? Database::open(path.string(), make_signature(*robot), open_mode, kept)
+                           : Database::inspect(path.string(), kept)));
   set_origin(memory.get(), {{"the memory", path.string()}});
   return memory;
 }
 
-py::array_t<float> means_of(const GaussianMixture& mixture) {
-  const py::ssize_t columns = mixture.joint_count;
-  py::array_t<float> means({py::ssize_t{mixture.component_count()}, columns});
-  std::copy(mixture.means.begin(), mixture.means.end(), means.mutable_data());
+const std::vector<float>& numbers_of(const Experience& row) {
+  return row.is_path() ? row.path().waypoints : row.sampler().means;
+}
+
+py::array_t<float> means_of(const Experience& row) {
+  const std::vector<float>& numbers = numbers_of(row);
+  const int columns = row.is_path() ? row.path().joint_count : row.sampler().joint_count;
+  py::array_t<float> means({py::ssize_t{row.component_count()}, py::ssize_t{columns}});
+  std::copy(numbers.begin(), numbers.end(), means.mutable_data());
   return means;
 }
 
@@ -58,7 +64,14 @@ py::dict to_dict(const Experience& experience) {
   row["id"] = experience.id;
   row["kind"] = experience.kind;
   row["key"] = to_array(experience.key);
-  row["means"] = means_of(experience.sampler);
+  row["means"] = means_of(experience);
+  row["is_path"] = experience.is_path();
+  if (experience.is_path()) {
+    row["constraints"] = experience.path().constraints;
+    row["planning_states"] = experience.path().planning_states;
+  } else {
+    row["is_complete"] = experience.sampler().is_complete;
+  }
   row["tool"] = experience.provenance.tool;
   row["settings"] = experience.provenance.settings;
   row["seed"] = experience.provenance.seed;
@@ -97,7 +110,8 @@ py::dict to_arrays(const Memory& memory) {
   py::dict arrays;
   py::list kinds, settings;
   std::vector<std::int64_t> ids;
-  std::vector<std::uint64_t> seeds;
+  std::vector<std::uint64_t> seeds, constraints, planning_states;
+  std::vector<std::uint8_t> is_path, is_complete;
   Column<double> keys;
   Column<float> means, factors;
   Column<int> factor_rows, sources;
@@ -107,12 +121,17 @@ py::dict to_arrays(const Memory& memory) {
     kinds.append(row->kind);
     settings.append(row->provenance.settings);
     keys.add(row->key);
-    means.add(row->sampler.means);
-    factors.add(row->sampler.factors);
-    factor_rows.add(row->sampler.factor_rows);
-    sources.add(row->sampler.sources);
+    means.add(numbers_of(*row));
+    const LocalSampler sampler = row->is_path() ? LocalSampler() : row->sampler();
+    factors.add(sampler.factors);
+    factor_rows.add(sampler.factor_rows);
+    sources.add(sampler.sources);
+    is_complete.push_back(sampler.is_complete);
+    is_path.push_back(row->is_path());
+    constraints.push_back(row->constraints());
+    planning_states.push_back(row->is_path() ? row->path().planning_states.value_or(0) : 0);
   }));
-  const std::int64_t joints = database->space().joint_count;
+  const std::int64_t joints = database->signature().joint_count;
   arrays["ids"] = array_of(ids);
   arrays["kinds"] = py::module_::import("numpy").attr("array")(kinds, py::arg("dtype") = "U");
   keys.write(arrays, "key");
@@ -120,6 +139,10 @@ py::dict to_arrays(const Memory& memory) {
   factors.write(arrays, "factor", joints * (joints + 1) / 2);
   factor_rows.write(arrays, "factor_row");
   sources.write(arrays, "source");
+  arrays["is_path"] = array_of(is_path).attr("astype")("bool");
+  arrays["is_complete"] = array_of(is_complete).attr("astype")("bool");
+  arrays["constraints"] = array_of(constraints);
+  arrays["planning_states"] = array_of(planning_states);
   arrays["seeds"] = array_of(seeds);
   arrays["settings"] = py::module_::import("numpy").attr("array")(settings, py::arg("dtype") = "U");
   return arrays;
@@ -156,11 +179,10 @@ py::dict info(const Memory& memory) {
   const DatabaseInfo info = memory.get()->info();
   py::dict row;
   row["url"] = info.url;
-  row["robot_name"] = info.space.robot_name;
-  const RobotHashes hashes = hashes_of(info.space);
-  row["robot_hash"] = hashes.model;
-  row["kinematics_hash"] = hashes.kinematics;
-  row["joint_count"] = info.space.joint_count;
+  row["robot_name"] = info.signature.robot_name;
+  row["robot_hash"] = info.signature.model_hash;
+  row["kinematics_hash"] = info.signature.kinematics_hash;
+  row["joint_count"] = info.signature.joint_count;
   py::list kinds;
   for (const KindInfo& info_of_kind : info.kinds) {
     py::dict kind;
@@ -217,14 +239,15 @@ void bind_experience(py::module_& module) {
       .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })
       .def("__getitem__", &get, py::arg("position"),
-           "A row in order of insertion: id, kind, key, means of shape (components, joint_count),\n"
-           "float32, and where it is from.")
+           "A row: id, kind, key, means of shape (components, joint_count), float32, and where it "
+           "is\n"
+           "from. The means of a path (is_path) are its waypoints.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Memory& self, const py::args&) { self.close(); })
       .def("__repr__", [](const Memory& self) {
         const DatabaseInfo held = self.get()->info();
         return fmt::format("<mneme.Database '{}' of robot '{}', {} samplers>", held.url,
-                           held.space.robot_name, held.samplers);
+                           held.signature.robot_name, held.samplers);
       });
 }
 

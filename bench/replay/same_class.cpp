@@ -47,8 +47,8 @@ std::map<std::string, Task> load_tasks(const std::string& file, const Database& 
     const Experience row = take(database.get(i));
     for (auto& [name, task] : tasks) {
       if (!row.provenance.settings.starts_with("solved problem " + name + "_")) continue;
-      const auto joints = static_cast<std::size_t>(row.sampler.joint_count);
-      for (auto q = row.sampler.means.begin(); q != row.sampler.means.end();
+      const auto joints = static_cast<std::size_t>(row.path().joint_count);
+      for (auto q = row.path().waypoints.begin(); q != row.path().waypoints.end();
            q += static_cast<std::ptrdiff_t>(joints)) {
         task.path.emplace_back(q, q + static_cast<std::ptrdiff_t>(joints));
       }
@@ -74,7 +74,7 @@ struct Tally {
 int run(const std::string& tasks_file, const std::string& repeats_file, const std::string& memory) {
   const std::vector<LoadedProblem> problems = load(repeats_file);
   Database database =
-      take(Database::open(memory, make_space(problems.front().problem.robot), OpenMode::read_only));
+      take(Database::open(memory, make_signature(problems.front().problem.robot), OpenMode::read_only));
   const std::map<std::string, Task> tasks = load_tasks(tasks_file, database);
   Tally replayed, planned;
   SolveSettings settings;

@@ -107,16 +107,16 @@ Experience make_row(int size, double edge, Rng& rng) {
   Experience row;
   row.kind = kKind;
   row.key = random_key(size, edge, rng);
-  row.sampler.joint_count = kJoints;
+  row.sampler().joint_count = kJoints;
   for (int i = 0; i < kMeans * kJoints; ++i) {
-    row.sampler.means.push_back(static_cast<float>(rng.uniform(-3, 3)));
+    row.sampler().means.push_back(static_cast<float>(rng.uniform(-3, 3)));
   }
   row.provenance = {"index_scale", "random", rng.next(), "2020-01-02T03:04:05Z"};
   return row;
 }
 
 /// Rows per second of the processor, or nothing if the disk is full.
-std::optional<double> fill(const std::string& path, const ExperienceSpace& space,
+std::optional<double> fill(const std::string& path, const RobotSignature& space,
                            std::int64_t count, int size, double edge) {
   Rng rng(1);
   double seconds = 0;
@@ -136,7 +136,7 @@ std::optional<double> fill(const std::string& path, const ExperienceSpace& space
 
 /// Times the opening of a database, queries of one image which find rows that were not asked for
 /// before, and the same once more.
-bool measure_opening(const std::string& path, const ExperienceSpace& space, int size, double edge,
+bool measure_opening(const std::string& path, const RobotSignature& space, int size, double edge,
                      const char* what) {
   const double before = allocated_bytes();
   const auto begin = processor_seconds();
@@ -172,7 +172,7 @@ bool measure_database(std::int64_t count, int size) {
   const std::string path = std::filesystem::temp_directory_path() /
                            ("mneme_scale_" + std::to_string(::getpid()) + ".db");
   const std::string index = path + ".index";
-  const ExperienceSpace space{"scale", "0123456789abcdef", kJoints};
+  const RobotSignature space{"scale", "", "0123456789abcdef", kJoints};
   const double edge = cube_edge(count, size);
   const auto rows_per_s = fill(path, space, count, size, edge);
   if (rows_per_s) {

@@ -20,7 +20,7 @@
 namespace mneme::bench {
 namespace {
 
-const ExperienceSpace kSpace = {"latency", "0123456789abcdef", 8};
+const RobotSignature kSpace = {"latency", "", "0123456789abcdef", 8};
 using Key = std::vector<double>;
 
 constexpr const char* kKind = "latency/1";
@@ -38,9 +38,9 @@ std::vector<Experience> random_rows(Rng& rng, int count) {
   for (Experience& row : rows) {
     row.kind = kKind;
     row.key = random_key(rng);
-    row.sampler.joint_count = kSpace.joint_count;
+    row.sampler().joint_count = kSpace.joint_count;
     for (int i = 0; i < kMeans * kSpace.joint_count; ++i) {
-      row.sampler.means.push_back(static_cast<float>(rng.uniform(-3, 3)));
+      row.sampler().means.push_back(static_cast<float>(rng.uniform(-3, 3)));
     }
     row.provenance = {"reader_latency", "random", rng.next(), "2020-01-02T03:04:05Z"};
   }

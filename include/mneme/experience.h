@@ -22,14 +22,7 @@ namespace internal {
 struct OpenedStore;
 }
 
-[[nodiscard]] ExperienceSpace make_space(const Robot& robot);
-
-/// What `space` says of the robot that it was learned with.
-struct RobotHashes {
-  std::string kinematics;  ///< Robot::kinematics_hash(); empty if an older mneme made the database
-  std::string model;       ///< Robot::hash()
-};
-[[nodiscard]] RobotHashes hashes_of(const ExperienceSpace& space);
+[[nodiscard]] RobotSignature make_signature(const Robot& robot);
 
 /// How a robot differs from the one that experience was learned with, the least first.
 enum class RobotDifference {
@@ -38,9 +31,9 @@ enum class RobotDifference {
   limits,  ///< its limits too: `adopt_database` makes experience apply
   frames,  ///< its joints, their order or their frames: another arm
 };
-/// Of an older database whose robot is not the very same one, `frames`.
-[[nodiscard]] RobotDifference compare_robots(const ExperienceSpace& learned_with,
-                                             const ExperienceSpace& robot);
+/// `frames` where a signature without kinematics, of an older database, names another model.
+[[nodiscard]] RobotDifference compare_robots(const RobotSignature& learned_with,
+                                             const RobotSignature& robot);
 
 /// A stored experience whose key is near one that was asked for.
 struct KeyMatch {
@@ -59,7 +52,7 @@ struct KindInfo {
 
 struct DatabaseInfo {
   std::string url;  ///< without a password
-  ExperienceSpace space;
+  RobotSignature signature;
   std::vector<KindInfo> kinds;  ///< in order of name
   std::int64_t samplers = 0;
   std::int64_t components = 0;
@@ -87,13 +80,14 @@ struct DatabaseSettings {
 class Database {
  public:
   /// Opens `url`. With `create`, a missing or empty file, or a server without our tables, becomes
-  /// an empty database of `space`; a file that was being created when its process was killed counts
-  /// as empty. An empty file that is only read is an empty database too. Errors: wrong_robot if the
-  /// database is not of `space`; corrupt if it is no database, or damaged; unsupported if a newer
-  /// or an older mneme wrote it, or if this mneme was built without the engine; io.
-  [[nodiscard]] static Result<Database> open(const std::string& url, const ExperienceSpace& space,
-                                             OpenMode mode, const DatabaseSettings& settings = {});
-  /// Opens for reading whatever space it is of, to look at it.
+  /// an empty database of that robot; a file that was being created when its process was killed
+  /// counts as empty. An empty file that is only read is an empty database too. Errors: wrong_robot
+  /// if the database is of another robot; corrupt if it is no database, or damaged; unsupported if
+  /// a newer or an older mneme wrote it, or if this mneme was built without the engine; io.
+  [[nodiscard]] static Result<Database> open(const std::string& url,
+                                             const RobotSignature& signature, OpenMode mode,
+                                             const DatabaseSettings& settings = {});
+  /// Opens for reading, whatever robot it is of.
   [[nodiscard]] static Result<Database> inspect(const std::string& url,
                                                 const DatabaseSettings& settings = {});
 
@@ -101,13 +95,13 @@ class Database {
   Database& operator=(Database&&) noexcept;
   ~Database();
 
-  [[nodiscard]] const ExperienceSpace& space() const;
+  [[nodiscard]] const RobotSignature& signature() const;
   [[nodiscard]] DatabaseInfo info() const;
   /// The kinds of rows that are there, in order of name.
   [[nodiscard]] std::vector<KindInfo> kinds() const;
   [[nodiscard]] std::int64_t size() const;
-  /// Experience by position, 0 to size() - 1: kind by kind as in kinds(), each in order of
-  /// insertion. Errors: invalid; as of find().
+  /// Experience by position, 0 to size() - 1: kind by kind as in kinds(), paths under the same
+  /// constraints together, and otherwise in order of insertion. Errors: invalid; as of find().
   [[nodiscard]] Result<Experience> get(std::int64_t position) const;
   /// Visits all experience in the order of positions. Errors: as of find().
   [[nodiscard]] Result<void> for_each(
@@ -120,14 +114,16 @@ class Database {
   /// at the boxes around some 64, and at the keys in those that are. Never at more keys than
   /// `keys_left` allows, if it is not null: those that were looked at, for all images, are taken
   /// from it, by up to 64, and without any left those that were found count. Errors, of rows that
-  /// are not in memory: corrupt, naming a damaged one; io.
+  /// are not in memory: corrupt, naming a damaged one; io. Only paths under `constraints` are
+  /// found; samplers are under 0.
   [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
                                                    std::span<const std::vector<double>> images,
                                                    double threshold, int max_matches,
-                                                   std::int64_t* keys_left = nullptr) const;
+                                                   std::int64_t* keys_left = nullptr,
+                                                   std::uint64_t constraints = 0) const;
 
   /// Appends rows in one transaction. Once it returns without an error they survive a killed
-  /// process and a loss of power. A row whose kind, key, mixture, settings and seed are those of a
+  /// process and a loss of power. A row whose kind, key and content are those of a
   /// row that is there already is not added again, so that a failed insertion can be repeated
   /// safely. The first row of a kind decides how long its keys are. Returns the ids, and
   /// in `is_new`, if it is not null, for each row whether it was added. Errors: io (disk full,

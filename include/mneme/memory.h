@@ -75,6 +75,7 @@ struct LocalPrimitive {
   Symmetry to_scene;            ///< takes the canonical primitive to the scene
   double gap = 0;               ///< metres between the two obstacles
   bool is_whole_query = false;  ///< a start and a goal without obstacles (kind "paths")
+  std::uint64_t constraints = 0;  ///< hash of those that a whole path has to keep; 0: none
 };
 
 /// One of several keys that describe the same canonical primitive, such as the other order of a
@@ -337,9 +338,8 @@ inline constexpr int kBodyKeySize = 9;
 
 /// A whole query as a primitive of the kind "paths": its key holds both
 /// configurations, a continuous joint as its cosine and sine, and before them the distance between
-/// these two rows. Constraints that are kept all the way add a multiple of 1000 to that, which
-/// keeps queries with different ones apart: the multiple derives from their numbers, and is one of
-/// 900. The two images are the query and its reverse; no obstacles count.
+/// these two rows. Its hash of the constraints keeps queries under others apart. The two images are
+/// the query and its reverse; no obstacles count.
 [[nodiscard]] LocalPrimitive make_query_primitive(
     const Robot& robot, std::span<const double> start, std::span<const double> goal,
     std::span<const OrientationConstraint> constraints = {});

@@ -7,16 +7,38 @@
 #include "mneme/base.h"
 #include "mneme/sampling.h"
 
+#include <cassert>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mneme {
 
-/// The parameters of p_i(x | lw_i) in the canonical frame of its primitive.
-using LocalSampler = GaussianMixture;
+/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. Without components: the
+/// primitive was tried, and nothing passes it.
+struct LocalSampler : GaussianMixture {
+  /// False if a time budget ended its learning: a query that retrieves it learns on.
+  bool is_complete = true;
+};
 
-/// Where a row of experience came from.
+/// A whole path that solved a problem.
+struct RememberedPath {
+  int joint_count = 0;
+  std::vector<float> waypoints;   ///< row by row, both ends included
+  std::uint64_t constraints = 0;  ///< hash of the constraints that all of it keeps; 0: none
+  /// States that planning it has checked, shortening and improving not counted; nothing if it was
+  /// not measured.
+  std::optional<std::uint64_t> planning_states;
+
+  [[nodiscard]] int waypoint_count() const {
+    return joint_count == 0 ? 0 : static_cast<int>(waypoints.size()) / joint_count;
+  }
+};
+
+/// Where a row of experience came from: for people. Nothing depends on it but which of two equal
+/// rows a merge keeps.
 struct Provenance {
   std::string tool;      ///< such as "mneme 0.2.0"
   std::string settings;  ///< of the learning, as text
@@ -24,23 +46,46 @@ struct Provenance {
   std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
 };
 
-/// A row of the database: key -> local sampler. An empty sampler says that the primitive was tried
-/// and that nothing passes it.
+/// A row of the database.
 struct Experience {
   std::int64_t id = 0;  ///< given by the database
   std::string kind;     ///< what the key means, such as "pairs/1": 1 to 64 bytes of UTF-8 without
                         ///< control characters
   std::vector<double> key;  ///< as many numbers as the other keys of its kind
-  LocalSampler sampler;
+  std::variant<LocalSampler, RememberedPath> content;
   Provenance provenance;
+
+  [[nodiscard]] bool is_path() const { return std::holds_alternative<RememberedPath>(content); }
+  // Only of a row that holds one.
+  [[nodiscard]] const LocalSampler& sampler() const {
+    assert(!is_path());
+    return *std::get_if<LocalSampler>(&content);
+  }
+  [[nodiscard]] LocalSampler& sampler() {
+    assert(!is_path());
+    return *std::get_if<LocalSampler>(&content);
+  }
+  [[nodiscard]] const RememberedPath& path() const {
+    assert(is_path());
+    return *std::get_if<RememberedPath>(&content);
+  }
+  [[nodiscard]] RememberedPath& path() {
+    assert(is_path());
+    return *std::get_if<RememberedPath>(&content);
+  }
+  /// Hash of the constraints that a path keeps; 0 of a sampler.
+  [[nodiscard]] std::uint64_t constraints() const { return is_path() ? path().constraints : 0; }
+  /// Components of the sampler, or waypoints of the path.
+  [[nodiscard]] int component_count() const {
+    return is_path() ? path().waypoint_count() : sampler().component_count();
+  }
 };
 
-/// What decides whether experience applies at all.
-struct ExperienceSpace {
-  std::string robot_name;  ///< for messages only
-  /// Robot::kinematics_hash(), a slash and Robot::hash(): experience applies where the first is the
-  /// same. Older databases have the second alone, which then has to be the same.
-  std::string robot_hash;
+/// The robot that experience was learned with: decides whether it applies at all.
+struct RobotSignature {
+  std::string robot_name;       ///< for messages only
+  std::string kinematics_hash;  ///< Robot::kinematics_hash(): where it is the same, rows apply
+  std::string model_hash;       ///< Robot::hash()
   int joint_count = 0;
 };
 enum class OpenMode { read_only, read_write, create };

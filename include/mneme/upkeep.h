@@ -24,20 +24,20 @@ enum class VerifyMode {
                                                           VerifyMode mode = VerifyMode::report);
 
 /// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
-/// rows are the same if their kinds, keys, mixtures, settings and seeds are. Idempotent, and what
+/// rows are the same if their kinds, keys and contents are. Idempotent, and what
 /// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
 /// if it was interrupted. If `from` is damaged, `into` stays as it was. Errors: wrong_robot if the
-/// two are not of one space; those of Database::open().
+/// two are not of one robot; those of Database::open().
 [[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
                                                    const std::string& from);
 
-/// Says that the experience of `url` is that of `space` from now on: where only joint limits
-/// differ, or where an older mneme said less. Rows stay as they are; returns the space that it was
+/// Says that the experience of `url` is that of `robot` from now on: where only joint limits
+/// differ, or where an older mneme said less. Rows stay as they are; returns the robot that it was
 /// of. Errors: wrong_robot if the joints stand in other frames, or, unless `is_forced`, if the
 /// database does not say in which; invalid if there is nothing in it yet; io.
-[[nodiscard]] Result<ExperienceSpace> adopt_database(const std::string& url,
-                                                     const ExperienceSpace& space,
-                                                     bool is_forced = false);
+[[nodiscard]] Result<RobotSignature> adopt_database(const std::string& url,
+                                                    const RobotSignature& robot,
+                                                    bool is_forced = false);
 
 struct CompactSummary {
   std::int64_t removed = 0;  ///< rows that were set aside

@@ -264,7 +264,7 @@ Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
       if (matches.empty() || matches.front().similarity_error >= least) continue;
       const Match& match = matches.front();
       least = match.similarity_error;
-      found = {match.experience->sampler.means, i};
+      found = {match.experience->path().waypoints, i};
     }
   }
   if (!found.rows.empty()) {

@@ -25,10 +25,10 @@ struct Entry {
 };
 
 Path stored_path(const MemoryQuery& query, const Configuration& goal, const Experience& row) {
-  const std::vector<float>& means = row.sampler.means;
-  const auto joints = static_cast<std::ptrdiff_t>(row.sampler.joint_count);
+  const std::vector<float>& waypoints = row.path().waypoints;
+  const auto joints = static_cast<std::ptrdiff_t>(row.path().joint_count);
   Path path;
-  for (auto q = means.begin(); q != means.end(); q += joints) {
+  for (auto q = waypoints.begin(); q != waypoints.end(); q += joints) {
     path.push_back(query.robot.normalized(Configuration(q, q + joints)));
   }
   path.front() = query.robot.normalized(*query.start);

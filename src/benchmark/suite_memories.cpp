@@ -31,10 +31,10 @@ Result<void> open_for_robots(const std::string& name, const std::string& path, O
   for (const LoadedProblem& loaded : plan.problems) {
     const Robot& robot = loaded.problem.robot;
     const std::pair key{name, robot.hash()};
-    const ExperienceSpace space = make_space(robot);
-    const bool applies = compare_robots(any.space(), space) <= RobotDifference::shapes;
+    const RobotSignature signature = make_signature(robot);
+    const bool applies = compare_robots(any.signature(), signature) <= RobotDifference::shapes;
     if (plan.memories.contains(key) || !applies) continue;
-    Database database = MNEME_TRY(Database::open(path, space, mode));
+    Database database = MNEME_TRY(Database::open(path, signature, mode));
     plan.memories.emplace(key, std::make_shared<Database>(std::move(database)));
   }
   return {};
@@ -49,7 +49,7 @@ Result<void> begin_memory(const std::string& name, const std::string& path, cons
       return c.memory == name && c.is_of_set(loaded.set);
     });
     if (!is_used) continue;
-    return Database::open(path, make_space(loaded.problem.robot), OpenMode::create)
+    return Database::open(path, make_signature(loaded.problem.robot), OpenMode::create)
         .map([](const Database&) {});
   }
   return {};
@@ -94,7 +94,7 @@ Result<LearnSummary> learn_grid(const SuiteMemory& memory, const std::string& pa
   const std::string urdf = MNEME_TRY(robot_file(memory.robot));
   const auto [robot, notes] = MNEME_TRY(load_approximated_robot(urdf));
   for (const std::string& note : notes) say(hooks, note);
-  Database database = MNEME_TRY(Database::open(path, make_space(robot), OpenMode::create));
+  Database database = MNEME_TRY(Database::open(path, make_signature(robot), OpenMode::create));
   std::vector<PrimitiveKey> keys = cover(grid, memory.seed, hooks.cancel);
   // A count that was asked for is a size to measure, also where more would complete the cover.
   if (memory.count) keys.resize(std::min<std::size_t>(keys.size(), std::size_t(grid.count)));
@@ -133,7 +133,7 @@ Result<LearnSummary> learn_problems(const SuiteMemory& memory, const std::string
   const Robot& robot = problems.front().robot;
   MemorySettings kind;
   kind.kind = memory.kind.value_or(std::string(default_kind_of_paths(robot).name));
-  Database database = MNEME_TRY(Database::open(path, make_space(robot), OpenMode::create));
+  Database database = MNEME_TRY(Database::open(path, make_signature(robot), OpenMode::create));
   ProblemLesson lesson = lesson_of(memory);
   watch(hooks, fmt::format("{} problems", problems.size()), lesson);
   LearnSummary summary = MNEME_TRY(learn_from_problems(problems, kind, database, lesson));

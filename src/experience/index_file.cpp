@@ -3,7 +3,7 @@
 #include "experience/index_file.h"
 
 #include "base/files.h"
-#include "store/new_file.h"
+#include "base/new_file.h"
 #include "store/open_store.h"
 
 #include <fmt/format.h>
@@ -23,9 +23,9 @@ constexpr bool kIsLittleEndian = std::endian::native == std::endian::little;
 
 /// "mneme ix" and the version of the layout.
 constexpr std::int64_t kMagic = 0x6d6e656d65206978;
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 3;
 constexpr std::int64_t kLeaf = KeyTree::kLeafSize;
-/// Magic, version, keys in a leaf, space, kinds; then the store's state.
+/// Magic, version, keys in a leaf, signature, groups; then the store's state.
 constexpr std::size_t kOwnNumbers = 5;
 using Header = std::array<std::int64_t, kOwnNumbers + kHeadSize>;
 
@@ -58,8 +58,9 @@ class Taker {
   std::string_view rest_;
 };
 
-/// Before the trees of a kind: the length of its name, its key size, the number of trees.
-using KindHeader = std::array<std::int64_t, 3>;
+/// Before the trees of a group: the length of its kind's name, its constraints, its key size, the
+/// number of trees.
+using GroupHeader = std::array<std::int64_t, 4>;
 
 std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
   std::int64_t count = 0;
@@ -75,31 +76,34 @@ std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
   return is_inside ? std::optional(std::move(data)) : std::nullopt;
 }
 
-/// Puts the index of the next kind among `kinds`.
-bool take_kind(Taker& taker, KindIndexes& kinds) {
-  KindHeader header{};
+/// Puts the index of the next group among `groups`.
+bool take_group(Taker& taker, GroupIndexes& groups) {
+  GroupHeader header{};
   std::vector<char> name;
   constexpr int kMostNumbers = 1 << 20;
-  if (!taker.take(header.data(), header.size()) || header[0] < 0 || header[1] < 1 ||
-      header[1] > kMostNumbers || !taker.take(name, static_cast<std::size_t>(header[0]))) {
+  if (!taker.take(header.data(), header.size()) || header[0] < 0 || header[2] < 1 ||
+      header[2] > kMostNumbers || !taker.take(name, static_cast<std::size_t>(header[0]))) {
     return false;
   }
-  const int key_size = static_cast<int>(header[1]);
+  const int key_size = static_cast<int>(header[2]);
   std::vector<std::shared_ptr<const KeyTree>> trees;
-  for (std::int64_t i = 0; i < header[2]; ++i) {
+  for (std::int64_t i = 0; i < header[3]; ++i) {
     auto data = take_tree(taker, static_cast<std::size_t>(key_size));
     if (!data) return false;
     trees.push_back(std::make_shared<const KeyTree>(key_size, std::move(*data)));
   }
-  kinds.emplace(std::string(name.begin(), name.end()), ExperienceIndex(key_size, std::move(trees)));
+  groups.emplace(
+      RowGroup{std::string(name.begin(), name.end()), std::bit_cast<std::uint64_t>(header[1])},
+      ExperienceIndex(key_size, std::move(trees)));
   return true;
 }
 
-void append_kind(std::string& bytes, const std::string& kind, const ExperienceIndex& index) {
-  const KindHeader header = {static_cast<std::int64_t>(kind.size()), index.key_size(),
-                             static_cast<std::int64_t>(index.trees().size())};
+void append_group(std::string& bytes, const RowGroup& group, const ExperienceIndex& index) {
+  const GroupHeader header = {static_cast<std::int64_t>(group.kind.size()),
+                              std::bit_cast<std::int64_t>(group.constraints), index.key_size(),
+                              static_cast<std::int64_t>(index.trees().size())};
   bytes += bytes_of(header.data(), header.size());
-  bytes += kind;
+  bytes += group.kind;
   for (const auto& tree : index.trees()) {
     const KeyTreeData& data = tree->data();
     const auto count = static_cast<std::int64_t>(tree->size());
@@ -111,19 +115,20 @@ void append_kind(std::string& bytes, const std::string& kind, const ExperienceIn
   }
 }
 
-bool is_of(const Header& header, const ExperienceSpace& space) {
+bool is_of(const Header& header, const RobotSignature& signature) {
   return header[0] == kMagic && header[1] == kVersion && header[2] == kLeaf &&
-         header[3] == checksum_of(space);
+         header[3] == checksum_of(signature);
 }
 
-/// Nothing if it does not begin as the index of `space` does: then it may be any large file.
-std::string read_index_of(const ExperienceSpace& space, const std::string& path) {
+/// Nothing if it does not begin as the index of `signature` does: then it may be any large file.
+std::string read_index_of(const RobotSignature& signature, const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
   Header header{};
   if (error || size < sizeof header ||
-      !file.read(reinterpret_cast<char*>(header.data()), sizeof header) || !is_of(header, space)) {
+      !file.read(reinterpret_cast<char*>(header.data()), sizeof header) ||
+      !is_of(header, signature)) {
     return {};
   }
   std::string bytes(size, '\0');
@@ -151,14 +156,14 @@ std::string index_file_of(const std::string& url) {
                      static_cast<std::uint64_t>(hash_bytes(std::as_bytes(std::span(name)))));
 }
 
-bool save_index(const std::string& file, const ExperienceSpace& space, const StoreState& state,
-                const KindIndexes& kinds) {
+bool save_index(const std::string& file, const RobotSignature& signature, const StoreState& state,
+                const GroupIndexes& groups) {
   if (!kIsLittleEndian) return false;
-  Header header = {kMagic, kVersion, kLeaf, checksum_of(space),
-                   static_cast<std::int64_t>(kinds.size())};
+  Header header = {kMagic, kVersion, kLeaf, checksum_of(signature),
+                   static_cast<std::int64_t>(groups.size())};
   std::ranges::copy(to_numbers(state), header.begin() + kOwnNumbers);
   std::string bytes(bytes_of(header.data(), header.size()));
-  for (const auto& [kind, index] : kinds) append_kind(bytes, kind, index);
+  for (const auto& [group, index] : groups) append_group(bytes, group, index);
   const std::int64_t checksum = hash_bytes(std::as_bytes(std::span(bytes)));
   bytes += bytes_of(&checksum, 1);
   std::error_code ignored;
@@ -168,15 +173,15 @@ bool save_index(const std::string& file, const ExperienceSpace& space, const Sto
   return written && written->write(bytes) && written->finish();
 }
 
-std::optional<SavedIndex> load_index(const std::string& file, const ExperienceSpace& space) {
+std::optional<SavedIndex> load_index(const std::string& file, const RobotSignature& signature) {
   if (!kIsLittleEndian) return std::nullopt;
-  const std::string bytes = read_index_of(space, file);
+  const std::string bytes = read_index_of(signature, file);
   Taker taker(checked(bytes));
   Header header{};
   if (!taker.take(header.data(), header.size())) return std::nullopt;
   SavedIndex saved;
   for (std::int64_t i = 0; i < header[4]; ++i) {
-    if (!take_kind(taker, saved.kinds)) return std::nullopt;
+    if (!take_group(taker, saved.groups)) return std::nullopt;
   }
   if (!taker.is_empty()) return std::nullopt;
   saved.state = to_state(std::span(header).subspan<kOwnNumbers, kHeadSize>());

@@ -16,7 +16,7 @@ namespace mneme::internal {
 /// An index, and the state of the store that it is of.
 struct SavedIndex {
   StoreState state;
-  KindIndexes kinds;
+  GroupIndexes groups;
 };
 
 /// Beside a file with `.index` behind its name; of a server in the user's cache. Empty if there is
@@ -24,11 +24,11 @@ struct SavedIndex {
 [[nodiscard]] std::string index_file_of(const std::string& url);
 
 /// Makes the directory if it is missing. False if it cannot be written.
-bool save_index(const std::string& file, const ExperienceSpace& space, const StoreState& state,
-                const KindIndexes& kinds);
+bool save_index(const std::string& file, const RobotSignature& signature, const StoreState& state,
+                const GroupIndexes& groups);
 
-/// Nothing if there is no file, or it is damaged, or of another space or version.
+/// Nothing if there is no file, or it is damaged, or of another robot or version.
 [[nodiscard]] std::optional<SavedIndex> load_index(const std::string& file,
-                                                   const ExperienceSpace& space);
+                                                   const RobotSignature& signature);
 
 }  // namespace mneme::internal

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -176,7 +177,12 @@ class ExperienceIndex {
   std::int64_t components_ = 0;
 };
 
-/// The indexes of all kinds of rows.
-using KindIndexes = std::map<std::string, ExperienceIndex, std::less<>>;
+/// Rows that one search is among: those of a kind, and of paths those under the same constraints.
+struct RowGroup {
+  std::string kind;
+  std::uint64_t constraints = 0;
+  auto operator<=>(const RowGroup&) const = default;
+};
+using GroupIndexes = std::map<RowGroup, ExperienceIndex>;
 
 }  // namespace mneme::internal

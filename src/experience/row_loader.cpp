@@ -31,12 +31,18 @@ std::size_t bytes_in(const std::vector<Value>& values) {
 }  // namespace
 
 std::int64_t bytes_of(const Experience& row) {
-  const LocalSampler& sampler = row.sampler;
+  std::size_t content = 0;
+  if (row.is_path()) {
+    content = bytes_in(row.path().waypoints);
+  } else {
+    const LocalSampler& sampler = row.sampler();
+    content = bytes_in(sampler.means) + bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) +
+              bytes_in(sampler.sources);
+  }
   const Provenance& provenance = row.provenance;
-  return static_cast<std::int64_t>(
-      sizeof row + kOverhead + row.kind.capacity() + bytes_in(row.key) + bytes_in(sampler.means) +
-      bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) + bytes_in(sampler.sources) +
-      provenance.tool.capacity() + provenance.settings.capacity() + provenance.time.capacity());
+  return static_cast<std::int64_t>(sizeof row + kOverhead + row.kind.capacity() +
+                                   bytes_in(row.key) + content + provenance.tool.capacity() +
+                                   provenance.settings.capacity() + provenance.time.capacity());
 }
 
 ExperienceCache::ExperienceCache(std::int64_t capacity_bytes) : capacity_(capacity_bytes) {
@@ -101,8 +107,8 @@ struct RowLoader::Reading {
   std::map<std::int64_t, std::string> flaws;
 };
 
-RowLoader::RowLoader(std::string url, ExperienceSpace space, std::int64_t capacity_bytes)
-    : url_(std::move(url)), space_(std::move(space)), cache_(capacity_bytes) {}
+RowLoader::RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes)
+    : url_(std::move(url)), signature_(std::move(signature)), cache_(capacity_bytes) {}
 
 Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64_t> ids,
                                                       bool is_kept) const {
@@ -130,42 +136,39 @@ Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64
 Result<void> RowLoader::read(std::span<const std::int64_t> ids, Reading& reading) const {
   const std::lock_guard lock(mutex_);
   if (store_ == nullptr) {
-    auto opened = open_store(url_, OpenMode::read_only);
-    if (!opened) return tl::unexpected(opened.error());
-    store_ = std::move(*opened);
+    auto opened = MNEME_TRY(open_store(url_, OpenMode::read_only));
+    store_ = std::move(opened);
   }
-  const auto transaction = store_->begin(Store::Kind::read);
-  if (!transaction) return tl::unexpected(transaction.error());
+  const auto transaction = MNEME_TRY(store_->begin(Store::Kind::read));
   const auto visit = [&](const StoredRow& row) -> Result<void> {
     auto experience = std::make_shared<Experience>();
-    if (const auto flaw = decode(row, space_, *experience)) {
+    if (const auto flaw = decode(row, signature_, *experience)) {
       reading.flaws.emplace(row.id, *flaw);
     } else {
       reading.rows.emplace(row.id, std::move(experience));
     }
     return {};
   };
-  return (*transaction)->read_rows_by_id(ids, visit).and_then([&] {
+  return transaction->read_rows_by_id(ids, visit).and_then([&] {
     return reading.rows.size() == ids.size() ? Result<void>()
-                                             : check_absent(**transaction, reading, ids);
+                                             : check_absent(*transaction, reading, ids);
   });
 }
 
 /// Others may have set rows aside, or removed them, since their ids were read.
 Result<void> RowLoader::check_absent(StoreTransaction& transaction, const Reading& reading,
                                      std::span<const std::int64_t> ids) const {
-  std::set<std::int64_t> buried;
-  const auto head = transaction.head();
-  if (!head) return tl::unexpected(head.error());
+  std::set<std::int64_t> dead;
+  const auto head = MNEME_TRY(transaction.head());
   const auto read = transaction.read_tombstones(0, [&](const Tombstone& tombstone) {
-    buried.insert(tombstone.row);
+    dead.insert(tombstone.row);
     return Result<void>();
   });
   if (!read) return read;
   for (const std::int64_t id : ids) {
-    if (reading.rows.contains(id) || buried.contains(id)) continue;
+    if (reading.rows.contains(id) || dead.contains(id)) continue;
     const auto flaw = reading.flaws.find(id);
-    if (flaw == reading.flaws.end() && head->epoch != epoch_) continue;
+    if (flaw == reading.flaws.end() && head.epoch != epoch_) continue;
     return fail(ErrorCode::corrupt,
                 fmt::format("{}: row {} is damaged: {}", store_->name(), id,
                             flaw == reading.flaws.end() ? "it is missing" : flaw->second));

@@ -52,7 +52,7 @@ class ExperienceCache {
 class RowLoader {
  public:
   /// `url` has to stay right when the process changes its directory.
-  RowLoader(std::string url, ExperienceSpace space, std::int64_t capacity_bytes);
+  RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes);
 
   [[nodiscard]] ExperienceCache& cache() const { return cache_; }
   /// Rows whose ids were known in `epoch` may have been removed in a later one.
@@ -70,7 +70,7 @@ class RowLoader {
                             std::span<const std::int64_t> ids) const;
 
   std::string url_;
-  ExperienceSpace space_;
+  RobotSignature signature_;
   mutable ExperienceCache cache_;
   std::atomic<std::int64_t> epoch_ = 0;
   mutable std::mutex mutex_;

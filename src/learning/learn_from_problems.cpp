@@ -24,17 +24,10 @@ std::string provenance_text(const Problem& problem, const MemorySettings& memory
 /// What several paths teach alike, such as those that go straight, once: the database would keep
 /// one of these rows, and the summary would count them all.
 void drop_repetitions(std::vector<Experience>& rows) {
-  const auto is_same = [](const Experience& a, const Experience& b) {
-    return a.kind == b.kind && a.key == b.key && a.sampler.means == b.sampler.means &&
-           a.sampler.factor_rows == b.sampler.factor_rows && a.sampler.factors == b.sampler.factors;
-  };
-  std::vector<Experience> kept;
-  for (Experience& row : rows) {
-    const bool is_known =
-        std::ranges::any_of(kept, [&](const Experience& known) { return is_same(known, row); });
-    if (!is_known) kept.push_back(std::move(row));
-  }
-  rows = std::move(kept);
+  std::set<internal::ContentHash> known;
+  std::erase_if(rows, [&](const Experience& row) {
+    return !known.insert(internal::EncodedRow(row).content()).second;
+  });
 }
 
 /// The problems that have taught the database nothing of this kind yet.

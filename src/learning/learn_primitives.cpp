@@ -70,7 +70,7 @@ class Lessons {
     Experience row;
     row.kind = kind.version;
     row.key = lesson.key;
-    row.sampler = std::move(result.sampler);
+    row.content = std::move(result.sampler);
     row.provenance = {"mneme " + std::string(version()), settings_text_, lesson.seed, {}};
     return internal::Learned{{std::move(row)}, {}};
   }

@@ -240,10 +240,10 @@ void count(const Learned& learned, std::vector<bool>::const_iterator is_new,
   ++summary.learned;
   std::int64_t components = 0;
   for (const Experience& row : learned.rows) {
-    components += row.sampler.component_count();
+    components += row.component_count();
     if (!*is_new++) continue;
     ++summary.rows;
-    summary.components += row.sampler.component_count();
+    summary.components += row.component_count();
   }
   if (components == 0) ++summary.empty;
 }

@@ -95,7 +95,7 @@ Result<LearnSummary> run_shared(Database& database, const Tasks& tasks, const Sh
   if (!(work.lease_s >= 0.1 && work.lease_s <= 86400)) {
     return fail(ErrorCode::invalid, "a lease must last 0.1 to 86400 seconds");
   }
-  auto queue = open_tasks(work.url, database.space(), {job, worker_name()});
+  auto queue = open_tasks(work.url, database.signature(), {job, worker_name()});
   if (!queue) return tl::unexpected(queue.error());
   const std::vector<std::int64_t> numbers(tasks.open.begin(), tasks.open.end());
   const auto added = (*queue)->add(numbers, generation);

@@ -79,13 +79,13 @@ class FittedMeans final : public ComponentSource {
   [[nodiscard]] int group_count() const override { return static_cast<int>(matches_.size()); }
   [[nodiscard]] int first_groups() const override { return first_groups_; }
   [[nodiscard]] int component_count(int group) const override {
-    return match(group).experience->sampler.component_count();
+    return match(group).experience->sampler().component_count();
   }
   [[nodiscard]] SampleSource sample_source(int group) const override { return match(group).source; }
 
   [[nodiscard]] bool make(int group, int component, std::span<float> mean) const override {
     const FittedMatch& from = match(group);
-    const LocalSampler& sampler = from.experience->sampler;
+    const LocalSampler& sampler = from.experience->sampler();
     const float* stored = sampler.means.data() + static_cast<std::size_t>(component) * mean.size();
     const double sign = from.to_scene.is_mirrored ? -1 : 1;
     std::vector<double> q(mean.size());
@@ -98,7 +98,7 @@ class FittedMeans final : public ComponentSource {
   }
 
   [[nodiscard]] std::span<const float> factor(int group, int component) const override {
-    return match(group).experience->sampler.factor(component);
+    return match(group).experience->sampler().factor(component);
   }
 
  private:

@@ -21,7 +21,7 @@ class Synthesizer {
   }
 
   void add(const Match& match, SampleSource source) {
-    const GaussianMixture& local = match.experience->sampler;
+    const GaussianMixture& local = match.experience->sampler();
     const auto joints = static_cast<std::size_t>(local.joint_count);
     for (int i = 0; i < local.component_count(); ++i) {
       const float* mean = local.means.data() + static_cast<std::size_t>(i) * joints;
@@ -140,7 +140,7 @@ GaussianMixture pool_moved_means(const MemoryQuery& query,
   std::size_t component_count = 0;
   for (const PrimitiveRetrieval& retrieval : primitives) {
     for (const Match& match : retrieval.matches) {
-      component_count += static_cast<std::size_t>(match.experience->sampler.component_count());
+      component_count += static_cast<std::size_t>(match.experience->sampler().component_count());
     }
   }
   std::vector<std::pair<const Match*, SampleSource>> matches;
@@ -169,7 +169,7 @@ std::vector<Experience> gather_waypoints(const MemoryQuery& query,
         const LocalPrimitive& primitive = primitives[i];
         if (!nearness.is_close_to_all(primitive.obstacles)) continue;
         const Configuration mean = moved_configuration(joints, inverse(primitive.to_scene), q);
-        LocalSampler& sampler = rows[i].sampler;
+        LocalSampler& sampler = rows[i].sampler();
         sampler.joint_count = query.robot.joint_count();
         sampler.means.insert(sampler.means.end(), mean.begin(), mean.end());
         rows[i].kind = primitive.kind;

@@ -9,6 +9,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 namespace mneme {
 namespace {
@@ -30,13 +32,9 @@ void append(const Robot& robot, std::span<const double> q, PrimitiveKey& key) {
   }
 }
 
-/// Of keys: more than any distance between two configurations, and so many at most that keys stay
-/// below the numbers that rows may hold.
-constexpr double kApart = 1000;
-constexpr std::uint64_t kMultiples = 900;
-
-double offset_of(std::span<const OrientationConstraint> constraints) {
-  std::uint64_t all = 0;  // in any order
+/// The same for any order of the constraints; 0 without any.
+std::uint64_t hash_of(std::span<const OrientationConstraint> constraints) {
+  std::uint64_t all = 0;
   for (const OrientationConstraint& constraint : constraints) {
     std::uint64_t one = 0;
     for (const char c : constraint.link) one = derive_seed(one, static_cast<std::uint64_t>(c));
@@ -48,7 +46,7 @@ double offset_of(std::span<const OrientationConstraint> constraints) {
     }
     all += one;
   }
-  return constraints.empty() ? 0 : kApart * static_cast<double>(1 + all % kMultiples);
+  return all;
 }
 
 }  // namespace
@@ -72,7 +70,8 @@ LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> 
   append(robot, goal, key);
   double sum = 0;
   for (std::size_t i = 1; i <= end_size; ++i) sum += std::pow(key[i + end_size] - key[i], 2);
-  key[0] = offset_of(constraints) + std::sqrt(sum);
+  key[0] = std::sqrt(sum);
+  primitive.constraints = hash_of(constraints);
   return primitive;
 }
 
@@ -220,7 +219,7 @@ GaussianMixture warp_paths(const MemoryQuery& query,
   std::size_t size = 0;
   for (const PrimitiveRetrieval& retrieval : retrievals) {
     for (const Match& match : retrieval.matches) {
-      size += 2 * match.experience->sampler.means.size();
+      size += 2 * match.experience->path().waypoints.size();
     }
   }
   mixture.means.reserve(size);
@@ -228,7 +227,7 @@ GaussianMixture warp_paths(const MemoryQuery& query,
   for (std::size_t i = 0; i < retrievals.size(); ++i) {
     PathWarper warper(query.robot, *query.start, query.goals[i]);
     for (const Match& match : retrievals[i].matches) {
-      warper.add(match.experience->sampler.means, mixture.means);
+      warper.add(match.experience->path().waypoints, mixture.means);
     }
     mixture.sources.resize(static_cast<std::size_t>(mixture.component_count()),
                            static_cast<SampleSource>(i));
@@ -237,9 +236,9 @@ GaussianMixture warp_paths(const MemoryQuery& query,
 }
 
 Path bend_path(const MemoryQuery& query, const Configuration& goal, const Experience& row) {
-  if (row.sampler.component_count() < 2) return {};
+  if (row.path().waypoint_count() < 2) return {};
   const Robot& robot = query.robot;
-  Path path = to_path(robot, PathWarper(robot, *query.start, goal).bend(row.sampler.means));
+  Path path = to_path(robot, PathWarper(robot, *query.start, goal).bend(row.path().waypoints));
   path.front() = robot.normalized(*query.start);
   path.back() = robot.normalized(goal);
   return path;
@@ -254,10 +253,14 @@ Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
     if (path.empty()) continue;
     Experience& row = rows.emplace_back();
     row.kind = kWholePathsVersion;
-    row.key = make_query_primitive(query.robot, path.front(), path.back(), query.constraints).key;
-    row.sampler.joint_count = query.robot.joint_count();
+    LocalPrimitive primitive =
+        make_query_primitive(query.robot, path.front(), path.back(), query.constraints);
+    row.key = std::move(primitive.key);
+    RememberedPath& remembered = row.content.emplace<RememberedPath>();
+    remembered.joint_count = query.robot.joint_count();
+    remembered.constraints = primitive.constraints;
     for (const Configuration& q : path) {
-      row.sampler.means.insert(row.sampler.means.end(), q.begin(), q.end());
+      remembered.waypoints.insert(remembered.waypoints.end(), q.begin(), q.end());
     }
   }
   return rows;
@@ -271,7 +274,7 @@ extern constinit const MemoryKind kWholePaths = {
     .summary = "whole solved paths, found by their ends and bent to those of the query",
     .defaults = {.share = {.lambda = 0.7, .retrieve_after = 2500},
                  .sigma = 0.4,
-                 .similarity = 0.25 * kApart * kApart,
+                 .similarity = std::numeric_limits<double>::infinity(),
                  .max_matches = 50,
                  .drop_invalid_means = false,
                  .first_components = 20},

@@ -6,7 +6,6 @@
 #include "pipeline/drawn_components.h"
 
 #include <algorithm>
-#include <string_view>
 
 namespace mneme::internal {
 namespace {
@@ -14,17 +13,13 @@ namespace {
 /// Seconds of the time limit that learning leaves, because an insertion waits for the disk.
 constexpr double kInsertionTime = 0.01;
 
-/// In the settings of a row's provenance, of a lesson that its budget cut short.
-constexpr std::string_view kCutShort = " cut short";
-
-bool is_cut_short(const Match& match) {
-  return match.experience->provenance.settings.ends_with(kCutShort);
-}
-
-/// A primitive is known by a match that nothing cut short, or by as many as are drawn from.
+/// A primitive is known by a complete sampler, or by the most matches that are retrieved.
 bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
+  const auto is_complete = [](const Match& match) {
+    return match.experience->sampler().is_complete;
+  };
   return std::ssize(primitive.matches) >= kind.max_matches ||
-         !std::ranges::all_of(primitive.matches, is_cut_short);
+         std::ranges::any_of(primitive.matches, is_complete);
 }
 
 /// Of a lesson: another one than those had that it goes on from.
@@ -33,14 +28,13 @@ std::uint64_t lesson_seed(std::uint64_t seed, const PrimitiveRetrieval& primitiv
 }
 
 Result<void> insert_lesson(Database& database, const LocalPrimitive& primitive,
-                           LocalSampler sampler, const LearnSettings& settings, std::uint64_t seed,
-                           bool is_whole) {
+                           LocalSampler sampler, const LearnSettings& settings,
+                           std::uint64_t seed) {
   Experience row;
   row.kind = primitive.kind;
   row.key = primitive.key;
-  row.sampler = std::move(sampler);
+  row.content = std::move(sampler);
   row.provenance = {"mneme " + std::string(version()), describe(settings) + " budget", seed, {}};
-  if (!is_whole) row.provenance.settings += kCutShort;
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
   return database.insert(std::move(rows)).map([](const auto&) {});
@@ -80,9 +74,9 @@ Result<void> learn(const Query& query, const MemoryQuery& memory_query, const Ki
   // What a short budget left without a component may be no obstacle with a longer one.
   if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;
-    const bool is_whole = learned.time_s < budget_s && !is_set(settings.plan.cancel);
+    learned.sampler.is_complete = learned.time_s < budget_s && !is_set(settings.plan.cancel);
     MNEME_TRY(insert_lesson(*query.database, primitive.primitive, std::move(learned.sampler),
-                            learning, seed, is_whole));
+                            learning, seed));
     MNEME_TRY(retrieve(*query.database, kind, primitive));
   }
   learning_time_s += stopwatch.elapsed_s();

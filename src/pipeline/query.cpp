@@ -30,12 +30,12 @@ Result<void> check_settings(const SolveSettings& settings) {
 Result<void> check_robot(const Robot& robot, const Database& database) {
   // The very model that memory was learned with has its joints, whose own hash takes longer than
   // all that an easy query asks of a memory.
-  if (model_of(database.space()) == robot.hash()) return {};
-  const ExperienceSpace wanted = make_space(robot);
+  if (database.signature().model_hash == robot.hash()) return {};
+  const RobotSignature wanted = make_signature(robot);
   // A file without rows that is only looked at is of every robot.
-  const bool is_empty = database.space().robot_hash.empty();
-  if (is_empty || is_same_space(database.space(), wanted)) return {};
-  return refuse_space(database.info().url, database.space(), wanted);
+  const bool is_empty = database.signature().model_hash.empty();
+  if (is_empty || is_same_robot(database.signature(), wanted)) return {};
+  return refuse_robot(database.info().url, database.signature(), wanted);
 }
 
 bool replays(const MemoryKind* kind) { return kind->can_replay(); }

@@ -3,9 +3,6 @@
 #include "pipeline/remember.h"
 
 #include "replay/push_off.h"
-#include "replay/replay.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -22,11 +19,9 @@ Result<int> insert_solved(const ResolvedQuery& resolved, const Path& path, const
                                          {std::string(kind.kind->name), kind.max_gap}));
   if (rows.empty()) return 0;
   for (Experience& row : rows) {
-    row.provenance = {"mneme " + std::string(version()),
-                      fmt::format("solved problem {}{}{}{}", query.problem.name, kPlannedIn,
-                                  planning_states, kStates),
-                      plan.seed,
-                      {}};
+    if (row.is_path()) row.path().planning_states = planning_states;
+    row.provenance = {
+        "mneme " + std::string(version()), "solved problem " + query.problem.name, plan.seed, {}};
   }
   std::vector<bool> is_new;
   MNEME_TRY(query.database->insert(std::move(rows), &is_new));

@@ -7,9 +7,9 @@
 #include "replay/push_off.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,8 +43,8 @@ constexpr float kFarthestRound = 0.65f;
 constexpr float kRoundStep = 0.05f;
 /// Of shortening a way round, in vectors of states.
 constexpr double kRepairPatience = 5;
-/// Radians: of any task that is under the same constraints, whose keys are 1000 apart otherwise.
-constexpr double kAnyDistance = 500;
+/// Radians: of any task under the same constraints.
+constexpr double kAnyDistance = std::numeric_limits<double>::infinity();
 /// Of seeds: what planners and improving derive from theirs comes before.
 constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
 
@@ -114,7 +114,7 @@ class Replayer {
   void measure(const Path& path);
   [[nodiscard]] std::vector<Block> find_blocks(const Draft& draft);
   void add_blocks(int motion, std::vector<Block>& blocks);
-  void limit_repair(const Experience& row);
+  void limit_repair(const RememberedPath& remembered);
   [[nodiscard]] bool repair(Draft& draft, const std::vector<Block>& blocks);
   [[nodiscard]] Draft lead_round(const Path& blocked, MotionEnds ends);
   [[nodiscard]] Path plan_round(const Configuration& from, const Configuration& to);
@@ -190,7 +190,7 @@ void Replayer::replay(const std::vector<Known>& known) {
     least = {std::move(draft), std::move(blocks), &task, length};
   }
   if (!least) return;
-  limit_repair(*least->known->match.experience);
+  limit_repair(least->known->match.experience->path());
   if (!repair(least->draft, least->blocks)) return;
   report_.is_repaired = true;
   take(std::move(least->draft.path), *least->known);
@@ -270,10 +270,10 @@ Configuration Replayer::at(float way) const {
   return task_.checker.robot().normalized(Configuration(q.begin(), q.end()));
 }
 
-void Replayer::limit_repair(const Experience& row) {
+void Replayer::limit_repair(const RememberedPath& remembered) {
   states_limit_ = ~std::uint64_t{0};
-  if (const auto cost = planning_states(row)) {
-    const auto share = static_cast<std::uint64_t>(kShareOfPlanning * static_cast<double>(*cost));
+  if (const auto states = remembered.planning_states) {
+    const auto share = static_cast<std::uint64_t>(kShareOfPlanning * static_cast<double>(*states));
     states_limit_ = counters_.states + kStatesOfGrace + share;
   }
 }
@@ -392,17 +392,6 @@ void Replayer::take(Path path, const Known& known) {
 }
 
 }  // namespace
-
-std::optional<std::uint64_t> planning_states(const Experience& row) {
-  const std::string_view text = row.provenance.settings;
-  const std::size_t begin = text.rfind(kPlannedIn);
-  if (begin == std::string_view::npos) return std::nullopt;
-  const char* number = text.data() + begin + kPlannedIn.size();
-  std::uint64_t states = 0;
-  const auto [end, error] = std::from_chars(number, text.data() + text.size(), states);
-  const std::string_view rest(end, text.data() + text.size());
-  return error == std::errc() && rest == kStates ? std::optional(states) : std::nullopt;
-}
 
 PlanResult replay(const ReplayTask& task, Replay& report) { return Replayer(task, report).run(); }
 

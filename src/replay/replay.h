@@ -31,8 +31,4 @@ struct ReplayTask {
 /// but on what planning the remembered path has cost: see kShareOfPlanning.
 [[nodiscard]] PlanResult replay(const ReplayTask& task, Replay& report);
 
-/// What planning the path of a row has cost, in states; nothing where the row does not say.
-[[nodiscard]] std::optional<std::uint64_t> planning_states(const Experience& row);
-inline constexpr std::string_view kPlannedIn = ", planned in ", kStates = " states";
-
 }  // namespace mneme::internal

@@ -167,7 +167,7 @@ class Tracer {
       primitive.is_learned = retrieval.is_learned;
       for (const Match& match : retrieval.matches) {
         primitive.similarity_errors.push_back(match.similarity_error);
-        primitive.components += match.experience->sampler.component_count();
+        primitive.components += match.experience->component_count();
       }
     }
     if (gl.mixture == nullptr) return;

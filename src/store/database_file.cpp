@@ -40,10 +40,8 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
 /// Makes SQLite look at the file: until then it has read nothing.
 Result<Connection> probed(Result<Connection> connection, const char* settings) {
   if (!connection) return connection;
-  const auto version = connection->integer("PRAGMA schema_version");
-  if (!version) return tl::unexpected(version.error());
-  const auto set = connection->execute(settings);
-  if (!set) return tl::unexpected(set.error());
+  MNEME_TRY(connection->integer("PRAGMA schema_version"));
+  MNEME_TRY(connection->execute(settings));
   return connection;
 }
 
@@ -61,8 +59,7 @@ std::string log_path(const std::string& path) {
 }
 
 Result<Connection> open_for_reading(const std::string& path) {
-  const auto checked = check_access(path, R_OK, "read");
-  if (!checked) return tl::unexpected(checked.error());
+  MNEME_TRY(check_access(path, R_OK, "read"));
   // A writing handle, where that is allowed, so that the log of a killed process is put in order.
   auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
   if (connection || connection.error().code != ErrorCode::io) return connection;
@@ -79,8 +76,7 @@ Result<Connection> open_for_writing(const std::string& path, bool can_create) {
   std::error_code ignored;
   const bool is_new = can_create && !std::filesystem::exists(path, ignored);
   if (!is_new) {
-    const auto checked = check_access(path, R_OK | W_OK, "written");
-    if (!checked) return tl::unexpected(checked.error());
+    MNEME_TRY(check_access(path, R_OK | W_OK, "written"));
   }
   const auto access = is_new ? Connection::Access::create : Connection::Access::read_write;
   auto connection = probed(Connection::open(path, access), kWriting);

@@ -82,13 +82,11 @@ tl::unexpected<Error> refuse_postgres(const std::string& url) {
 /// Reads what the store is of.
 Result<OpenedStore> identified(std::unique_ptr<Store> store) {
   OpenedStore opened;
-  const auto version = store->schema_version();
-  if (!version) return tl::unexpected(version.error());
-  opened.schema_version = *version;
-  if (*version > 0) {
-    const auto space = store->space();
-    if (!space) return tl::unexpected(space.error());
-    opened.space = *space;
+  const auto version = MNEME_TRY(store->schema_version());
+  opened.schema_version = version;
+  if (version > 0) {
+    const auto signature = MNEME_TRY(store->signature());
+    opened.signature = signature;
   }
   opened.store = std::move(store);
   return opened;
@@ -97,9 +95,8 @@ Result<OpenedStore> identified(std::unique_ptr<Store> store) {
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode) {
-  const auto engine = engine_of(url);
-  if (!engine) return tl::unexpected(engine.error());
-  if (*engine == Engine::sqlite) return open_sqlite_store(url, mode);
+  const auto engine = MNEME_TRY(engine_of(url));
+  if (engine == Engine::sqlite) return open_sqlite_store(url, mode);
 #ifdef MNEME_HAS_POSTGRESQL
   return open_postgres_store(url, mode);
 #else
@@ -107,26 +104,25 @@ Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode)
 #endif
 }
 
-Result<OpenedStore> open_store_of(const std::string& url, const ExperienceSpace& space,
+Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& signature,
                                   OpenMode mode) {
-  if (space.joint_count < 1) {
+  if (signature.joint_count < 1) {
     return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
-                                                without_password(url), describe(space)));
+                                                without_password(url), describe(signature)));
   }
   auto opened = open_store(url, mode).and_then(identified);
   if (!opened) return opened;
   if (opened->schema_version == 0) {
     if (mode == OpenMode::read_only) {
-      opened->space = space;
+      opened->signature = signature;
       return opened;
     }
-    const auto created = opened->store->create(space);
-    if (!created) return tl::unexpected(created.error());
+    MNEME_TRY(opened->store->create(signature));
     opened = identified(std::move(opened->store));
     if (!opened) return opened;
   }
-  if (!is_same_space(opened->space, space)) {
-    return refuse_space(opened->store->name(), opened->space, space);
+  if (!is_same_robot(opened->signature, signature)) {
+    return refuse_robot(opened->store->name(), opened->signature, signature);
   }
   return opened;
 }
@@ -135,20 +131,19 @@ Result<OpenedStore> inspect_store(const std::string& url) {
   return open_store(url, OpenMode::read_only).and_then(identified);
 }
 
-Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url, const ExperienceSpace& space,
-                                              TaskOwner owner) {
-  const auto engine = engine_of(url);
-  if (!engine) return tl::unexpected(engine.error());
-  if (*engine == Engine::sqlite) {
+Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
+                                              const RobotSignature& signature, TaskOwner owner) {
+  const auto engine = MNEME_TRY(engine_of(url));
+  if (engine == Engine::sqlite) {
     return fail(ErrorCode::unsupported,
                 fmt::format("{}: workers share tasks on a PostgreSQL server only; for a file, "
                             "learn in shards and merge them",
                             url));
   }
 #ifdef MNEME_HAS_POSTGRESQL
-  return open_postgres_tasks(url, space, std::move(owner));
+  return open_postgres_tasks(url, signature, std::move(owner));
 #else
-  (void)space;
+  (void)signature;
   (void)owner;
   return refuse_postgres(url);
 #endif

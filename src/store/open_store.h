@@ -17,22 +17,23 @@ namespace mneme::internal {
 /// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
 [[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
 
-/// Opens a store that must hold experience of `space`, and creates it if `mode` says so; returns it
-/// with its schema version. Errors: wrong_robot.
+/// Opens a store that must hold experience of `signature`, and creates it if `mode` says so;
+/// returns it with its schema version. Errors: wrong_robot.
 struct OpenedStore {
   std::unique_ptr<Store> store;
-  ExperienceSpace space;
+  RobotSignature signature;
   int schema_version = 0;
 };
 [[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
-                                                const ExperienceSpace& space, OpenMode mode);
-/// Opens a store for reading, whatever space it is of; the space of an empty one has no joints.
+                                                const RobotSignature& signature, OpenMode mode);
+/// Opens a store for reading, whatever signature it is of; the signature of an empty one has no
+/// joints.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
 
-/// The tasks that processes share beside the database of `space` at `url`. Errors: unsupported if
-/// it is not on a PostgreSQL server.
+/// The tasks that processes share beside the database of `signature` at `url`. Errors: unsupported
+/// if it is not on a PostgreSQL server.
 [[nodiscard]] Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
-                                                            const ExperienceSpace& space,
+                                                            const RobotSignature& signature,
                                                             TaskOwner owner);
 
 /// The same error; if it says that `url` is damaged, with the command that helps.

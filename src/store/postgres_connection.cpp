@@ -108,11 +108,12 @@ tl::unexpected<Error> PostgresConnection::error_of(const pg_result* result) {
   return fail(code_of(last_state_), fmt::format("{}: {}", name_, one_line(message)));
 }
 
-Result<PostgresAnswer> PostgresConnection::query(const char* sql,
+Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
                                                  const std::vector<std::string>& parameters) {
   const auto pointers = pointers_of(parameters);
-  pg_result* result = PQexecParams(connection_.get(), sql, static_cast<int>(pointers.size()),
-                                   nullptr, pointers.data(), nullptr, nullptr, kBinary);
+  pg_result* result =
+      PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(pointers.size()), nullptr,
+                   pointers.data(), nullptr, nullptr, kBinary);
   PostgresAnswer answer(result);
   const ExecStatusType status = PQresultStatus(result);
   if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) return answer;
@@ -120,10 +121,10 @@ Result<PostgresAnswer> PostgresConnection::query(const char* sql,
 }
 
 Result<void> PostgresConnection::stream(
-    const char* sql, const std::vector<std::string>& parameters,
+    const std::string& sql, const std::vector<std::string>& parameters,
     const std::function<Result<void>(const PostgresAnswer&)>& visit) {
   const auto pointers = pointers_of(parameters);
-  if (PQsendQueryParams(connection_.get(), sql, static_cast<int>(pointers.size()), nullptr,
+  if (PQsendQueryParams(connection_.get(), sql.c_str(), static_cast<int>(pointers.size()), nullptr,
                         pointers.data(), nullptr, nullptr, kBinary) == 0 ||
       PQsetSingleRowMode(connection_.get()) == 0) {
     return error_of(nullptr);
@@ -143,9 +144,9 @@ Result<void> PostgresConnection::stream(
   return outcome;
 }
 
-Result<void> PostgresConnection::copy_in(const char* sql, std::string_view data) {
+Result<void> PostgresConnection::copy_in(const std::string& sql, std::string_view data) {
   {
-    pg_result* begun = PQexec(connection_.get(), sql);
+    pg_result* begun = PQexec(connection_.get(), sql.c_str());
     const PostgresAnswer owner(begun);
     if (PQresultStatus(begun) != PGRES_COPY_IN) return error_of(begun);
   }
@@ -181,6 +182,12 @@ BinaryCopy& BinaryCopy::row(int column_count) {
 BinaryCopy& BinaryCopy::add(std::int64_t value) {
   append_big_endian(8, 4);
   append_big_endian(static_cast<std::uint64_t>(value), 8);
+  return *this;
+}
+
+BinaryCopy& BinaryCopy::add(std::optional<std::int64_t> value) {
+  if (value) return add(*value);
+  append_big_endian(0xffffffff, 4);  // null
   return *this;
 }
 

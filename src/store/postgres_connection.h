@@ -14,6 +14,7 @@ struct pg_result;
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,6 +44,22 @@ class PostgresAnswer {
   std::unique_ptr<pg_result, Clear> result_;
 };
 
+/// One row of an answer, which must outlive it.
+class PostgresRow {
+ public:
+  explicit PostgresRow(const PostgresAnswer& answer, int row = 0) : answer_(answer), row_(row) {}
+  [[nodiscard]] bool is_null(int column) const { return answer_.is_null(row_, column); }
+  [[nodiscard]] std::int64_t integer(int column) const { return answer_.integer(row_, column); }
+  [[nodiscard]] std::string_view text(int column) const { return answer_.text(row_, column); }
+  [[nodiscard]] std::span<const std::byte> blob(int column) const {
+    return answer_.blob(row_, column);
+  }
+
+ private:
+  const PostgresAnswer& answer_;
+  int row_;
+};
+
 /// The text of an array parameter.
 [[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
 
@@ -60,14 +77,14 @@ class PostgresConnection {
   [[nodiscard]] Result<void> revive();
 
   /// Parameters are text; $1 is the first.
-  [[nodiscard]] Result<PostgresAnswer> query(const char* sql,
+  [[nodiscard]] Result<PostgresAnswer> query(const std::string& sql,
                                              const std::vector<std::string>& parameters = {});
   /// Hands each row to `visit` as row 0 of an answer, without keeping them all in memory.
   [[nodiscard]] Result<void> stream(
-      const char* sql, const std::vector<std::string>& parameters,
+      const std::string& sql, const std::vector<std::string>& parameters,
       const std::function<Result<void>(const PostgresAnswer&)>& visit);
   /// Runs `COPY ... FROM STDIN` with `data`.
-  [[nodiscard]] Result<void> copy_in(const char* sql, std::string_view data);
+  [[nodiscard]] Result<void> copy_in(const std::string& sql, std::string_view data);
   /// The SQLSTATE of the last error.
   [[nodiscard]] const std::string& last_state() const { return last_state_; }
 
@@ -90,6 +107,7 @@ class BinaryCopy {
   /// Begins a row of `column_count` values, which must follow.
   BinaryCopy& row(int column_count);
   BinaryCopy& add(std::int64_t value);
+  BinaryCopy& add(std::optional<std::int64_t> value);
   BinaryCopy& add(std::string_view text);
   BinaryCopy& add(std::span<const std::byte> bytes);
   /// All rows with the end mark; nothing can be added afterwards.

@@ -62,18 +62,18 @@ std::vector<Lease> leases_of(const PostgresAnswer& answer) {
 
 class PostgresTasks final : public TaskQueue {
  public:
-  PostgresTasks(std::shared_ptr<PostgresConnection> connection, ExperienceSpace space,
+  PostgresTasks(std::shared_ptr<PostgresConnection> connection, RobotSignature signature,
                 TaskOwner owner)
       : connection_(std::move(connection)),
         store_(make_postgres_store(connection_, OpenMode::read_write)),
-        space_(std::move(space)),
+        signature_(std::move(signature)),
         job_(std::to_string(owner.job)),
         worker_(std::move(owner.worker)) {}
 
   Result<void> create() {
-    const auto exists = connection_->query("SELECT to_regclass('mneme_task') IS NOT NULL");
-    if (!exists) return tl::unexpected(exists.error());
-    if (exists->integer(0, 0) != 0) return {};
+    const auto exists =
+        MNEME_TRY(connection_->query("SELECT to_regclass('mneme_task') IS NOT NULL"));
+    if (exists.integer(0, 0) != 0) return {};
     for (const char* sql : kCreate) {
       const auto done = connection_->query(sql);
       if (done) continue;
@@ -109,8 +109,7 @@ class PostgresTasks final : public TaskQueue {
 
   Result<std::vector<Lease>> finish(std::span<const Lease> leases,
                                     std::vector<Experience> rows) override {
-    const auto prepared = prepare_rows(rows, space_);
-    if (!prepared) return tl::unexpected(prepared.error());
+    MNEME_TRY(prepare_rows(rows, signature_));
     std::map<std::int64_t, Experience> results;
     for (std::size_t i = 0; i < leases.size(); ++i) {
       results.emplace(leases[i].task, std::move(rows[i]));
@@ -120,14 +119,12 @@ class PostgresTasks final : public TaskQueue {
     const auto choose = [&](const StoreState& head) -> Result<std::span<const Experience>> {
       auto parameters = parameters_of(leases);
       parameters.push_back(std::to_string(head.generation + 1));
-      const auto marked = connection_->query(kFinish, parameters);
-      if (!marked) return tl::unexpected(marked.error());
-      good = leases_of(*marked);
+      const auto marked = MNEME_TRY(connection_->query(kFinish, parameters));
+      good = leases_of(marked);
       for (const Lease& lease : good) chosen.push_back(std::move(results.at(lease.task)));
       return chosen;
     };
-    const auto appended = append_rows_of(*store_, choose, Duplicates::keep_first);
-    if (!appended) return tl::unexpected(appended.error());
+    MNEME_TRY(append_rows_of(*store_, choose, Duplicates::keep_first));
     return good;
   }
 
@@ -155,7 +152,7 @@ class PostgresTasks final : public TaskQueue {
 
   std::shared_ptr<PostgresConnection> connection_;
   std::unique_ptr<Store> store_;
-  ExperienceSpace space_;
+  RobotSignature signature_;
   std::string job_;
   std::string worker_;
 };
@@ -163,14 +160,12 @@ class PostgresTasks final : public TaskQueue {
 }  // namespace
 
 Result<std::unique_ptr<TaskQueue>> open_postgres_tasks(const std::string& url,
-                                                       const ExperienceSpace& space,
+                                                       const RobotSignature& signature,
                                                        TaskOwner owner) {
-  auto connection = PostgresConnection::open(url);
-  if (!connection) return tl::unexpected(connection.error());
+  auto connection = MNEME_TRY(PostgresConnection::open(url));
   auto queue = std::make_unique<PostgresTasks>(
-      std::make_shared<PostgresConnection>(std::move(*connection)), space, std::move(owner));
-  const auto created = queue->create();
-  if (!created) return tl::unexpected(created.error());
+      std::make_shared<PostgresConnection>(std::move(connection)), signature, std::move(owner));
+  MNEME_TRY(queue->create());
   return queue;
 }
 

@@ -83,74 +83,73 @@ std::optional<std::string> KeySizes::check(std::string_view kind, std::size_t si
                      known->second, kind);
 }
 
-std::optional<std::string> describe_flaw(const Experience& experience,
-                                         const ExperienceSpace& space) {
-  if (auto flaw = describe_key_flaw(experience.kind, experience.key)) return flaw;
-  if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
-  const LocalSampler& sampler = experience.sampler;
+namespace {
+
+std::optional<std::string> describe_joint_flaw(int joint_count, const std::vector<float>& values,
+                                               const char* what, const RobotSignature& signature) {
+  if (joint_count != signature.joint_count) {
+    return fmt::format("its {} are for {} joints; expected {}", what, joint_count,
+                       signature.joint_count);
+  }
+  if (values.size() % static_cast<std::size_t>(joint_count) != 0) {
+    return fmt::format("its {} {} are no multiple of {}", values.size(), what, joint_count);
+  }
+  return describe_not_finite(values, what);
+}
+
+std::optional<std::string> describe_sampler_flaw(const LocalSampler& sampler,
+                                                 const RobotSignature& signature) {
   const bool is_blank = sampler.joint_count == 0 && sampler.means.empty();
-  if (!is_blank && sampler.joint_count != space.joint_count) {
-    return fmt::format("its sampler is for {} joints; expected {}", sampler.joint_count,
-                       space.joint_count);
-  }
-  const auto joints = static_cast<std::size_t>(space.joint_count);
-  if (sampler.means.size() % joints != 0) {
-    return fmt::format("its {} mean values are no multiple of {}", sampler.means.size(), joints);
-  }
+  const int joint_count = is_blank ? signature.joint_count : sampler.joint_count;
+  if (auto flaw = describe_joint_flaw(joint_count, sampler.means, "means", signature)) return flaw;
+  const auto joints = static_cast<std::size_t>(joint_count);
   const std::size_t components = sampler.means.size() / joints;
   for (const auto& column : {&sampler.factor_rows, &sampler.sources}) {
     if (!column->empty() && column->size() != components) {
       return fmt::format("it has {} {} for {} components", column->size(),
-                         column == &sampler.sources ? "origins" : "factor rows", components);
+                         column == &sampler.sources ? "sources" : "factor rows", components);
     }
   }
-  if (auto flaw = describe_not_finite(sampler.means, "means")) return flaw;
   return describe_factor_flaw(sampler, joints);
 }
 
-namespace {
-
-constexpr char kBetween = '/';
-constexpr std::size_t kFrameDigits = 8;
-
 }  // namespace
 
-std::string join_hashes(std::string_view kinematics, std::string_view model) {
-  return fmt::format("{}{}{}", kinematics, kBetween, model);
+std::optional<std::string> describe_flaw(const Experience& experience,
+                                         const RobotSignature& signature) {
+  if (auto flaw = describe_key_flaw(experience.kind, experience.key)) return flaw;
+  if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
+  if (!experience.is_path()) return describe_sampler_flaw(experience.sampler(), signature);
+  const RememberedPath& path = experience.path();
+  return describe_joint_flaw(path.joint_count, path.waypoints, "waypoints", signature);
 }
 
-std::string_view kinematics_of(const ExperienceSpace& space) {
-  const std::size_t end = space.robot_hash.find(kBetween);
-  const std::string_view text = space.robot_hash;
-  return end == std::string::npos ? std::string_view() : text.substr(0, end);
+bool is_same_constraints(std::uint64_t stored, std::uint64_t wanted) {
+  constexpr std::uint64_t kNumbersOfSchema3 = 900;
+  return stored == wanted || (wanted != 0 && stored == 1 + wanted % kNumbersOfSchema3);
 }
 
-std::string_view model_of(const ExperienceSpace& space) {
-  const std::string_view text = space.robot_hash;
-  return text.substr(text.find(kBetween) + 1);
+std::string describe(const RobotSignature& signature) {
+  const bool is_unsaid = signature.kinematics_hash.empty();
+  return fmt::format(
+      "robot '{}' ({} {}, {} joints)", signature.robot_name, is_unsaid ? "hash" : "kinematics",
+      is_unsaid ? signature.model_hash : signature.kinematics_hash, signature.joint_count);
 }
 
-std::string describe(const ExperienceSpace& space) {
-  const std::string_view kinematics = kinematics_of(space);
-  return fmt::format("robot '{}' ({} {}, {} joints)", space.robot_name,
-                     kinematics.empty() ? "hash" : "kinematics",
-                     kinematics.empty() ? model_of(space) : kinematics, space.joint_count);
+bool has_same_frames(const RobotSignature& a, const RobotSignature& b) {
+  constexpr std::size_t kFrameDigits = 8;
+  return a.joint_count == b.joint_count && !a.kinematics_hash.empty() &&
+         a.kinematics_hash.substr(0, kFrameDigits) == b.kinematics_hash.substr(0, kFrameDigits);
 }
 
-bool has_same_frames(const ExperienceSpace& a, const ExperienceSpace& b) {
-  const std::string_view first = kinematics_of(a).substr(0, kFrameDigits);
-  const std::string_view second = kinematics_of(b).substr(0, kFrameDigits);
-  return !first.empty() && first == second && a.joint_count == b.joint_count;
-}
-
-bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b) {
+bool is_same_robot(const RobotSignature& a, const RobotSignature& b) {
   if (a.joint_count != b.joint_count) return false;
-  const std::string_view first = kinematics_of(a), second = kinematics_of(b);
-  return first.empty() || second.empty() ? model_of(a) == model_of(b) : first == second;
+  const bool is_unsaid = a.kinematics_hash.empty() || b.kinematics_hash.empty();
+  return is_unsaid ? a.model_hash == b.model_hash : a.kinematics_hash == b.kinematics_hash;
 }
 
-tl::unexpected<Error> refuse_space(const std::string& url, const ExperienceSpace& found,
-                                   const ExperienceSpace& wanted) {
+tl::unexpected<Error> refuse_robot(const std::string& url, const RobotSignature& found,
+                                   const RobotSignature& wanted) {
   std::string message = fmt::format("{}: holds experience of {}; expected that of {}", url,
                                     describe(found), describe(wanted));
   if (has_same_frames(found, wanted)) {

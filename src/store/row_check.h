@@ -7,6 +7,7 @@
 #include "mneme/store.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,29 +38,27 @@ class KeySizes {
   std::map<std::string, std::size_t, std::less<>> sizes_;
 };
 
-/// Why `experience` cannot belong to `space` (sizes, values that are not finite, rows that do not
+/// Why `experience` cannot be of that robot (sizes, values that are not finite, rows that do not
 /// exist, texts that are not UTF-8), or nothing if it can; how long the key should be is not
 /// checked. An empty sampler may have a joint count of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
-                                                       const ExperienceSpace& space);
+                                                       const RobotSignature& signature);
 
-/// What of a space matters to users, for messages.
-[[nodiscard]] std::string describe(const ExperienceSpace& space);
+/// True if a path that was stored under constraints of the hash `stored` serves a query under those
+/// of the hash `wanted`. Rows of schema 3 have only one of 900 numbers that derive from it.
+[[nodiscard]] bool is_same_constraints(std::uint64_t stored, std::uint64_t wanted);
 
-/// The text in which a space keeps a robot's two hashes, and its parts; that of the kinematics is
-/// empty in databases of an older mneme.
-[[nodiscard]] std::string join_hashes(std::string_view kinematics, std::string_view model);
-[[nodiscard]] std::string_view kinematics_of(const ExperienceSpace& space);
-[[nodiscard]] std::string_view model_of(const ExperienceSpace& space);
+/// A signature for messages.
+[[nodiscard]] std::string describe(const RobotSignature& signature);
 
 /// True if both say that the joints stand in the same frames; limits do not count.
-[[nodiscard]] bool has_same_frames(const ExperienceSpace& a, const ExperienceSpace& b);
+[[nodiscard]] bool has_same_frames(const RobotSignature& a, const RobotSignature& b);
 /// True if experience of `a` is experience of `b`: of the same kinematics, or, where an older
-/// database does not say, of the very same robot. Names do not count.
-[[nodiscard]] bool is_same_space(const ExperienceSpace& a, const ExperienceSpace& b);
+/// database does not say, of the very same model. Names do not count.
+[[nodiscard]] bool is_same_robot(const RobotSignature& a, const RobotSignature& b);
 /// Error: wrong_robot, because `url` holds experience of `found`.
-[[nodiscard]] tl::unexpected<Error> refuse_space(const std::string& url,
-                                                 const ExperienceSpace& found,
-                                                 const ExperienceSpace& wanted);
+[[nodiscard]] tl::unexpected<Error> refuse_robot(const std::string& url,
+                                                 const RobotSignature& found,
+                                                 const RobotSignature& wanted);
 
 }  // namespace mneme::internal

@@ -16,57 +16,6 @@
 namespace mneme::internal {
 namespace {
 
-void swap_to_little_endian([[maybe_unused]] std::span<std::byte> bytes,
-                           [[maybe_unused]] std::size_t element_size) {
-  if constexpr (std::endian::native == std::endian::big) {
-    for (std::size_t i = 0; i + element_size <= bytes.size(); i += element_size) {
-      std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(i),
-                   bytes.begin() + static_cast<std::ptrdiff_t>(i + element_size));
-    }
-  }
-}
-
-template <class Number>
-std::vector<std::byte> to_bytes(const std::vector<Number>& numbers) {
-  const auto raw = std::as_bytes(std::span(numbers));
-  std::vector<std::byte> bytes(raw.begin(), raw.end());
-  swap_to_little_endian(bytes, sizeof(Number));
-  return bytes;
-}
-
-/// False if the bytes are not a whole number of elements.
-template <class Number>
-bool from_bytes(std::span<const std::byte> bytes, std::vector<Number>& numbers) {
-  if (bytes.size() % sizeof(Number) != 0) return false;
-  numbers.resize(bytes.size() / sizeof(Number));
-  if (!bytes.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
-  swap_to_little_endian(std::as_writable_bytes(std::span(numbers)), sizeof(Number));
-  return true;
-}
-
-/// Sizes and hashes of columns, so that bytes cannot move from one column to the next unnoticed.
-class ColumnDigest {
- public:
-  ColumnDigest() { numbers_.reserve(kMostNumbers); }
-  ColumnDigest& add(std::int64_t number) {
-    numbers_.push_back(number);
-    return *this;
-  }
-  ColumnDigest& add(std::span<const std::byte> bytes) {
-    return add(static_cast<std::int64_t>(bytes.size())).add(hash_bytes(bytes));
-  }
-  ColumnDigest& add(std::string_view text) { return add(std::as_bytes(std::span(text))); }
-  ColumnDigest& add_mixture(const RowView& row) {
-    add(row.means).add(row.factor_rows).add(row.factors).add(row.origins);
-    return add(row.tool).add(row.settings).add(row.time).add(row.seed);
-  }
-  [[nodiscard]] std::int64_t value() const { return hash_numbers(numbers_); }
-
- private:
-  static constexpr std::size_t kMostNumbers = 18;
-  std::vector<std::int64_t> numbers_;
-};
-
 std::optional<std::string> describe_mismatch(const char* what, std::int64_t stored,
                                              std::int64_t actual) {
   if (stored == actual) return std::nullopt;
@@ -78,24 +27,40 @@ std::optional<std::string> describe_mismatch(const char* what, std::int64_t stor
 
 static_assert(sizeof(float) == 4 && sizeof(double) == 8 && sizeof(int) == 4);
 
-EncodedRow::EncodedRow(const Experience& experience)
-    : blobs_{to_bytes(experience.key), to_bytes(experience.sampler.means),
-             to_bytes(experience.sampler.factor_rows), to_bytes(experience.sampler.factors),
-             to_bytes(experience.sampler.sources)} {
-  stored_.columns = {experience.kind,
-                     blobs_[0],
-                     blobs_[1],
-                     blobs_[2],
-                     blobs_[3],
-                     blobs_[4],
-                     experience.provenance.tool,
-                     experience.provenance.settings,
-                     std::bit_cast<std::int64_t>(experience.provenance.seed),
-                     experience.provenance.time};
-  content_ = std::make_unique<const ContentHash>(content_hash(stored_.columns));
+EncodedRow::EncodedRow(const Experience& experience) {
+  const Provenance& provenance = experience.provenance;
+  RowView& columns = stored_.columns;
+  blobs_[0] = to_bytes(experience.key);
+  if (experience.is_path()) {
+    const RememberedPath& path = experience.path();
+    blobs_[1] = to_bytes(path.waypoints);
+    columns.is_path = true;
+    columns.constraints = std::bit_cast<std::int64_t>(path.constraints);
+    if (path.planning_states) {
+      columns.planning_states = std::bit_cast<std::int64_t>(*path.planning_states);
+    }
+  } else {
+    const LocalSampler& sampler = experience.sampler();
+    blobs_[1] = to_bytes(sampler.means);
+    blobs_[2] = to_bytes(sampler.factor_rows);
+    blobs_[3] = to_bytes(sampler.factors);
+    blobs_[4] = to_bytes(sampler.sources);
+    columns.is_complete = sampler.is_complete;
+  }
+  columns.kind = experience.kind;
+  columns.key = blobs_[0];
+  columns.means = blobs_[1];
+  columns.factor_rows = blobs_[2];
+  columns.factors = blobs_[3];
+  columns.sources = blobs_[4];
+  columns.tool = provenance.tool;
+  columns.settings = provenance.settings;
+  columns.seed = std::bit_cast<std::int64_t>(provenance.seed);
+  columns.time = provenance.time;
+  content_ = std::make_unique<const ContentHash>(content_hash(columns));
   stored_.content = *content_;
   stored_.cell = cell_of(experience.key);
-  stored_.components = experience.sampler.component_count();
+  stored_.components = experience.component_count();
 }
 
 StoredRow EncodedRow::stored(std::int64_t id, std::int64_t generation) const {
@@ -131,9 +96,6 @@ std::int64_t hash_numbers(std::span<const std::int64_t> numbers) {
 
 ContentHash content_hash(const RowView& row) {
   std::vector<std::byte> bytes;
-  bytes.reserve(row.kind.size() + row.key.size() + row.means.size() + row.factor_rows.size() +
-                row.factors.size() + row.origins.size() + row.settings.size() +
-                8 * sizeof(std::int64_t));
   const auto add_number = [&](std::int64_t number) {
     const auto at = bytes.size();
     const auto raw = std::as_bytes(std::span(&number, 1));
@@ -141,11 +103,13 @@ ContentHash content_hash(const RowView& row) {
     swap_to_little_endian(std::span(bytes).subspan(at), sizeof number);
   };
   for (const auto column : {std::as_bytes(std::span(row.kind)), row.key, row.means, row.factor_rows,
-                            row.factors, row.origins, std::as_bytes(std::span(row.settings))}) {
+                            row.factors, row.sources}) {
     add_number(static_cast<std::int64_t>(column.size()));
     bytes.insert(bytes.end(), column.begin(), column.end());
   }
-  add_number(row.seed);
+  add_number(row.constraints);
+  add_number(row.is_path);
+  add_number(row.is_complete);
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
   ContentHash hash;
@@ -163,11 +127,17 @@ std::string to_hex(std::span<const std::byte> bytes) {
 std::int64_t key_checksum(const StoredRow& row) {
   ColumnDigest digest;
   digest.add(row.id).add(row.generation).add(row.cell).add(row.content).add(row.components);
-  return digest.add(row.columns.kind).add(row.columns.key).value();
+  return digest.add(row.columns.kind).add(row.columns.key).add(row.columns.constraints).value();
 }
 
 std::int64_t mixture_checksum(const StoredRow& row) {
-  return ColumnDigest().add(row.id).add(row.cell).add_mixture(row.columns).value();
+  const RowView& columns = row.columns;
+  ColumnDigest digest;
+  digest.add(row.id).add(row.cell).add(columns.is_path).add(columns.means);
+  digest.add(columns.factor_rows).add(columns.factors).add(columns.sources);
+  digest.add(columns.is_complete).add(columns.planning_states.has_value());
+  digest.add(columns.planning_states.value_or(0)).add(columns.tool).add(columns.settings);
+  return digest.add(columns.time).add(columns.seed).value();
 }
 
 std::int64_t tally_mark(std::int64_t id, std::int64_t checksum) {
@@ -176,20 +146,31 @@ std::int64_t tally_mark(std::int64_t id, std::int64_t checksum) {
 
 namespace {
 
-/// All but id, kind and key.
-std::optional<std::string> decode_mixture(const RowView& columns, const ExperienceSpace& space,
+/// Everything except id, kind and key.
+std::optional<std::string> decode_content(const RowView& columns, const RobotSignature& signature,
                                           Experience& experience) {
-  LocalSampler& sampler = experience.sampler;
-  if (!from_bytes(columns.means, sampler.means) ||
-      !from_bytes(columns.factor_rows, sampler.factor_rows) ||
-      !from_bytes(columns.factors, sampler.factors) ||
-      !from_bytes(columns.origins, sampler.sources)) {
-    return "a column ends in the middle of a number";
+  bool is_whole = true;
+  if (columns.is_path) {
+    RememberedPath& path = experience.content.emplace<RememberedPath>();
+    path.joint_count = signature.joint_count;
+    path.constraints = std::bit_cast<std::uint64_t>(columns.constraints);
+    if (columns.planning_states) {
+      path.planning_states = std::bit_cast<std::uint64_t>(*columns.planning_states);
+    }
+    is_whole = from_bytes(columns.means, path.waypoints);
+  } else {
+    LocalSampler& sampler = experience.content.emplace<LocalSampler>();
+    sampler.joint_count = signature.joint_count;
+    sampler.is_complete = columns.is_complete;
+    is_whole = from_bytes(columns.means, sampler.means) &&
+               from_bytes(columns.factor_rows, sampler.factor_rows) &&
+               from_bytes(columns.factors, sampler.factors) &&
+               from_bytes(columns.sources, sampler.sources);
   }
-  sampler.joint_count = space.joint_count;
+  if (!is_whole) return "a column ends in the middle of a number";
   experience.provenance = {std::string(columns.tool), std::string(columns.settings),
                            std::bit_cast<std::uint64_t>(columns.seed), std::string(columns.time)};
-  return describe_flaw(experience, space);
+  return describe_flaw(experience, signature);
 }
 
 }  // namespace
@@ -205,16 +186,15 @@ std::optional<std::string> decode_key(const StoredRow& row, Experience& experien
   return describe_key_flaw(experience.kind, experience.key);
 }
 
-std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
+std::optional<std::string> decode(const StoredRow& row, const RobotSignature& signature,
                                   Experience& experience) {
   if (auto flaw = decode_key(row, experience)) return flaw;
   if (auto flaw = describe_mismatch("mixture", row.mixture_checksum, mixture_checksum(row))) {
     return flaw;
   }
-  if (auto flaw = decode_mixture(row.columns, space, experience)) return flaw;
+  if (auto flaw = decode_content(row.columns, signature, experience)) return flaw;
   const ContentHash hash = content_hash(row.columns);
-  if (std::ranges::equal(row.content, hash) &&
-      row.components == experience.sampler.component_count() &&
+  if (std::ranges::equal(row.content, hash) && row.components == experience.component_count() &&
       row.cell == cell_of(experience.key)) {
     return std::nullopt;
   }
@@ -237,9 +217,10 @@ std::int64_t checksum_of(const Tombstone& tombstone) {
   return hash_bytes(std::as_bytes(std::span(text)));
 }
 
-std::int64_t checksum_of(const ExperienceSpace& space) {
+std::int64_t checksum_of(const RobotSignature& signature) {
   const std::string text =
-      fmt::format("{}\n{}\n{}", space.robot_name, space.robot_hash, space.joint_count);
+      fmt::format("{}\n{}\n{}\n{}", signature.robot_name, signature.kinematics_hash,
+                  signature.model_hash, signature.joint_count);
   return hash_bytes(std::as_bytes(std::span(text)));
 }
 

@@ -6,10 +6,13 @@
 
 #include "mneme/store.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,18 +22,50 @@
 
 namespace mneme::internal {
 
-/// XXH3 (128 bits) of a row's kind, key, mixture, settings and seed: rows with the same hash are
-/// the same experience, whenever, wherever and with whichever version of mneme they were learned.
+/// XXH3 (128 bits) of a row's kind, key and content: rows with the same hash are the same
+/// experience, whenever, wherever and however they were learned.
 using ContentHash = std::array<std::byte, 16>;
+
+inline void swap_to_little_endian([[maybe_unused]] std::span<std::byte> bytes,
+                                  [[maybe_unused]] std::size_t element_size) {
+  if constexpr (std::endian::native == std::endian::big) {
+    for (std::size_t i = 0; i + element_size <= bytes.size(); i += element_size) {
+      std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(i),
+                   bytes.begin() + static_cast<std::ptrdiff_t>(i + element_size));
+    }
+  }
+}
+
+template <class Number>
+std::vector<std::byte> to_bytes(const std::vector<Number>& numbers) {
+  const auto raw = std::as_bytes(std::span(numbers));
+  std::vector<std::byte> bytes(raw.begin(), raw.end());
+  swap_to_little_endian(bytes, sizeof(Number));
+  return bytes;
+}
+
+/// False if the bytes are not a whole number of elements.
+template <class Number>
+bool from_bytes(std::span<const std::byte> bytes, std::vector<Number>& numbers) {
+  if (bytes.size() % sizeof(Number) != 0) return false;
+  numbers.resize(bytes.size() / sizeof(Number));
+  if (!bytes.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  swap_to_little_endian(std::as_writable_bytes(std::span(numbers)), sizeof(Number));
+  return true;
+}
 
 /// What an experience consists of; views into a statement or an EncodedRow.
 struct RowView {
   std::string_view kind;
-  std::span<const std::byte> key;          ///< float64 each
-  std::span<const std::byte> means;        ///< float32 each
-  std::span<const std::byte> factor_rows;  ///< int32 each
-  std::span<const std::byte> factors;      ///< float32 each
-  std::span<const std::byte> origins;      ///< int32 each
+  std::span<const std::byte> key;  ///< float64 each
+  std::int64_t constraints = 0;    ///< the bits of the unsigned number
+  bool is_path = false;
+  std::span<const std::byte> means;             ///< of a sampler, or waypoints: float32 each
+  std::span<const std::byte> factor_rows;       ///< int32 each
+  std::span<const std::byte> factors;           ///< float32 each
+  std::span<const std::byte> sources;           ///< int32 each
+  bool is_complete = true;                      ///< of a sampler
+  std::optional<std::int64_t> planning_states;  ///< the bits of the unsigned number
   std::string_view tool;
   std::string_view settings;
   std::int64_t seed = 0;  ///< the bits of the unsigned number
@@ -80,8 +115,8 @@ struct Tombstone {
   std::int64_t checksum = 0;
 };
 [[nodiscard]] std::int64_t checksum_of(const Tombstone& tombstone);
-/// The checksum of the row that names a store's space.
-[[nodiscard]] std::int64_t checksum_of(const ExperienceSpace& space);
+/// The checksum of the row that names a store's robot.
+[[nodiscard]] std::int64_t checksum_of(const RobotSignature& signature);
 
 /// The bytes of an experience. Refers to its texts, which must outlive it.
 class EncodedRow {
@@ -109,6 +144,25 @@ inline constexpr double kCellEdge = 1.0;
 [[nodiscard]] std::int64_t hash_bytes(std::span<const std::byte> bytes);
 /// XXH3 of some numbers in little-endian order.
 [[nodiscard]] std::int64_t hash_numbers(std::span<const std::int64_t> numbers);
+/// Sizes and hashes of columns, so that bytes cannot move from one column to the next unnoticed.
+class ColumnDigest {
+ public:
+  ColumnDigest() { numbers_.reserve(kMostNumbers); }
+  ColumnDigest& add(std::int64_t number) {
+    numbers_.push_back(number);
+    return *this;
+  }
+  ColumnDigest& add(std::span<const std::byte> bytes) {
+    return add(static_cast<std::int64_t>(bytes.size())).add(hash_bytes(bytes));
+  }
+  ColumnDigest& add(std::string_view text) { return add(std::as_bytes(std::span(text))); }
+  [[nodiscard]] std::int64_t value() const { return hash_numbers(numbers_); }
+
+ private:
+  static constexpr std::size_t kMostNumbers = 24;
+  std::vector<std::int64_t> numbers_;
+};
+
 [[nodiscard]] ContentHash content_hash(const RowView& row);
 /// Lower-case hexadecimal digits.
 [[nodiscard]] std::string to_hex(std::span<const std::byte> bytes);
@@ -121,7 +175,8 @@ inline constexpr double kCellEdge = 1.0;
 
 /// Fills `experience`. Returns what is wrong with the row, if anything is; how long its key should
 /// be is not checked.
-[[nodiscard]] std::optional<std::string> decode(const StoredRow& row, const ExperienceSpace& space,
+[[nodiscard]] std::optional<std::string> decode(const StoredRow& row,
+                                                const RobotSignature& signature,
                                                 Experience& experience);
 /// Fills id, kind and key of `experience` from a row that was read without its mixture.
 [[nodiscard]] std::optional<std::string> decode_key(const StoredRow& row, Experience& experience);

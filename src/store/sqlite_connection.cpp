@@ -89,6 +89,12 @@ Statement& Statement::bind(int parameter, std::span<const std::byte> blob) {
   return *this;
 }
 
+Statement& Statement::bind(int parameter, std::optional<std::int64_t> value) {
+  if (value) return bind(parameter, *value);
+  bind_status_ |= sqlite3_bind_null(statement_.get(), parameter);
+  return *this;
+}
+
 Result<bool> Statement::step() {
   sqlite3* handle = sqlite3_db_handle(statement_.get());
   if (bind_status_ != SQLITE_OK) return sqlite_error(*path_, handle, SQLITE_TOOBIG);
@@ -98,9 +104,28 @@ Result<bool> Statement::step() {
   return sqlite_error(*path_, handle, status);
 }
 
+Result<void> Statement::for_each(const std::function<Result<void>()>& visit) {
+  for (;;) {
+    const bool has_row = MNEME_TRY(step());
+    if (!has_row) return {};
+    MNEME_TRY(visit());
+  }
+}
+
+Result<void> Statement::run() {
+  const auto done = step();
+  reset();
+  return done.map([](bool) {});
+}
+
 void Statement::reset() {
   sqlite3_reset(statement_.get());
   bind_status_ = SQLITE_OK;
+  last_added_ = 0;
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
 }
 
 std::int64_t Statement::integer(int column) const {
@@ -123,25 +148,23 @@ std::span<const std::byte> Statement::blob(int column) const {
 void Connection::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 Result<Connection> Connection::open(const std::string& path, Access access) {
-  int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE;
-  switch (access) {
-    case Access::read_write:
-      flags |= SQLITE_OPEN_READWRITE;
-      break;
-    case Access::create:
-      flags |= SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-      break;
-    case Access::immutable:
-      flags |= SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
-      break;
+  if (access == Access::immutable) {
+    auto connection =
+        MNEME_TRY(open(path, immutable_uri(path), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI));
+    connection.is_immutable_ = true;
+    return connection;
   }
-  const std::string name = access == Access::immutable ? immutable_uri(path) : plain_name(path);
+  const int create = access == Access::create ? SQLITE_OPEN_CREATE : 0;
+  return open(path, plain_name(path), SQLITE_OPEN_READWRITE | create);
+}
+
+Result<Connection> Connection::open(const std::string& path, const std::string& name, int flags) {
   sqlite3* handle = nullptr;
-  const int status = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
+  const int status = sqlite3_open_v2(
+      name.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE, nullptr);
   Connection connection;
   connection.path_ = std::make_unique<const std::string>(path);
   connection.handle_.reset(handle);
-  connection.is_immutable_ = access == Access::immutable;
   if (status != SQLITE_OK) return sqlite_error(path, handle, status);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
@@ -152,6 +175,15 @@ Result<Connection> Connection::open(const std::string& path, Access access) {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   return connection;
+}
+
+Result<Connection> Connection::copy_in_memory() {
+  auto copy = MNEME_TRY(open(*path_, ":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY));
+  sqlite3_backup* backup = sqlite3_backup_init(copy.handle_.get(), "main", handle_.get(), "main");
+  const int copied = backup == nullptr ? SQLITE_ERROR : sqlite3_backup_step(backup, -1);
+  sqlite3_backup_finish(backup);
+  if (copied != SQLITE_DONE) return sqlite_error(*path_, nullptr, copied);
+  return copy;
 }
 
 std::string Connection::lasting_path() const { return sqlite3_db_filename(handle_.get(), "main"); }
@@ -173,20 +205,17 @@ Result<Statement> Connection::prepare(std::string_view sql) {
 Result<KeptStatement> Connection::kept(std::string_view sql) {
   auto place = kept_.find(sql);
   if (place == kept_.end()) {
-    auto statement = prepare(sql);
-    if (!statement) return tl::unexpected(statement.error());
-    place = kept_.emplace(sql, std::move(*statement)).first;
+    auto statement = MNEME_TRY(prepare(sql));
+    place = kept_.emplace(sql, std::move(statement)).first;
   }
   return KeptStatement(&place->second);
 }
 
 Result<std::int64_t> Connection::integer(std::string_view sql) {
-  const auto statement = kept(sql);
-  if (!statement) return tl::unexpected(statement.error());
-  const auto has_row = (*statement)->step();
-  if (!has_row) return tl::unexpected(has_row.error());
-  if (!*has_row) return fail(ErrorCode::corrupt, fmt::format("{}: no answer to {}", *path_, sql));
-  return (*statement)->integer(0);
+  const auto statement = MNEME_TRY(kept(sql));
+  const auto has_row = MNEME_TRY(statement->step());
+  if (!has_row) return fail(ErrorCode::corrupt, fmt::format("{}: no answer to {}", *path_, sql));
+  return statement->integer(0);
 }
 
 Result<void> Connection::enter_wal_mode() {
@@ -215,9 +244,8 @@ Result<void> run_kept(Connection& connection, std::string_view sql) {
 
 Result<Transaction> Transaction::begin(Connection& connection, Kind kind) {
   // Who writes waits for the disk: there a kept statement gains nothing.
-  const auto begun =
-      kind == Kind::write ? connection.execute("BEGIN IMMEDIATE") : run_kept(connection, "BEGIN");
-  if (!begun) return tl::unexpected(begun.error());
+  MNEME_TRY(kind == Kind::write ? connection.execute("BEGIN IMMEDIATE")
+                                : run_kept(connection, "BEGIN"));
   return Transaction(connection);
 }
 

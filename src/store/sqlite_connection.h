@@ -13,6 +13,7 @@ struct sqlite3_stmt;
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,13 +28,24 @@ class Statement {
   Statement& bind_real(int parameter, double value);
   Statement& bind(int parameter, std::string_view text);
   Statement& bind(int parameter, std::span<const std::byte> blob);
+  Statement& bind(int parameter, std::optional<std::int64_t> value);
+  /// Binds the parameter after the one that was added last, or the first.
+  template <class Value>
+  Statement& add(Value value) {
+    return bind(++last_added_, value);
+  }
 
   /// True if there is a row to read, false at the end.
   [[nodiscard]] Result<bool> step();
+  /// Visits all rows.
+  [[nodiscard]] Result<void> for_each(const std::function<Result<void>()>& visit);
+  /// Runs a statement without rows, and makes it ready for other parameters.
+  [[nodiscard]] Result<void> run();
   /// Makes the statement ready for other parameters.
   void reset();
 
   /// Columns count from 0. Views are valid until the next step() or reset().
+  [[nodiscard]] bool is_null(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] std::string_view text(int column) const;
   [[nodiscard]] std::span<const std::byte> blob(int column) const;
@@ -48,6 +60,7 @@ class Statement {
   const std::string* path_;
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
   int bind_status_ = 0;
+  int last_added_ = 0;
 };
 
 /// Ends as a statement that is ready for other parameters.
@@ -82,6 +95,8 @@ class Connection {
   [[nodiscard]] Result<void> enter_wal_mode();
   /// True if the operating system lets this process only read the file.
   [[nodiscard]] bool is_read_only() const;
+  /// What the file holds, as a database of its own, which ends with the connection.
+  [[nodiscard]] Result<Connection> copy_in_memory();
   /// True if it was opened as `immutable`.
   [[nodiscard]] bool is_immutable() const { return is_immutable_; }
 
@@ -89,6 +104,8 @@ class Connection {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
+  [[nodiscard]] static Result<Connection> open(const std::string& path, const std::string& name,
+                                               int flags);
   // On the heap because statements keep pointing to it when the connection moves.
   std::unique_ptr<const std::string> path_;
   std::unique_ptr<sqlite3, Close> handle_;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/sqlite_store.h"
+#include "store/row_columns.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@ namespace {
 struct Table {
   std::string_view name;
   std::string_view sql;  ///< as SQLite keeps it, so that a changed schema is noticed
+  bool is_old = false;   ///< kOldSchema has it, too
 };
 
 // In alphabetical order of names.
@@ -22,9 +24,8 @@ constexpr std::array kFileTables = {
     Table{"experience",
           "CREATE TABLE experience ("
           "id INTEGER PRIMARY KEY, generation INTEGER NOT NULL, cell INTEGER NOT NULL, kind TEXT "
-          "NOT NULL, content BLOB NOT NULL, components INTEGER NOT NULL, key BLOB NOT NULL, "
-          "checksum INTEGER NOT "
-          "NULL) STRICT"},
+          "NOT NULL, content BLOB NOT NULL, components INTEGER NOT NULL, constraint_hash INTEGER "
+          "NOT NULL, key BLOB NOT NULL, checksum INTEGER NOT NULL) STRICT"},
     Table{"experience_content", "CREATE INDEX experience_content ON experience (content)"},
     Table{"experience_kind", "CREATE INDEX experience_kind ON experience (kind)"},
     Table{"head",
@@ -32,22 +33,26 @@ constexpr std::array kFileTables = {
           "id INTEGER PRIMARY KEY CHECK (id = 1), generation INTEGER NOT NULL, epoch INTEGER NOT "
           "NULL, last_row INTEGER NOT NULL, last_tombstone INTEGER NOT NULL, row_count INTEGER "
           "NOT NULL, row_digest INTEGER NOT NULL, tombstone_count INTEGER NOT NULL, "
-          "tombstone_digest INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT"},
+          "tombstone_digest INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT",
+          true},
     Table{"mixture",
           "CREATE TABLE mixture ("
-          "id INTEGER PRIMARY KEY, cell INTEGER NOT NULL, means BLOB NOT NULL, factor_rows BLOB "
-          "NOT NULL, factors BLOB NOT NULL, origins BLOB NOT NULL, tool TEXT NOT NULL, settings "
+          "id INTEGER PRIMARY KEY, cell INTEGER NOT NULL, is_path INTEGER NOT NULL, means BLOB NOT "
+          "NULL, factor_rows BLOB NOT NULL, factors BLOB NOT NULL, sources BLOB NOT NULL, "
+          "is_complete INTEGER NOT NULL, planning_states INTEGER, tool TEXT NOT NULL, settings "
           "TEXT NOT NULL, seed INTEGER NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) "
           "STRICT"},
-    Table{"space",
-          "CREATE TABLE space ("
-          "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, robot_hash TEXT NOT "
-          "NULL, joint_count INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT"},
+    Table{"robot",
+          "CREATE TABLE robot ("
+          "id INTEGER PRIMARY KEY CHECK (id = 1), robot_name TEXT NOT NULL, kinematics_hash TEXT "
+          "NOT NULL, model_hash TEXT NOT NULL, joint_count INTEGER NOT NULL, checksum INTEGER NOT "
+          "NULL) STRICT"},
     Table{"tombstone",
           "CREATE TABLE tombstone ("
           "id INTEGER PRIMARY KEY, row INTEGER NOT NULL, generation INTEGER NOT NULL, reason TEXT "
-          "NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT"},
-    Table{"tombstone_row", "CREATE INDEX tombstone_row ON tombstone (row)"},
+          "NOT NULL, time TEXT NOT NULL, checksum INTEGER NOT NULL) STRICT",
+          true},
+    Table{"tombstone_row", "CREATE INDEX tombstone_row ON tombstone (row)", true},
 };
 
 // Nine mixtures of 24 means of an eight-joint arm fill such a page.
@@ -59,33 +64,41 @@ tl::unexpected<Error> damaged(const Connection& connection, std::string_view wha
 
 /// Errors unless the tables are exactly kFileTables. What .recover could not place is passed over.
 Result<void> check_tables(Connection& connection) {
-  auto statement = connection.prepare(
+  auto statement = MNEME_TRY(connection.prepare(
       "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' AND NOT (type = 'table' "
-      "AND name LIKE 'lost_and_found%') ORDER BY name");
-  if (!statement) return tl::unexpected(statement.error());
+      "AND name LIKE 'lost_and_found%') ORDER BY name"));
   std::size_t count = 0;
-  for (;; ++count) {
-    const auto has_row = statement->step();
-    if (!has_row) return tl::unexpected(has_row.error());
-    if (!*has_row) break;
-    if (count >= kFileTables.size() || statement->text(0) != kFileTables[count].name ||
-        statement->text(1) != kFileTables[count].sql) {
-      return damaged(connection, fmt::format("the table '{}' is not one that mneme creates",
-                                             statement->text(0)));
-    }
-  }
+  MNEME_TRY(statement.for_each([&]() -> Result<void> {
+    const bool is_known = count < kFileTables.size() &&
+                          statement.text(0) == kFileTables[count].name &&
+                          statement.text(1) == kFileTables[count].sql;
+    ++count;
+    if (is_known) return {};
+    return damaged(connection,
+                   fmt::format("the table '{}' is not one that mneme creates", statement.text(0)));
+  }));
   if (count == kFileTables.size()) return {};
   return damaged(connection, fmt::format("the table '{}' is missing", kFileTables[count].name));
+}
+
+Result<void> create_tables(Connection& connection, bool has_old_ones) {
+  for (const Table& table : kFileTables) {
+    if (has_old_ones && table.is_old) continue;
+    MNEME_TRY(connection.execute(std::string(table.sql).c_str()));
+  }
+  return {};
 }
 
 }  // namespace
 
 tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version) {
   const bool is_newer = version > kSchemaVersion;
-  return fail(ErrorCode::unsupported,
-              fmt::format("{}: was written by {} mneme (schema {}); this one reads schema {}: {}",
-                          name, is_newer ? "a newer" : "an older", version, kSchemaVersion,
-                          is_newer ? "use that one" : "learn anew, into another database"));
+  return fail(
+      ErrorCode::unsupported,
+      fmt::format("{}: was written by {} mneme (schema {}); this one reads schemas {} and "
+                  "{}: {}",
+                  name, is_newer ? "a newer" : "an older", version, kOldSchema, kSchemaVersion,
+                  is_newer ? "use that one" : "learn anew, into another database"));
 }
 
 Result<int> identify(Connection& connection) {
@@ -93,30 +106,28 @@ Result<int> identify(Connection& connection) {
   constexpr std::array kQuestions = {"SELECT count(*) FROM sqlite_schema", "PRAGMA application_id",
                                      "PRAGMA user_version", "PRAGMA page_count"};
   for (std::size_t i = 0; i < facts.size(); ++i) {
-    const auto answer = connection.integer(kQuestions[i]);
-    if (!answer) return tl::unexpected(answer.error());
-    facts[i] = *answer;
+    const auto answer = MNEME_TRY(connection.integer(kQuestions[i]));
+    facts[i] = answer;
   }
   const auto [table_count, application, version, page_count] = facts;
-  const bool is_stranger = application != kApplicationId;
-  if (table_count == 0 && page_count <= 1 && version == 0 && (application == 0 || !is_stranger)) {
-    return 0;
-  }
-  // A file that was saved by .dump has our tables without these numbers.
-  if (application == 0 && version == 0 && check_tables(connection)) return kSchemaVersion;
-  if (is_stranger) {
+  const bool is_ours = application == kApplicationId,
+             is_unmarked = application == 0 && version == 0;
+  if (table_count == 0 && page_count <= 1 && (is_unmarked || (is_ours && version == 0))) return 0;
+  const auto checked = check_tables(connection);
+  if (is_ours && version == kSchemaVersion) return checked.map([] { return kSchemaVersion; });
+  // .dump saves our tables without these numbers.
+  if (is_unmarked && checked) return kSchemaVersion;
+  if (!is_ours) {
     return damaged(connection,
                    "an SQLite file, but no mneme database, or its application_id is damaged");
   }
-  if (version == kSchemaVersion) {
-    return check_tables(connection).map([] { return kSchemaVersion; });
-  }
-  if (version < 1) {
-    return damaged(connection, fmt::format("schema {} was never in use", version));
-  }
   // Another schema has other tables.
-  if (!check_tables(connection)) return refuse_schema(connection.path(), version);
-  return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
+  if (checked) {
+    return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
+  }
+  if (version == kOldSchema) return kOldSchema;
+  if (version < 1) return damaged(connection, fmt::format("schema {} was never in use", version));
+  return refuse_schema(connection.path(), version);
 }
 
 Result<void> mark(Connection& connection) {
@@ -127,72 +138,98 @@ Result<void> mark(Connection& connection) {
                                 .c_str());
 }
 
-namespace {
-
-Result<void> create_tables(Connection& connection) {
-  for (const Table& table : kFileTables) {
-    const auto created = connection.execute(std::string(table.sql).c_str());
-    if (!created) return created;
-  }
-  return mark(connection);
+Result<void> create_schema(Connection& connection, const RobotSignature& robot) {
+  MNEME_TRY(connection.execute(kPageSize));
+  auto transaction = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::write));
+  const auto version = MNEME_TRY(identify(connection));
+  if (version != 0) return {};
+  MNEME_TRY(create_tables(connection, false));
+  MNEME_TRY(mark(connection));
+  MNEME_TRY(write_signature(connection, robot));
+  MNEME_TRY(write_head(connection, StoreState{}));
+  return transaction.commit();
 }
 
-Result<void> write_space(Connection& connection, const ExperienceSpace& space) {
-  auto insert = connection.prepare("INSERT OR REPLACE INTO space VALUES (1, ?, ?, ?, ?)");
-  if (!insert) return tl::unexpected(insert.error());
-  insert->bind(1, space.robot_name).bind(2, space.robot_hash).bind(3, space.joint_count);
-  insert->bind(4, checksum_of(space));
-  const auto inserted = insert->step();
-  if (!inserted) return tl::unexpected(inserted.error());
-  return {};
+Result<void> check_pages(Connection& connection) {
+  auto statement = MNEME_TRY(connection.prepare("PRAGMA quick_check(1)"));
+  const auto has_row = MNEME_TRY(statement.step());
+  if (has_row && statement.text(0) == "ok") return {};
+  return damaged(connection, statement.text(0));
+}
+
+Result<RobotSignature> read_signature(Connection& connection) {
+  auto statement =
+      MNEME_TRY(connection.prepare(fmt::format("SELECT {} FROM robot", kRobotColumns)));
+  const auto has_row = MNEME_TRY(statement.step());
+  if (!has_row) return damaged(connection, "the row that names the robot is missing");
+  const auto robot = parse_robot(statement);
+  if (!robot) return damaged(connection, "the row that names the robot is damaged");
+  return *robot;
+}
+
+Result<void> write_signature(Connection& connection, const RobotSignature& robot) {
+  auto insert =
+      MNEME_TRY(connection.prepare("INSERT OR REPLACE INTO robot VALUES (1, ?, ?, ?, ?, ?)"));
+  insert.add(std::string_view(robot.robot_name)).add(std::string_view(robot.kinematics_hash));
+  insert.add(std::string_view(robot.model_hash)).add(std::int64_t{robot.joint_count});
+  return insert.add(checksum_of(robot)).run();
+}
+
+Result<StoreState> read_head(Connection& connection) {
+  auto statement = MNEME_TRY(connection.prepare(fmt::format("SELECT {} FROM head", kHeadColumns)));
+  const auto has_row = MNEME_TRY(statement.step());
+  if (!has_row) return damaged(connection, "the tally of rows is missing");
+  const auto head = parse_head(statement);
+  if (!head) return damaged(connection, "the tally of rows is damaged");
+  return *head;
+}
+
+Result<void> write_head(Connection& connection, const StoreState& state) {
+  auto statement = MNEME_TRY(
+      connection.prepare("INSERT OR REPLACE INTO head VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+  const auto numbers = to_numbers(state);
+  for (const std::int64_t number : numbers) statement.add(number);
+  return statement.add(hash_numbers(numbers)).run();
+}
+
+namespace {
+
+Result<RobotSignature> read_old_signature(Connection& connection) {
+  auto statement = MNEME_TRY(
+      connection.prepare("SELECT robot_name, robot_hash, joint_count, checksum FROM space"));
+  const auto has_row = MNEME_TRY(statement.step());
+  if (!has_row) return damaged(connection, "the row that names the robot is missing");
+  return upgraded_robot(connection.path(), statement.text(0), statement.text(1),
+                        static_cast<int>(statement.integer(2)), statement.integer(3));
 }
 
 }  // namespace
 
-Result<void> create_schema(Connection& connection, const ExperienceSpace& space) {
-  const auto sized = connection.execute(kPageSize);
-  if (!sized) return sized;
-  auto transaction = Transaction::begin(connection, Transaction::Kind::write);
-  if (!transaction) return tl::unexpected(transaction.error());
-  const auto version = identify(connection);
-  if (!version) return tl::unexpected(version.error());
-  if (*version != 0) return {};
-  return create_tables(connection)
-      .and_then([&] { return write_space(connection, space); })
-      .and_then([&] { return write_head(connection, StoreState{}); })
-      .and_then([&] { return transaction->commit(); });
-}
-
-Result<void> check_pages(Connection& connection) {
-  auto statement = connection.prepare("PRAGMA quick_check(1)");
-  if (!statement) return tl::unexpected(statement.error());
-  const auto has_row = statement->step();
-  if (!has_row) return tl::unexpected(has_row.error());
-  if (*has_row && statement->text(0) == "ok") return {};
-  return damaged(connection, statement->text(0));
-}
-
-Result<ExperienceSpace> read_space(Connection& connection) {
-  auto statement =
-      connection.prepare("SELECT robot_name, robot_hash, joint_count, checksum FROM space");
-  if (!statement) return tl::unexpected(statement.error());
-  const auto has_row = statement->step();
-  if (!has_row) return tl::unexpected(has_row.error());
-  if (!*has_row) return damaged(connection, "the row that names the robot is missing");
-  ExperienceSpace space;
-  space.robot_name = statement->text(0);
-  space.robot_hash = statement->text(1);
-  space.joint_count = static_cast<int>(statement->integer(2));
-  if (statement->integer(3) != checksum_of(space) || space.joint_count < 1) {
-    return damaged(connection, "the row that names the robot is damaged");
-  }
-  return space;
-}
-
-Result<void> replace_space(Connection& connection, const ExperienceSpace& space) {
-  auto transaction = Transaction::begin(connection, Transaction::Kind::write);
-  if (!transaction) return tl::unexpected(transaction.error());
-  return write_space(connection, space).and_then([&] { return transaction->commit(); });
+Result<void> migrate_tables(Connection& connection,
+                            const std::function<Result<void>(const OldRows&)>& write_rows) {
+  const RobotSignature robot = MNEME_TRY(read_old_signature(connection));
+  MNEME_TRY(connection.execute(
+      "DROP INDEX experience_content; DROP INDEX experience_kind; DROP TABLE space;"
+      "ALTER TABLE experience RENAME TO old_experience;"
+      "ALTER TABLE mixture RENAME TO old_mixture"));
+  MNEME_TRY(create_tables(connection, true));
+  const auto old_rows = [&](const auto& visit) -> Result<void> {
+    auto statement = MNEME_TRY(connection.prepare(
+        fmt::format("SELECT {} FROM old_experience e LEFT JOIN old_mixture m ON m.id = e.id ORDER "
+                    "BY e.id",
+                    kOldColumns)));
+    return statement.for_each([&] {
+      const StoredRow row = read_row(statement, RowParts::all);
+      return visit({&row, 1});
+    });
+  };
+  MNEME_TRY(write_rows(old_rows));
+  MNEME_TRY(write_signature(connection, robot));
+  MNEME_TRY(connection.execute(
+      fmt::format("DROP TABLE old_experience; DROP TABLE old_mixture; PRAGMA user_version = {}",
+                  kSchemaVersion)
+          .c_str()));
+  return check_tables(connection);
 }
 
 }  // namespace mneme::internal

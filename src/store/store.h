@@ -23,8 +23,7 @@ namespace mneme::internal {
 struct KnownRow {
   ContentHash content{};
   std::int64_t id = 0;
-  std::string time;
-  std::string tool;
+  Provenance provenance;
 };
 
 /// How much of each row to read.
@@ -82,17 +81,17 @@ class Store {
   /// 0 if there is nothing in it yet.
   [[nodiscard]] virtual Result<int> schema_version() = 0;
   /// Only of a store whose schema version is not 0.
-  [[nodiscard]] virtual Result<ExperienceSpace> space() = 0;
+  [[nodiscard]] virtual Result<RobotSignature> signature() = 0;
   /// Creates the tables of an empty store, unless another process was faster.
-  [[nodiscard]] virtual Result<void> create(const ExperienceSpace& space) = 0;
+  [[nodiscard]] virtual Result<void> create(const RobotSignature& signature) = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) = 0;
   [[nodiscard]] virtual Result<std::int64_t> bytes() = 0;
   /// Adds what is wrong with the files beneath the rows.
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
   /// Gives the space of removed rows back.
   [[nodiscard]] virtual Result<void> reclaim() = 0;
-  /// Says of a store that has a space that it is of another one.
-  [[nodiscard]] virtual Result<void> set_space(const ExperienceSpace& space) = 0;
+  /// Says of a store that has a robot that it is of another one.
+  [[nodiscard]] virtual Result<void> set_signature(const RobotSignature& signature) = 0;
 };
 
 }  // namespace mneme::internal

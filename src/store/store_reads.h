@@ -28,8 +28,8 @@ class Tally {
 /// What changed in a store.
 struct StoreChanges {
   StoreState state;
-  bool is_complete = false;       ///< all rows were read, not only new ones
-  std::set<std::int64_t> buried;  ///< rows that are dead by now, new ones included
+  bool is_complete = false;     ///< all rows were read, not only new ones
+  std::set<std::int64_t> dead;  ///< rows that are dead by now, new ones included
 };
 
 /// Visits the live rows that came since `since`, or all of them if rows may have vanished in the
@@ -37,20 +37,5 @@ struct StoreChanges {
 /// were inserted.
 [[nodiscard]] Result<StoreChanges> read_changes(Store& store, const StoreState& since,
                                                 RowParts parts, const RowVisitor& visit);
-
-/// A live row without its content.
-struct LiveRow {
-  ContentHash content{};
-  std::int64_t id = 0;
-};
-/// All live rows in order of their content hashes, which does not depend on how they came to be
-/// there.
-[[nodiscard]] Result<std::vector<LiveRow>> list_by_content(Store& store);
-
-using RowsVisitor = std::function<Result<void>(std::span<const Experience>)>;
-/// Hands the rows that `list` names to `visit` in its order, some hundred at a time. Errors:
-/// corrupt, naming the row, if one is damaged or gone.
-[[nodiscard]] Result<void> visit_rows(Store& store, const ExperienceSpace& space,
-                                      std::span<const LiveRow> list, const RowsVisitor& visit);
 
 }  // namespace mneme::internal

@@ -13,8 +13,8 @@ namespace mneme::internal {
 /// Which of two rows with the same content stays.
 enum class Duplicates {
   keep_first,     ///< the one that is there
-  keep_earliest,  ///< the one with the smaller time, then tool: the same in whatever order they
-                  ///< come
+  keep_earliest,  ///< the one with the smaller time, tool, settings, seed: the same in whatever
+                  ///< order they come
 };
 
 struct Appended {
@@ -27,7 +27,7 @@ struct Appended {
 
 /// Completes rows for storage. Errors: invalid, naming the row.
 [[nodiscard]] Result<void> prepare_rows(std::vector<Experience>& rows,
-                                        const ExperienceSpace& space);
+                                        const RobotSignature& signature);
 
 /// Appends all rows or none; what the store holds already is not added again. The rows must be
 /// prepared.
@@ -40,28 +40,10 @@ using RowSource = std::function<Result<std::span<const Experience>>(const StoreS
 [[nodiscard]] Result<Appended> append_rows_of(Store& store, const RowSource& source,
                                               Duplicates rule);
 
-/// A row to set aside, and why.
-struct Burial {
-  std::int64_t row = 0;
-  std::string reason;
-};
-/// Buries rows, removes tombstones that are damaged, and writes a head that fits what is there,
-/// whatever it was.
-[[nodiscard]] Result<void> quarantine_rows(Store& store, std::span<const Burial> burials,
-                                           std::span<const std::int64_t> damaged_tombstones = {});
-
-/// Removes dead rows for good, and gives back their space. Returns their number.
-[[nodiscard]] Result<std::int64_t> compact_store(Store& store);
+/// A tombstone for `row`, which `state` counts from now on.
+[[nodiscard]] Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason);
 
 /// Now, UTC, ISO 8601.
 [[nodiscard]] std::string current_time();
-
-/// The epoch after that of `old_head`; without one (null), one that was certainly never in use.
-[[nodiscard]] std::int64_t next_epoch(const StoreState* old_head);
-
-/// Adds rows that `target` does not have, in one transaction, and counts them. The rows must be
-/// sound.
-[[nodiscard]] Result<void> merge_rows(Store& target, std::span<const Experience> rows,
-                                      MergeSummary& summary);
 
 }  // namespace mneme::internal

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "store/new_file.h"
+#include "base/new_file.h"
 #include "store/open_store.h"
 #include "store/row_check.h"
-#include "store/store_reads.h"
-#include "store/store_writes.h"
+#include "upkeep/store_upkeep.h"
 #include "upkeep/json_rows.h"
 
 #include <fmt/format.h>
@@ -31,10 +30,10 @@ class Import {
   explicit Import(internal::OpenedStore opened) : opened_(std::move(opened)) {}
 
   Result<void> add(Experience row) {
-    auto flaw = internal::describe_flaw(row, opened_.space);
+    auto flaw = internal::describe_flaw(row, opened_.signature);
     if (!flaw) flaw = sizes_.check(row.kind, row.key.size());
     if (flaw) return fail(ErrorCode::parse, *flaw);
-    row.sampler.joint_count = opened_.space.joint_count;
+    if (!row.is_path()) row.sampler().joint_count = opened_.signature.joint_count;
     rows_.push_back(std::move(row));
     constexpr std::size_t kRowsAtOnce = 500;
     return rows_.size() < kRowsAtOnce ? Result<void>() : flush();
@@ -111,12 +110,13 @@ Result<std::int64_t> export_database(const std::string& url, const std::string& 
   }
   const auto list = MNEME_TRY(internal::advised(internal::list_by_content(*opened.store), url));
   auto file = MNEME_TRY(internal::NewFile::create(path));
-  MNEME_TRY(file.write(internal::json_of(opened.space) + "\n"));
+  MNEME_TRY(file.write(internal::json_of(opened.signature) + "\n"));
   const auto write = [&](std::span<const Experience> rows) -> Result<void> {
     for (const Experience& row : rows) MNEME_TRY(file.write(internal::json_of(row) + "\n"));
     return {};
   };
-  MNEME_TRY(internal::advised(internal::visit_rows(*opened.store, opened.space, list, write), url));
+  MNEME_TRY(
+      internal::advised(internal::visit_rows(*opened.store, opened.signature, list, write), url));
   MNEME_TRY(file.finish());
   return static_cast<std::int64_t>(list.size());
 }
@@ -126,10 +126,10 @@ Result<MergeSummary> import_database(const std::string& url, const std::string& 
   auto lines = MNEME_TRY(LineReader::open(path));
   std::string line;
   MNEME_TRY(lines.next(line));
-  const auto space = internal::parse_space(line);
-  if (!space) return lines.error(space.error());
+  const auto robot = internal::parse_signature(line);
+  if (!robot) return lines.error(robot.error());
   auto opened =
-      MNEME_TRY(internal::advised(internal::open_store_of(url, *space, OpenMode::create), url));
+      MNEME_TRY(internal::advised(internal::open_store_of(url, *robot, OpenMode::create), url));
   Import import(std::move(opened));
   for (;;) {
     const bool is_line = MNEME_TRY(lines.next(line));

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kFormat = "mneme experience 2";
+constexpr const char* kFormat = "mneme experience 3";
 
 /// The shortest digits, but "-0.0" for "-0": whole numbers have no sign of zero.
 template <class Number>
@@ -80,6 +80,11 @@ class Fields {
     if (field != nullptr && field->is_number_unsigned()) return field->get<std::uint64_t>();
     return wrong<std::uint64_t>(name, "a whole number from 0");
   }
+  bool truth(const char* name) {
+    const Json* field = find(name);
+    return field != nullptr && field->is_boolean() ? field->get<bool>()
+                                                   : wrong<bool>(name, "true or false");
+  }
   int count(const char* name) {
     const std::uint64_t number = whole_number(name);
     if (number <= static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
@@ -106,6 +111,9 @@ class Fields {
     }
     if (!is_table) wrong<int>(name, "a list of lists of equally many numbers");
     return numbers;
+  }
+  void refuse(std::string flaw) {
+    if (!error_) error_ = std::move(flaw);
   }
   [[nodiscard]] bool has(const char* name) const { return find(name) != nullptr; }
   [[nodiscard]] const std::optional<std::string>& error() const { return error_; }
@@ -137,7 +145,7 @@ class Fields {
   }
   template <class T>
   T wrong(const char* name, const char* expected) {
-    if (!error_) error_ = fmt::format("'{}' is missing or not {}", name, expected);
+    refuse(fmt::format("'{}' is missing or not {}", name, expected));
     return {};
   }
 
@@ -147,54 +155,98 @@ class Fields {
 
 }  // namespace
 
-std::string json_of(const ExperienceSpace& space) {
-  return fmt::format(R"({{"format":{},"robot_name":{},"robot_hash":{},"joint_count":{}}})",
-                     quoted(kFormat), quoted(space.robot_name), quoted(space.robot_hash),
-                     space.joint_count);
+std::string json_of(const RobotSignature& robot) {
+  return fmt::format(
+      R"({{"format":{},"robot_name":{},"kinematics_hash":{},"model_hash":{},"joint_count":{}}})",
+      quoted(kFormat), quoted(robot.robot_name), quoted(robot.kinematics_hash),
+      quoted(robot.model_hash), robot.joint_count);
 }
 
-std::string json_of(const Experience& row) {
-  const LocalSampler& sampler = row.sampler;
+namespace {
+
+std::string json_of(const LocalSampler& sampler) {
   const auto joints = static_cast<std::size_t>(sampler.joint_count);
+  return fmt::format(R"("means":{},"factor_rows":{},"factors":{},"sources":{},"is_complete":{})",
+                     table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
+                     table_of(sampler.factors, sampler.factor_size()),
+                     list_of<int>(sampler.sources), sampler.is_complete);
+}
+
+std::string json_of(const RememberedPath& path) {
+  std::string text = fmt::format(
+      R"("waypoints":{},"constraints":{})",
+      table_of(path.waypoints, static_cast<std::size_t>(path.joint_count)), path.constraints);
+  if (path.planning_states) text += fmt::format(R"(,"planning_states":{})", *path.planning_states);
+  return text;
+}
+
+LocalSampler parse_sampler(Fields& fields) {
+  LocalSampler sampler;
+  std::size_t joints = 0, triangle = 0;
+  sampler.means = fields.table("means", joints);
+  sampler.factor_rows = fields.list<int>("factor_rows");
+  sampler.factors = fields.table("factors", triangle);
+  sampler.sources = fields.list<int>("sources");
+  sampler.is_complete = fields.truth("is_complete");
+  // Without means the factors tell.
+  while (triangle_size(joints) < triangle && sampler.means.empty()) ++joints;
+  sampler.joint_count = static_cast<int>(joints);
+  if (triangle != 0 && triangle != triangle_size(joints)) {
+    fields.refuse(fmt::format("a row of 'factors' has {} numbers; expected {}", triangle,
+                              triangle_size(joints)));
+  }
+  return sampler;
+}
+
+RememberedPath parse_path(Fields& fields) {
+  RememberedPath path;
+  std::size_t joints = 0;
+  path.waypoints = fields.table("waypoints", joints);
+  path.joint_count = static_cast<int>(joints);
+  path.constraints = fields.whole_number("constraints");
+  if (fields.has("planning_states")) path.planning_states = fields.whole_number("planning_states");
+  return path;
+}
+
+}  // namespace
+
+std::string json_of(const Experience& row) {
   const Provenance& provenance = row.provenance;
+  const std::string content =
+      std::visit([](const auto& held) { return json_of(held); }, row.content);
   return fmt::format(
-      R"({{"content":"{}","kind":{},"key":{},"means":{},"factor_rows":{},"factors":{},"origins":{},"settings":{},"seed":{},"tool":{},"time":{}}})",
-      to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key),
-      table_of(sampler.means, joints), list_of<int>(sampler.factor_rows),
-      table_of(sampler.factors, sampler.factor_size()), list_of<int>(sampler.sources),
+      R"({{"content":"{}","kind":{},"key":{},{},"settings":{},"seed":{},"tool":{},"time":{}}})",
+      to_hex(EncodedRow(row).content()), quoted(row.kind), list_of<double>(row.key), content,
       quoted(provenance.settings), provenance.seed, quoted(provenance.tool),
       quoted(provenance.time));
 }
 
-Result<ExperienceSpace> parse_space(std::string_view line) {
+Result<RobotSignature> parse_signature(std::string_view line) {
   Fields fields(line);
-  if (!fields.error() && fields.has("format") && fields.text("format") != kFormat) {
+  const std::string format = fields.text("format");
+  if (!fields.error() && format != kFormat) {
     return fail(ErrorCode::parse,
-                fmt::format("its format is '{}'; expected '{}'", fields.text("format"), kFormat));
+                fmt::format("its format is '{}'; expected '{}'", format, kFormat));
   }
-  ExperienceSpace space;
-  (void)fields.text("format");
-  space.robot_name = fields.text("robot_name");
-  space.robot_hash = fields.text("robot_hash");
-  space.joint_count = fields.count("joint_count");
+  RobotSignature robot;
+  robot.robot_name = fields.text("robot_name");
+  robot.kinematics_hash = fields.text("kinematics_hash");
+  robot.model_hash = fields.text("model_hash");
+  robot.joint_count = fields.count("joint_count");
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
-  return space;
+  return robot;
 }
 
 Result<Experience> parse_row(std::string_view line) {
   Fields fields(line);
   Experience row;
-  std::size_t joints = 0;
-  std::size_t triangle = 0;
   row.kind = fields.text("kind");
   row.key = fields.list<double>("key");
-  row.sampler.means = fields.table("means", joints);
-  row.sampler.factor_rows = fields.list<int>("factor_rows");
-  row.sampler.factors = fields.table("factors", triangle);
-  row.sampler.sources = fields.list<int>("origins");
-  // Without means the factors tell.
-  while (triangle_size(joints) < triangle && row.sampler.means.empty()) ++joints;
-  row.sampler.joint_count = static_cast<int>(joints);
+  if (fields.has("waypoints")) {
+    row.content = parse_path(fields);
+  } else {
+    row.content = parse_sampler(fields);
+  }
   row.provenance.settings = fields.text("settings");
   row.provenance.seed = fields.whole_number("seed");
   row.provenance.tool = fields.text("tool");
@@ -202,10 +254,6 @@ Result<Experience> parse_row(std::string_view line) {
   if (fields.error()) return fail(ErrorCode::parse, *fields.error());
   if (const auto flaw = describe_key_flaw(row.kind, row.key)) {
     return fail(ErrorCode::parse, *flaw);
-  }
-  if (triangle != 0 && triangle != triangle_size(joints)) {
-    return fail(ErrorCode::parse, fmt::format("a row of 'factors' has {} numbers; expected {}",
-                                              triangle, triangle_size(joints)));
   }
   if (fields.has("content") && fields.text("content") != to_hex(EncodedRow(row).content())) {
     return fail(ErrorCode::parse,

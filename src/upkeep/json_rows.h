@@ -12,13 +12,13 @@
 namespace mneme::internal {
 
 /// The first line of a file: what its experience is of.
-[[nodiscard]] std::string json_of(const ExperienceSpace& space);
+[[nodiscard]] std::string json_of(const RobotSignature& signature);
 /// A line of one row, which does not depend on its id.
 [[nodiscard]] std::string json_of(const Experience& row);
 
 // Errors: parse, without file and line.
-[[nodiscard]] Result<ExperienceSpace> parse_space(std::string_view line);
-/// The sizes are not checked against a space.
+[[nodiscard]] Result<RobotSignature> parse_signature(std::string_view line);
+/// The sizes are not checked against a signature.
 [[nodiscard]] Result<Experience> parse_row(std::string_view line);
 
 }  // namespace mneme::internal

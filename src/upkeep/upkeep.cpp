@@ -6,7 +6,7 @@
 #include "store/open_store.h"
 #include "store/row_check.h"
 #include "store/store_reads.h"
-#include "store/store_writes.h"
+#include "upkeep/store_upkeep.h"
 
 #include <fmt/format.h>
 
@@ -35,12 +35,12 @@ Result<void> verify_structure(Store& store, Findings& findings) {
   return checked ? Result<void>() : note(checked.error(), findings);
 }
 
-Result<void> verify_rows(Store& store, const ExperienceSpace& space, Findings& findings) {
+Result<void> verify_rows(Store& store, const RobotSignature& signature, Findings& findings) {
   internal::KeySizes sizes;
   const auto read =
       internal::read_changes(store, {}, internal::RowParts::all, [&](const auto& row) {
         Experience experience;
-        auto flaw = internal::decode(row, space, experience);
+        auto flaw = internal::decode(row, signature, experience);
         if (!flaw) flaw = sizes.check(experience.kind, experience.key.size());
         if (flaw) findings.damages.push_back({row.id, *flaw, false});
         return Result<void>();
@@ -83,7 +83,7 @@ Result<Findings> verify(const std::string& url) {
   if (opened->schema_version == 0) return findings;
   Store& store = *opened->store;
   return verify_structure(store, findings)
-      .and_then([&] { return verify_rows(store, opened->space, findings); })
+      .and_then([&] { return verify_rows(store, opened->signature, findings); })
       .and_then([&] { return verify_orphans(store, findings); })
       .and_then([&] { return verify_tombstones(store, findings); })
       .map([&] { return findings; });
@@ -92,11 +92,7 @@ Result<Findings> verify(const std::string& url) {
 /// Sets damaged rows aside, and removes damaged tombstones, whose rows are judged anew.
 Result<void> quarantine(const std::string& url, const Findings& findings) {
   const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
-  std::vector<internal::Burial> burials;
-  for (const Damage& damage : findings.damages) {
-    if (damage.id != 0) burials.push_back({damage.id, "damaged: " + damage.what});
-  }
-  return internal::quarantine_rows(*store, burials, findings.tombstones);
+  return internal::quarantine_rows(*store, findings.damages, findings.tombstones);
 }
 
 /// How to save what can be read of a database that is damaged beneath its rows.
@@ -138,12 +134,13 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
   if (source.schema_version == 0) return summary;
   const auto list = MNEME_TRY(internal::advised(internal::list_by_content(*source.store), from));
   const auto visit_all = [&](const internal::RowsVisitor& visit) {
-    return internal::advised(internal::visit_rows(*source.store, source.space, list, visit), from);
+    return internal::advised(internal::visit_rows(*source.store, source.signature, list, visit),
+                             from);
   };
   // All of it, before anything is made or changed: what is damaged adds nothing.
   MNEME_TRY(visit_all([](auto) { return Result<void>(); }));
   const auto target = MNEME_TRY(
-      internal::advised(internal::open_store_of(into, source.space, OpenMode::create), into));
+      internal::advised(internal::open_store_of(into, source.signature, OpenMode::create), into));
   MNEME_TRY(
       visit_all([&](auto rows) { return internal::merge_rows(*target.store, rows, summary); }));
   return summary;
@@ -151,13 +148,13 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
 
 namespace {
 
-Result<void> check_adoption(const std::string& url, const ExperienceSpace& found,
-                            const ExperienceSpace& wanted, bool is_forced) {
-  if (internal::is_same_space(found, wanted) || internal::has_same_frames(found, wanted)) return {};
-  const bool is_unsaid = internal::kinematics_of(found).empty();
+Result<void> check_adoption(const std::string& url, const RobotSignature& found,
+                            const RobotSignature& wanted, bool is_forced) {
+  if (internal::is_same_robot(found, wanted) || internal::has_same_frames(found, wanted)) return {};
+  const bool is_unsaid = found.kinematics_hash.empty();
   const bool can_fit = is_unsaid && found.joint_count == wanted.joint_count;
   if (can_fit && is_forced) return {};
-  auto refused = internal::refuse_space(url, found, wanted);
+  auto refused = internal::refuse_robot(url, found, wanted);
   if (can_fit) {
     refused.value().message +=
         "; an older mneme made it, which did not note the joints' frames: --force if they are the "
@@ -168,17 +165,17 @@ Result<void> check_adoption(const std::string& url, const ExperienceSpace& found
 
 }  // namespace
 
-Result<ExperienceSpace> adopt_database(const std::string& url, const ExperienceSpace& space,
-                                       bool is_forced) {
+Result<RobotSignature> adopt_database(const std::string& url, const RobotSignature& signature,
+                                      bool is_forced) {
   const auto found = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   if (found.schema_version == 0) {
     return fail(ErrorCode::invalid,
                 fmt::format("{}: there is no experience in it", internal::without_password(url)));
   }
-  MNEME_TRY(check_adoption(found.store->name(), found.space, space, is_forced));
+  MNEME_TRY(check_adoption(found.store->name(), found.signature, signature, is_forced));
   const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
-  MNEME_TRY(store->set_space(space));
-  return found.space;
+  MNEME_TRY(store->set_signature(signature));
+  return found.signature;
 }
 
 Result<CompactSummary> compact_database(const std::string& url) {

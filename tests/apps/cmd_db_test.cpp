@@ -137,7 +137,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     {
       Database database =
-          Database::open(files.database(), make_space(planar8()), OpenMode::read_write).value();
+          Database::open(files.database(), make_signature(planar8()), OpenMode::read_write).value();
       std::vector<Experience> rows(11, database.get(0).value());
       for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].key[0] += 1e-3 * static_cast<double>(i + 1);

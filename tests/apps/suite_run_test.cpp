@@ -152,7 +152,7 @@ TEST_SUITE("flow") {
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     const auto memory = Database::inspect(files / "out/memories/m.db");
     REQUIRE(memory.has_value());
-    CHECK(hashes_of(memory->space()).model == load_robot(files / "thin.urdf")->hash());
+    CHECK(memory->signature().model_hash == load_robot(files / "thin.urdf")->hash());
   }
 
   TEST_CASE("A suite that was killed goes on where it was") {

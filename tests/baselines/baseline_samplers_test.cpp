@@ -16,7 +16,7 @@ struct TwoRows {
     return {"", robot, "", scene, Configuration(8, 0.0), {Configuration(8, 0.1)}, {}};
   }
   [[nodiscard]] int components(std::int64_t row) const {
-    return database.get(row)->sampler.component_count();
+    return database.get(row)->sampler().component_count();
   }
 };
 
@@ -30,7 +30,7 @@ TEST_SUITE("unit") {
     const GaussianMixture pooled = *internal::pool_all(
         *internal::make_query(problem, &memory.database, {}), memory_query(problem));
     CHECK(pooled.component_count() == memory.components(0) + memory.components(1));
-    CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler, 0)) <
+    CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler(), 0)) <
           1e-5);
   }
 
@@ -45,7 +45,7 @@ TEST_SUITE("unit") {
         const auto mixture = internal::recall_nearest_scenes(
             *internal::make_query(problem, &memory.database, settings), memory_query(problem));
         REQUIRE(mixture.has_value());
-        const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler;
+        const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler();
         REQUIRE(mixture->component_count() == learned.component_count());
         const Configuration turned =
             moved_configuration({0, -1}, {rotation, false}, mean_of(learned, 0));

@@ -70,7 +70,8 @@ TEST_SUITE("flow") {
     Rng rng(59);
     const auto rows = random_rows(rng, 50);
     REQUIRE(open_database(directory / "a.db").insert(rows));
-    const auto partly = Database::open(directory / "a.db", arm_space(), OpenMode::read_only, {0});
+    const auto partly =
+        Database::open(directory / "a.db", arm_signature(), OpenMode::read_only, {0});
     REQUIRE(partly.has_value());
     Database reader = open_database(directory / "a.db", OpenMode::read_only);
     Database writer = open_database(directory / "a.db", OpenMode::read_write);
@@ -104,7 +105,7 @@ TEST_SUITE("flow") {
     std::vector<pid_t> children;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       children.push_back(start_child([&, seed] {
-        auto database = Database::open(directory / "a.db", arm_space(), OpenMode::create);
+        auto database = Database::open(directory / "a.db", arm_signature(), OpenMode::create);
         return database && insert_batches(*database, seed, kBatches) == kBatches ? 0 : 1;
       }));
     }

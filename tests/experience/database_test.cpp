@@ -15,7 +15,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Rng rng(51);
     auto rows = random_rows(rng, 7);
-    rows[3].sampler = {};
+    rows[3].sampler() = {};
     {
       Database database = open_database(directory / "a.db");
       CHECK(database.size() == 0);
@@ -24,7 +24,7 @@ TEST_SUITE("unit") {
       CHECK(database.insert({rows[7]}) == std::vector<std::int64_t>{8});
       CHECK(database.size() == 8);
     }
-    rows[3].sampler.joint_count = 3;
+    rows[3].sampler().joint_count = 3;
     for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
       const Database database = open_database(directory / "a.db", mode);
       REQUIRE(database.size() == 8);
@@ -61,7 +61,7 @@ TEST_SUITE("unit") {
     CHECK(info.schema_version == 3);
     CHECK(info.generation == 1);
     CHECK(info.tombstones == 0);
-    CHECK(info.space.robot_name == "arm");
+    CHECK(info.signature.robot_name == "arm");
   }
 
   TEST_CASE("the time of insertion is filled in unless it is given") {
@@ -107,9 +107,9 @@ TEST_SUITE("unit") {
   TEST_CASE("the database of another robot is refused with both names and hashes") {
     const TemporaryDirectory directory;
     open_database(directory / "a.db");
-    ExperienceSpace other = arm_space();
+    RobotSignature other = arm_signature();
     other.robot_name = "panda";
-    other.robot_hash = "fedcba9876543210";
+    other.model_hash = "fedcba9876543210";
     const Error error = open_error(directory / "a.db", OpenMode::read_write, other);
     CHECK(error.code == ErrorCode::wrong_robot);
     for (const char* part : {"'arm'", "0123456789abcdef", "'panda'", "fedcba9876543210"}) {
@@ -120,14 +120,14 @@ TEST_SUITE("unit") {
   TEST_CASE("each part of the space but the robot's name decides whether a database fits") {
     const TemporaryDirectory directory;
     open_database(directory / "a.db");
-    ExperienceSpace other = arm_space();
+    RobotSignature other = arm_signature();
     other.robot_name = "the same arm by another name";
     CHECK(Database::open(directory / "a.db", other, OpenMode::read_write).has_value());
-    const std::vector<std::function<void(ExperienceSpace&)>> changes = {
-        [](ExperienceSpace& s) { s.robot_hash = "0"; },
-        [](ExperienceSpace& s) { s.joint_count = 4; }};
+    const std::vector<std::function<void(RobotSignature&)>> changes = {
+        [](RobotSignature& s) { s.model_hash = "0"; },
+        [](RobotSignature& s) { s.joint_count = 4; }};
     for (const auto& change : changes) {
-      other = arm_space();
+      other = arm_signature();
       change(other);
       CHECK(open_error(directory / "a.db", OpenMode::create, other).code == ErrorCode::wrong_robot);
     }
@@ -159,13 +159,13 @@ TEST_SUITE("unit") {
     REQUIRE(open_database(directory / "a.db").insert(random_rows(rng, 2)));
     const auto database = Database::inspect(directory / "a.db");
     REQUIRE(database.has_value());
-    CHECK(database->space().robot_hash == "0123456789abcdef");
+    CHECK(database->signature().model_hash == "0123456789abcdef");
     CHECK(database->size() == 2);
   }
 
   TEST_CASE("a space without joints cannot have a database") {
     const TemporaryDirectory directory;
-    const Error error = open_error(directory / "a.db", OpenMode::create, ExperienceSpace{});
+    const Error error = open_error(directory / "a.db", OpenMode::create, RobotSignature{});
     CHECK(error.code == ErrorCode::invalid);
     CHECK(!std::filesystem::exists(directory / "a.db"));
   }
@@ -348,8 +348,8 @@ TEST_SUITE("unit") {
     write_file(directory / "a.db", "");
     Database reader = open_database(directory / "a.db", OpenMode::read_only);
     CHECK(reader.refresh() == 0);
-    ExperienceSpace other = arm_space();
-    other.robot_hash = "other";
+    RobotSignature other = arm_signature();
+    other.model_hash = "other";
     REQUIRE(Database::open(directory / "a.db", other, OpenMode::create).has_value());
     const auto refreshed = reader.refresh();
     REQUIRE(!refreshed.has_value());
@@ -360,7 +360,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const std::string attack = "x'); DROP TABLE experience; DELETE FROM mixture; --\"\\ $1 ?1";
     Rng rng(68);
-    ExperienceSpace space{attack, attack, 3};
+    RobotSignature space{attack, attack, attack, 3};
     Experience row = random_experience(rng);
     row.provenance = {attack, attack, 1, attack};
     const std::string path = directory / "a'; DROP TABLE x; --.db";
@@ -368,7 +368,7 @@ TEST_SUITE("unit") {
     const auto database = Database::open(path, space, OpenMode::read_only);
     REQUIRE(database.has_value());
     CHECK(is_same_content(*database->get(0), row));
-    CHECK(database->space().robot_name == attack);
+    CHECK(database->signature().robot_name == attack);
   }
 
   TEST_CASE("a database that is read while another writes shows what was complete by then") {

@@ -8,19 +8,19 @@ namespace mneme::test {
 namespace {
 
 using internal::ExperienceIndex;
-using internal::KindIndexes;
+using internal::GroupIndexes;
 using internal::StoreState;
 
 constexpr StoreState kState = {7, 2, 300, 4, 290, 5, 4, 6};
 
-KindIndexes make_index() {
+GroupIndexes make_index() {
   Rng rng(91);
-  KindIndexes kinds;
-  ExperienceIndex& pairs = kinds.try_emplace(kPairs, 6).first->second;
+  GroupIndexes kinds;
+  ExperienceIndex& pairs = kinds.try_emplace({kPairs}, 6).first->second;
   for (int i = 0; i < 300; ++i) pairs.append({{i + 1}, {3}, random_key(rng)});
-  ExperienceIndex& others = kinds.try_emplace("others/1", 6).first->second;
+  ExperienceIndex& others = kinds.try_emplace({kPairs, 7}, 6).first->second;
   for (int i = 0; i < 50; ++i) others.append({{i + 301}, {4}, random_key(rng)});
-  kinds.try_emplace("trios/1", 3).first->second.append({{351}, {2}, {1, 2, 3}});
+  kinds.try_emplace({"trios/1"}, 3).first->second.append({{351}, {2}, {1, 2, 3}});
   return kinds;
 }
 
@@ -47,23 +47,23 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const std::string file = internal::index_file_of(directory / "a.db");
     CHECK(file == directory / "a.db.index");
-    CHECK(!internal::load_index(file, arm_space()).has_value());
-    const KindIndexes kinds = make_index();
-    REQUIRE(internal::save_index(file, arm_space(), kState, kinds));
-    const auto saved = internal::load_index(file, arm_space());
+    CHECK(!internal::load_index(file, arm_signature()).has_value());
+    const GroupIndexes kinds = make_index();
+    REQUIRE(internal::save_index(file, arm_signature(), kState, kinds));
+    const auto saved = internal::load_index(file, arm_signature());
     REQUIRE(saved.has_value());
     CHECK(saved->state == kState);
-    REQUIRE(saved->kinds.size() == 3);
-    for (const auto& [kind, index] : kinds) CHECK(is_same(saved->kinds.at(kind), index));
+    REQUIRE(saved->groups.size() == 3);
+    for (const auto& [kind, index] : kinds) CHECK(is_same(saved->groups.at(kind), index));
   }
 
   TEST_CASE("the index of another space is not used") {
     const TemporaryDirectory directory;
-    REQUIRE(internal::save_index(directory / "i", arm_space(), kState, make_index()));
-    ExperienceSpace other = arm_space();
-    other.robot_hash = "another";
+    REQUIRE(internal::save_index(directory / "i", arm_signature(), kState, make_index()));
+    RobotSignature other = arm_signature();
+    other.model_hash = "another";
     CHECK(!internal::load_index(directory / "i", other).has_value());
-    other = arm_space();
+    other = arm_signature();
     other.joint_count = 7;
     CHECK(!internal::load_index(directory / "i", other).has_value());
   }
@@ -71,7 +71,7 @@ TEST_SUITE("unit") {
   TEST_CASE("where nothing can be written, nothing is saved") {
     const TemporaryDirectory directory;
     write_file(directory / "none", "");
-    CHECK(!internal::save_index(directory / "none/i", arm_space(), kState, make_index()));
+    CHECK(!internal::save_index(directory / "none/i", arm_signature(), kState, make_index()));
   }
 
   TEST_CASE("the index of a server stands in the user's cache, and no password in its name") {
@@ -81,8 +81,8 @@ TEST_SUITE("unit") {
     CHECK(file.starts_with(directory / "cache/mneme/index-"));
     CHECK(file == internal::index_file_of("postgresql://me:other@host/arm"));
     CHECK(file != internal::index_file_of("postgresql://me:other@host/leg"));
-    REQUIRE(internal::save_index(file, arm_space(), kState, make_index()));
-    CHECK(internal::load_index(file, arm_space()).has_value());
+    REQUIRE(internal::save_index(file, arm_signature(), kState, make_index()));
+    CHECK(internal::load_index(file, arm_signature()).has_value());
   }
 }
 
@@ -90,7 +90,7 @@ TEST_SUITE("law") {
   TEST_CASE("an index file with any bit flipped, or cut short anywhere, is not used") {
     const std::uint64_t seed = 93;
     const TemporaryDirectory directory;
-    REQUIRE(internal::save_index(directory / "i", arm_space(), kState, make_index()));
+    REQUIRE(internal::save_index(directory / "i", arm_signature(), kState, make_index()));
     const std::string sound = read_file(directory / "i");
     Rng rng(seed);
     for (int i = 0; i < 300; ++i) {
@@ -103,7 +103,7 @@ TEST_SUITE("law") {
       }
       write_file(directory / "i", bytes);
       INFO("seed " << seed << ", change " << i);
-      REQUIRE(!internal::load_index(directory / "i", arm_space()).has_value());
+      REQUIRE(!internal::load_index(directory / "i", arm_signature()).has_value());
     }
   }
 }

@@ -19,7 +19,7 @@ constexpr DatabaseSettings kLittle = {40000};
 
 Database open_partly(const std::string& path, OpenMode mode = OpenMode::read_only,
                      const DatabaseSettings& settings = kNothing) {
-  auto database = Database::open(path, arm_space(), mode, settings);
+  auto database = Database::open(path, arm_signature(), mode, settings);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }
@@ -87,9 +87,9 @@ TEST_SUITE("unit") {
     CHECK(!std::filesystem::exists(file));
     open_partly(directory / "a.db");
     REQUIRE(std::filesystem::exists(file));
-    const auto saved = internal::load_index(file, arm_space());
+    const auto saved = internal::load_index(file, arm_signature());
     REQUIRE(saved.has_value());
-    CHECK(saved->kinds.at(kPairs).size() == 50);
+    CHECK(saved->groups.at({kPairs}).size() == 50);
   }
 
   TEST_CASE("what is inserted beyond the bound is found, and leaves an index behind") {
@@ -107,9 +107,9 @@ TEST_SUITE("unit") {
       }
     }
     const auto saved =
-        internal::load_index(internal::index_file_of(directory / "a.db"), arm_space());
+        internal::load_index(internal::index_file_of(directory / "a.db"), arm_signature());
     REQUIRE(saved.has_value());
-    CHECK(saved->kinds.at(kPairs).size() == 300);
+    CHECK(saved->groups.at({kPairs}).size() == 300);
   }
 
   TEST_CASE("a change of the directory does not change which files are meant") {
@@ -194,7 +194,7 @@ TEST_SUITE("unit") {
                .has_value());
     std::filesystem::remove(internal::index_file_of(directory / "a.db"));
     const auto refused =
-        Database::open(directory / "a.db", arm_space(), OpenMode::read_only, kNothing);
+        Database::open(directory / "a.db", arm_signature(), OpenMode::read_only, kNothing);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::corrupt);
   }
@@ -233,7 +233,7 @@ TEST_SUITE("law") {
         flip_bit(file, at);
       }
       check_same(open_partly(directory / "a.db"), whole);
-      REQUIRE(internal::load_index(file, arm_space()).has_value());
+      REQUIRE(internal::load_index(file, arm_signature()).has_value());
     }
   }
 }
@@ -249,7 +249,7 @@ TEST_SUITE("flow") {
       const pid_t child = start_child([&] {
         for (;;) {
           std::filesystem::remove(file);
-          if (!Database::open(directory / "a.db", arm_space(), OpenMode::read_only, kNothing)) {
+          if (!Database::open(directory / "a.db", arm_signature(), OpenMode::read_only, kNothing)) {
             return 1;
           }
         }
@@ -267,7 +267,7 @@ TEST_SUITE("flow") {
     Database database = open_partly(directory / "a.db", OpenMode::read_only, kLittle);
     const pid_t child = start_child([&] {
       Rng rng(119);
-      auto writer = Database::open(directory / "a.db", arm_space(), OpenMode::read_write);
+      auto writer = Database::open(directory / "a.db", arm_signature(), OpenMode::read_write);
       for (int i = 0; writer && i < 20; ++i) {
         if (!writer->insert(random_rows(rng, 2))) return 1;
       }

@@ -55,7 +55,7 @@ TEST_SUITE("unit") {
     const SharedExperience row = make_row(1);
     cache.keep(std::vector{row});
     CHECK(!holds(cache, 1));
-    CHECK(row->sampler.component_count() == 5);
+    CHECK(row->sampler().component_count() == 5);
   }
 
   TEST_CASE("what is forgotten leaves room, and may come again") {
@@ -132,7 +132,7 @@ TEST_SUITE("unit") {
   TEST_CASE("rows are read in the order that was asked for, as they were stored") {
     const TemporaryDirectory directory;
     const auto rows = fill(directory / "a.db");
-    const RowLoader loader(directory / "a.db", arm_space(), kMuch);
+    const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     CHECK(ids_of(loader, {3, 1, 4}) == std::vector<std::int64_t>{3, 1, 4});
     CHECK(is_same_content(*loader.load(std::array{std::int64_t{2}}, true)->front(), rows[1]));
     CHECK(ids_of(loader, {}).empty());
@@ -141,7 +141,7 @@ TEST_SUITE("unit") {
   TEST_CASE("what was read once is not read again, unless it was not to be kept") {
     const TemporaryDirectory directory;
     fill(directory / "a.db");
-    const RowLoader loader(directory / "a.db", arm_space(), kMuch);
+    const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     REQUIRE(loader.load(std::array{std::int64_t{1}}, true).has_value());
     REQUIRE(loader.load(std::array{std::int64_t{2}}, false).has_value());
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1");
@@ -154,7 +154,7 @@ TEST_SUITE("unit") {
     fill(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET time = 'never' WHERE id = 2");
     run_sql(directory / "a.db", "DELETE FROM experience WHERE id = 3");
-    const RowLoader loader(directory / "a.db", arm_space(), kMuch);
+    const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     const Error damaged = load_error(loader, 2);
     CHECK(damaged.code == ErrorCode::corrupt);
     CHECK(damaged.message.find("row 2 is damaged") != std::string::npos);
@@ -167,7 +167,7 @@ TEST_SUITE("unit") {
   TEST_CASE("rows that were set aside, or removed after that, are left out") {
     const TemporaryDirectory directory;
     fill(directory / "a.db");
-    RowLoader loader(directory / "a.db", arm_space(), kMuch);
+    RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     CHECK(ids_of(loader, {1, 2}) == std::vector<std::int64_t>{1, 0});
@@ -177,7 +177,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file that is gone is an error") {
     const TemporaryDirectory directory;
-    const RowLoader loader(directory / "none.db", arm_space(), kMuch);
+    const RowLoader loader(directory / "none.db", arm_signature(), kMuch);
     CHECK(load_error(loader, 1).code == ErrorCode::io);
   }
 }

@@ -5,7 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto line = mneme::fuzz::as_text(data, size);
-  mneme::fuzz::expect_message(mneme::internal::parse_space(line));
+  mneme::fuzz::expect_message(mneme::internal::parse_signature(line));
   const auto row = mneme::internal::parse_row(line);
   mneme::fuzz::expect_message(row);
   // What was read can be written, and reads back.

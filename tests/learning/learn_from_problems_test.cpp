@@ -22,7 +22,7 @@ std::vector<Problem> post_problems(const Posts& posts) {
 }
 
 Database open_paths(const std::string& path, const Robot& robot) {
-  auto database = Database::open(path, make_space(robot), OpenMode::create);
+  auto database = Database::open(path, make_signature(robot), OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }

@@ -38,7 +38,7 @@ void check_same_contents(const Database& a, const Database& b) {
   REQUIRE(a.size() == b.size());
   for (std::int64_t i = 0; i < a.size(); ++i) {
     CHECK(a.get(i)->key == b.get(i)->key);
-    CHECK(is_same_mixture(a.get(i)->sampler, b.get(i)->sampler));
+    CHECK(is_same_mixture(a.get(i)->sampler(), b.get(i)->sampler()));
     CHECK(a.get(i)->provenance.seed == b.get(i)->provenance.seed);
     CHECK(a.get(i)->provenance.settings == b.get(i)->provenance.settings);
     CHECK(a.get(i)->provenance.tool == b.get(i)->provenance.tool);
@@ -87,8 +87,8 @@ TEST_SUITE("law") {
       CHECK(row.provenance.tool == "mneme " + std::string(version()));
       CHECK(!row.provenance.time.empty());
       const LearnResult again = learn(robot, row.key, cheap_settings(), row.provenance.seed);
-      CHECK(again.sampler.means == row.sampler.means);
-      empty += row.sampler.component_count() == 0;
+      CHECK(again.sampler.means == row.sampler().means);
+      empty += row.sampler().component_count() == 0;
     }
     CHECK(summary.empty == empty);
   }
@@ -186,7 +186,7 @@ TEST_SUITE("unit") {
     CHECK(database.size() == 18);
     std::set<std::vector<float>> different;
     for (std::int64_t i = 0; i < database.size(); ++i) {
-      different.insert(database.get(i)->sampler.means);
+      different.insert(database.get(i)->sampler().means);
     }
     CHECK(different.size() == 18);
   }
@@ -206,7 +206,7 @@ TEST_SUITE("unit") {
     // A primitive's sampler does not depend on its place in a list.
     Database other = make_database(directory / "b.db", robot);
     learn_all(robot, some, other, cheap_job());
-    CHECK(is_same_mixture(other.get(1)->sampler, database.get(1)->sampler));
+    CHECK(is_same_mixture(other.get(1)->sampler(), database.get(1)->sampler()));
   }
 
   TEST_CASE("what takes long to learn is stored after a second, however little it is") {
@@ -247,7 +247,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot that is no planar arm is an error and leaves the database empty") {
     const TemporaryDirectory directory;
     const Robot robot = upright_arm();
-    const ExperienceSpace space = {robot.name(), robot.hash(), 1};
+    const RobotSignature space = {robot.name(), "", robot.hash(), 1};
     auto database = Database::open(directory / "a.db", space, OpenMode::create);
     REQUIRE(database.has_value());
     const auto summary = learn_primitives(robot, random_keys(5, 47), *database, cheap_job(1, 2));
@@ -286,7 +286,7 @@ TEST_SUITE("flow") {
     std::set<std::int64_t> stored;
     for (int round = 0; round < count; ++round) {
       const pid_t child = start_child([&] {
-        const auto space = make_space(robot);
+        const auto space = make_signature(robot);
         auto database = Database::open(path, space, OpenMode::create);
         if (!database) return 1;
         LearnJob job;

@@ -32,7 +32,7 @@ LearnJob shared_job(const std::string& url, int jobs = 1) {
 
 Result<LearnSummary> work(const std::string& url, const Robot& robot,
                           const std::vector<PrimitiveKey>& keys, const LearnJob& job) {
-  const auto space = make_space(robot);
+  const auto space = make_signature(robot);
   auto database = Database::open(url, space, OpenMode::create);
   if (!database) return tl::unexpected(database.error());
   return learn_primitives(robot, keys, *database, job);

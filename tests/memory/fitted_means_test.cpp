@@ -18,8 +18,8 @@ using internal::PlanarChain;
 std::shared_ptr<const Experience> lesson(const PrimitiveKey& key, std::uint64_t seed = 1) {
   Experience row;
   row.key = key;
-  row.sampler = learn(planar8(), key, cheap_settings(), seed).sampler;
-  REQUIRE(row.sampler.component_count() > 10);
+  row.sampler() = learn(planar8(), key, cheap_settings(), seed).sampler;
+  REQUIRE(row.sampler().component_count() > 10);
   return std::make_shared<const Experience>(std::move(row));
 }
 
@@ -72,8 +72,8 @@ int count_free(const CollisionChecker& checker, const std::vector<Configuration>
 /// A configuration of a lesson whose first crossing link is `link`.
 Configuration crossing_at(const Experience& experience, int link) {
   const PlanarChain chain = PlanarChain::make(planar8()).value();
-  for (int i = 0; i < experience.sampler.component_count(); ++i) {
-    Configuration q = mean_of(experience.sampler, i);
+  for (int i = 0; i < experience.sampler().component_count(); ++i) {
+    Configuration q = mean_of(experience.sampler(), i);
     if (find_gap_crossing(chain, gap_segment(experience.key), q).link == link) return q;
   }
   FAIL("no mean crosses so");
@@ -92,7 +92,7 @@ TEST_SUITE("law") {
         const auto source = source_of(make_scene(pair), {retrieval_of(pair, {known})});
         const CollisionChecker checker = make_checker(planar8(), make_scene(pair));
         const auto means = means_of(*source, 0);
-        CHECK(static_cast<int>(means.size()) == known->sampler.component_count());
+        CHECK(static_cast<int>(means.size()) == known->sampler().component_count());
         // Those at the surface may be in contact by a rounding error.
         CHECK(count_free(checker, means) >= 0.97 * static_cast<double>(means.size()));
         std::rotate(pair.begin(), pair.begin() + 3, pair.end());
@@ -110,7 +110,7 @@ TEST_SUITE("unit") {
     const auto source = source_of(scene, {retrieval_of(near_pair(), {known})}, &start);
     const auto means = means_of(*source, 0);
     CHECK(!means.empty());
-    CHECK(static_cast<int>(means.size()) < known->sampler.component_count());
+    CHECK(static_cast<int>(means.size()) < known->sampler().component_count());
     for (const Configuration& q : means) {
       const int link = find_gap_crossing(chain, gap_segment(near_pair()), q).link;
       CHECK((link == -1 || link >= 6));
@@ -148,10 +148,10 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a covariance stays what it was") {
     auto known = std::make_shared<Experience>(*lesson(near_pair()));
-    known->sampler.factors.assign(36, 0.25f);
-    known->sampler.factor_rows.assign(static_cast<std::size_t>(known->sampler.component_count()),
-                                      -1);
-    known->sampler.factor_rows[2] = 0;
+    known->sampler().factors.assign(36, 0.25f);
+    known->sampler().factor_rows.assign(
+        static_cast<std::size_t>(known->sampler().component_count()), -1);
+    known->sampler().factor_rows[2] = 0;
     const auto source = source_of(make_scene(near_pair()), {retrieval_of(near_pair(), {known})});
     CHECK(source->factor(0, 1).empty());
     CHECK(source->factor(0, 2).size() == 36);
@@ -166,7 +166,7 @@ TEST_SUITE("unit") {
     const auto source = internal::retarget_means({robot, scene}, retrievals, 0);
     REQUIRE(source != nullptr);
     const auto means = means_of(*source, 0);
-    CHECK(static_cast<int>(means.size()) < known->sampler.component_count());
+    CHECK(static_cast<int>(means.size()) < known->sampler().component_count());
     for (const Configuration& q : means) CHECK(!robot.describe_violation(q, "mean"));
   }
 

@@ -67,7 +67,7 @@ Path moved_path(const SymmetricJoints& joints, const Symmetry& motion, const Pat
 }
 
 Database new_database(const std::string& path, const Robot& robot) {
-  const auto space = make_space(robot);
+  const auto space = make_signature(robot);
   auto database = Database::open(path, space, OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
@@ -113,8 +113,8 @@ TEST_SUITE("unit") {
     const auto rows = learn_rows(robot, scene, {{through, away}}, 0.3);
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].key == decompose({robot, scene})->at(0).key);
-    REQUIRE(rows[0].sampler.component_count() == 1);
-    CHECK(robot.distance(row_of(rows[0].sampler, 0), through) < 1e-6);
+    REQUIRE(rows[0].sampler().component_count() == 1);
+    CHECK(robot.distance(row_of(rows[0].sampler(), 0), through) < 1e-6);
   }
 }
 
@@ -134,7 +134,7 @@ TEST_SUITE("law") {
       REQUIRE(there.size() == here.size());
       for (std::size_t row = 0; row < here.size(); ++row) {
         CHECK(similarity_error(kind_named("body_pairs"), here[row].key, there[row].key) < 1e-18);
-        const LocalSampler &a = here[row].sampler, &b = there[row].sampler;
+        const LocalSampler &a = here[row].sampler(), &b = there[row].sampler();
         REQUIRE(a.component_count() == b.component_count());
         for (int c = 0; c < a.component_count(); ++c) {
           CHECK(robot.distance(row_of(a, c), row_of(b, c)) < 1e-5);
@@ -150,7 +150,7 @@ TEST_SUITE("law") {
     for (const double reach : {0.0, 0.05, 0.12, 0.3, 10.0}) {
       int components = 0;
       for (const Experience& row : learn_rows(robot, shelf_scene(), paths, reach)) {
-        components += row.sampler.component_count();
+        components += row.sampler().component_count();
       }
       CHECK(components >= previous);
       previous = components;
@@ -185,9 +185,9 @@ TEST_SUITE("oracle") {
         if (expected.empty()) continue;
         REQUIRE(next < rows.size());
         CHECK(rows[next].key == primitive.key);
-        REQUIRE(rows[next].sampler.component_count() == static_cast<int>(expected.size()));
+        REQUIRE(rows[next].sampler().component_count() == static_cast<int>(expected.size()));
         for (std::size_t i = 0; i < expected.size(); ++i) {
-          CHECK(robot.distance(row_of(rows[next].sampler, static_cast<int>(i)), expected[i]) <
+          CHECK(robot.distance(row_of(rows[next].sampler(), static_cast<int>(i)), expected[i]) <
                 1e-6);
         }
         ++next;
@@ -255,8 +255,9 @@ TEST_SUITE("flow") {
       int expected = 0;
       for (std::size_t row = 0; row < learned.size(); ++row) {
         const Symmetry all = compose(motion, (*primitives)[row].to_scene);
-        for (int i = 0; i < learned[row].sampler.component_count(); ++i) {
-          const Configuration q = moved_configuration(joints, all, row_of(learned[row].sampler, i));
+        for (int i = 0; i < learned[row].sampler().component_count(); ++i) {
+          const Configuration q =
+              moved_configuration(joints, all, row_of(learned[row].sampler(), i));
           expected += robot.describe_violation(q, "mean") ? 0 : 1;
         }
       }

@@ -17,7 +17,7 @@ GaussianMixture pooled_of(const Robot& robot, std::span<const PrimitiveRetrieval
 /// An experience with random means within the limits, every other one with a covariance.
 Experience random_experience(const Robot& robot, int components, Rng& rng) {
   Experience experience;
-  LocalSampler& sampler = experience.sampler;
+  LocalSampler& sampler = experience.sampler();
   sampler.joint_count = robot.joint_count();
   for (int i = 0; i < components; ++i) {
     for (const double value : random_configuration(robot, rng)) {
@@ -69,7 +69,7 @@ TEST_SUITE("law") {
     REQUIRE(pooled.sources.size() == 18);
     int next = 0;
     for (const auto& [source, match] : expected_order) {
-      const LocalSampler& local = match.experience->sampler;
+      const LocalSampler& local = match.experience->sampler();
       for (int j = 0; j < local.component_count(); ++j, ++next) {
         const Configuration expected =
             moved_configuration(find_symmetric_joints(robot), match.to_scene, mean_of(local, j));
@@ -99,7 +99,7 @@ TEST_SUITE("law") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, {near_pair()});
-    const LocalSampler stored = database.get(0)->sampler;
+    const LocalSampler stored = database.get(0)->sampler();
     REQUIRE(stored.component_count() > 3);
     const CollisionChecker canonical = make_checker(robot, make_scene(near_pair()), 1e-4);
     Rng rng(3);
@@ -135,7 +135,7 @@ TEST_SUITE("unit") {
     CHECK(none.joint_count == 8);
     CHECK(none.component_count() == 0);
     Experience hopeless;
-    hopeless.sampler.joint_count = 8;
+    hopeless.sampler().joint_count = 8;
     const GaussianMixture still_none =
         pooled_of(robot, std::vector{retrieve({{shared(hopeless), 0, {}}})});
     CHECK(still_none.component_count() == 0);
@@ -152,10 +152,10 @@ TEST_SUITE("unit") {
     const auto robot = parse_robot(text, "arm.urdf");
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     Experience experience;
-    experience.sampler.joint_count = 2;
-    experience.sampler.means = {-0.5f, 1, 0, -2, 1.5f, 3};
-    experience.sampler.factor_rows = {0, -1, 1};
-    experience.sampler.factors = {1, 2, 3, 4, 5, 6};
+    experience.sampler().joint_count = 2;
+    experience.sampler().means = {-0.5f, 1, 0, -2, 1.5f, 3};
+    experience.sampler().factor_rows = {0, -1, 1};
+    experience.sampler().factors = {1, 2, 3, 4, 5, 6};
 
     const auto synthesized = [&](const Symmetry& motion) {
       return pooled_of(*robot, std::vector{retrieve({{shared(experience), 0, motion}})});
@@ -180,8 +180,8 @@ TEST_SUITE("unit") {
   TEST_CASE("an arm that lifts and turns is moved by both, as far as its limits allow") {
     const Robot robot = lifting_arm();
     Experience experience;
-    experience.sampler.joint_count = 4;
-    experience.sampler.means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
+    experience.sampler().joint_count = 4;
+    experience.sampler().means = {0.1f, 0, 1, -1, 0.3f, 2, 0.5f, 0.25f, -0.2f, 3, 0, 0};
     const auto synthesized = [&](const Symmetry& motion) {
       return pooled_of(robot, std::vector{retrieve({{shared(experience), 0, motion}})}).means;
     };
@@ -204,8 +204,8 @@ TEST_SUITE("unit") {
   TEST_CASE("continuous joints wrap") {
     const Robot robot = planar8();
     Experience experience;
-    experience.sampler.joint_count = 8;
-    experience.sampler.means = {3, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f};
+    experience.sampler().joint_count = 8;
+    experience.sampler().means = {3, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f};
     const GaussianMixture pooled =
         pooled_of(robot, std::vector{retrieve({{shared(experience), 0, {1, false}}})});
     REQUIRE(pooled.component_count() == 1);

@@ -140,7 +140,7 @@ TEST_SUITE("flow") {
   TEST_CASE("what a planner of OMPL solves is remembered if that is asked for") {
     const Problem problem = gap_problem();
     const TemporaryDirectory directory;
-    const auto space = make_space(problem.robot);
+    const auto space = make_signature(problem.robot);
     Database database = Database::open(directory / "m.db", space, OpenMode::create).value();
     SolveSettings settings = settings_for("RRTConnect", "gl");
     settings.memory.kind = "paths";
@@ -156,8 +156,7 @@ TEST_SUITE("flow") {
     CHECK(result.remembered.rows == 1);
     CHECK(result.planning_time_s + result.remembered.time_s <= result.total_time_s);
     REQUIRE(database.size() == 1);
-    CHECK(static_cast<std::size_t>(database.get(0)->sampler.component_count()) ==
-          result.plan.path.size());
+    CHECK(static_cast<std::size_t>(database.get(0)->component_count()) == result.plan.path.size());
   }
 }
 

@@ -149,7 +149,7 @@ TEST_SUITE("unit") {
     CHECK(database.size() == 1);
     REQUIRE(gl.primitives[1].matches.size() == 1);
     CHECK(gl.primitives[1].matches[0].experience == gl.primitives[0].matches[0].experience);
-    const int stored = database.get(0)->sampler.component_count();
+    const int stored = database.get(0)->sampler().component_count();
     REQUIRE(gl.mixture->component_count() == 2 * stored);
     REQUIRE(gl.mixture->sources.size() == static_cast<std::size_t>(2 * stored));
     CHECK(gl.mixture->sources.front() == 0);
@@ -194,7 +194,7 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database =
-        Database::open(directory / "a.db", make_space(robot), OpenMode::create).value();
+        Database::open(directory / "a.db", make_signature(robot), OpenMode::create).value();
     SolveSettings settings = learning_settings();
     settings.memory.kind = "body_pairs";
     settings.memory.max_gap = 5;
@@ -222,7 +222,7 @@ TEST_SUITE("unit") {
       CHECK(static_cast<int>(matches.size()) == std::min(most, 12));
       int components = 0;
       for (std::size_t i = 0; i < matches.size(); ++i) {
-        components += matches[i].experience->sampler.component_count();
+        components += matches[i].experience->sampler().component_count();
         if (i > 0) CHECK(matches[i].similarity_error >= matches[i - 1].similarity_error);
       }
       CHECK(gl.mixture->component_count() == components);

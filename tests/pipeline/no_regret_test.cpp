@@ -21,10 +21,10 @@ struct UselessMemory {
       Experience row;
       row.kind = primitive.kind;
       row.key = primitive.key;
-      row.sampler.joint_count = problem.robot.joint_count();
+      row.sampler().joint_count = problem.robot.joint_count();
       for (int i = 0; i < 20; ++i) {
-        row.sampler.means.push_back(2.0f + 0.1f * static_cast<float>(i));
-        row.sampler.means.insert(row.sampler.means.end(), 7, 0.05f);
+        row.sampler().means.push_back(2.0f + 0.1f * static_cast<float>(i));
+        row.sampler().means.insert(row.sampler().means.end(), 7, 0.05f);
       }
       rows.push_back(std::move(row));
     }

@@ -15,7 +15,7 @@ using internal::KindSettings;
 using internal::Query;
 
 Database open_of(const std::string& path, const Robot& robot) {
-  auto database = Database::open(path, make_space(robot), OpenMode::create);
+  auto database = Database::open(path, make_signature(robot), OpenMode::create);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }

@@ -12,7 +12,7 @@ struct Growing {
 
   Growing() { settings.memory.kind = "paths"; }
   Database open(OpenMode mode) {
-    return Database::open(directory / "m.db", make_space(problem.robot), mode).value();
+    return Database::open(directory / "m.db", make_signature(problem.robot), mode).value();
   }
   SolveResult solve_with(Database& database) {
     auto result = solve(problem, &database, settings);
@@ -36,8 +36,7 @@ TEST_SUITE("flow") {
     CHECK(first.planning_time_s + first.remembered.time_s <= first.total_time_s);
     REQUIRE(database.size() == 1);
     CHECK(database.get(0)->provenance.settings.find("threaded_b4") != std::string::npos);
-    CHECK(static_cast<std::size_t>(database.get(0)->sampler.component_count()) ==
-          first.plan.path.size());
+    CHECK(static_cast<std::size_t>(database.get(0)->component_count()) == first.plan.path.size());
 
     growing.settings.remember_after = 1000000000;
     growing.settings.retrieve_after = 0;
@@ -46,6 +45,29 @@ TEST_SUITE("flow") {
     CHECK(second.remembered.rows == 0);
     CHECK(database.size() == 1);
     CHECK(second.gl.mixture->component_count() > 0);
+  }
+
+  TEST_CASE("a database of schema 3 is replayed from as the mneme that wrote it did") {
+    const TemporaryDirectory directory;
+    std::filesystem::copy_file(source_file("tests/store/schema3_planar.db"), directory / "m.db");
+    Problem problem = planar_problem("scenario1");
+    SolveSettings settings;
+    settings.memory.kind = "paths";
+    settings.replay = 0.5;
+    auto database =
+        Database::open(directory / "m.db", make_signature(problem.robot), OpenMode::read_only);
+    REQUIRE(database.has_value());
+    const auto replayed_row = [&](double angle) {
+      problem.constraints = {{"link_8", Vec3::UnitZ(), Vec3::UnitZ(), angle}};
+      if (angle == 0) problem.constraints.clear();
+      const SolveResult result = solve(problem, &*database, settings).value();
+      CHECK(result.plan.path.size() == 11);
+      CHECK(path_length(problem.robot, result.plan.path) == doctest::Approx(10.521183514462283));
+      return result.replay.row;
+    };
+    CHECK(replayed_row(0) == 3);
+    CHECK(replayed_row(0.2) == 8);
+    CHECK(replayed_row(0.3) == 0);
   }
 
   TEST_CASE("what is easy is remembered once enough of it came together") {
@@ -68,6 +90,21 @@ TEST_SUITE("flow") {
     growing.settings.retrieve_after = 1000000000;
     CHECK(growing.solve_with(database).remembered.rows == 1);
     CHECK(growing.solve_with(database).remembered.rows == 0);
+    CHECK(database.size() == 1);
+  }
+
+  TEST_CASE("a path that planning finds again is one row, whatever planning it cost") {
+    Growing growing;
+    Database database = growing.open(OpenMode::create);
+    growing.settings.remember_after = 0;
+    const SolveResult first = growing.solve_with(database);
+    Experience again = *database.get(0);
+    CHECK(again.path().planning_states == first.plan.states_checked);
+    again.path().planning_states = 7;
+    again.provenance = {"another mneme", "solved problem of another name", 9, "2020"};
+    std::vector<bool> is_new;
+    CHECK(database.insert({again}, &is_new) == std::vector<std::int64_t>{1});
+    CHECK(is_new == std::vector<bool>{false});
     CHECK(database.size() == 1);
   }
 

@@ -18,8 +18,8 @@ struct TracedPlan {
   PlanRecorder recorder;
 
   explicit TracedPlan(int components = 5) {
-    experience.sampler.joint_count = 3;
-    experience.sampler.means.assign(6, 0.0F);
+    experience.sampler().joint_count = 3;
+    experience.sampler().means.assign(6, 0.0F);
     result.plan.status = PlanStatus::solved;
     result.plan.path = {problem.start, {0.5, 0.1, 0}, problem.goals[0]};
     result.planner = "rrt_connect";

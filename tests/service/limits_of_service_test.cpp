@@ -32,7 +32,7 @@ class FullDisk {
 };
 
 std::shared_ptr<Database> open_paths(const std::string& file) {
-  auto opened = Database::open(file, make_space(planar8()), OpenMode::create);
+  auto opened = Database::open(file, make_signature(planar8()), OpenMode::create);
   REQUIRE(opened.has_value());
   return std::make_shared<Database>(*std::move(opened));
 }

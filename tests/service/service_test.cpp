@@ -217,7 +217,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("plans that were hard are remembered, and metrics count them") {
     const TemporaryDirectory files;
-    auto opened = Database::open(files / "m.db", make_space(planar8()), OpenMode::create);
+    auto opened = Database::open(files / "m.db", make_signature(planar8()), OpenMode::create);
     REQUIRE(opened.has_value());
     const auto database = std::make_shared<Database>(*std::move(opened));
     ServiceSettings settings;
@@ -246,7 +246,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a known task is replayed, and a miss says which one was near and what blocked it") {
     const TemporaryDirectory files;
-    auto opened = Database::open(files / "m.db", make_space(planar8()), OpenMode::create);
+    auto opened = Database::open(files / "m.db", make_signature(planar8()), OpenMode::create);
     REQUIRE(opened.has_value());
     ServiceSettings settings;
     settings.remember_after = 0;

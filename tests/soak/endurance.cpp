@@ -37,7 +37,7 @@ struct Pair {
 };
 
 Result<Pair> open_both(const Robot& robot, const std::string& path) {
-  const ExperienceSpace space = make_space(robot);
+  const RobotSignature space = make_signature(robot);
   auto writer = Database::open(path, space, OpenMode::create);
   if (!writer) return tl::unexpected(writer.error());
   auto reader = Database::open(path, space, OpenMode::read_only);

@@ -19,7 +19,7 @@ Result<void> insert(Database& database, std::vector<Experience> rows) {
 }
 
 Result<Database> open(const Robot& robot, const std::string& path) {
-  return Database::open(path, make_space(robot), OpenMode::create);
+  return Database::open(path, make_signature(robot), OpenMode::create);
 }
 
 }  // namespace

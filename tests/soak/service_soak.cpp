@@ -305,7 +305,7 @@ Result<int> soak_service(const Options& options, const std::string& directory) {
   if (!robot) return tl::unexpected(robot.error());
   const auto known = make_problems(*robot, options.seed);
   if (!known) return tl::unexpected(known.error());
-  auto opened = Database::open(directory + "/m.db", make_space(*robot), OpenMode::create);
+  auto opened = Database::open(directory + "/m.db", make_signature(*robot), OpenMode::create);
   if (!opened) return tl::unexpected(opened.error());
   const auto database = std::make_shared<Database>(*std::move(opened));
   ServiceSettings settings;

@@ -31,7 +31,7 @@ struct Pipe {
 
 /// Inserts until it is killed, and says which rows it was told are safe.
 int insert_forever(const std::string& path, std::uint64_t seed, const Pipe& acknowledged) {
-  auto database = Database::open(path, arm_space(), OpenMode::create);
+  auto database = Database::open(path, arm_signature(), OpenMode::create);
   if (!database) return 1;
   Rng rng(seed);
   for (;;) {
@@ -124,7 +124,7 @@ TEST_SUITE("flow") {
     for (int round = 0; round < rounds(12); ++round) {
       const std::string path = directory / ("round" + std::to_string(round));
       const pid_t child = start_child([&] {
-        const auto database = Database::open(path, arm_space(), OpenMode::create);
+        const auto database = Database::open(path, arm_signature(), OpenMode::create);
         for (;;) ::pause();
         return database ? 0 : 1;
       });

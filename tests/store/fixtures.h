@@ -20,7 +20,7 @@
 
 namespace mneme::test {
 
-inline ExperienceSpace arm_space() { return {"arm", "0123456789abcdef", 3}; }
+inline RobotSignature arm_signature() { return {"arm", "", "0123456789abcdef", 3}; }
 
 inline constexpr const char* kPairs = "pairs/1";
 
@@ -41,18 +41,32 @@ inline Experience random_experience(Rng& rng, int components = 5) {
   Experience experience;
   experience.kind = kPairs;
   experience.key = random_key(rng);
-  experience.sampler.joint_count = 3;
+  experience.sampler().joint_count = 3;
   for (int i = 0; i < 3 * components; ++i) {
-    experience.sampler.means.push_back(static_cast<float>(rng.uniform(-3, 3)));
+    experience.sampler().means.push_back(static_cast<float>(rng.uniform(-3, 3)));
   }
   for (int i = 0; i < components; ++i) {
-    experience.sampler.factor_rows.push_back(i % 2 == 0 ? -1 : 0);
-    experience.sampler.sources.push_back(i);
+    experience.sampler().factor_rows.push_back(i % 2 == 0 ? -1 : 0);
+    experience.sampler().sources.push_back(i);
   }
   for (int i = 0; i < 6; ++i) {
-    experience.sampler.factors.push_back(static_cast<float>(rng.uniform(0, 1)));
+    experience.sampler().factors.push_back(static_cast<float>(rng.uniform(0, 1)));
   }
   experience.provenance = {"test", "starts=3", rng.next(), "2020-01-02T03:04:05Z"};
+  return experience;
+}
+
+/// A path of five waypoints.
+inline Experience random_path(Rng& rng) {
+  Experience experience;
+  experience.kind = "paths/1";
+  for (int i = 0; i < 7; ++i) experience.key.push_back(rng.uniform(-3, 3));
+  RememberedPath& path = experience.content.emplace<RememberedPath>();
+  path.joint_count = 3;
+  for (int i = 0; i < 15; ++i) path.waypoints.push_back(static_cast<float>(rng.uniform(-3, 3)));
+  path.constraints = rng.next();
+  path.planning_states = rng.next();
+  experience.provenance = {"test", "solved", rng.next(), "2020-01-02T03:04:05Z"};
   return experience;
 }
 
@@ -62,16 +76,27 @@ inline std::vector<Experience> random_rows(Rng& rng, int count, int components =
   return rows;
 }
 
+inline bool is_same_provenance(const Provenance& a, const Provenance& b) {
+  return a.tool == b.tool && a.settings == b.settings && a.seed == b.seed && a.time == b.time;
+}
+
 inline bool is_same_content(const Experience& a, const Experience& b) {
-  return a.kind == b.kind && a.key == b.key && a.sampler.joint_count == b.sampler.joint_count &&
-         a.sampler.means == b.sampler.means && a.sampler.factor_rows == b.sampler.factor_rows &&
-         a.sampler.factors == b.sampler.factors && a.sampler.sources == b.sampler.sources &&
-         a.provenance.tool == b.provenance.tool && a.provenance.settings == b.provenance.settings &&
-         a.provenance.seed == b.provenance.seed && a.provenance.time == b.provenance.time;
+  if (a.kind != b.kind || a.key != b.key || a.is_path() != b.is_path()) return false;
+  if (!is_same_provenance(a.provenance, b.provenance)) return false;
+  if (a.is_path()) {
+    return a.path().joint_count == b.path().joint_count &&
+           a.path().waypoints == b.path().waypoints &&
+           a.path().constraints == b.path().constraints &&
+           a.path().planning_states == b.path().planning_states;
+  }
+  const LocalSampler &one = a.sampler(), &other = b.sampler();
+  return one.joint_count == other.joint_count && one.means == other.means &&
+         one.factor_rows == other.factor_rows && one.factors == other.factors &&
+         one.sources == other.sources && one.is_complete == other.is_complete;
 }
 
 inline Database open_database(const std::string& path, OpenMode mode = OpenMode::create) {
-  auto database = Database::open(path, arm_space(), mode);
+  auto database = Database::open(path, arm_signature(), mode);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }
@@ -92,7 +117,7 @@ inline Result<std::vector<KeyMatch>> find_like(const Database& database,
 
 /// Why opening fails; it must.
 inline Error open_error(const std::string& path, OpenMode mode = OpenMode::read_only,
-                        const ExperienceSpace& space = arm_space()) {
+                        const RobotSignature& space = arm_signature()) {
   const auto database = Database::open(path, space, mode);
   REQUIRE(!database.has_value());
   CHECK(database.error().message.find(path) != std::string::npos);

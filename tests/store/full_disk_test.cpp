@@ -54,7 +54,7 @@ TEST_SUITE("flow") {
     const std::string path = directory / "a.db";
     const int status = wait_for(start_child([&] {
       std::signal(SIGXFSZ, SIG_IGN);
-      auto database = Database::open(path, arm_space(), OpenMode::create);
+      auto database = Database::open(path, arm_signature(), OpenMode::create);
       Rng rng(93);
       if (!database || !database->insert(random_rows(rng, 3, 100))) return 1;
       rlimit limit{};
@@ -81,7 +81,7 @@ TEST_SUITE("flow") {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit full{10 * 1024, RLIM_INFINITY};
       ::setrlimit(RLIMIT_FSIZE, &full);
-      const auto database = Database::open(path, arm_space(), OpenMode::create);
+      const auto database = Database::open(path, arm_signature(), OpenMode::create);
       return !database && database.error().code == ErrorCode::io ? 0 : 1;
     }));
     CHECK(status == 0);
@@ -110,7 +110,7 @@ TEST_SUITE("flow") {
     };
     check_sound();
     // An index of a database that does not fit into memory is not worth an error.
-    CHECK(Database::open(path, arm_space(), OpenMode::read_only, {0}).has_value());
+    CHECK(Database::open(path, arm_signature(), OpenMode::read_only, {0}).has_value());
     const auto merged = merge_databases(path, other);
     REQUIRE(!merged.has_value());
     CHECK(merged.error().code == ErrorCode::io);

@@ -44,18 +44,18 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     {
       const auto created =
-          internal::open_store_of(directory / "a.db", arm_space(), OpenMode::create);
+          internal::open_store_of(directory / "a.db", arm_signature(), OpenMode::create);
       REQUIRE(created.has_value());
       CHECK(created->schema_version == 3);
     }
     const auto seen = internal::inspect_store(directory / "a.db");
     REQUIRE(seen.has_value());
-    CHECK(seen->space.robot_hash == arm_space().robot_hash);
+    CHECK(seen->signature.model_hash == arm_signature().model_hash);
     write_file(directory / "empty.db", "");
     CHECK(internal::inspect_store(directory / "empty.db")->schema_version == 0);
     const auto empty =
-        internal::open_store_of(directory / "empty.db", arm_space(), OpenMode::read_only);
-    CHECK(empty->space.joint_count == 3);
+        internal::open_store_of(directory / "empty.db", arm_signature(), OpenMode::read_only);
+    CHECK(empty->signature.joint_count == 3);
   }
 
   TEST_CASE("an engine that is unknown or not built in is named") {

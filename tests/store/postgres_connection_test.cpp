@@ -95,7 +95,7 @@ std::string url_of(const PostgresServer& server, const std::string& options) {
 }
 
 std::string refusal(const std::string& url) {
-  const auto database = Database::open(url, arm_space(), OpenMode::create);
+  const auto database = Database::open(url, arm_signature(), OpenMode::create);
   if (database) return "";
   CHECK(database.error().code == ErrorCode::io);
   return database.error().message;
@@ -118,7 +118,7 @@ TEST_SUITE("flow") {
          {std::string("host=localhost&sslmode=require"), "host=localhost&sslmode=verify-ca" + own,
           "host=localhost&sslmode=verify-full" + own}) {
       const std::string url = url_of(*server, options);
-      auto database = Database::open(url, arm_space(), OpenMode::create);
+      auto database = Database::open(url, arm_signature(), OpenMode::create);
       REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
       REQUIRE(database->insert(rows).has_value());
       CHECK(find_like(*database, make_primitive(rows[1].key), 1e-9, 1)->size() == 1);

@@ -6,6 +6,7 @@
 #include "store/postgres_store.h"
 #include "support/environment.h"
 
+#include <array>
 #include <set>
 #include <thread>
 
@@ -19,12 +20,12 @@ TEST_SUITE("unit") {
     if (server == nullptr) return;
     PostgresConnection connection = connect_to(server->new_url());
     CHECK(internal::read_postgres_version(connection) == 0);
-    REQUIRE(internal::create_postgres_schema(connection, arm_space()));
+    REQUIRE(internal::create_postgres_schema(connection, arm_signature()));
     CHECK(internal::read_postgres_version(connection) == 3);
-    ExperienceSpace other = arm_space();
+    RobotSignature other = arm_signature();
     other.robot_name = "other";
     REQUIRE(internal::create_postgres_schema(connection, other));
-    const auto space = internal::read_postgres_space(connection);
+    const auto space = internal::read_postgres_signature(connection);
     REQUIRE(space.has_value());
     CHECK(space->robot_name == "arm");
     CHECK(space->joint_count == 3);
@@ -34,20 +35,20 @@ TEST_SUITE("unit") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
     PostgresConnection connection = connect_to(server->new_url());
-    REQUIRE(internal::create_postgres_schema(connection, arm_space()));
+    REQUIRE(internal::create_postgres_schema(connection, arm_signature()));
     CHECK(internal::read_postgres_head(connection, false) == internal::StoreState{});
     const internal::StoreState state{1, 2, 3, 4, 5, -6, 7, -8};
     REQUIRE(internal::write_postgres_head(connection, state));
     CHECK(internal::read_postgres_head(connection, true) == state);
     REQUIRE(connection.query("UPDATE mneme_head SET epoch = 9"));
     CHECK(internal::read_postgres_head(connection, false).error().code == ErrorCode::corrupt);
-    REQUIRE(connection.query("UPDATE mneme_space SET joint_count = 4"));
-    CHECK(internal::read_postgres_space(connection).error().code == ErrorCode::corrupt);
+    REQUIRE(connection.query("UPDATE mneme_robot SET joint_count = 4"));
+    CHECK(internal::read_postgres_signature(connection).error().code == ErrorCode::corrupt);
     for (const char* other : {"9", "2"}) {
-      REQUIRE(connection.query("UPDATE mneme_space SET schema_version = $1::integer", {other}));
+      REQUIRE(connection.query("UPDATE mneme_robot SET schema_version = $1::integer", {other}));
       CHECK(internal::read_postgres_version(connection).error().code == ErrorCode::unsupported);
     }
-    REQUIRE(connection.query("DELETE FROM mneme_space"));
+    REQUIRE(connection.query("DELETE FROM mneme_robot"));
     CHECK(internal::read_postgres_version(connection).error().code == ErrorCode::corrupt);
   }
 }
@@ -62,6 +63,102 @@ void run_on_server(const std::string& url, const std::string& sql) {
 
 }  // namespace
 
+namespace {
+
+/// The tables of schema 3 as mneme 0.1.0 created them on a server.
+constexpr std::array kOldTables = {
+    "CREATE TABLE mneme_space (id integer PRIMARY KEY CHECK (id = 1), schema_version integer NOT "
+    "NULL, robot_name text NOT NULL, robot_hash text NOT NULL, joint_count integer NOT NULL, "
+    "checksum bigint NOT NULL)",
+    "CREATE TABLE mneme_head (id integer PRIMARY KEY CHECK (id = 1), generation bigint NOT NULL, "
+    "epoch bigint NOT NULL, last_row bigint NOT NULL, last_tombstone bigint NOT NULL, row_count "
+    "bigint NOT NULL, row_digest bigint NOT NULL, tombstone_count bigint NOT NULL, "
+    "tombstone_digest bigint NOT NULL, checksum bigint NOT NULL)",
+    "CREATE TABLE mneme_experience (id bigint NOT NULL, generation bigint NOT NULL, cell bigint "
+    "NOT NULL, kind text NOT NULL, content bytea NOT NULL, components bigint NOT NULL, key bytea "
+    "NOT NULL, checksum bigint NOT NULL, PRIMARY KEY (id, cell))",
+    "CREATE INDEX mneme_experience_content ON mneme_experience (content)",
+    "CREATE INDEX mneme_experience_kind ON mneme_experience (kind, id)",
+    "CREATE TABLE mneme_mixture (id bigint NOT NULL, cell bigint NOT NULL, means bytea NOT NULL, "
+    "factor_rows bytea NOT NULL, factors bytea NOT NULL, origins bytea NOT NULL, tool text NOT "
+    "NULL, settings text NOT NULL, seed bigint NOT NULL, time text NOT NULL, checksum bigint NOT "
+    "NULL, PRIMARY KEY (id, cell))",
+    "CREATE TABLE mneme_tombstone (id bigint PRIMARY KEY, row_id bigint NOT NULL, generation "
+    "bigint NOT NULL, reason text NOT NULL, time text NOT NULL, checksum bigint NOT NULL)",
+    "CREATE INDEX mneme_tombstone_row ON mneme_tombstone (row_id)",
+};
+
+/// The values of a table's rows in a file of schema 3, in the order of the server's columns; blobs
+/// in hexadecimal digits.
+struct OldValues {
+  std::string table;
+  std::vector<std::string> columns;
+};
+const std::vector<OldValues> kOldValues = {
+    {"space", {"1", "3", "robot_name", "robot_hash", "joint_count", "checksum"}},
+    {"head",
+     {"1", "generation", "epoch", "last_row", "last_tombstone", "row_count", "row_digest",
+      "tombstone_count", "tombstone_digest", "checksum"}},
+    {"experience",
+     {"id", "generation", "cell", "kind", "'\\x' || hex(content)", "components",
+      "'\\x' || hex(key)", "checksum"}},
+    {"mixture",
+     {"id", "cell", "'\\x' || hex(means)", "'\\x' || hex(factor_rows)", "'\\x' || hex(factors)",
+      "'\\x' || hex(origins)", "tool", "settings", "seed", "time", "checksum"}},
+    {"tombstone", {"id", "row", "generation", "reason", "time", "checksum"}},
+};
+
+/// Fills the tables with the rows of a file.
+void copy_old_rows(const std::string& path, PostgresConnection& connection) {
+  auto file = internal::Connection::open(path, internal::Connection::Access::read_write);
+  REQUIRE(file.has_value());
+  for (const auto& [table, columns] : kOldValues) {
+    std::string selected;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      selected += (i > 0 ? ", quote(" : "quote(") + columns[i] + ")";
+    }
+    auto select = file->prepare("SELECT " + selected + " FROM " + table);
+    REQUIRE(select.has_value());
+    REQUIRE(select->for_each([&] {
+      std::string values;
+      for (int i = 0; i < static_cast<int>(columns.size()); ++i) {
+        values += (i > 0 ? ", " : "") + std::string(select->text(i));
+      }
+      return connection.query("INSERT INTO mneme_" + table + " VALUES (" + values + ")")
+          .map([](const auto&) {});
+    }));
+  }
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("tables of schema 3 are brought up by who writes, and copied by who reads") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const TemporaryDirectory directory;
+    std::filesystem::copy_file(source_file("tests/store/schema3_planar.db"), directory / "a.db");
+    const std::string url = server->new_url();
+    {
+      PostgresConnection connection = connect_to(url);
+      for (const char* table : kOldTables) REQUIRE(connection.query(table));
+      copy_old_rows(directory / "a.db", connection);
+    }
+    const auto expected = Database::inspect(directory / "a.db");
+    REQUIRE_MESSAGE(expected.has_value(), (expected ? "" : expected.error().message));
+    for (const OpenMode mode :
+         {OpenMode::read_only, OpenMode::read_write, OpenMode::read_write, OpenMode::read_only}) {
+      const auto database = Database::open(url, expected->signature(), mode);
+      REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
+      REQUIRE(database->size() == expected->size());
+      for (std::int64_t i = 0; i < database->size(); ++i) {
+        CHECK(is_same_content(*database->get(i), *expected->get(i)));
+      }
+      CHECK(verify_database(url)->empty());
+    }
+  }
+}
+
 TEST_SUITE("flow") {
   TEST_CASE("a database on a server is used like one in a file") {
     PostgresServer* server = PostgresServer::instance();
@@ -69,7 +166,7 @@ TEST_SUITE("flow") {
     const std::string url = server->new_url();
     Rng rng(1);
     auto rows = random_rows(rng, 30);
-    rows[3].sampler = {};
+    rows[3].sampler() = {};
     CHECK(Database::inspect(url)->info().schema_version == 0);
     CHECK(open_database(url, OpenMode::read_only).size() == 0);
     Database writer = open_database(url);
@@ -78,7 +175,7 @@ TEST_SUITE("flow") {
     CHECK(writer.insert({rows[2]}) == std::vector<std::int64_t>{3});
     CHECK(reader.refresh() == 30);
     CHECK(reader.refresh() == 0);
-    rows[3].sampler.joint_count = 3;
+    rows[3].sampler().joint_count = 3;
     const Database again = open_database(url, OpenMode::read_write);
     for (const Database* database :
          std::initializer_list<const Database*>{&writer, &reader, &again}) {
@@ -91,8 +188,8 @@ TEST_SUITE("flow") {
     CHECK(again.info().bytes > 8192);
     CHECK(again.info().schema_version == 3);
     CHECK(!reader.insert({rows[0]}).has_value());
-    ExperienceSpace other = arm_space();
-    other.robot_hash = "other";
+    RobotSignature other = arm_signature();
+    other.model_hash = "other";
     CHECK(Database::open(url, other, OpenMode::create).error().code == ErrorCode::wrong_robot);
     CHECK(verify_database(url)->empty());
   }
@@ -103,7 +200,7 @@ TEST_SUITE("flow") {
     const std::string attack =
         "x'); DROP TABLE mneme_experience CASCADE; --\"\\ $1 \\. \n\t{,} E'\\\\'";
     const std::string url = server->new_url();
-    const ExperienceSpace space{attack, attack, 3};
+    const RobotSignature space{attack, attack, attack, 3};
     Rng rng(2);
     Experience row = random_experience(rng);
     row.provenance = {attack, attack, 1, attack};
@@ -112,7 +209,7 @@ TEST_SUITE("flow") {
     REQUIRE(database.has_value());
     REQUIRE(database->size() == 1);
     CHECK(is_same_content(*database->get(0), row));
-    CHECK(database->space().robot_name == attack);
+    CHECK(database->signature().robot_name == attack);
     // A URL is for libpq alone: what it does not understand is no SQL either.
     CHECK(
         !Database::inspect(server->url() + "&options=-csearch_path%3D'; DROP TABLE x").has_value());
@@ -162,7 +259,7 @@ TEST_SUITE("flow") {
     std::vector<pid_t> children;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       children.push_back(start_child([&] {
-        auto database = Database::open(url, arm_space(), OpenMode::create);
+        auto database = Database::open(url, arm_signature(), OpenMode::create);
         Rng rng(seed);
         for (int i = 0; database && i < 10; ++i) {
           if (!database->insert(random_rows(rng, 2))) return 2;
@@ -184,7 +281,7 @@ TEST_SUITE("flow") {
     REQUIRE(open_database(url).insert(rows));
     const TemporaryDirectory directory;
     const EnvironmentVariable cache("XDG_CACHE_HOME", directory / "");
-    const auto partly = Database::open(url, arm_space(), OpenMode::read_only, {0});
+    const auto partly = Database::open(url, arm_signature(), OpenMode::read_only, {0});
     REQUIRE(partly.has_value());
     Database reader = open_database(url, OpenMode::read_only);
     Database writer = open_database(url);
@@ -222,7 +319,7 @@ TEST_SUITE("flow") {
     run_on_server(url, "GRANT SELECT ON ALL TABLES IN SCHEMA " + schema + " TO reader_" + schema);
     const std::string reader = url + "&user=reader_" + schema;
     CHECK(open_database(reader, OpenMode::read_only).size() == 2);
-    auto writer = Database::open(reader, arm_space(), OpenMode::read_write);
+    auto writer = Database::open(reader, arm_signature(), OpenMode::read_write);
     REQUIRE(writer.has_value());
     const auto refused = writer->insert(random_rows(rng, 1));
     REQUIRE(!refused.has_value());
@@ -284,7 +381,7 @@ TEST_SUITE("flow") {
     for (int round = 0; round < 5; ++round) {
       const std::uint64_t child_seed = rng.next();
       const pid_t child = start_child([&] {
-        auto database = Database::open(url, arm_space(), OpenMode::create);
+        auto database = Database::open(url, arm_signature(), OpenMode::create);
         Rng child_rng(child_seed);
         while (database && database->insert(random_rows(child_rng, 50))) {
         }

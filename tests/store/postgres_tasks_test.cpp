@@ -19,7 +19,7 @@ using internal::TaskQueue;
 constexpr double kHour = 3600;
 
 std::unique_ptr<TaskQueue> open_queue(const std::string& url, std::int64_t job = 7) {
-  auto queue = internal::open_postgres_tasks(url, arm_space(), {job, "tester"});
+  auto queue = internal::open_postgres_tasks(url, arm_signature(), {job, "tester"});
   REQUIRE_MESSAGE(queue.has_value(), (queue ? "" : queue.error().message));
   return std::move(*queue);
 }
@@ -169,7 +169,7 @@ TEST_SUITE("flow") {
       std::vector<std::jthread> threads;
       for (std::size_t i = 0; i < taken.size(); ++i) {
         threads.emplace_back([&, i] {
-          auto queue = internal::open_postgres_tasks(url, arm_space(), {7, "tester"});
+          auto queue = internal::open_postgres_tasks(url, arm_signature(), {7, "tester"});
           if (!queue || !(*queue)->add(first_tasks(200), 0)) return;
           for (;;) {
             const auto leases = (*queue)->take(3, kHour);

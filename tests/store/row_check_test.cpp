@@ -14,7 +14,7 @@ std::string flaw_after(const std::function<void(Experience&)>& change) {
   Rng rng(41);
   Experience experience = random_experience(rng);
   change(experience);
-  return internal::describe_flaw(experience, arm_space()).value_or("");
+  return internal::describe_flaw(experience, arm_signature()).value_or("");
 }
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -25,18 +25,18 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 TEST_SUITE("unit") {
   TEST_CASE("a row whose sizes fit and whose numbers are finite is sound") {
     CHECK(flaw_after([](Experience&) {}).empty());
-    CHECK(flaw_after([](Experience& e) { e.sampler.sources.clear(); }).empty());
+    CHECK(flaw_after([](Experience& e) { e.sampler().sources.clear(); }).empty());
     CHECK(flaw_after([](Experience& e) {
-            e.sampler.factor_rows.clear();
-            e.sampler.factors.clear();
+            e.sampler().factor_rows.clear();
+            e.sampler().factors.clear();
           }).empty());
   }
 
   TEST_CASE("an empty sampler is sound whether or not it says for how many joints") {
-    CHECK(flaw_after([](Experience& e) { e.sampler = {}; }).empty());
+    CHECK(flaw_after([](Experience& e) { e.sampler() = {}; }).empty());
     CHECK(flaw_after([](Experience& e) {
-            e.sampler = {};
-            e.sampler.joint_count = 3;
+            e.sampler() = {};
+            e.sampler().joint_count = 3;
           }).empty());
   }
 
@@ -64,19 +64,19 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a sampler of the wrong shape is a flaw") {
-    CHECK(flaw_after([](Experience& e) { e.sampler.joint_count = 4; }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().joint_count = 4; }) ==
           "its sampler is for 4 joints; expected 3");
-    CHECK(flaw_after([](Experience& e) { e.sampler.means.pop_back(); }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().means.pop_back(); }) ==
           "its 14 mean values are no multiple of 3");
-    CHECK(flaw_after([](Experience& e) { e.sampler.sources.pop_back(); }) ==
-          "it has 4 origins for 5 components");
-    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows.push_back(0); }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().sources.pop_back(); }) ==
+          "it has 4 sources for 5 components");
+    CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows.push_back(0); }) ==
           "it has 6 factor rows for 5 components");
-    CHECK(flaw_after([](Experience& e) { e.sampler.factors.pop_back(); }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().factors.pop_back(); }) ==
           "its 5 factor values are no multiple of 6");
-    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows[3] = 1; }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows[3] = 1; }) ==
           "it refers to factor row 1 of 1");
-    CHECK(flaw_after([](Experience& e) { e.sampler.factor_rows[3] = -2; }) ==
+    CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows[3] = -2; }) ==
           "it refers to factor row -2 of 1");
   }
 
@@ -93,55 +93,62 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a number that is not finite is a flaw") {
     CHECK(flaw_after([](Experience& e) {
-            e.sampler.means[4] = kNan;
+            e.sampler().means[4] = kNan;
           }).find("number 4 of its means") == 0);
     CHECK(flaw_after([](Experience& e) {
-            e.sampler.factors[1] = kInfinity;
+            e.sampler().factors[1] = kInfinity;
           }).find("number 1 of its factors") == 0);
   }
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("the space of a robot is its hashes and its number of joints") {
+  TEST_CASE("the signature of a robot is its hashes and its number of joints") {
     const Robot arm = planar8();
-    const ExperienceSpace space = make_space(arm);
-    CHECK(space.robot_name == arm.name());
-    CHECK(space.robot_hash == arm.kinematics_hash() + "/" + arm.hash());
-    CHECK(hashes_of(space).kinematics == arm.kinematics_hash());
-    CHECK(hashes_of(space).model == arm.hash());
-    CHECK(space.joint_count == 8);
+    const RobotSignature signature = make_signature(arm);
+    CHECK(signature.robot_name == arm.name());
+    CHECK(signature.kinematics_hash == arm.kinematics_hash());
+    CHECK(signature.model_hash == arm.hash());
+    CHECK(signature.joint_count == 8);
   }
 
-  TEST_CASE("of two hashes the kinematics decide; an older space has one, which must be the same") {
-    const ExperienceSpace space{"arm", "11111111aaaaaaaa/0123456789abcdef", 3};
-    const auto changed = [&](const std::string& hashes, int joints = 3) {
-      return compare_robots(space, {"arm", hashes, joints});
+  TEST_CASE("the kinematics decide; where one side does not say, the model has to be the same") {
+    const std::string model = "0123456789abcdef", other_model = "ffffffffffffffff";
+    const RobotSignature known{"arm", "11111111aaaaaaaa", model, 3};
+    const auto changed = [&](const std::string& kinematics, const std::string& of, int joints = 3) {
+      return compare_robots(known, {"arm", kinematics, of, joints});
     };
-    CHECK(changed("11111111aaaaaaaa/0123456789abcdef") == RobotDifference::none);
-    CHECK(changed("11111111aaaaaaaa/ffffffffffffffff") == RobotDifference::shapes);
-    CHECK(changed("11111111bbbbbbbb/0123456789abcdef") == RobotDifference::limits);
-    CHECK(changed("22222222aaaaaaaa/0123456789abcdef") == RobotDifference::frames);
-    CHECK(changed("11111111aaaaaaaa/0123456789abcdef", 4) == RobotDifference::frames);
-    CHECK(changed("0123456789abcdef") == RobotDifference::none);
-    CHECK(changed("ffffffffffffffff") == RobotDifference::frames);
-    CHECK(hashes_of({"arm", "0123456789abcdef", 3}).kinematics.empty());
-    CHECK(hashes_of({"arm", "0123456789abcdef", 3}).model == "0123456789abcdef");
-    const ExperienceSpace limited{"arm", "11111111bbbbbbbb/0123456789abcdef", 3};
-    CHECK(internal::refuse_space("a.db", space, limited).value().message.find("db adopt") !=
+    CHECK(changed("11111111aaaaaaaa", model) == RobotDifference::none);
+    CHECK(changed("11111111aaaaaaaa", other_model) == RobotDifference::shapes);
+    CHECK(changed("11111111bbbbbbbb", model) == RobotDifference::limits);
+    CHECK(changed("22222222aaaaaaaa", model) == RobotDifference::frames);
+    CHECK(changed("11111111aaaaaaaa", model, 4) == RobotDifference::frames);
+    CHECK(changed("", model) == RobotDifference::none);
+    CHECK(changed("", other_model) == RobotDifference::frames);
+    const RobotSignature limited{"arm", "11111111bbbbbbbb", model, 3};
+    CHECK(internal::refuse_robot("a.db", known, limited).value().message.find("db adopt") !=
           std::string::npos);
   }
 
-  TEST_CASE("spaces are the same but for the robot's name, and refusals describe both") {
-    const ExperienceSpace space{"arm", "0123456789abcdef", 3};
-    ExperienceSpace renamed = space;
+  TEST_CASE("paths of schema 3 are under one of 900 numbers that derive from their constraints") {
+    CHECK(internal::is_same_constraints(0, 0));
+    CHECK(internal::is_same_constraints(123456789012345, 123456789012345));
+    CHECK(internal::is_same_constraints(1 + 123456789012345 % 900, 123456789012345));
+    CHECK_FALSE(internal::is_same_constraints(0, 900));
+    CHECK_FALSE(internal::is_same_constraints(1, 0));
+    CHECK_FALSE(internal::is_same_constraints(123456789012345, 246 % 900));
+  }
+
+  TEST_CASE("robots are the same but for their names, and refusals describe both") {
+    const RobotSignature space{"arm", "", "0123456789abcdef", 3};
+    RobotSignature renamed = space;
     renamed.robot_name = "other arm";
-    CHECK(internal::is_same_space(space, renamed));
-    std::vector<ExperienceSpace> others(2, space);
-    others[0].robot_hash = "f123456789abcdef";
+    CHECK(internal::is_same_robot(space, renamed));
+    std::vector<RobotSignature> others(2, space);
+    others[0].model_hash = "f123456789abcdef";
     others[1].joint_count = 4;
-    for (const ExperienceSpace& other : others) {
-      CHECK(!internal::is_same_space(space, other));
-      const Error error = internal::refuse_space("a.db", space, other).value();
+    for (const RobotSignature& other : others) {
+      CHECK(!internal::is_same_robot(space, other));
+      const Error error = internal::refuse_robot("a.db", space, other).value();
       CHECK(error.code == ErrorCode::wrong_robot);
       CHECK(error.message == "a.db: holds experience of " + internal::describe(space) +
                                  "; expected that of " + internal::describe(other));

@@ -15,7 +15,7 @@ Experience small_experience() {
   Experience experience;
   experience.kind = "pairs/1";
   experience.key = {1, 0, 0.5, 2, 0, 0.25};
-  experience.sampler = {3, {1, -2, 0.5}, {0}, {1, 0, 1, 0, 0, 1}, {7}};
+  experience.sampler() = {3, {1, -2, 0.5}, {0}, {1, 0, 1, 0, 0, 1}, {7}};
   experience.provenance = {"tool", "settings", 0xfedcba9876543210u, "2020-01-02T03:04:05Z"};
   return experience;
 }
@@ -35,7 +35,7 @@ TEST_SUITE("unit") {
     CHECK(numbers(row.view().means) ==
           std::vector<int>{0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0, 0, 0, 0, 0x3f});
     CHECK(numbers(row.view().key.first(8)) == std::vector<int>{0, 0, 0, 0, 0, 0, 0xf0, 0x3f});
-    CHECK(numbers(row.view().origins) == std::vector<int>{7, 0, 0, 0});
+    CHECK(numbers(row.view().sources) == std::vector<int>{7, 0, 0, 0});
   }
 
   TEST_CASE("the checksum of a given row never changes, or old databases would be refused") {
@@ -57,7 +57,7 @@ TEST_SUITE("unit") {
     const EncodedRow row(experience);
     const internal::StoredRow sound = row.stored(5, 1);
     Experience copy;
-    CHECK(!decode(sound, arm_space(), copy).has_value());
+    CHECK(!decode(sound, arm_signature(), copy).has_value());
     CHECK(copy.id == 5);
     const std::vector<std::function<void(internal::StoredRow&)>> changes = {
         [](auto& r) { ++r.id; },
@@ -74,16 +74,17 @@ TEST_SUITE("unit") {
       INFO("change " << i);
       internal::StoredRow changed = sound;
       changes[i](changed);
-      CHECK(decode(changed, arm_space(), copy).has_value());
+      CHECK(decode(changed, arm_signature(), copy).has_value());
     }
     // Each record is sound, but they do not belong together.
     Experience other = experience;
-    other.sampler.means[0] = 3;
+    other.sampler().means[0] = 3;
     const EncodedRow other_row(other);
     internal::StoredRow mixed = sound;
     mixed.columns.means = other_row.view().means;
     mixed.mixture_checksum = internal::mixture_checksum(mixed);
-    CHECK(decode(mixed, arm_space(), copy).value_or("").find("another row") != std::string::npos);
+    CHECK(decode(mixed, arm_signature(), copy).value_or("").find("another row") !=
+          std::string::npos);
   }
 
   TEST_CASE("a key can be decoded without its mixture") {
@@ -103,14 +104,14 @@ TEST_SUITE("unit") {
   TEST_CASE("columns of another shape are refused") {
     const Experience experience = small_experience();
     const EncodedRow row(experience);
-    ExperienceSpace space = arm_space();
+    RobotSignature space = arm_signature();
     space.joint_count = 2;
     Experience copy;
     CHECK(decode(row.stored(5, 1), space, copy).has_value());
     internal::StoredRow cut = row.stored(5, 1);
     cut.columns.means = cut.columns.means.first(11);
     cut.mixture_checksum = internal::mixture_checksum(cut);
-    CHECK(decode(cut, arm_space(), copy) == "a column ends in the middle of a number");
+    CHECK(decode(cut, arm_signature(), copy) == "a column ends in the middle of a number");
   }
 
   TEST_CASE("keys within a metre share a cell, and those beyond do not") {
@@ -127,7 +128,7 @@ TEST_SUITE("law") {
       const Experience experience = random_experience(rng, static_cast<int>(rng.index(20)));
       const EncodedRow row(experience);
       Experience copy;
-      const auto flaw = decode(row.stored(i + 1, 1), arm_space(), copy);
+      const auto flaw = decode(row.stored(i + 1, 1), arm_signature(), copy);
       REQUIRE_MESSAGE(!flaw.has_value(), flaw.value_or(""));
       REQUIRE(is_same_content(experience, copy));
     }
@@ -144,11 +145,11 @@ TEST_SUITE("law") {
     const std::vector<std::function<void(Experience&)>> changes = {
         [](Experience& e) { e.kind += "2"; },
         [](Experience& e) { e.key[1] = 1e-300; },
-        [](Experience& e) { e.sampler.means[2] += 1e-6f; },
-        [](Experience& e) { e.sampler.factor_rows[0] = -1; },
-        [](Experience& e) { e.sampler.factors[0] = 2; },
-        [](Experience& e) { e.sampler.sources[0] = 8; },
-        [](Experience& e) { std::swap(e.sampler.factor_rows, e.sampler.sources); },
+        [](Experience& e) { e.sampler().means[2] += 1e-6f; },
+        [](Experience& e) { e.sampler().factor_rows[0] = -1; },
+        [](Experience& e) { e.sampler().factors[0] = 2; },
+        [](Experience& e) { e.sampler().sources[0] = 8; },
+        [](Experience& e) { std::swap(e.sampler().factor_rows, e.sampler().sources); },
         [](Experience& e) { e.provenance.seed ^= 1; },
         [](Experience& e) { e.provenance.time += " "; },
         [](Experience& e) {
@@ -179,10 +180,10 @@ TEST_SUITE("law") {
     CHECK(hash == hash_after([](Experience& e) { e.provenance.time = "2030"; }));
     CHECK(hash != hash_after([](Experience& e) { e.kind = "other/1"; }));
     CHECK(hash != hash_after([](Experience& e) { e.key[2] += 1e-12; }));
-    CHECK(hash != hash_after([](Experience& e) { e.sampler.means[0] = -1; }));
-    CHECK(hash != hash_after([](Experience& e) { e.sampler.factor_rows.clear(); }));
-    CHECK(hash != hash_after([](Experience& e) { e.sampler.factors[1] = 2; }));
-    CHECK(hash != hash_after([](Experience& e) { e.sampler.sources[0] = 0; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler().means[0] = -1; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler().factor_rows.clear(); }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler().factors[1] = 2; }));
+    CHECK(hash != hash_after([](Experience& e) { e.sampler().sources[0] = 0; }));
     CHECK(hash != hash_after([](Experience& e) { e.provenance.settings += "x"; }));
     CHECK(hash != hash_after([](Experience& e) { ++e.provenance.seed; }));
   }
@@ -196,7 +197,7 @@ TEST_SUITE("unit") {
     CHECK(internal::to_state(numbers) == state);
   }
 
-  TEST_CASE("every part of a tombstone and of a space counts for its checksum") {
+  TEST_CASE("every part of a tombstone and of a signature counts for its checksum") {
     const internal::Tombstone tombstone{1, 2, 3, "reason", "time", 0};
     for (const internal::Tombstone& other : {internal::Tombstone{2, 2, 3, "reason", "time", 0},
                                              {1, 1, 3, "reason", "time", 0},
@@ -205,10 +206,12 @@ TEST_SUITE("unit") {
                                              {1, 2, 3, "reason", "late", 0}}) {
       CHECK(checksum_of(other) != checksum_of(tombstone));
     }
-    const ExperienceSpace space{"arm", "0123", 3};
-    for (const ExperienceSpace& other :
-         {ExperienceSpace{"leg", "0123", 3}, {"arm", "0124", 3}, {"arm", "0123", 4}}) {
-      CHECK(internal::checksum_of(other) != internal::checksum_of(space));
+    const RobotSignature robot{"arm", "89", "0123", 3};
+    for (const RobotSignature& other : {RobotSignature{"leg", "89", "0123", 3},
+                                        {"arm", "8", "90123", 3},
+                                        {"arm", "89", "0124", 3},
+                                        {"arm", "89", "0123", 4}}) {
+      CHECK(internal::checksum_of(other) != internal::checksum_of(robot));
     }
   }
 }

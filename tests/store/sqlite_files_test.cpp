@@ -258,11 +258,11 @@ TEST_SUITE("unit") {
   TEST_CASE("a read-only database in a read-only directory can be read but not written") {
     const LockedDirectory locked;
     CHECK(as_ordinary_user([&] {
-            const auto database = Database::open(locked.path, arm_space(), OpenMode::read_only);
+            const auto database = Database::open(locked.path, arm_signature(), OpenMode::read_only);
             return database && database->size() == 2 ? 0 : 1;
           }) == 0);
     CHECK(as_ordinary_user([&] {
-            const auto opened = Database::open(locked.path, arm_space(), OpenMode::read_write);
+            const auto opened = Database::open(locked.path, arm_signature(), OpenMode::read_write);
             return !opened && opened.error().code == ErrorCode::io ? 0 : 1;
           }) == 0);
     CHECK(as_ordinary_user([&] {
@@ -275,7 +275,7 @@ TEST_SUITE("unit") {
     const LockedDirectory locked;
     CHECK(as_ordinary_user([&] {
             std::filesystem::current_path(locked.directory / "");
-            auto database = Database::open("a.db", arm_space(), OpenMode::read_only);
+            auto database = Database::open("a.db", arm_signature(), OpenMode::read_only);
             std::filesystem::current_path("/");
             return database && database->refresh() && database->info().bytes > 8192 ? 0 : 1;
           }) == 0);
@@ -285,7 +285,7 @@ TEST_SUITE("unit") {
     const LockedDirectory locked;
     permit(locked.path, 0666);
     CHECK(as_ordinary_user([&] {
-            const auto opened = Database::open(locked.path, arm_space(), OpenMode::read_write);
+            const auto opened = Database::open(locked.path, arm_signature(), OpenMode::read_write);
             return !opened && opened.error().code == ErrorCode::io ? 0 : 1;
           }) == 0);
   }
@@ -297,7 +297,7 @@ TEST_SUITE("unit") {
     permit(locked.path + "-wal", 0444);
     permit(locked.directory / "", 0555);
     CHECK(as_ordinary_user([&] {
-            const auto opened = Database::open(locked.path, arm_space(), OpenMode::read_only);
+            const auto opened = Database::open(locked.path, arm_signature(), OpenMode::read_only);
             return !opened && opened.error().code == ErrorCode::io &&
                            opened.error().message.find("-wal") != std::string::npos
                        ? 0

@@ -16,7 +16,7 @@ Connection open_connection(const std::string& path) {
 
 void create(const std::string& path) {
   Connection connection = open_connection(path);
-  REQUIRE(internal::create_schema(connection, arm_space()));
+  REQUIRE(internal::create_schema(connection, arm_signature()));
 }
 
 /// What becomes of a database when `sql` is done to it.
@@ -43,12 +43,12 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Connection connection = open_connection(directory / "a.db");
     CHECK(internal::identify(connection) == 0);
-    REQUIRE(internal::create_schema(connection, arm_space()));
+    REQUIRE(internal::create_schema(connection, arm_signature()));
     CHECK(internal::identify(connection) == internal::kSchemaVersion);
-    const auto space = internal::read_space(connection);
+    const auto space = internal::read_signature(connection);
     REQUIRE(space.has_value());
     CHECK(space->robot_name == "arm");
-    CHECK(space->robot_hash == "0123456789abcdef");
+    CHECK(space->model_hash == "0123456789abcdef");
     CHECK(space->joint_count == 3);
   }
 
@@ -56,10 +56,10 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     create(directory / "a.db");
     Connection connection = open_connection(directory / "a.db");
-    ExperienceSpace other = arm_space();
+    RobotSignature other = arm_signature();
     other.robot_name = "other";
     REQUIRE(internal::create_schema(connection, other));
-    CHECK(internal::read_space(connection)->robot_name == "arm");
+    CHECK(internal::read_signature(connection)->robot_name == "arm");
   }
 
   TEST_CASE("the pragmas that tell what the file is are set") {
@@ -67,13 +67,13 @@ TEST_SUITE("unit") {
     create(directory / "a.db");
     Connection connection = open_connection(directory / "a.db");
     CHECK(connection.integer("PRAGMA application_id") == 0x6d6e656d);
-    CHECK(connection.integer("PRAGMA user_version") == 3);
+    CHECK(connection.integer("PRAGMA user_version") == 4);
     CHECK(connection.integer("PRAGMA page_size") == 8192);
   }
 
   TEST_CASE("a database of a newer schema is refused as such") {
     check_refused("PRAGMA user_version = 7; CREATE TABLE more (a)", ErrorCode::unsupported,
-                  "was written by a newer mneme (schema 7); this one reads schema 3");
+                  "was written by a newer mneme (schema 7); this one reads schemas 3 and 4");
   }
 
   TEST_CASE("a version of its own is damage if the tables are known ones") {
@@ -81,9 +81,15 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a file that is no database of ours is refused") {
-    check_refused("PRAGMA user_version = 0", ErrorCode::corrupt, "schema 0 was never in use");
+    check_refused("PRAGMA user_version = 0", ErrorCode::corrupt, "user_version is 0");
     check_refused("PRAGMA application_id = 5", ErrorCode::corrupt, "no mneme database");
     check_refused("PRAGMA application_id = 0", ErrorCode::corrupt, "no mneme database");
+  }
+
+  TEST_CASE(
+      "a file that .dump saved is known by its tables, and what .recover adds is passed over") {
+    CHECK(kind_after("PRAGMA application_id = 0; PRAGMA user_version = 0; "
+                     "CREATE TABLE lost_and_found (a)") == internal::kSchemaVersion);
   }
 
   TEST_CASE("tables that are not as they were created are damage") {
@@ -97,9 +103,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a database of an older schema is refused, and told what to do") {
-    check_refused("PRAGMA user_version = 2; ALTER TABLE experience DROP COLUMN cell",
-                  ErrorCode::unsupported,
-                  "was written by an older mneme (schema 2); this one reads schema 3: learn anew");
+    check_refused(
+        "PRAGMA user_version = 2; ALTER TABLE experience DROP COLUMN cell", ErrorCode::unsupported,
+        "was written by an older mneme (schema 2); this one reads schemas 3 and 4: learn anew");
     check_refused("PRAGMA user_version = 2", ErrorCode::corrupt, "user_version is 2");
   }
 
@@ -107,15 +113,16 @@ TEST_SUITE("unit") {
     CHECK(kind_after("ANALYZE") == internal::kSchemaVersion);
   }
 
-  TEST_CASE("a changed or missing space is damage, not another robot") {
+  TEST_CASE("a changed or missing signature is damage, not another robot") {
     for (const std::string change :
-         {"UPDATE space SET robot_hash = '0123456789abcdee'", "UPDATE space SET joint_count = 4",
-          "UPDATE space SET checksum = checksum + 1", "DELETE FROM space"}) {
+         {"UPDATE robot SET model_hash = '0123456789abcdee'",
+          "UPDATE robot SET kinematics_hash = 'x'", "UPDATE robot SET joint_count = 4",
+          "UPDATE robot SET checksum = checksum + 1", "DELETE FROM robot"}) {
       const TemporaryDirectory directory;
       create(directory / "a.db");
       run_sql(directory / "a.db", change);
       Connection connection = open_connection(directory / "a.db");
-      const auto space = internal::read_space(connection);
+      const auto space = internal::read_signature(connection);
       INFO(change);
       REQUIRE(!space.has_value());
       CHECK(space.error().code == ErrorCode::corrupt);
@@ -141,30 +148,41 @@ TEST_SUITE("unit") {
 
 namespace {
 
-using internal::Connection;
 using internal::EncodedRow;
 using internal::RowParts;
+using internal::Store;
 using internal::StoredRow;
 
-Connection connect(const std::string& path) {
-  auto connection = Connection::open(path, Connection::Access::create);
-  REQUIRE(connection.has_value());
-  REQUIRE(internal::create_schema(*connection, arm_space()));
-  return std::move(*connection);
+std::unique_ptr<Store> make_store(const std::string& path) {
+  auto store = internal::open_sqlite_store(path, OpenMode::create);
+  REQUIRE(store.has_value());
+  REQUIRE((*store)->create(arm_signature()));
+  return std::move(*store);
 }
 
-/// Adds rows under the ids from `first` on.
-void add(Connection& connection, const std::vector<Experience>& rows, std::int64_t first) {
+std::unique_ptr<internal::StoreTransaction> begin(Store& store, Store::Kind kind) {
+  auto transaction = store.begin(kind);
+  REQUIRE(transaction.has_value());
+  return std::move(*transaction);
+}
+
+/// A store with these rows under the ids from 1 on.
+std::unique_ptr<Store> store_of(const std::string& path, const std::vector<Experience>& rows) {
+  auto store = make_store(path);
+  const auto transaction = begin(*store, Store::Kind::write);
+  std::int64_t id = 0;
   for (const Experience& row : rows) {
     const EncodedRow encoded(row);
-    const StoredRow stored = encoded.stored(first++, 1);
-    REQUIRE(internal::add_rows(connection, std::span(&stored, 1)));
+    const StoredRow stored = encoded.stored(++id, 1);
+    REQUIRE(transaction->add_rows(std::span(&stored, 1)));
   }
+  REQUIRE(transaction->commit());
+  return store;
 }
 
-std::vector<std::int64_t> ids_after(Connection& connection, std::int64_t after, RowParts parts) {
+std::vector<std::int64_t> ids_after(Store& store, std::int64_t after, RowParts parts) {
   std::vector<std::int64_t> ids;
-  REQUIRE(internal::read_rows(connection, after, parts, [&](const StoredRow& row) {
+  REQUIRE(begin(store, Store::Kind::read)->read_rows(after, parts, [&](const StoredRow& row) {
     CHECK(row.columns.means.empty() == (parts == RowParts::keys));
     ids.push_back(row.id);
     return Result<void>();
@@ -172,111 +190,100 @@ std::vector<std::int64_t> ids_after(Connection& connection, std::int64_t after, 
   return ids;
 }
 
+/// The ids of the rows that are read for `wanted`.
+std::vector<std::int64_t> ids_of(Store& store, const std::vector<std::int64_t>& wanted) {
+  std::vector<std::int64_t> ids;
+  REQUIRE(begin(store, Store::Kind::read)->read_rows_by_id(wanted, [&](const StoredRow& row) {
+    ids.push_back(row.id);
+    return Result<void>();
+  }));
+  return ids;
+}
+
+Result<void> had_enough(const StoredRow&) { return fail(ErrorCode::invalid, "enough"); }
+
 }  // namespace
 
 TEST_SUITE("unit") {
   TEST_CASE("rows come back in the order of their ids with what was written") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
     Rng rng(43);
-    const auto rows = random_rows(rng, 5);
-    add(connection, rows, 1);
+    auto rows = random_rows(rng, 4);
+    rows[1].sampler().is_complete = false;
+    rows.push_back(random_path(rng));
+    const auto store = store_of(directory / "a.db", rows);
     std::size_t position = 0;
     const auto check = [&](const StoredRow& row) {
       Experience experience;
-      CHECK(!internal::decode(row, arm_space(), experience).has_value());
+      CHECK(!internal::decode(row, arm_signature(), experience).has_value());
       CHECK(experience.id == static_cast<std::int64_t>(position) + 1);
       CHECK(is_same_content(experience, rows[position++]));
       return Result<void>();
     };
-    REQUIRE(internal::read_rows(connection, 0, RowParts::all, check));
+    REQUIRE(begin(*store, Store::Kind::read)->read_rows(0, RowParts::all, check));
     CHECK(position == 5);
-    CHECK(ids_after(connection, 3, RowParts::all) == std::vector<std::int64_t>{4, 5});
-    CHECK(ids_after(connection, 0, RowParts::keys) == std::vector<std::int64_t>{1, 2, 3, 4, 5});
+    CHECK(ids_after(*store, 3, RowParts::all) == std::vector<std::int64_t>{4, 5});
+    CHECK(ids_after(*store, 0, RowParts::keys) == std::vector<std::int64_t>{1, 2, 3, 4, 5});
   }
 
   TEST_CASE("rows can be asked for by id, and ids that do not exist are passed over") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
     Rng rng(44);
-    add(connection, random_rows(rng, 4), 1);
-    std::vector<std::int64_t> ids;
-    const std::vector<std::int64_t> wanted = {4, 9, 2};
-    REQUIRE(internal::read_rows_by_id(connection, wanted, [&](const StoredRow& row) {
-      ids.push_back(row.id);
-      return Result<void>();
-    }));
-    CHECK(ids == std::vector<std::int64_t>{4, 2});
+    const auto store = store_of(directory / "a.db", random_rows(rng, 4));
+    CHECK(ids_of(*store, {4, 9, 2}) == std::vector<std::int64_t>{4, 2});
   }
 
-  TEST_CASE("an error of the visitor ends the reading") {
+  TEST_CASE("an error of the visitor ends the reading, and rows can be asked for again") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
     Rng rng(44);
-    add(connection, random_rows(rng, 3), 1);
-    int visited = 0;
-    const auto read =
-        internal::read_rows(connection, 0, RowParts::all, [&](const StoredRow&) -> Result<void> {
-          ++visited;
-          return fail(ErrorCode::invalid, "enough");
-        });
-    REQUIRE(!read.has_value());
-    CHECK(read.error().message == "enough");
-    CHECK(visited == 1);
-  }
-
-  TEST_CASE("rows can be asked for again after a visitor ended the reading") {
-    const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
-    Rng rng(44);
-    add(connection, random_rows(rng, 3), 1);
+    const auto store = store_of(directory / "a.db", random_rows(rng, 3));
     const std::vector<std::int64_t> wanted = {3, 1};
-    const auto ended = internal::read_rows_by_id(
-        connection, wanted,
-        [](const StoredRow&) -> Result<void> { return fail(ErrorCode::invalid, "enough"); });
-    REQUIRE(!ended.has_value());
-    std::vector<std::int64_t> ids;
-    REQUIRE(internal::read_rows_by_id(connection, wanted, [&](const StoredRow& row) {
-      ids.push_back(row.id);
-      return Result<void>();
-    }));
-    CHECK(ids == wanted);
+    {
+      const auto transaction = begin(*store, Store::Kind::read);
+      for (const auto& read : {transaction->read_rows(0, RowParts::all, had_enough),
+                               transaction->read_rows_by_id(wanted, had_enough)}) {
+        REQUIRE(!read.has_value());
+        CHECK(read.error().message == "enough");
+      }
+    }
+    CHECK(ids_of(*store, wanted) == wanted);
   }
 
   TEST_CASE("live rows are found by their content, dead ones are not") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
     Rng rng(45);
     const auto rows = random_rows(rng, 3);
-    add(connection, rows, 1);
+    const auto store = store_of(directory / "a.db", rows);
     std::vector<internal::ContentHash> contents;
     for (const Experience& row : rows) contents.push_back(EncodedRow(row).content());
     contents.push_back(EncodedRow(random_experience(rng)).content());
     internal::Tombstone tombstone{1, 2, 1, "test", "now", 0};
     tombstone.checksum = checksum_of(tombstone);
-    REQUIRE(internal::add_tombstones(connection, std::span(&tombstone, 1)));
-    const auto known = internal::find_contents(connection, contents);
+    const auto transaction = begin(*store, Store::Kind::write);
+    REQUIRE(transaction->add_tombstones(std::span(&tombstone, 1)));
+    const auto known = transaction->find_contents(contents);
     REQUIRE(known.has_value());
     REQUIRE(known->size() == 2);
     CHECK(known->at(0).id == 1);
     CHECK(known->at(1).id == 3);
     CHECK(known->at(1).content == contents[2]);
-    CHECK(known->at(1).time == rows[2].provenance.time);
-
-    REQUIRE(internal::remove_dead(connection));
-    CHECK(ids_after(connection, 0, RowParts::all) == std::vector<std::int64_t>{1, 3});
+    CHECK(known->at(1).provenance.time == rows[2].provenance.time);
+    CHECK(known->at(1).provenance.seed == rows[2].provenance.seed);
+    REQUIRE(transaction->remove_dead());
+    REQUIRE(transaction->commit());
+    CHECK(ids_after(*store, 0, RowParts::all) == std::vector<std::int64_t>{1, 3});
   }
 
   TEST_CASE("a mixture without its key is an orphan, a key without its mixture has a flaw") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
     Rng rng(46);
-    add(connection, random_rows(rng, 3), 1);
-    REQUIRE(connection.execute(
-        "DELETE FROM experience WHERE id = 2; DELETE FROM mixture WHERE id = 3"));
-    CHECK(internal::find_orphans(connection) == std::vector<std::int64_t>{2});
+    const auto store = store_of(directory / "a.db", random_rows(rng, 3));
+    run_sql(directory / "a.db",
+            "DELETE FROM experience WHERE id = 2; DELETE FROM mixture WHERE id = 3");
+    const auto transaction = begin(*store, Store::Kind::read);
+    CHECK(transaction->find_orphans() == std::vector<std::int64_t>{2});
     std::string flaw;
-    REQUIRE(internal::read_rows(connection, 2, RowParts::all, [&](const StoredRow& row) {
+    REQUIRE(transaction->read_rows(2, RowParts::all, [&](const StoredRow& row) {
       flaw = row.flaw;
       return Result<void>();
     }));
@@ -285,7 +292,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("the head is one row, and a change of it is noticed") {
     const TemporaryDirectory directory;
-    Connection connection = connect(directory / "a.db");
+    create(directory / "a.db");
+    Connection connection = open_connection(directory / "a.db");
     CHECK(internal::read_head(connection) == internal::StoreState{});
     const internal::StoreState state{1, 2, 3, 4, 5, 6, 7, 8};
     REQUIRE(internal::write_head(connection, state));
@@ -327,7 +335,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a reader begins no writing transaction, and two writers do not share one") {
     const TemporaryDirectory directory;
     const auto first = open(directory / "a.db", OpenMode::create);
-    REQUIRE(first->create(arm_space()));
+    REQUIRE(first->create(arm_signature()));
     CHECK(first->schema_version() == 3);
     const auto reader = open(directory / "a.db", OpenMode::read_only);
     const auto refused = reader->begin(internal::Store::Kind::write);
@@ -341,7 +349,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a transaction that is not committed leaves nothing") {
     const TemporaryDirectory directory;
     const auto store = open(directory / "a.db", OpenMode::create);
-    REQUIRE(store->create(arm_space()));
+    REQUIRE(store->create(arm_signature()));
     Rng rng(15);
     const Experience row = random_experience(rng);
     const internal::EncodedRow encoded(row);
@@ -365,7 +373,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a sound file's structure has no damage") {
     const TemporaryDirectory directory;
     const auto store = open(directory / "a.db", OpenMode::create);
-    REQUIRE(store->create(arm_space()));
+    REQUIRE(store->create(arm_signature()));
     std::vector<Damage> damages;
     CHECK(store->check_structure(damages));
     CHECK(damages.empty());

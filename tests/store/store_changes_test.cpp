@@ -6,6 +6,7 @@
 #include "store/open_store.h"
 #include "store/store_reads.h"
 #include "store/store_writes.h"
+#include "upkeep/store_upkeep.h"
 
 namespace mneme::test {
 namespace {
@@ -65,9 +66,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a row that vanished, was doubled or got another id is noticed") {
     for (const std::string change :
          {"DELETE FROM experience WHERE id = 3", "UPDATE experience SET id = 9 WHERE id = 3",
-          "INSERT INTO experience SELECT 9, generation, cell, kind, content, components, key, "
-          "checksum "
-          "FROM experience WHERE id = 1",
+          "INSERT INTO experience SELECT 9, generation, cell, kind, content, components, "
+          "constraint_hash, key, checksum FROM experience WHERE id = 1",
           "UPDATE experience SET checksum = 5 WHERE id = 2", "DELETE FROM head",
           "INSERT INTO tombstone VALUES (1, 2, 1, '', '', 0)"}) {
       const TemporaryDirectory directory;
@@ -93,7 +93,7 @@ TEST_SUITE("unit") {
     REQUIRE(list.has_value());
     REQUIRE(list->size() == rows.size());
     std::size_t position = 0;
-    REQUIRE(internal::visit_rows(*opened.store, opened.space, *list, [&](auto part) {
+    REQUIRE(internal::visit_rows(*opened.store, opened.signature, *list, [&](auto part) {
       for (const Experience& row : part) {
         CHECK(row.id == list->at(position).id);
         CHECK(internal::EncodedRow(row).content() == list->at(position).content);
@@ -112,7 +112,7 @@ using internal::append_rows;
 using internal::Duplicates;
 
 std::unique_ptr<internal::Store> create_store(const std::string& path) {
-  auto opened = internal::open_store_of(path, arm_space(), OpenMode::create);
+  auto opened = internal::open_store_of(path, arm_signature(), OpenMode::create);
   REQUIRE(opened.has_value());
   return std::move(opened->store);
 }
@@ -179,9 +179,9 @@ TEST_SUITE("unit") {
     const auto store = create_store(directory / "a.db");
     Rng rng(13);
     REQUIRE(append_rows(*store, random_rows(rng, 200), Duplicates::keep_first));
-    std::vector<internal::Burial> burials;
-    for (std::int64_t id = 1; id <= 150; ++id) burials.push_back({id, "test"});
-    REQUIRE(internal::quarantine_rows(*store, burials));
+    std::vector<Damage> damages;
+    for (std::int64_t id = 1; id <= 150; ++id) damages.push_back({id, "test"});
+    REQUIRE(internal::quarantine_rows(*store, damages));
     const std::int64_t bytes = *store->bytes();
     CHECK(internal::compact_store(*store) == 150);
     CHECK(internal::compact_store(*store) == 0);
@@ -220,7 +220,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Rng rng(19);
     auto rows = random_rows(rng, 3);
-    const auto target = internal::open_store_of(directory / "a.db", arm_space(), OpenMode::create);
+    const auto target =
+        internal::open_store_of(directory / "a.db", arm_signature(), OpenMode::create);
     MergeSummary summary;
     REQUIRE(internal::merge_rows(*target->store, std::span(rows).first(2), summary));
     rows[0].provenance.time = "1999";

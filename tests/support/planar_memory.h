@@ -126,7 +126,7 @@ inline bool is_same_mixture(const GaussianMixture& a, const GaussianMixture& b) 
 
 inline Database make_database(const std::string& path, const Robot& robot,
                               OpenMode mode = OpenMode::create) {
-  auto database = Database::open(path, make_space(robot), mode);
+  auto database = Database::open(path, make_signature(robot), mode);
   REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
   return std::move(*database);
 }

@@ -24,7 +24,7 @@ TEST_SUITE("law") {
     const TemporaryDirectory directory;
     Rng rng(12);
     auto rows = random_rows(rng, 20);
-    rows[4].sampler = {};
+    rows[4].sampler() = {};
     fill(directory / "a.db", rows);
     std::reverse(rows.begin(), rows.end());
     fill(directory / "b.db", rows);
@@ -75,8 +75,8 @@ TEST_SUITE("unit") {
     write_file(directory / "empty.db", "");
     CHECK(export_database(directory / "empty.db", directory / "b.jsonl").error().code ==
           ErrorCode::invalid);
-    ExperienceSpace other = arm_space();
-    other.robot_hash = "other";
+    RobotSignature other = arm_signature();
+    other.model_hash = "other";
     REQUIRE(Database::open(directory / "other.db", other, OpenMode::create).has_value());
     exported(directory / "a.db", directory / "a.jsonl");
     CHECK(import_database(directory / "other.db", directory / "a.jsonl").error().code ==

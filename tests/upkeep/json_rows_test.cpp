@@ -10,7 +10,7 @@ namespace {
 
 using internal::json_of;
 using internal::parse_row;
-using internal::parse_space;
+using internal::parse_signature;
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
@@ -20,13 +20,13 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST_SUITE("unit") {
   TEST_CASE("a space and a row are lines that others can read") {
-    CHECK(json_of(arm_space()) ==
+    CHECK(json_of(arm_signature()) ==
           R"({"format":"mneme experience 2","robot_name":"arm","robot_hash":"0123456789abcdef",)"
           R"("joint_count":3})");
     Experience row;
     row.kind = "pairs/1";
     row.key = {1, 0.1};
-    row.sampler = {2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}};
+    row.sampler() = {2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}};
     row.provenance = {"mneme", "say \"hi\"", std::numeric_limits<std::uint64_t>::max(), "2020"};
     const std::string line = json_of(row);
     CHECK(
@@ -65,7 +65,7 @@ TEST_SUITE("unit") {
         R"({"kind":"k","key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
         R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
     CHECK(error_of(alone) == "a row of 'factors' has 4 numbers; expected 6");
-    CHECK(parse_row(replaced(alone, ",3]", "]"))->sampler.joint_count == 2);
+    CHECK(parse_row(replaced(alone, ",3]", "]"))->sampler().joint_count == 2);
   }
 
   TEST_CASE("deep nesting and numbers beyond what they count are refused") {
@@ -75,26 +75,27 @@ TEST_SUITE("unit") {
       std::string nested;
       for (int i = 0; i < 1'000'000; ++i) nested += bracket;
       CHECK(!parse_row(nested).has_value());
-      CHECK(!parse_space(nested).has_value());
+      CHECK(!parse_signature(nested).has_value());
     }
     const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
     for (const std::string& number : {deep, std::string("1e999"), std::string("1e28")}) {
       CHECK(!parse_row(replaced(sound, "\"key\":[", "\"key\":[" + number + ",")).has_value());
     }
-    const std::string space = json_of(arm_space());
-    CHECK(!parse_space(replaced(space, "\"joint_count\":3", "\"joint_count\":2147483648"))
+    const std::string space = json_of(arm_signature());
+    CHECK(!parse_signature(replaced(space, "\"joint_count\":3", "\"joint_count\":2147483648"))
                .has_value());
   }
 
   TEST_CASE("a first line of another kind is refused") {
-    const std::string sound = json_of(arm_space());
-    CHECK(parse_space(sound).has_value());
-    CHECK(parse_space(replaced(sound, "experience 2", "experience 1"))
+    const std::string sound = json_of(arm_signature());
+    CHECK(parse_signature(sound).has_value());
+    CHECK(parse_signature(replaced(sound, "experience 2", "experience 1"))
               .error()
               .message.find("expected 'mneme experience 2'") != std::string::npos);
-    CHECK(!parse_space("").has_value());
-    CHECK(!parse_space(replaced(sound, "\"joint_count\":3", "\"joint_count\":6e99")).has_value());
-    CHECK(!parse_space(replaced(sound, "\"format\"", "\"f\"")).has_value());
+    CHECK(!parse_signature("").has_value());
+    CHECK(
+        !parse_signature(replaced(sound, "\"joint_count\":3", "\"joint_count\":6e99")).has_value());
+    CHECK(!parse_signature(replaced(sound, "\"format\"", "\"f\"")).has_value());
   }
 
   TEST_CASE("zeros keep their sign, which is part of the content") {
@@ -102,14 +103,14 @@ TEST_SUITE("unit") {
     Experience row = random_experience(rng, 1);
     row.key[1] = -0.0;
     row.key[2] = 0.0;
-    row.sampler.means[0] = -0.0F;
-    row.sampler.means[1] = 0.0F;
+    row.sampler().means[0] = -0.0F;
+    row.sampler().means[1] = 0.0F;
     const auto parsed = parse_row(json_of(row));
     REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
     CHECK(std::signbit(parsed->key[1]));
     CHECK(!std::signbit(parsed->key[2]));
-    CHECK(std::signbit(parsed->sampler.means[0]));
-    CHECK(!std::signbit(parsed->sampler.means[1]));
+    CHECK(std::signbit(parsed->sampler().means[0]));
+    CHECK(!std::signbit(parsed->sampler().means[1]));
   }
 }
 
@@ -118,14 +119,14 @@ TEST_SUITE("law") {
     Rng rng(9);
     for (int i = 0; i < 300; ++i) {
       Experience row = random_experience(rng, static_cast<int>(rng.index(6)));
-      for (float& mean : row.sampler.means)
+      for (float& mean : row.sampler().means)
         mean *= std::exp2(static_cast<float>(rng.index(60)) - 40);
       const auto parsed = parse_row(json_of(row));
       REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
       REQUIRE(parsed->kind == row.kind);
       REQUIRE(parsed->key == row.key);
-      REQUIRE(parsed->sampler.means == row.sampler.means);
-      REQUIRE(parsed->sampler.factors == row.sampler.factors);
+      REQUIRE(parsed->sampler().means == row.sampler().means);
+      REQUIRE(parsed->sampler().factors == row.sampler().factors);
       REQUIRE(parsed->provenance.seed == row.provenance.seed);
     }
   }

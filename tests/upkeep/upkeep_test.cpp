@@ -20,9 +20,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a database is adopted by a robot with other limits, not by another arm") {
     const TemporaryDirectory directory;
     const std::string path = directory / "a.db";
-    const ExperienceSpace arm{"arm", "11111111aaaaaaaa/0123456789abcdef", 3};
-    const ExperienceSpace limited{"limited", "11111111bbbbbbbb/0123456789abcdef", 3};
-    const ExperienceSpace other{"other", "22222222aaaaaaaa/0123456789abcdef", 3};
+    const RobotSignature arm{"arm", "11111111aaaaaaaa", "0123456789abcdef", 3};
+    const RobotSignature limited{"limited", "11111111bbbbbbbb", "0123456789abcdef", 3};
+    const RobotSignature other{"other", "22222222aaaaaaaa", "0123456789abcdef", 3};
     Rng rng(70);
     REQUIRE(Database::open(path, arm, OpenMode::create)->insert(random_rows(rng, 6)));
     CHECK(Database::open(path, limited, OpenMode::read_only).error().code ==
@@ -31,7 +31,7 @@ TEST_SUITE("unit") {
     REQUIRE_MESSAGE(before.has_value(), (before ? "" : before.error().message));
     CHECK(before->robot_name == "arm");
     CHECK(Database::open(path, limited, OpenMode::read_only)->size() == 6);
-    CHECK(Database::inspect(path)->space().robot_name == "limited");
+    CHECK(Database::inspect(path)->signature().robot_name == "limited");
     CHECK(verify_database(path)->empty());
     CHECK_FALSE(Database::open(path, arm, OpenMode::read_only).has_value());
     for (const bool is_forced : {false, true}) {
@@ -39,13 +39,13 @@ TEST_SUITE("unit") {
       REQUIRE_FALSE(refused.has_value());
       CHECK(refused.error().code == ErrorCode::wrong_robot);
     }
-    CHECK(Database::inspect(path)->space().robot_name == "limited");
+    CHECK(Database::inspect(path)->signature().robot_name == "limited");
   }
 
   TEST_CASE("an older database is adopted if that is forced, and an empty one not at all") {
     const TemporaryDirectory directory;
     create_database(directory / "old.db");
-    const ExperienceSpace limited{"limited", "11111111bbbbbbbb/ffffffffffffffff", 3};
+    const RobotSignature limited{"limited", "11111111bbbbbbbb", "ffffffffffffffff", 3};
     const auto refused = adopt_database(directory / "old.db", limited);
     REQUIRE_FALSE(refused.has_value());
     CHECK(refused.error().code == ErrorCode::wrong_robot);
@@ -145,7 +145,7 @@ TEST_SUITE("unit") {
   TEST_CASE("what cannot be cured says why") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
-    run_sql(directory / "a.db", "UPDATE space SET robot_hash = 'other'");
+    run_sql(directory / "a.db", "UPDATE robot SET model_hash = 'other'");
     const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
     REQUIRE(damages->size() == 2);
     CHECK(!damages->at(0).is_quarantined);
@@ -185,7 +185,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a database of a newer mneme is refused rather than judged") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
-    run_sql(directory / "a.db", "PRAGMA user_version = 4; CREATE TABLE more (a)");
+    run_sql(directory / "a.db", "PRAGMA user_version = 5; CREATE TABLE more (a)");
     const auto damages = verify_database(directory / "a.db");
     REQUIRE(!damages.has_value());
     CHECK(damages.error().code == ErrorCode::unsupported);
@@ -257,8 +257,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Rng rng(25);
     fill_database(directory / "a.db", random_rows(rng, 2));
-    ExperienceSpace other = arm_space();
-    other.robot_hash = "other";
+    RobotSignature other = arm_signature();
+    other.model_hash = "other";
     REQUIRE(Database::open(directory / "b.db", other, OpenMode::create).has_value());
     CHECK(merge_databases(directory / "a.db", directory / "b.db").error().code ==
           ErrorCode::wrong_robot);

@@ -42,7 +42,7 @@ float place(const Joint& joint, double value) {
 /// Appends a row as it was learned, and its mirror image, which is as good.
 void add_row(const Robot& robot, const Experience& row, const Input& input, double half_extent,
              cvae::Examples& examples, std::int64_t& scene) {
-  const LocalSampler& sampler = row.sampler;
+  const LocalSampler& sampler = row.sampler();
   for (const float sign : {1.0f, -1.0f}) {
     const PrimitiveKey circles = moved_key({0, sign < 0}, row.key);
     const Symmetry to_canonical = {-internal::mean_direction(circles), false};
@@ -111,7 +111,7 @@ Result<void> run(const Input& input) {
   const auto urdf = find_robot(input.robot);
   const auto robot = load_robot(urdf ? *urdf : input.robot);
   if (!robot) return tl::unexpected(robot.error());
-  const auto space = make_space(*robot);
+  const auto space = make_signature(*robot);
   const auto database = Database::open(input.database, space, OpenMode::read_only);
   if (!database) return tl::unexpected(database.error());
   if (!robot->is_planar()) return fail(ErrorCode::unsupported, "the CVAE is for planar arms");

@@ -11,7 +11,7 @@ int main(int, char** arguments) {
   if (!file) return std::puts(file.error().message.c_str()), 1;
   const auto problem = mneme::load_problem(*file);
   if (!problem) return std::puts(problem.error().message.c_str()), 1;
-  const auto space = mneme::make_space(problem->robot);
+  const auto space = mneme::make_signature(problem->robot);
   auto memory = mneme::Database::open(arguments[1], space, mneme::OpenMode::create);
   if (!memory) return std::puts(memory.error().message.c_str()), 1;
   const auto result = mneme::solve(*problem, &*memory, {});
