@@ -112,7 +112,8 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after.has_value();
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
   Result<Database> database = Database::open(url, make_signature(robot), mode, kept);
-  if (database && compare_robots(database->signature(), make_signature(robot)) == RobotDifference::shapes) {
+  if (database &&
+      compare_robots(database->signature(), make_signature(robot)) == RobotDifference::shapes) {
     print_note(
         fmt::format("{}: was learned with another collision model of the robot, and applies "
                     "all the same",

@@ -37,8 +37,7 @@ std::string describe_memory_keywords() {
     names += (names.empty() ? "" : ", ") + std::string(kind->name);
   }
   return "kind: str = None\n    kind of memory: " + names +
-         ". Default: all of the database, or the robot's\n" +
-         describe_keywords<MemorySettings>();
+         ". Default: all of the database, or the robot's\n" + describe_keywords<MemorySettings>();
 }
 
 void Keywords::finish() const {

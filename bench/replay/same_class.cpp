@@ -73,8 +73,8 @@ struct Tally {
 
 int run(const std::string& tasks_file, const std::string& repeats_file, const std::string& memory) {
   const std::vector<LoadedProblem> problems = load(repeats_file);
-  Database database =
-      take(Database::open(memory, make_signature(problems.front().problem.robot), OpenMode::read_only));
+  Database database = take(
+      Database::open(memory, make_signature(problems.front().problem.robot), OpenMode::read_only));
   const std::map<std::string, Task> tasks = load_tasks(tasks_file, database);
   Tally replayed, planned;
   SolveSettings settings;

@@ -116,8 +116,8 @@ Experience make_row(int size, double edge, Rng& rng) {
 }
 
 /// Rows per second of the processor, or nothing if the disk is full.
-std::optional<double> fill(const std::string& path, const RobotSignature& space,
-                           std::int64_t count, int size, double edge) {
+std::optional<double> fill(const std::string& path, const RobotSignature& space, std::int64_t count,
+                           int size, double edge) {
   Rng rng(1);
   double seconds = 0;
   auto database = Database::open(path, space, OpenMode::create);

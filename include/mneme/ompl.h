@@ -113,12 +113,13 @@ struct WorkCounters {
 namespace mneme {
 
 /// Adds OMPL's planners to planners(), as "ompl:RRTConnect" and so on, and its samplers of valid
-/// states to samplers(); call it before planning. Of the planners' runs: PlanSettings::ompl_defaults says how they are set up; they stop at the first path,
-/// and one that fails verification is planned again within the limits, with every motion verified
-/// as paths are; `max_nodes` limits the states that OMPL holds. In the result, iterations are
-/// samples drawn, and nodes are not counted. One run at a time repeats itself for equal seeds, as
-/// far as the planner does (PRM starts a thread); runs in parallel threads of one process share
-/// OMPL's source of seeds. OMPL's log is silent meanwhile.
+/// states to samplers(); call it before planning. Of the planners' runs:
+/// PlanSettings::ompl_defaults says how they are set up; they stop at the first path, and one that
+/// fails verification is planned again within the limits, with every motion verified as paths are;
+/// `max_nodes` limits the states that OMPL holds. In the result, iterations are samples drawn, and
+/// nodes are not counted. One run at a time repeats itself for equal seeds, as far as the planner
+/// does (PRM starts a thread); runs in parallel threads of one process share OMPL's source of
+/// seeds. OMPL's log is silent meanwhile.
 void add_ompl_planners();
 
 }  // namespace mneme

@@ -159,8 +159,8 @@ Result<std::vector<Match>> find_matches(const Database& database, const MemoryKi
   const std::vector<KeyImage> images = kind.images(primitive.key);
   std::vector<PrimitiveKey> keys;
   for (const KeyImage& image : images) keys.push_back(image.key);
-  auto found = MNEME_TRY(database.find(kind.version, keys, threshold, max_matches, keys_left,
-                                       primitive.constraints));
+  auto found = MNEME_TRY(
+      database.find(kind.version, keys, threshold, max_matches, keys_left, primitive.constraints));
   std::vector<Match> matches;
   for (KeyMatch& match : found) {
     // A row whose content is not what its kind keeps is of no use.

@@ -67,8 +67,8 @@ TEST_SUITE("flow") {
     REQUIRE(memories.has_value());
     REQUIRE(memories->size() == 1);
     CHECK((*memories)[0].primitives == 3);
-    for (const char* name : {"report.html", "memories/few.db",
-                             "ompl/pair_two.log", "report_1_pair_times.svg"}) {
+    for (const char* name :
+         {"report.html", "memories/few.db", "ompl/pair_two.log", "report_1_pair_times.svg"}) {
       CAPTURE(name);
       CHECK(std::filesystem::file_size(out + "/" + name) > 0);
     }
