@@ -70,11 +70,6 @@ Statement& Statement::bind(int parameter, std::int64_t value) {
   return *this;
 }
 
-Statement& Statement::bind_real(int parameter, double value) {
-  bind_status_ |= sqlite3_bind_double(statement_.get(), parameter, value);
-  return *this;
-}
-
 Statement& Statement::bind(int parameter, std::string_view text) {
   bind_status_ |= sqlite3_bind_text64(statement_.get(), parameter, text.data() ? text.data() : "",
                                       text.size(), SQLITE_STATIC, SQLITE_UTF8);

@@ -25,7 +25,6 @@ class Statement {
  public:
   /// Parameters count from 1. What is bound must stay alive until reset() or destruction.
   Statement& bind(int parameter, std::int64_t value);
-  Statement& bind_real(int parameter, double value);
   Statement& bind(int parameter, std::string_view text);
   Statement& bind(int parameter, std::span<const std::byte> blob);
   Statement& bind(int parameter, std::optional<std::int64_t> value);

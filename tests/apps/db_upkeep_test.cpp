@@ -81,7 +81,7 @@ TEST_SUITE("flow") {
     CHECK(run_upkeep({"db", "import", files / "all.db", file})["added"] == 0);
     CHECK(run_program({"db", "export", files / "new.db", again}).exit_code == 0);
     CHECK(read_file(file) == read_file(again));
-    CHECK(has_text(read_file(files / "rows.jsonl"), "mneme experience 2"));
+    CHECK(has_text(read_file(files / "rows.jsonl"), "mneme experience 3"));
   }
 }
 

@@ -276,7 +276,7 @@ TEST_SUITE("unit") {
     CHECK(database.insert({rows[1]}) == std::vector<std::int64_t>{2});
     CHECK(database.size() == 2);
     CHECK(database.info().generation == 1);
-    ++rows[1].provenance.seed;
+    rows[1].sampler().means[0] += 1;
     CHECK(database.insert({rows[1]}) == std::vector<std::int64_t>{3});
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 3);
   }

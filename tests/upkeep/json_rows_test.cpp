@@ -19,10 +19,10 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("a space and a row are lines that others can read") {
+  TEST_CASE("a signature and a row are lines that others can read") {
     CHECK(json_of(arm_signature()) ==
-          R"({"format":"mneme experience 2","robot_name":"arm","robot_hash":"0123456789abcdef",)"
-          R"("joint_count":3})");
+          R"({"format":"mneme experience 3","robot_name":"arm","kinematics_hash":"",)"
+          R"("model_hash":"0123456789abcdef","joint_count":3})");
     Experience row;
     row.kind = "pairs/1";
     row.key = {1, 0.1};
@@ -32,7 +32,7 @@ TEST_SUITE("unit") {
     CHECK(
         line.substr(line.find("\"kind\"")) ==
         R"("kind":"pairs/1","key":[1,0.1],"means":[[0.1,-1],[2,3]],"factor_rows":[-1,0],"factors":[[1,0,1]],)"
-        R"("origins":[],"settings":"say \"hi\"","seed":18446744073709551615,"tool":"mneme",)"
+        R"("sources":[],"is_complete":true,"settings":"say \"hi\"","seed":18446744073709551615,"tool":"mneme",)"
         R"("time":"2020"})");
   }
 
@@ -47,8 +47,8 @@ TEST_SUITE("unit") {
     CHECK(error_of(sound).empty());
     CHECK(error_of("[1]").find("no JSON object") != std::string::npos);
     CHECK(error_of(sound.substr(1)).find("no JSON object") != std::string::npos);
-    for (const std::string name : {"kind", "key", "means", "factor_rows", "factors", "origins",
-                                   "settings", "seed", "tool", "time"}) {
+    for (const std::string name : {"kind", "key", "means", "factor_rows", "factors", "sources",
+                                   "is_complete", "settings", "seed", "tool", "time"}) {
       CHECK(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")).find("'" + name + "'") !=
             std::string::npos);
       const std::size_t value = sound.find("\"" + name + "\":") + name.size() + 3;
@@ -56,14 +56,14 @@ TEST_SUITE("unit") {
     }
     CHECK(error_of(replaced(sound, "\"seed\":", "\"seed\":-")).find("'seed'") != std::string::npos);
     CHECK(
-        error_of(replaced(sound, "\"origins\":[0", "\"origins\":[5000000000")).find("'origins'") !=
+        error_of(replaced(sound, "\"sources\":[0", "\"sources\":[5000000000")).find("'sources'") !=
         std::string::npos);
-    CHECK(error_of(replaced(sound, "\"origins\":[0", "\"origins\":[1")).find("'content'") !=
+    CHECK(error_of(replaced(sound, "\"sources\":[0", "\"sources\":[1")).find("'content'") !=
           std::string::npos);
     CHECK(error_of("{" + sound.substr(sound.find("\"kind\""))).empty());
     const std::string alone =
         R"({"kind":"k","key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
-        R"("origins":[],"settings":"","seed":1,"tool":"","time":""})";
+        R"("sources":[],"is_complete":true,"settings":"","seed":1,"tool":"","time":""})";
     CHECK(error_of(alone) == "a row of 'factors' has 4 numbers; expected 6");
     CHECK(parse_row(replaced(alone, ",3]", "]"))->sampler().joint_count == 2);
   }
@@ -89,9 +89,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a first line of another kind is refused") {
     const std::string sound = json_of(arm_signature());
     CHECK(parse_signature(sound).has_value());
-    CHECK(parse_signature(replaced(sound, "experience 2", "experience 1"))
+    CHECK(parse_signature(replaced(sound, "experience 3", "experience 2"))
               .error()
-              .message.find("expected 'mneme experience 2'") != std::string::npos);
+              .message.find("expected 'mneme experience 3'") != std::string::npos);
     CHECK(!parse_signature("").has_value());
     CHECK(
         !parse_signature(replaced(sound, "\"joint_count\":3", "\"joint_count\":6e99")).has_value());
