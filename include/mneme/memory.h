@@ -16,6 +16,7 @@
 #include <atomic>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -316,8 +317,10 @@ inline constexpr std::size_t kCirclePairKeySize = 6;
 /// each group by one component with the group's mean, and its covariance if it has more than
 /// joint_count members. Components that have a factor already stay as they are, and groups whose
 /// mean is in contact stay apart; members of a group count for the same source.
+/// Stops merging once `is_late` returns true.
 [[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
-                                         const LocalSampler& sampler);
+                                         const LocalSampler& sampler,
+                                         const std::function<bool()>& is_late = {});
 
 // The kind "body_pairs": two obstacles of any shapes, touching ones too.
 

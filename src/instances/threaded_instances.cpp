@@ -7,7 +7,6 @@
 
 #include "base/threads.h"
 #include "memory/planar_chain.h"
-#include "memory/threaded.h"
 
 #include <fmt/format.h>
 

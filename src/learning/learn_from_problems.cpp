@@ -36,37 +36,33 @@ Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems
                                                const ProblemLesson& lesson,
                                                const Database& database) {
   std::set<std::pair<std::string, std::string>> known;  // kinds and texts
-  const auto read = database.for_each([&](const auto& row) {
+  MNEME_TRY(database.for_each([&](const auto& row) {
     if (row->provenance.seed == lesson.seed) known.emplace(row->kind, row->provenance.settings);
-  });
-  if (!read) return tl::unexpected(read.error());
+  }));
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < problems.size(); ++i) {
-    const auto kind = choose_kind(problems[i].robot, memory);
-    if (!kind) return tl::unexpected(kind.error());
+    const MemoryKind* const kind = MNEME_TRY(choose_kind(problems[i].robot, memory));
     const std::string text = provenance_text(problems[i], memory, lesson);
-    if (!known.contains({std::string((*kind)->version), text})) open.push_back(i);
+    if (!known.contains({std::string(kind->version), text})) open.push_back(i);
   }
   return open;
 }
 
 Result<internal::Learned> learn_from_problem(const Problem& problem, const MemorySettings& memory,
                                              const ProblemLesson& lesson) {
-  const auto plan = solve_repeatedly(problem, lesson);
-  if (!plan) return tl::unexpected(plan.error());
-  if (plan->paths.empty()) {
-    return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan->message)};
+  const auto plan = MNEME_TRY(solve_repeatedly(problem, lesson));
+  if (plan.paths.empty()) {
+    return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan.message)};
   }
-  auto rows = learn_from_paths({problem.robot.without_attached(), problem.scene, &problem.start,
-                                problem.goals, problem.constraints},
-                               plan->paths, memory);
-  if (!rows) return tl::unexpected(rows.error());
-  drop_repetitions(*rows);
+  auto rows = MNEME_TRY(learn_from_paths({problem.robot.without_attached(), problem.scene,
+                                          &problem.start, problem.goals, problem.constraints},
+                                         plan.paths, memory));
+  drop_repetitions(rows);
   const std::string text = provenance_text(problem, memory, lesson);
-  for (Experience& row : *rows) {
+  for (Experience& row : rows) {
     row.provenance = {fmt::format("mneme {}", version()), text, lesson.seed, {}};
   }
-  return internal::Learned{std::move(*rows), {}};
+  return internal::Learned{std::move(rows), {}};
 }
 
 }  // namespace
@@ -75,9 +71,8 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   if (!(lesson.timeout_s >= 0 && lesson.timeout_s <= 1e6)) {
     return fail(ErrorCode::invalid, "a path's time limit must be 0 to 1e6 seconds");
   }
-  const auto checker =
-      CollisionChecker::make(problem.robot, problem.scene, {.constraints = problem.constraints});
-  if (!checker) return tl::unexpected(checker.error());
+  const auto checker = MNEME_TRY(
+      CollisionChecker::make(problem.robot, problem.scene, {.constraints = problem.constraints}));
   const auto sampler = make_uniform_sampler(problem.robot);
   PlanSettings settings;
   settings.timeout_s = lesson.timeout_s;
@@ -86,7 +81,7 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
     settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
     PlanResult plan =
-        plan_with(rrt_connect, *checker, {problem.start, problem.goals}, *sampler, settings);
+        plan_with(rrt_connect, checker, {problem.start, problem.goals}, *sampler, settings);
     if (plan.is_solved()) {
       repeated.paths.push_back(std::move(plan.path));
     } else {
@@ -99,10 +94,9 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
 Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                          const MemorySettings& memory, Database& database,
                                          const ProblemLesson& lesson) {
-  auto open = open_problems(problems, memory, lesson, database);
-  if (!open) return tl::unexpected(open.error());
+  auto open = MNEME_TRY(open_problems(problems, memory, lesson, database));
   const internal::Tasks tasks = {
-      std::move(*open), static_cast<std::int64_t>(problems.size()),
+      std::move(open), static_cast<std::int64_t>(problems.size()),
       [&](std::size_t task) { return learn_from_problem(problems[task], memory, lesson); }};
   return internal::run_local(database, tasks, lesson);
 }

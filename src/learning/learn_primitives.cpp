@@ -40,22 +40,20 @@ class Lessons {
 
   Result<LearnSummary> run(Database& database) const {
     const std::int64_t generation = database.info().generation;
-    return open_tasks(database).and_then([&](std::vector<std::size_t> open) {
-      const internal::Tasks tasks = {std::move(open), asked_,
-                                     [this](std::size_t task) { return learn(lessons_[task]); }};
-      if (!job_.shared) return internal::run_local(database, tasks, job_);
-      return internal::run_shared(database, tasks, *job_.shared, job_number(), generation, job_);
-    });
+    std::vector<std::size_t> open = MNEME_TRY(open_tasks(database));
+    const internal::Tasks tasks = {std::move(open), asked_,
+                                   [this](std::size_t task) { return learn(lessons_[task]); }};
+    if (!job_.shared) return internal::run_local(database, tasks, job_);
+    return internal::run_shared(database, tasks, *job_.shared, job_number(), generation, job_);
   }
 
  private:
   /// Those that were not learned with these settings before.
   Result<std::vector<std::size_t>> open_tasks(const Database& database) const {
     std::set<std::uint64_t> known;
-    const auto read = database.for_each([&](const auto& row) {
+    MNEME_TRY(database.for_each([&](const auto& row) {
       if (row->provenance.settings == settings_text_) known.insert(row->provenance.seed);
-    });
-    if (!read) return tl::unexpected(read.error());
+    }));
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < lessons_.size(); ++i) {
       if (!known.contains(lessons_[i].seed)) open.push_back(i);

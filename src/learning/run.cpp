@@ -108,21 +108,19 @@ class Run {
       } else if (is_done.error().code != ErrorCode::io || now_s - sound_s >= source_.patience_s()) {
         return tl::unexpected(is_done.error());
       }
-      const Result<void> collected = collect(std::chrono::milliseconds(50));
-      if (!collected) return collected;
+      MNEME_TRY(collect(std::chrono::milliseconds(50)));
     }
     return {};
   }
 
   Result<bool> serve_once() {
-    return source_.renew()
-        .and_then([&] { return is_time_to_save() ? save() : Result<void>(); })
-        .and_then([&] { return take(); })
-        .and_then([&] { return look_around(); })
-        .and_then([&]() -> Result<bool> {
-          if (in_work_ > 0 || !unsaved_.empty() || open_count_ > 0) return false;
-          return source_.refresh().map([] { return true; });
-        });
+    MNEME_TRY(source_.renew());
+    if (is_time_to_save()) MNEME_TRY(save());
+    MNEME_TRY(take());
+    MNEME_TRY(look_around());
+    if (in_work_ > 0 || !unsaved_.empty() || open_count_ > 0) return false;
+    MNEME_TRY(source_.refresh());
+    return true;
   }
 
   [[nodiscard]] bool is_time_to_save() const {
@@ -132,24 +130,23 @@ class Run {
   }
 
   Result<void> save() {
-    return source_.save(unsaved_, summary_).map([&] {
-      saved_s_ = stopwatch_.elapsed_s();
-      is_count_due_ = in_work_ == 0;
-    });
+    MNEME_TRY(source_.save(unsaved_, summary_));
+    saved_s_ = stopwatch_.elapsed_s();
+    is_count_due_ = in_work_ == 0;
+    return {};
   }
 
   /// Keeps one task in hand for every thread, so that none waits for the source.
   Result<void> take() {
     if (in_work_ > thread_count_ || stopwatch_.elapsed_s() < next_take_s_) return {};
-    const auto taken = source_.take(2 * thread_count_ - in_work_);
-    if (!taken) return tl::unexpected(taken.error());
-    if (taken->empty()) {
+    const auto taken = MNEME_TRY(source_.take(2 * thread_count_ - in_work_));
+    if (taken.empty()) {
       next_take_s_ = stopwatch_.elapsed_s() + std::min(kLongestPoll_s, source_.patience_s() / 3);
       is_count_due_ = true;
     }
-    in_work_ += taken->size();
+    in_work_ += taken.size();
     const std::lock_guard lock(mutex_);
-    ready_.insert(ready_.end(), taken->begin(), taken->end());
+    ready_.insert(ready_.end(), taken.begin(), taken.end());
     has_tasks_.notify_all();
     return {};
   }
@@ -159,9 +156,7 @@ class Run {
     const double begin_s = stopwatch_.elapsed_s();
     const bool is_report_due = run_.on_progress && begin_s >= next_report_s_;
     if (!is_count_due_ && !is_report_due) return {};
-    const auto open = source_.count_open();
-    if (!open) return tl::unexpected(open.error());
-    open_count_ = *open;
+    open_count_ = MNEME_TRY(source_.count_open());
     is_count_due_ = false;
     if (!is_report_due && open_count_ > 0) return {};
     // Counting a million tasks is work for a server, which others need.
@@ -227,6 +222,45 @@ class Run {
   bool is_over_ = false;
 };
 
+/// Inserts in the order of the tasks, so that the database does not depend on the threads.
+class LocalSource final : public TaskSource {
+ public:
+  LocalSource(Database& database, const std::vector<std::size_t>& tasks)
+      : database_(database), tasks_(tasks), ready_(tasks) {}
+
+  /// All of them, because nobody else wants them.
+  Result<std::vector<std::size_t>> take(std::size_t) override { return std::exchange(ready_, {}); }
+
+  Result<void> save(Results& results, LearnSummary& summary) override {
+    std::vector<Experience> rows;
+    auto end = results.begin();
+    std::size_t saved = saved_;
+    for (; end != results.end() && end->first == tasks_[saved]; ++end, ++saved) {
+      rows.insert(rows.end(), end->second.rows.begin(), end->second.rows.end());
+    }
+    std::vector<bool> is_new;
+    if (!rows.empty()) MNEME_TRY(database_.insert(std::move(rows), &is_new));
+    auto first = is_new.cbegin();
+    for (auto done = results.begin(); done != end; ++done) {
+      count(done->second, first, summary);
+      first += std::ssize(done->second.rows);
+    }
+    results.erase(results.begin(), end);
+    saved_ = saved;
+    return {};
+  }
+
+  Result<std::int64_t> count_open() override {
+    return static_cast<std::int64_t>(tasks_.size() - saved_);
+  }
+
+ private:
+  Database& database_;
+  const std::vector<std::size_t>& tasks_;
+  std::vector<std::size_t> ready_;
+  std::size_t saved_ = 0;
+};
+
 }  // namespace
 
 bool is_cancelled(const LearnRun& run) { return run.cancel != nullptr && run.cancel->load(); }
@@ -250,6 +284,11 @@ void count(const Learned& learned, std::vector<bool>::const_iterator is_new,
 
 Result<LearnSummary> run_tasks(TaskSource& source, const Tasks& tasks, const LearnRun& run) {
   return Run(source, tasks, run).run();
+}
+
+Result<LearnSummary> run_local(Database& database, const Tasks& tasks, const LearnRun& run) {
+  LocalSource source(database, tasks.open);
+  return run_tasks(source, tasks, run);
 }
 
 }  // namespace mneme::internal

@@ -45,10 +45,9 @@ class SharedSource final : public TaskSource {
       leases.push_back(held_.at(task));
       rows.push_back(learned.rows.at(0));
     }
-    const auto good = queue_->finish(leases, std::move(rows));
-    if (!good) return tl::unexpected(good.error());
+    const auto good = MNEME_TRY(queue_->finish(leases, std::move(rows)));
     const std::vector<bool> is_new = {true};  // each has one row, which nobody else inserts
-    for (const Lease& lease : *good) {
+    for (const Lease& lease : good) {
       count(results.at(static_cast<std::size_t>(lease.task)), is_new.cbegin(), summary);
     }
     for (const auto& [task, learned] : std::exchange(results, {})) held_.erase(task);
@@ -95,12 +94,10 @@ Result<LearnSummary> run_shared(Database& database, const Tasks& tasks, const Sh
   if (!(work.lease_s >= 0.1 && work.lease_s <= 86400)) {
     return fail(ErrorCode::invalid, "a lease must last 0.1 to 86400 seconds");
   }
-  auto queue = open_tasks(work.url, database.signature(), {job, worker_name()});
-  if (!queue) return tl::unexpected(queue.error());
+  auto queue = MNEME_TRY(open_tasks(work.url, database.signature(), {job, worker_name()}));
   const std::vector<std::int64_t> numbers(tasks.open.begin(), tasks.open.end());
-  const auto added = (*queue)->add(numbers, generation);
-  if (!added) return tl::unexpected(added.error());
-  SharedSource source(std::move(*queue), database, work.lease_s);
+  MNEME_TRY(queue->add(numbers, generation));
+  SharedSource source(std::move(queue), database, work.lease_s);
   return run_tasks(source, tasks, run);
 }
 

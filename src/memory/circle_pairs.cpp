@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/memory.h"
 
-#include "memory/fitted_means.h"
 #include "memory/moved_means.h"
 #include "memory/near_pairs.h"
 #include "robot/link_shapes.h"
@@ -145,15 +144,13 @@ Result<std::vector<LocalPrimitive>> decompose_into_circle_pairs(const MemoryQuer
   }
   std::vector<Circle> circles;
   for (const Obstacle& obstacle : scene.obstacles) {
-    const auto circle = as_circle(obstacle);
-    if (!circle) return tl::unexpected(circle.error());
-    circles.push_back(*circle);
+    const Circle circle = MNEME_TRY(as_circle(obstacle));
+    circles.push_back(circle);
   }
-  const auto pairs = find_near_pairs(scene, max_gap);
-  if (!pairs) return tl::unexpected(pairs.error());
+  const auto pairs = MNEME_TRY(find_near_pairs(scene, max_gap));
   const double farthest = reach(robot);
   std::vector<LocalPrimitive> primitives;
-  for (const auto& [i, j] : *pairs) {
+  for (const auto& [i, j] : pairs) {
     const Circle& a = circles[static_cast<std::size_t>(i)];
     const Circle& b = circles[static_cast<std::size_t>(j)];
     const double gap = std::hypot(b[0] - a[0], b[1] - a[1]) - a[2] - b[2];

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/fitted_means.h"
-
+#include "memory/moved_means.h"
 #include "memory/gap_fit.h"
-#include "memory/threaded.h"
+#include "memory/planar_chain.h"
 #include "robot/joint_space.h"
 
 #include <algorithm>

@@ -5,9 +5,7 @@
 // and each one samples with Algorithm 1 from what the shallower ones have taught.
 #include "mneme/memory.h"
 
-#include "memory/merge_cliques.h"
 #include "memory/planar_chain.h"
-#include "memory/threaded.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,8 +43,7 @@ class Learner {
   LearnResult run() {
     for (int link = chain_.link_count() - 1; link >= 0 && !is_late(); --link) learn_from(link);
     if (settings_.merge_cliques && result_.sampler.component_count() > 0) {
-      result_.sampler =
-          internal::merge_cliques(checker_, result_.sampler, [this] { return is_late(); });
+      result_.sampler = merge_cliques(checker_, result_.sampler, [this] { return is_late(); });
     }
     result_.time_s = stopwatch_.elapsed_s();
     return std::move(result_);

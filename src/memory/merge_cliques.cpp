@@ -3,7 +3,7 @@
 
 // Section V-A of the paper. Finding the fewest cliques is NP-hard; as in the paper they are found
 // one after the other, here each starting from the first configuration that is left.
-#include "memory/merge_cliques.h"
+#include "mneme/memory.h"
 
 #include "robot/joint_space.h"
 
@@ -29,7 +29,7 @@ class CliqueMerger {
     for (std::size_t first = 0; first < is_taken.size(); ++first) {
       if (is_taken[first]) continue;
       std::vector<std::size_t> clique = {first};
-      for (std::size_t i = first + 1; i < is_taken.size() && !is_late_(); ++i) {
+      for (std::size_t i = first + 1; i < is_taken.size() && !is_late(); ++i) {
         if (is_taken[i] || !can_join(i, clique)) continue;
         is_taken[i] = true;
         clique.push_back(i);
@@ -40,6 +40,8 @@ class CliqueMerger {
   }
 
  private:
+  [[nodiscard]] bool is_late() const { return is_late_ && is_late_(); }
+
   [[nodiscard]] std::span<const float> factor(std::size_t component) const {
     return sampler_.factor(static_cast<int>(component));
   }
@@ -129,13 +131,9 @@ class CliqueMerger {
 
 }  // namespace
 
-LocalSampler internal::merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler,
-                                     const std::function<bool()>& is_late) {
+LocalSampler merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler,
+                           const std::function<bool()>& is_late) {
   return CliqueMerger(checker, sampler, is_late).merge();
-}
-
-LocalSampler merge_cliques(const CollisionChecker& checker, const LocalSampler& sampler) {
-  return internal::merge_cliques(checker, sampler, [] { return false; });
 }
 
 }  // namespace mneme

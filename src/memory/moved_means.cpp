@@ -138,14 +138,10 @@ class Nearness {
 GaussianMixture pool_moved_means(const MemoryQuery& query,
                                  std::span<const PrimitiveRetrieval> primitives) {
   std::size_t component_count = 0;
-  for (const PrimitiveRetrieval& retrieval : primitives) {
-    for (const Match& match : retrieval.matches) {
-      component_count += static_cast<std::size_t>(match.experience->sampler().component_count());
-    }
-  }
   std::vector<std::pair<const Match*, SampleSource>> matches;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     for (const Match& match : primitives[i].matches) {
+      component_count += static_cast<std::size_t>(match.experience->sampler().component_count());
       matches.emplace_back(&match, static_cast<SampleSource>(i));
     }
   }

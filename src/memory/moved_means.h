@@ -16,6 +16,15 @@ namespace mneme::internal {
 [[nodiscard]] GaussianMixture pool_moved_means(const MemoryQuery& query,
                                                std::span<const PrimitiveRetrieval> primitives);
 
+/// MemoryKind::retarget of the kind "pairs". A match is a group. Pairs that start or a goal cross
+/// come first: the best match of each of them takes part from the first draw on; then those of the
+/// others, then the second best ones, and so on. Means that are deeper in a gap than start and
+/// goals are have nothing to say, nor have those that GapFit or the joint limits refuse. Null for
+/// an arm that is no PlanarChain.
+[[nodiscard]] std::shared_ptr<const ComponentSource> retarget_means(
+    const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives,
+    SampleSource first_source);
+
 /// Per primitive one row with the waypoints of `paths` that belong to it, moved to the canonical
 /// frame; see learn_from_paths(). Primitives without a waypoint have none.
 [[nodiscard]] std::vector<Experience> gather_waypoints(

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A planar arm as a chain of segments, for constructing configurations link by link.
+/// A planar arm as a chain of segments, and its configurations in the gap between two circles.
 #pragma once
 
-#include "mneme/robot.h"
+#include "mneme/memory.h"
 
 #include <Eigen/Core>
 
@@ -68,5 +68,15 @@ struct GapSegment {
 
 /// True if the segments ab and cd share a point.
 [[nodiscard]] bool do_segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
+
+/// The first link that crosses the segment between the two circles, or -1: then the arm is out.
+[[nodiscard]] int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key,
+                                      std::span<const double> q);
+/// A random configuration, free of contact, whose first link through the gap of the circles is
+/// `first_link`. Nothing if none was found in `attempts` tries.
+[[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                                           const PlanarChain& chain,
+                                                           const PrimitiveKey& key, int first_link,
+                                                           int attempts, Rng& rng);
 
 }  // namespace mneme::internal

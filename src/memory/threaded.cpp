@@ -5,7 +5,7 @@
 // directions that leave it within reach, the two links that lead into it by two-link inverse
 // kinematics onto a random point of it, the links behind it at random. All of them keep the limits
 // of their joints.
-#include "memory/threaded.h"
+#include "memory/planar_chain.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/fitted_means.h"
+#include "memory/moved_means.h"
 #include "memory/gap_fit.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"

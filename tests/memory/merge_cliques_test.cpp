@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/merge_cliques.h"
 #include "support/planar_memory.h"
 
 #include <Eigen/Dense>
@@ -186,7 +185,7 @@ TEST_SUITE("unit") {
     const LocalSampler sampler = make_sampler({{1, -1}, {1.2, -1}, {1, -0.9}, {1.3, -1.1}});
     int calls = 0;
     const auto is_late = [&] { return ++calls > 1; };
-    const LocalSampler merged = internal::merge_cliques(checker, sampler, is_late);
+    const LocalSampler merged = merge_cliques(checker, sampler, is_late);
     REQUIRE(merged.component_count() == 3);
     CHECK(mean_of(merged, 0)[0] == doctest::Approx(1.1));
     CHECK(mean_of(merged, 1) == mean_of(sampler, 2));

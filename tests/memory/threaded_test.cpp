@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/threaded.h"
+#include "memory/planar_chain.h"
 #include "support/planar_memory.h"
 #include "support/threaded.h"
 

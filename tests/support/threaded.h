@@ -4,7 +4,7 @@
 /// How planar arms stand in gaps, by their robots.
 #pragma once
 
-#include "memory/threaded.h"
+#include "memory/planar_chain.h"
 #include "support/support.h"
 
 namespace mneme::test {
