@@ -4,6 +4,8 @@
 /// Problems and results made by hand, and a reader for the SVG that comes out.
 #pragma once
 
+#include "mneme/report.h"
+
 #include "support/support.h"
 
 #include <tinyxml2.h>
