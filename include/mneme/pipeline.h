@@ -12,7 +12,6 @@
 #include "mneme/replay.h"
 #include "mneme/trajectory.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -128,9 +127,6 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Number of simultaneous searches from different seeds; the one with the fewest iterations "
         "wins. The path depends on this number, but not on timing. OMPL's planners take 1.");
 }
-
-/// The settings that most people set; the others are for experts.
-inline constexpr std::array<std::string_view, 3> kBasicSettings = {"memory", "timeout", "improve"};
 
 /// The settings with the values of their memory mode where the caller set none. The paper's mode:
 /// constant lambda of 0.5, sigma 0.1, similarity 3, all matches, all components from the start,
