@@ -42,8 +42,8 @@ def test_another_project_finds_and_links_the_library(installed, tmp_path):
     printed = run([tmp_path / "build/consumer", tmp_path / "memory.db"], cwd="/")
     assert re.match(r"\d+\.\d+\.\d+ .*planar/threaded_b2.yaml", printed)
     assert run([tmp_path / "build/measures"], cwd="/").startswith("problem,set,planner,sampler,seed")
-    if (installed / "lib/cmake/mneme/mneme-client-targets.cmake").exists():
-        assert run([tmp_path / "build/asks"], cwd="/") == "solved\n"
+    if (installed / "lib/cmake/mneme/mneme-service-targets.cmake").exists():
+        assert run([tmp_path / "build/serves"], cwd="/").startswith("serves at http://127.0.0.1:")
 
 
 def compile_readme(folder, packages):

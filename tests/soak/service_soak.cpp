@@ -5,7 +5,6 @@
 /// and the process neither grows nor keeps files open.
 ///
 ///   service_soak [--seconds S] [--clients N] [--seed N]
-#include "mneme/client.h"
 #include "mneme/service.h"
 
 #include "soak/endurance.h"
@@ -13,11 +12,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <httplib.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -48,6 +49,17 @@ struct Known {
   Problem problem;
   CollisionChecker checker;
 };
+
+/// The keys of a compact file for the only problem in it.
+Json problem_keys(const std::string& compact_file) {
+  return Json::parse(compact_file)["problems"][0];
+}
+
+Json scene_keys(const Scene& scene) {
+  Json keys = problem_keys(to_compact_json({scene, ""}));
+  keys.erase("name");
+  return keys;
+}
 
 /// What came out, and what was wrong with it.
 class Ledger {
@@ -87,7 +99,7 @@ class Visit {
       : address_(address), known_(known), ledger_(ledger), rng_(seed), seed_(seed), round_(round) {}
 
   void run() {
-    auto client = connect(100);
+    httplib::Client client = connect(std::chrono::seconds(100));
     for (int i = 0; i < kRequestsPerRound; ++i) {
       const Known& known = known_[rng_.index(kProblems)];
       switch (i % 8) {
@@ -101,7 +113,7 @@ class Visit {
           use_scene(client, known);
           break;
         case 6:
-          leave(known);
+          leave();
           break;
         case 7:
           send_what_is_wrong(client, i);
@@ -113,12 +125,27 @@ class Visit {
   }
 
  private:
-  [[nodiscard]] Client connect(double timeout_s) const {
-    ClientSettings settings;
-    settings.address = address_;
-    settings.timeout_s = timeout_s;
-    settings.patience_s = 600;
-    return *Client::make(settings);
+  template <class Duration>
+  [[nodiscard]] httplib::Client connect(Duration read_timeout) const {
+    httplib::Client client(address_);
+    client.set_keep_alive(true);
+    client.set_tcp_nodelay(true);
+    client.set_read_timeout(read_timeout);
+    return client;
+  }
+
+  /// The answer, or null if it is not one of status 200, which is complained about.
+  [[nodiscard]] Json ask(httplib::Client& client, const std::string& method,
+                         const std::string& path, const Json& body) const {
+    httplib::Request request;
+    request.method = method;
+    request.path = path;
+    request.headers = {{"Content-Type", "application/json"}};
+    request.body = body.dump();
+    const auto answer = client.send(request);
+    if (answer && answer->status == 200) return Json::parse(answer->body);
+    complain(fmt::format("{} {}: {}", method, path, answer ? answer->body : "no answer"));
+    return nullptr;
   }
 
   void complain(const std::string& what) const {
@@ -126,108 +153,104 @@ class Visit {
   }
 
   /// True if there is a path, which this process finds free.
-  bool is_right(const Known& known, const Result<RemotePlan>& plan) const {
-    if (!plan) return complain("plan: " + plan.error().message), false;
-    ledger_.count(fmt::format("plans, {}", to_string(plan->status)));
-    if (!plan->is_solved()) return false;
+  void check_plan(const Known& known, const Json& plan) const {
+    if (plan.is_null()) return;
+    ledger_.count("plans, " + plan["status"].get<std::string>());
+    if (!plan["solved"]) return;
+    const auto path = plan["path"].get<Path>();
     CheckCounters counters;
-    const bool is_free = find_invalid_motion(known.checker, plan->path, counters) < 0;
-    const bool is_whole = plan->path.front() == known.problem.robot.normalized(known.problem.start);
+    const bool is_free = find_invalid_motion(known.checker, path, counters) < 0;
+    const bool is_whole = path.front() == known.problem.robot.normalized(known.problem.start);
     if (!is_free || !is_whole) complain("a path that is not free, or of another problem");
-    return is_free && is_whole;
   }
 
-  void plan(Client& client, const Known& known, int number) {
-    SolveSettings settings;
-    settings.plan.seed = rng_.index(1000000);
-    settings.plan.max_iterations = 20000;
-    settings.plan.timeout_s = 50;
-    settings.threads = number % 16 == 0 ? 2 : 1;
-    settings.memory.kind = "paths";
-    const bool remembers = round_ < kMostRememberedRounds;
-    if (!remembers) settings.sampler = "uniform";
-    const auto plan = client.plan(known.problem, settings);
-    static_cast<void>(is_right(known, plan));
-    if (plan) ledger_.add_rows(plan->remembered);
+  void plan(httplib::Client& client, const Known& known, int number) {
+    Json body = problem_keys(to_compact_json(known.problem, ""));
+    body["settings"] = {{"seed", rng_.index(1000000)},
+                        {"max-iterations", 20000},
+                        {"timeout", 50},
+                        {"threads", number % 16 == 0 ? 2 : 1},
+                        {"kind", "paths"}};
+    if (round_ >= kMostRememberedRounds) body["settings"]["sampler"] = "uniform";
+    const Json plan = ask(client, "POST", "/v1/plan", body);
+    check_plan(known, plan);
+    if (!plan.is_null()) ledger_.add_rows(plan["remembered"]);
   }
 
-  void check(Client& client, const Known& known) {
-    Json body = {{"circles", Json::array()}, {"configurations", Json::array()}};
-    for (const Obstacle& obstacle : known.problem.scene.obstacles) {
-      const auto& circle = std::get<Sphere>(obstacle.shapes.at(0));
-      body["circles"].push_back({circle.center.x(), circle.center.y(), circle.radius});
-    }
+  void check(httplib::Client& client, const Known& known) {
+    Json body = scene_keys(known.problem.scene);
+    body["configurations"] = Json::array();
     std::vector<Configuration> asked(20, Configuration(8));
     for (Configuration& q : asked) {
       for (double& value : q) value = rng_.uniform(-3, 3);
       body["configurations"].push_back(q);
     }
-    const auto answer = client.ask("POST", "/v1/check", body.dump());
-    if (!answer) return complain("check: " + answer.error().message);
+    const Json answer = ask(client, "POST", "/v1/check", body);
+    if (answer.is_null()) return;
     ledger_.count("checks");
-    const Json states = Json::parse(*answer)["states"];
+    const Json& states = answer["states"];
     for (std::size_t i = 0; i < asked.size(); ++i) {
       const bool expected = known.checker.is_valid(std::span<const double>(asked[i]));
       if (states.at(i)["valid"] != expected) complain("check: another answer than here");
     }
   }
 
-  void reach(Client& client, const Known& known) {
+  void reach(httplib::Client& client, const Known& known) {
     PoseGoal goal;
     goal.link = "link_8";
     goal.pose.translation = {rng_.uniform(-9, 9), rng_.uniform(-9, 9), 0};
     goal.cone = goal.turn = std::numbers::pi;
-    const auto found =
-        client.inverse_kinematics({{goal}}, known.problem.start, known.problem.scene);
-    if (!found) return complain("ik: " + found.error().message);
+    Json body = scene_keys(known.problem.scene);
+    body["near"] = known.problem.start;
+    body["goal"] = Json::parse(to_json(goal));
+    const Json found = ask(client, "POST", "/v1/ik", body);
+    if (found.is_null()) return;
     ledger_.count("inverse kinematics");
-    for (const Configuration& q : *found) {
+    for (const Json& solution : found["solutions"]) {
+      const auto q = solution["q"].get<Configuration>();
       const bool is_there = pose_error(known.problem.robot, goal, q).position < 2e-4;
       const bool is_free = known.checker.is_valid(std::span<const double>(q));
       if (!is_there || !is_free) complain("ik: a configuration that is elsewhere or in contact");
     }
   }
 
-  void use_scene(Client& client, const Known& known) {
-    const std::string id = fmt::format("s{}", seed_);
-    const auto put = client.put_scene(id, known.problem.scene);
-    if (!put) return complain("put: " + put.error().message);
-    SolveSettings settings;
-    settings.sampler = "uniform";
-    settings.plan.seed = rng_.index(1000000);
-    settings.plan.max_iterations = 20000;
-    static_cast<void>(is_right(known, client.plan(known.problem, id, settings)));
-    const auto patched =
-        client.ask("PATCH", "/v1/scenes/" + id, R"({"circles": {"far": [25, 0, 1]}})");
-    if (!patched) complain("patch: " + patched.error().message);
-    const auto gone = client.delete_scene(id);
-    if (!gone) complain("delete: " + gone.error().message);
+  void use_scene(httplib::Client& client, const Known& known) {
+    const std::string id = fmt::format("s{}", seed_), path = "/v1/scenes/" + id;
+    if (ask(client, "PUT", path, scene_keys(known.problem.scene)).is_null()) return;
+    const Json body = {
+        {"start", known.problem.start},
+        {"goals", known.problem.goals},
+        {"scene", id},
+        {"settings",
+         {{"sampler", "uniform"}, {"seed", rng_.index(1000000)}, {"max-iterations", 20000}}}};
+    check_plan(known, ask(client, "POST", "/v1/plan", body));
+    static_cast<void>(ask(client, "PATCH", path, {{"circles", {{"far", {25, 0, 1}}}}}));
+    static_cast<void>(ask(client, "DELETE", path, Json::object()));
     ledger_.count("scenes");
   }
 
   /// A client that loses patience while it is planned for.
-  void leave(const Known& known) {
-    Problem problem = known.problem;
-    problem.scene = test::ring_with_two_windows();
-    problem.start = Configuration(8, 0.0);
-    problem.goals = {Configuration(8, 0.0)};
-    problem.goals[0][0] = std::numbers::pi / 2;
-    SolveSettings settings;
-    settings.planner = "prm";
-    settings.sampler = "uniform";
-    settings.plan.timeout_s = 50;
-    if (connect(0.02).plan(problem, settings)) complain("a plan that nobody can find");
+  void leave() const {
+    Json body = scene_keys(test::ring_with_two_windows());
+    body["start"] = body["goal"] = Configuration(8, 0.0);
+    body["goal"][0] = std::numbers::pi / 2;
+    body["settings"] = {{"planner", "prm"}, {"sampler", "uniform"}, {"timeout", 50}};
+    httplib::Client client = connect(std::chrono::milliseconds(20));
+    if (client.Post("/v1/plan", body.dump(), "application/json")) {
+      complain("a plan that nobody can find");
+    }
     ledger_.count("clients that left");
   }
 
-  void send_what_is_wrong(Client& client, int number) {
+  void send_what_is_wrong(httplib::Client& client, int number) {
     static constexpr std::array kBodies = {
         "{", "[]", R"({"start": [0], "goal": [0], "gaol": 1})",
         R"({"start": [0], "goal": [0], "obstacles": [{"name": "a", "type": "mesh", "file": "/etc/passwd"}]})",
         R"({"start": "home", "goal": {"link": "moon", "position": [1, 2, 3]}})"};
     const char* body = kBodies[static_cast<std::size_t>(number) / 8 % kBodies.size()];
-    const auto answer = client.ask("POST", number % 16 < 8 ? "/v1/plan" : "/v1/ik", body);
-    if (answer || answer.error().code == ErrorCode::io) complain("what is wrong was not refused");
+    const auto answer =
+        client.Post(number % 16 < 8 ? "/v1/plan" : "/v1/ik", body, "application/json");
+    if (!answer || answer->status != 400) complain("what is wrong was not refused");
     ledger_.count("wrong requests");
   }
 
