@@ -227,6 +227,11 @@ struct PlanTrace {
                                            const TimedPlan& timed = {});
 /// The trace as a file: docs/schema/trace.schema.json.
 [[nodiscard]] std::string to_json(const PlanTrace& trace);
+/// Plans and returns the trace of that as a file. Memory learns nothing of it and replays nothing.
+/// Errors: those of solve() and make_trace().
+[[nodiscard]] Result<std::string> plan_and_trace(const Problem& problem, Database* database,
+                                                 SolveSettings settings,
+                                                 const TraceSettings& shown = {});
 
 /// Longest text of a trace that a page is made of.
 inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
@@ -236,6 +241,21 @@ inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
 /// and scene, beside it. Errors: text that is no trace, too long, or of another version.
 [[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source,
                                           std::string_view beside = {});
+
+/// The page at `/` of a service, which asks the service for plans.
+struct LivePage {
+  std::string html;
+  /// Obstacles of points, triangles and cubes: the page's requests name them as the scene
+  /// kLivePageScene instead of holding them.
+  Scene kept = {};
+};
+inline constexpr const char* kLivePageScene = "page";
+/// The robot in an empty scene at a state of its SRDF, in the middle of its limits or at anything
+/// else that is free, in this order.
+[[nodiscard]] Problem resting_problem(const Robot& robot, const std::string& robot_path);
+/// A live page that begins with `problem`. Errors: those of make_trace().
+[[nodiscard]] Result<LivePage> make_live_page(Problem problem, bool has_memory,
+                                              const TraceSettings& settings = {});
 
 /// A file that is read.
 struct ReadFile {

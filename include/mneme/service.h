@@ -12,9 +12,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace mneme {
@@ -25,27 +27,53 @@ struct ServiceSettings {
   /// What clients must send as `Authorization: Bearer TOKEN`; empty for none, which only addresses
   /// of this machine allow.
   std::string token;
-  int threads = 0;                ///< plans at a time; 0: one per hardware thread
-  int queue = 64;                 ///< requests that may wait for a thread; others are refused
-  int connections = 256;          ///< at a time, each with a thread that mostly waits
-  double longest_plan_s = 60;     ///< most that a request may set as time limit
-  double request_timeout_s = 10;  ///< until all of a request must have come
-  double idle_timeout_s = 60;     ///< until a connection without requests is closed
+  int threads = 0;
+  int queue = 64;
+  int connections = 256;
+  double longest_plan_s = 60;
+  double request_timeout_s = 10;
+  double idle_timeout_s = 60;
   std::size_t body_bytes = std::size_t{16} << 20;  ///< longest body of a request
-  int obstacles = 10000;                           ///< most in a scene
-  int points = 1000000;                            ///< most points, triangles and cubes of a scene
-  int scenes = 100;                                ///< most that are kept
-  int traces = 32;                ///< the last plans whose traces are kept, at least one
-  std::uint64_t nodes = 1000000;  ///< most of a plan, which bounds memory
-  /// SolveSettings::remember_after of all plans; needs a database that may be written.
-  std::optional<int> remember_after;
+  int obstacles = 10000;
+  int points = 1000000;
+  int scenes = 100;
+  int traces = 32;
+  std::uint64_t nodes = 1000000;
+  std::optional<int> remember_after;  ///< SolveSettings::remember_after of all plans
+  double refresh_s = 1;
   /// A problem of the service's robot: requests that say nothing of obstacles are in its scene, and
   /// the page at `/` begins with it. Null: no obstacles, and the robot at rest.
   std::shared_ptr<const Problem> shown;
-  std::string robot_path;  ///< the robot's URDF, for what it looks like on that page; may be empty
+  std::string robot_path;  ///< the robot's URDF, for its looks on that page; may be empty
   std::vector<std::string> package_paths;  ///< where meshes of its looks are searched
-  double refresh_s = 1;                    ///< how often rows of other processes are looked for
 };
+
+/// Declares the settings that are numbers: name, least and greatest value, meaning.
+template <class Settings, class Visitor>
+requires std::is_same_v<std::remove_const_t<Settings>, ServiceSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("threads", s.threads, 0, 4096, "plans at a time; 0: one per hardware thread");
+  visit("queue", s.queue, 0, 100000,
+        "requests that may wait for a thread; more are told to try again");
+  visit("connections", s.connections, 1, 10000, "clients at a time");
+  visit("longest-plan", s.longest_plan_s, 1e-3, 1e6,
+        "most seconds that a request may set as its time limit");
+  visit("request-timeout", s.request_timeout_s, 1e-3, 1e6,
+        "seconds until all of a request must have come, and as long for its answer");
+  visit("idle-timeout", s.idle_timeout_s, 1e-3, 1e6,
+        "seconds until a connection without requests is closed");
+  visit("most-obstacles", s.obstacles, 0, 10000000, "obstacles in a scene");
+  visit("most-points", s.points, 0, 1000000000, "points, triangles and cubes of a scene");
+  visit("most-scenes", s.scenes, 0, 1000000, "scenes that are kept for clients");
+  visit("traces", s.traces, 1, 100000, "last plans whose traces are kept");
+  visit("most-nodes", s.nodes, std::uint64_t{1}, std::numeric_limits<std::uint64_t>::max(),
+        "nodes of a plan, which bounds memory");
+  visit("remember-after", s.remember_after, 0, 1000000000,
+        "insert what a solved problem teaches, once this many iterations accumulated since the "
+        "last insertion");
+  visit("refresh", s.refresh_s, 1e-3, 1e6,
+        "seconds between two searches for rows of other processes");
+}
 
 /// Error: invalid, if `listen` is neither HOST:PORT nor unix:PATH; whether there is such an address
 /// shows when it is listened at.

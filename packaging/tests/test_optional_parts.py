@@ -8,7 +8,7 @@ import shutil
 import pytest
 from conftest import SOURCE, environment, run
 
-PACKAGES = ("ompl", "pybind11", "PostgreSQL", "doctest", "benchmark")
+PACKAGES = ("Boost", "ompl", "pybind11", "PostgreSQL", "doctest", "benchmark")
 TARGETS = {"mneme_ompl", "mneme_service", "mneme_python", "test_ompl", "test_service", "test_store", "mneme_micro"}
 
 

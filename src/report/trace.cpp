@@ -356,4 +356,16 @@ Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
   return trace;
 }
 
+Result<std::string> plan_and_trace(const Problem& problem, Database* database,
+                                   SolveSettings settings, const TraceSettings& shown) {
+  PlanRecorder recorder(shown);
+  settings.plan.observer = &recorder;
+  settings.remember_after.reset();
+  settings.replay = 0;
+  settings.learn_budget_s = 0;
+  const SolveResult result = MNEME_TRY(solve(problem, database, settings));
+  const PlanTrace trace = MNEME_TRY(make_trace(problem, result, &recorder, 0, shown));
+  return to_json(trace);
+}
+
 }  // namespace mneme

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
-#include "service/live_page.h"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -20,7 +17,6 @@ using Json = nlohmann::ordered_json;
 
 /// Of all configurations of a request: an answer of some 10 MB.
 constexpr std::size_t kMostContacts = 100000;
-constexpr std::chrono::milliseconds kLookForCancel{10};
 
 Answer answer(const Json& json, int status = 200) {
   // Names come from clients and files and may hold any bytes; JSON must be UTF-8.
@@ -85,10 +81,11 @@ Answer refusal(const Error& error) {
 }
 
 Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
-                     const ServiceSettings& settings)
+                     const ServiceSettings& settings, LivePage page)
     : robot_(robot),
       database_(std::move(database)),
       settings_(settings),
+      page_(std::move(page)),
       scenes_(settings.scenes),
       queue_(settings.threads, settings.queue) {
   // What is computed of a robot once, so that the first client does not wait for it.
@@ -96,9 +93,8 @@ Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
 }
 
 Result<void> Endpoints::keep_scene_of_page() {
-  Scene scene = scene_of_page(settings_);
-  if (scene.obstacles.empty()) return {};
-  return scenes_.put(kPageScene, std::move(scene)).map([](const auto&) {});
+  if (page_.kept.obstacles.empty()) return {};
+  return scenes_.put(kLivePageScene, page_.kept).map([](const auto&) {});
 }
 
 RequestContext Endpoints::context() const {
@@ -114,15 +110,6 @@ void Endpoints::refresh_memory() {
   if (database_ == nullptr) return;
   const auto refreshed = database_->refresh();
   set_failure(&Endpoints::read_failure_, refreshed ? "" : refreshed.error().message);
-}
-
-std::unique_lock<std::timed_mutex> Endpoints::wait_alone(const std::string& planner,
-                                                         const std::atomic<bool>& is_cancelled) {
-  std::unique_lock lock(exclusive_, std::defer_lock);
-  const auto found = find_planner(planner);
-  if (!found || !(*found)->is_exclusive) return lock;
-  while (!is_cancelled && !lock.try_lock_for(kLookForCancel)) continue;
-  return lock;
 }
 
 Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& request) {
@@ -149,18 +136,16 @@ std::string Endpoints::keep_trace(TracedPlan plan) {
   return std::to_string(last_trace_);
 }
 
-Answer Endpoints::plan(const std::string& body, int socket) {
-  Result<PlanRequest> request = read_plan_request(body, context());
+Answer Endpoints::plan(const Call& call) {
+  Result<PlanRequest> request = read_plan_request(call.body, context());
   if (!request) return refusal(request.error());
-  const ClientWatch::Watched client(watch_, socket);
-  // Before it has a turn, which others could use.
-  const auto alone = wait_alone(request->settings.planner, client.is_cancelled());
-  if (client.is_cancelled()) return no_turn(true);
+  const auto planner = find_planner(request->settings.planner);
+  const bool is_alone = planner && (*planner)->is_exclusive;
   std::optional<PlanQueue::Turn> turn =
-      queue_.wait_for_turn(client.is_cancelled(), request->settings.threads);
-  if (!turn) return no_turn(client.is_cancelled());
+      queue_.wait_for_turn(call.is_cancelled, request->settings.threads, is_alone);
+  if (!turn) return no_turn(call.is_cancelled);
 
-  request->settings.plan.cancel = &client.is_cancelled();
+  request->settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) request->settings.remember_after = settings_.remember_after;
   PlanRecorder recorder;
   if (request->wants_trace) request->settings.plan.observer = &recorder;
@@ -188,19 +173,18 @@ Answer Endpoints::plan(const std::string& body, int socket) {
   return answer(json);
 }
 
-Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
-  Result<IkRequest> request = read_ik_request(body, context());
+Answer Endpoints::inverse_kinematics(const Call& call) {
+  Result<IkRequest> request = read_ik_request(call.body, context());
   if (!request) return refusal(request.error());
-  const ClientWatch::Watched client(watch_, socket);
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
-  if (!turn) return no_turn(client.is_cancelled());
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
+  if (!turn) return no_turn(call.is_cancelled);
   const Problem& problem = request->problem;
   const auto checker =
       CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request->margin});
   if (!checker) return refusal(checker.error());
   const Stopwatch stopwatch;
   request->settings.is_over = [&] {
-    return client.is_cancelled() || stopwatch.elapsed_s() > settings_.longest_plan_s;
+    return call.is_cancelled || stopwatch.elapsed_s() > settings_.longest_plan_s;
   };
   auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start, request->settings,
                                      kVerificationMargin);
@@ -209,18 +193,17 @@ Answer Endpoints::inverse_kinematics(const std::string& body, int socket) {
   for (const Configuration& q : source->more()) {
     solutions.push_back({{"q", q}, {"distance", problem.robot.distance(problem.start, q)}});
   }
-  if (client.is_cancelled()) return no_turn(true);
+  if (call.is_cancelled) return no_turn(true);
   Json message;
   if (solutions.empty()) message = source->describe_failure();
   return answer({{"solutions", std::move(solutions)}, {"message", std::move(message)}});
 }
 
-Answer Endpoints::check(const std::string& body, int socket) {
-  const Result<CheckRequest> request = read_check_request(body, context());
+Answer Endpoints::check(const Call& call) {
+  const Result<CheckRequest> request = read_check_request(call.body, context());
   if (!request) return refusal(request.error());
-  const ClientWatch::Watched client(watch_, socket);
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
-  if (!turn) return no_turn(client.is_cancelled());
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
+  if (!turn) return no_turn(call.is_cancelled);
   const auto checker =
       CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
   if (!checker) return refusal(checker.error());
@@ -228,7 +211,7 @@ Answer Endpoints::check(const std::string& body, int socket) {
   Json states = Json::array();
   std::size_t contacts = 0;
   for (const Configuration& q : request->configurations) {
-    if (client.is_cancelled()) return no_turn(true);
+    if (call.is_cancelled) return no_turn(true);
     if (stopwatch.elapsed_s() > settings_.longest_plan_s) {
       return refuse_check(fmt::format("it takes more than {} s", settings_.longest_plan_s));
     }
@@ -241,34 +224,34 @@ Answer Endpoints::check(const std::string& body, int socket) {
   return answer({{"states", states}});
 }
 
-Answer Endpoints::put_scene(const std::string& id, const std::string& body) {
-  Result<Scene> scene = read_scene_request(body, id, context());
+Answer Endpoints::put_scene(const Call& call) {
+  Result<Scene> scene = read_scene_request(call.body, call.id, context());
   if (!scene) return refusal(scene.error());
-  const auto kept = scenes_.put(id, *std::move(scene));
-  return kept ? answer(scene_json(id, **kept)) : refusal(kept.error());
+  const auto kept = scenes_.put(call.id, *std::move(scene));
+  return kept ? answer(scene_json(call.id, **kept)) : refusal(kept.error());
 }
 
-Answer Endpoints::patch_scene(const std::string& id, const std::string& body) {
-  const auto kept =
-      scenes_.change(id, [&](const Scene& scene) { return edit_scene(body, scene, context()); });
+Answer Endpoints::patch_scene(const Call& call) {
+  const auto kept = scenes_.change(
+      call.id, [&](const Scene& scene) { return edit_scene(call.body, scene, context()); });
   if (!kept) return refusal(kept.error());
-  return *kept == nullptr ? no_scene(id) : answer(scene_json(id, **kept));
+  return *kept == nullptr ? no_scene(call.id) : answer(scene_json(call.id, **kept));
 }
 
-Answer Endpoints::delete_scene(const std::string& id) {
-  if (!scenes_.remove(id)) return no_scene(id);
-  return answer({{"id", id}});
+Answer Endpoints::delete_scene(const Call& call) {
+  if (!scenes_.remove(call.id)) return no_scene(call.id);
+  return answer({{"id", call.id}});
 }
 
-Answer Endpoints::scene(const std::string& id) const {
-  const SceneStore::Kept scene = scenes_.find(id);
-  return scene == nullptr ? no_scene(id) : answer(scene_json(id, *scene));
+Answer Endpoints::scene(const Call& call) {
+  const SceneStore::Kept scene = scenes_.find(call.id);
+  return scene == nullptr ? no_scene(call.id) : answer(scene_json(call.id, *scene));
 }
 
-Answer Endpoints::trace(const std::string& id, int socket) {
+Answer Endpoints::trace(const Call& call) {
   std::uint64_t number = 0;
-  const char* const end = id.data() + id.size();
-  const bool is_number = std::from_chars(id.data(), end, number).ptr == end;
+  const char* const end = call.id.data() + call.id.size();
+  const bool is_number = std::from_chars(call.id.data(), end, number).ptr == end;
   std::shared_ptr<const TracedPlan> plan;
   {
     const std::lock_guard lock(mutex_);
@@ -279,16 +262,15 @@ Answer Endpoints::trace(const std::string& id, int socket) {
     return refusal(404, "not_found",
                    fmt::format("there is no trace {}: traces of the last {} plans that were asked "
                                "for one are kept",
-                               id, settings_.traces));
+                               call.id, settings_.traces));
   }
-  const ClientWatch::Watched client(watch_, socket);
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(client.is_cancelled());
-  if (!turn) return no_turn(client.is_cancelled());
+  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
+  if (!turn) return no_turn(call.is_cancelled);
   const auto trace = make_trace(plan->problem, plan->result, &plan->recorder, 0);
   return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
 }
 
-Answer Endpoints::health(bool may_plan) const {
+Answer Endpoints::health(const Call& call) {
   std::string failure;
   {
     const std::lock_guard lock(mutex_);
@@ -306,15 +288,15 @@ Answer Endpoints::health(bool may_plan) const {
                {"memory", nullptr}};
   if (database_ != nullptr) {
     json["memory"] = {{"rows", database_->size()}};
-    if (may_plan && !failure.empty()) json["memory"]["failure"] = failure;
+    if (call.knows_token && !failure.empty()) json["memory"]["failure"] = failure;
   }
   return answer(json);
 }
 
-Answer Endpoints::metrics_text(int connections) const {
+Answer Endpoints::metrics_text(const Call& call) {
   const std::string text =
       metrics_.text({database_ == nullptr ? 0 : database_->size(), settings_.threads,
-                     queue_.waiting(), connections, scenes_.count()});
+                     queue_.waiting(), call.connections, scenes_.count()});
   return {200, text, "text/plain; version=0.0.4"};
 }
 

@@ -7,7 +7,6 @@
 #include "mneme/report.h"
 #include "mneme/service.h"
 
-#include "service/client_watch.h"
 #include "service/metrics.h"
 #include "service/plan_queue.h"
 #include "service/requests.h"
@@ -32,25 +31,35 @@ struct Answer {
 [[nodiscard]] Answer refusal(int status, std::string_view code, std::string_view message);
 [[nodiscard]] Answer refusal(const Error& error);
 
+/// A request, as the endpoints take it.
+struct Call {
+  std::string id;  ///< that its path names, if it does
+  const std::string& body;
+  const std::atomic<bool>& is_cancelled;  ///< set once the client goes away or the service stops
+  bool knows_token = true;
+  int connections = 0;  ///< of the service, by now
+};
+
 /// All of it is safe from any thread.
 class Endpoints {
  public:
   /// The settings are complete: `threads` is above 0.
-  Endpoints(const Robot& robot, std::shared_ptr<Database> database,
-            const ServiceSettings& settings);
+  Endpoints(const Robot& robot, std::shared_ptr<Database> database, const ServiceSettings& settings,
+            LivePage page);
 
-  /// `socket` is that of the client, who may go away.
-  [[nodiscard]] Answer plan(const std::string& body, int socket);
-  [[nodiscard]] Answer inverse_kinematics(const std::string& body, int socket);
-  [[nodiscard]] Answer check(const std::string& body, int socket);
-  [[nodiscard]] Answer put_scene(const std::string& id, const std::string& body);
-  [[nodiscard]] Answer patch_scene(const std::string& id, const std::string& body);
-  [[nodiscard]] Answer delete_scene(const std::string& id);
-  [[nodiscard]] Answer scene(const std::string& id) const;
-  [[nodiscard]] Answer trace(const std::string& id, int socket);
-  /// What is wrong with memory is told to those who may plan, only that something is to others.
-  [[nodiscard]] Answer health(bool may_plan) const;
-  [[nodiscard]] Answer metrics_text(int connections) const;
+  [[nodiscard]] Answer plan(const Call& call);
+  [[nodiscard]] Answer inverse_kinematics(const Call& call);
+  [[nodiscard]] Answer check(const Call& call);
+  [[nodiscard]] Answer put_scene(const Call& call);
+  [[nodiscard]] Answer patch_scene(const Call& call);
+  [[nodiscard]] Answer delete_scene(const Call& call);
+  [[nodiscard]] Answer scene(const Call& call);
+  [[nodiscard]] Answer trace(const Call& call);
+  /// What is wrong with memory is told to those who know the token, only that something is to
+  /// others.
+  [[nodiscard]] Answer health(const Call& call);
+  [[nodiscard]] Answer metrics_text(const Call& call);
+  [[nodiscard]] Answer page(const Call&) { return {200, page_.html, "text/html; charset=utf-8"}; }
 
   /// Error: no room for it.
   [[nodiscard]] Result<void> keep_scene_of_page();
@@ -59,7 +68,6 @@ class Endpoints {
   void refresh_memory();
   /// Health says so from now on.
   void set_stopping() { is_stopping_ = true; }
-  void cancel_all() { watch_.cancel_all(); }
 
  private:
   /// A plan that may be asked for its trace.
@@ -73,9 +81,6 @@ class Endpoints {
     std::string memory_failure;  ///< why it planned without memory
   };
   [[nodiscard]] RequestContext context() const;
-  /// Not locked if the planner is not exclusive, or once `is_cancelled`.
-  [[nodiscard]] std::unique_lock<std::timed_mutex> wait_alone(
-      const std::string& planner, const std::atomic<bool>& is_cancelled);
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);
   void set_failure(std::string Endpoints::*failure, const std::string& message);
@@ -83,13 +88,12 @@ class Endpoints {
   Robot robot_;
   std::shared_ptr<Database> database_;
   ServiceSettings settings_;
+  LivePage page_;
   SceneStore scenes_;
   PlanQueue queue_;
-  ClientWatch watch_;
   Metrics metrics_;
   Stopwatch uptime_;
   std::atomic<bool> is_stopping_ = false;
-  std::timed_mutex exclusive_;  ///< of planners that run one at a time in a process
   mutable std::mutex mutex_;
   std::string read_failure_;   ///< the last one, until memory answers again
   std::string write_failure_;  ///< the last one, until a plan has been remembered again

@@ -2,157 +2,360 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/http_server.h"
 
-#include "mneme/base.h"
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <chrono>
-#include <string>
+#include <exception>
+#include <memory>
 #include <string_view>
-#include <system_error>
 #include <utility>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 namespace mneme::internal {
 namespace {
 
-thread_local HttpConnection* current_connection = nullptr;
+namespace beast = boost::beast;
+using boost::system::error_code;
+using std::chrono::milliseconds;
 
+constexpr milliseconds kWatchPeriod{10};
+constexpr milliseconds kAcceptPause{10};
+constexpr std::chrono::seconds kMostDrain{1};
+constexpr std::size_t kReadBytes = 16384;
+/// Threads for requests that neither plan nor wait in line.
+constexpr int kSpareThreads = 4;
+
+constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
     "Content-Type: application/json\r\nContent-Length: 74\r\n\r\n"
     "{\"error\":{\"code\":\"busy\",\"message\":\"too many connections: try again soon\"}}";
 
-/// Answers are whole ones and not compressed, as RFC 9110, 14.2 and 12.5.3 allow: httplib would
-/// hold one copy per range, and compress at Brotli's slowest, which takes longer than any plan.
-void ask_for_plain_answer(httplib::Request& request) {
-  request.ranges.clear();
-  request.headers.erase("Accept-Encoding");
+auto seconds(double value) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(value));
+}
+
+Answer refuse_unreadable(const error_code& error, const HttpLimits& limits) {
+  if (error == http::error::body_limit) {
+    return refusal(413, "refused",
+                   fmt::format("expected a body of at most {} bytes", limits.body_bytes));
+  }
+  if (error == http::error::header_limit) {
+    return refusal(431, "refused",
+                   fmt::format("expected a head of at most {} bytes", limits.head_bytes));
+  }
+  return refusal(400, "invalid", fmt::format("the request is not HTTP/1.1: {}", error.message()));
+}
+
+bool is_of_client(const error_code& error) {
+  return error.category() == http::make_error_code(http::error::bad_method).category() &&
+         error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
 }  // namespace
 
-HttpServer::HttpServer(Listener listener, const ConnectionLimits& limits, int most_connections)
-    : listener_(std::move(listener)),
-      limits_(limits),
-      most_connections_(most_connections),
-      stop_event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+/// One client, whose requests are answered one after the other. Its handlers run on a strand.
+class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, Strand>;
+
+  Connection(HttpServer& server, Socket socket) : server_(server), stream_(std::move(socket)) {
+    const std::lock_guard lock(server_.mutex_);
+    server_.connections_.insert(this);
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  ~Connection() {
+    const std::lock_guard lock(server_.mutex_);
+    server_.connections_.erase(this);
+  }
+
+  void start() {
+    asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->await_request(); });
+  }
+  /// From any thread. A request that is being read or answered is finished first.
+  void close_if_idle() {
+    asio::post(stream_.get_executor(), [self = weak_from_this()] {
+      if (const auto connection = self.lock(); connection && connection->is_idle_) {
+        connection->stream_.cancel();
+      }
+    });
+  }
+  [[nodiscard]] int socket() { return stream_.socket().native_handle(); }
+  void cancel() { is_cancelled_ = true; }
+
+ private:
+  using Parser = http::request_parser<http::string_body>;
+
+  /// A member to be called with the error and size of an operation, while the connection lives.
+  template <class... Ignored>
+  auto then(void (Connection::*member)(error_code)) {
+    return [self = shared_from_this(), member](error_code error, Ignored...) {
+      (self.get()->*member)(error);
+    };
+  }
+
+  void await_request() {
+    parser_.emplace();
+    parser_->header_limit(server_.limits_.head_bytes);
+    parser_->body_limit(server_.limits_.body_bytes);
+    if (buffer_.size() > 0) return read_head();
+    if (server_.is_stopping_) return;
+    is_idle_ = true;
+    stream_.expires_after(seconds(server_.limits_.idle_timeout_s));
+    stream_.async_read_some(buffer_.prepare(kReadBytes),
+                            [self = shared_from_this()](error_code error, std::size_t count) {
+                              self->is_idle_ = false;
+                              self->buffer_.commit(count);
+                              if (!error) self->read_head();
+                            });
+  }
+
+  void read_head() {
+    stream_.expires_after(seconds(server_.limits_.request_timeout_s));
+    head_bytes_ = 0;
+    read_more_of_head();
+  }
+
+  /// Beast limits what it has not parsed of a head, but not the number of its lines.
+  void read_more_of_head() {
+    http::async_read_some(stream_, buffer_, *parser_,
+                          [self = shared_from_this()](error_code error, std::size_t count) {
+                            self->head_bytes_ += count;
+                            const bool is_too_long =
+                                self->head_bytes_ > self->server_.limits_.head_bytes;
+                            if (is_too_long) error = http::error::header_limit;
+                            self->take_head(error);
+                          });
+  }
+
+  void take_head(error_code error) {
+    if (error) return give_up(error);
+    if (!parser_->is_header_done()) return read_more_of_head();
+    if (auto refused = server_.handlers_.refuse(parser_->get())) {
+      return refuse(*std::move(refused));
+    }
+    if (parser_->is_done()) return answer({});
+    if (!beast::iequals(parser_->get()[http::field::expect], "100-continue")) return read_body({});
+    asio::async_write(stream_, asio::buffer(kContinue), then<std::size_t>(&Connection::read_body));
+  }
+
+  void read_body(error_code error) {
+    if (error) return;
+    http::async_read(stream_, buffer_, *parser_, then<std::size_t>(&Connection::answer));
+  }
+
+  void answer(error_code error) {
+    if (error) return give_up(error);
+    stream_.expires_never();
+    begin_answering();
+    Answer found = answer_or_fail();
+    end_answering();
+    write(std::move(found), parser_->get().keep_alive() && !server_.is_stopping_);
+  }
+
+  Answer answer_or_fail() {
+    try {
+      return server_.handlers_.answer(parser_->get(), is_cancelled_);
+    } catch (const std::exception&) {
+      return refusal(500, "internal", "the request could not be answered");
+    }
+  }
+
+  void begin_answering() {
+    const std::lock_guard lock(server_.mutex_);
+    is_cancelled_ = server_.is_cancelling_;
+    server_.answering_.insert(this);
+    if (!server_.is_watching_) server_.watch();
+  }
+
+  void end_answering() {
+    const std::lock_guard lock(server_.mutex_);
+    server_.answering_.erase(this);
+  }
+
+  /// Tells a client that is still there why its request cannot be read.
+  void give_up(error_code error) {
+    if (is_of_client(error)) refuse(refuse_unreadable(error, server_.limits_));
+  }
+
+  void refuse(Answer answer) {
+    server_.handlers_.count_refused(answer.status);
+    write(std::move(answer), false);
+  }
+
+  void write(Answer answer, bool keeps_alive) {
+    const bool is_head = parser_->get().method() == http::verb::head;
+    response_ = {};
+    response_.result(static_cast<unsigned>(answer.status));
+    response_.set(http::field::content_type, answer.type);
+    if (answer.may_retry) response_.set(http::field::retry_after, "1");
+    response_.keep_alive(keeps_alive);
+    response_.body() = std::move(answer.body);
+    response_.prepare_payload();
+    stream_.expires_after(seconds(server_.limits_.request_timeout_s));
+    const auto done = then<std::size_t>(keeps_alive ? &Connection::go_on : &Connection::drain);
+    if (!is_head) return http::async_write(stream_, response_, done);
+    serializer_.emplace(response_);
+    http::async_write_header(stream_, *serializer_, done);
+  }
+
+  void go_on(error_code error) {
+    if (!error) await_request();
+  }
+
+  /// Takes for a while what the client still sends: cut off at once, it might never read the answer
+  /// (RFC 9112, 9.6).
+  void drain(error_code error) {
+    if (error) return;
+    stream_.socket().shutdown(asio::socket_base::shutdown_send, error);
+    stream_.expires_after(std::min<std::chrono::steady_clock::duration>(
+        kMostDrain, seconds(server_.limits_.request_timeout_s)));
+    discard({});
+  }
+
+  void discard(error_code error) {
+    if (error || server_.is_stopping_) return;
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kReadBytes), then<std::size_t>(&Connection::discard));
+  }
+
+  HttpServer& server_;
+  beast::basic_stream<asio::generic::stream_protocol, Strand> stream_;
+  beast::flat_buffer buffer_;
+  std::optional<Parser> parser_;
+  std::size_t head_bytes_ = 0;  ///< that are parsed
+  http::response<http::string_body> response_;
+  std::optional<http::response_serializer<http::string_body>> serializer_;
+  bool is_idle_ = false;
+  std::atomic<bool> is_cancelled_ = false;
+};
+
+HttpServer::HttpServer(HttpHandlers handlers, const HttpLimits& limits)
+    : handlers_(std::move(handlers)), limits_(limits), watch_timer_(io_), accept_timer_(io_) {}
 
 HttpServer::~HttpServer() {
   stop_accepting();
   join();
 }
 
-HttpConnection& HttpServer::connection() { return *current_connection; }
-
-Result<void> HttpServer::start() {
-  if (stop_event_.number() < 0) return fail(ErrorCode::io, "cannot listen: too many open files");
-  try {
-    acceptor_ = std::thread([this] { accept_clients(); });
-  } catch (const std::system_error& error) {
-    return fail(ErrorCode::io, std::string("cannot listen: no thread to be had: ") + error.what());
-  }
+Result<void> HttpServer::start(const std::string& where, bool may_be_remote) {
+  Listener listener = MNEME_TRY(listen_at(io_, where, may_be_remote));
+  listener_ = std::move(listener);
+  asio::post(listener_->acceptor.get_executor(), [this] { accept(); });
+  const int count = std::min(limits_.busy_requests, limits_.connections) + kSpareThreads;
+  for (int i = 0; i < count; ++i) threads_.emplace_back([this] { run(); });
   return {};
 }
 
-void HttpServer::accept_clients() {
-  while (!is_stopping_) {
-    std::array<pollfd, 2> sockets = {
-        {{listener_.socket.number(), POLLIN, 0}, {stop_event_.number(), POLLIN, 0}}};
-    if (poll(sockets.data(), sockets.size(), -1) < 0 || sockets[1].revents != 0) continue;
-    Descriptor client(accept4(listener_.socket.number(), nullptr, nullptr, SOCK_CLOEXEC));
-    remove_done();
-    if (client.number() >= 0) {
-      add_client(std::move(client));
-    } else {
-      // Most likely out of descriptors: the client waits until another one leaves.
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+/// What a handler throws, such as std::bad_alloc, ends its connection alone.
+void HttpServer::run() {
+  while (!io_.stopped()) {
+    try {
+      io_.run();
+    } catch (const std::exception&) {
+      continue;
     }
   }
 }
 
-void HttpServer::add_client(Descriptor socket) {
-  const int on = 1;
-  setsockopt(socket.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  if (connection_count_ < most_connections_ && start_thread(socket)) return;
-  send(socket.number(), kTooManyConnections.data(), kTooManyConnections.size(),
+void HttpServer::accept() {
+  if (is_stopping_) return;
+  listener_->acceptor.async_accept(
+      asio::make_strand(io_), [this](error_code error, Connection::Socket socket) {
+        if (!error) {
+          add(std::move(socket));
+          accept();
+        } else if (error != asio::error::operation_aborted) {
+          // Most likely out of descriptors: the client waits until another one leaves.
+          accept_timer_.expires_after(kAcceptPause);
+          accept_timer_.async_wait(asio::bind_executor(listener_->acceptor.get_executor(),
+                                                       [this](error_code) { accept(); }));
+        }
+      });
+}
+
+void HttpServer::add(asio::basic_stream_socket<asio::generic::stream_protocol, Strand> socket) {
+  error_code ignored;
+  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  if (connection_count() < limits_.connections) {
+    return std::make_shared<Connection>(*this, std::move(socket))->start();
+  }
+  send(socket.native_handle(), kTooManyConnections.data(), kTooManyConnections.size(),
        MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
-bool HttpServer::start_thread(Descriptor& socket) {
-  const std::lock_guard lock(mutex_);
-  Thread& thread = threads_.emplace_back();
-  thread.socket = std::move(socket);
-  ++connection_count_;
-  try {
-    thread.thread = std::thread([this, &thread] { serve(thread); });
-    return true;
-  } catch (const std::system_error&) {
-    --connection_count_;
-    socket = std::move(thread.socket);
-    threads_.pop_back();
-    return false;
-  }
+void HttpServer::watch() {
+  is_watching_ = true;
+  watch_timer_.expires_after(kWatchPeriod);
+  watch_timer_.async_wait([this](error_code) { look_at_clients(); });
 }
 
-void HttpServer::serve(Thread& thread) {
-  HttpConnection connection(thread.socket.number(), stop_event_.number(), limits_);
-  current_connection = &connection;
-  while (!connection.must_close() && connection.wait_for_request()) {
-    bool is_closed_by_client = false;
-    const bool is_answered =
-        process_request(connection, is_stopping_, is_closed_by_client, ask_for_plain_answer);
-    const bool is_sent = connection.flush();
-    if (!is_answered || !is_sent || is_closed_by_client || is_stopping_) break;
+void HttpServer::look_at_clients() {
+  const std::lock_guard lock(mutex_);
+  is_watching_ = false;
+  if (answering_.empty()) return;
+  std::vector<pollfd> sockets;
+  for (Connection* connection : answering_) {
+    sockets.push_back({connection->socket(), POLLRDHUP, 0});
   }
-  current_connection = nullptr;
-  if (connection.must_close()) connection.drain();
-  {
-    const std::lock_guard lock(mutex_);
-    shutdown(thread.socket.number(), SHUT_RDWR);
-    thread.socket = Descriptor();
+  poll(sockets.data(), sockets.size(), 0);
+  auto socket = sockets.begin();
+  for (Connection* connection : answering_) {
+    if ((socket++)->revents != 0) connection->cancel();
   }
-  --connection_count_;
-  thread.is_done = true;
+  watch();
 }
 
-void HttpServer::remove_done() {
+void HttpServer::cancel_all() {
   const std::lock_guard lock(mutex_);
-  threads_.remove_if([](Thread& thread) {
-    if (!thread.is_done) return false;
-    thread.thread.join();
-    return true;
-  });
+  is_cancelling_ = true;
+  for (Connection* connection : answering_) connection->cancel();
 }
 
 void HttpServer::stop_accepting() {
-  if (is_stopping_.exchange(true)) return;
-  const std::uint64_t one = 1;
-  static_cast<void>(!write(stop_event_.number(), &one, sizeof one));
-  if (acceptor_.joinable()) acceptor_.join();
-  listener_.socket = Descriptor();
-  remove_socket_file(listener_);
+  if (is_stopping_.exchange(true) || !listener_) return;
+  asio::post(listener_->acceptor.get_executor(), [this] { close_listener(); });
+  remove_socket_file(*listener_);
+  const std::lock_guard lock(mutex_);
+  for (Connection* connection : connections_) connection->close_if_idle();
+}
+
+int HttpServer::connection_count() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(connections_.size());
 }
 
 void HttpServer::wait(double patience_s) const {
   const Stopwatch stopwatch;
-  while (connection_count_ > 0 && stopwatch.elapsed_s() < patience_s) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (connection_count() > 0 && stopwatch.elapsed_s() < patience_s) {
+    std::this_thread::sleep_for(milliseconds(1));
   }
 }
 
 void HttpServer::join() {
-  std::list<Thread> threads;
-  {
-    const std::lock_guard lock(mutex_);
-    for (Thread& thread : threads_) shutdown(thread.socket.number(), SHUT_RDWR);
-    threads.swap(threads_);
-  }
-  for (Thread& thread : threads) thread.thread.join();
+  io_.stop();
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+  if (listener_) close_listener();
+  const std::lock_guard lock(mutex_);
+  for (Connection* connection : connections_) shutdown(connection->socket(), SHUT_RDWR);
+}
+
+void HttpServer::close_listener() {
+  error_code ignored;
+  listener_->acceptor.close(ignored);
 }
 
 }  // namespace mneme::internal

@@ -1,65 +1,97 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Connections and their threads; httplib reads requests and finds who answers them.
+/// HTTP/1.1 over sockets: Boost.Beast reads requests, this file says how long and how much.
 #pragma once
 
-#include "service/connection.h"
-#include "service/cpp_httplib.h"
+#include "service/endpoints.h"
 #include "service/listener.h"
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
 
 #include <atomic>
 #include <functional>
-#include <list>
 #include <mutex>
+#include <optional>
+#include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace mneme::internal {
 
-/// One thread accepts, one more reads and answers per connection. Routes are set before start().
-class HttpServer : public httplib::Server {
+namespace http = boost::beast::http;
+
+struct HttpLimits {
+  double request_timeout_s = 10;  ///< until all of a request has come; as long for its answer
+  double idle_timeout_s = 60;
+  std::uint32_t head_bytes = 64 << 10;
+  std::uint64_t body_bytes = 0;
+  int connections = 1;
+  int busy_requests = 1;  ///< most that block a thread at a time
+};
+
+/// Requests as they came: nothing in them is decoded.
+using HttpRequest = http::request<http::string_body>;
+
+/// All are called from any thread.
+struct HttpHandlers {
+  /// Refuses a request by its head, before its body is read.
+  std::function<std::optional<Answer>(const HttpRequest&)> refuse;
+  /// `is_cancelled` is set once the client goes away, or by HttpServer::cancel_all().
+  std::function<Answer(const HttpRequest&, const std::atomic<bool>& is_cancelled)> answer;
+  /// Counts a request that was refused by its head, or that cannot be read.
+  std::function<void(int status)> count_refused;
+};
+
+/// A few threads serve all connections. Each request is answered on one of them.
+class HttpServer {
  public:
-  HttpServer(Listener listener, const ConnectionLimits& limits, int most_connections);
+  HttpServer(HttpHandlers handlers, const HttpLimits& limits);
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
-  ~HttpServer() override;
+  ~HttpServer();
 
-  /// Errors: io, if the machine has no descriptors or threads left.
-  [[nodiscard]] Result<void> start();
+  /// Listens as listen_at() does. Throws std::system_error if the machine has no threads left, and
+  /// boost::system::system_error without descriptors.
+  [[nodiscard]] Result<void> start(const std::string& where, bool may_be_remote);
   /// Accepts no more and closes idle connections; those that are answered go on.
   void stop_accepting();
+  /// Cancels all requests that are being answered, and those to come.
+  void cancel_all();
   /// Returns once all connections are closed, or after `patience_s`.
   void wait(double patience_s) const;
-  /// Cuts the connections that are left, and waits for their threads.
+  /// Cuts the connections that are left, and waits for all threads.
   void join();
 
-  [[nodiscard]] const std::string& address() const { return listener_.address; }
-  [[nodiscard]] int connection_count() const { return connection_count_; }
-  /// Of the request that this thread answers.
-  [[nodiscard]] static HttpConnection& connection();
+  [[nodiscard]] const std::string& address() const { return listener_->address; }
+  [[nodiscard]] int connection_count() const;
 
  private:
-  struct Thread {
-    std::thread thread;
-    Descriptor socket;  ///< closed by the thread, under mutex_
-    std::atomic<bool> is_done = false;
-  };
-  void accept_clients();
-  void add_client(Descriptor socket);
-  /// False if the machine has no thread for it.
-  [[nodiscard]] bool start_thread(Descriptor& socket);
-  void serve(Thread& thread);
-  void remove_done();
+  class Connection;
+  void accept();
+  void add(asio::basic_stream_socket<asio::generic::stream_protocol, Strand> socket);
+  /// Looks in a few milliseconds which clients have gone away. Takes place under mutex_.
+  void watch();
+  void look_at_clients();
+  void close_listener();
+  void run();
 
-  Listener listener_;
-  ConnectionLimits limits_;
-  int most_connections_;
-  Descriptor stop_event_;
+  HttpHandlers handlers_;
+  HttpLimits limits_;
   std::atomic<bool> is_stopping_ = false;
-  std::atomic<int> connection_count_ = 0;
-  std::thread acceptor_;
-  std::mutex mutex_;
-  std::list<Thread> threads_;
+  mutable std::mutex mutex_;
+  std::set<Connection*> connections_;
+  std::set<Connection*> answering_;
+  bool is_watching_ = false;
+  bool is_cancelling_ = false;
+  asio::io_context io_;  ///< holds the connections, which use all above
+  asio::steady_timer watch_timer_;
+  asio::steady_timer accept_timer_;
+  std::optional<Listener> listener_;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace mneme::internal

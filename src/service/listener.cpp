@@ -4,15 +4,13 @@
 
 #include "mneme/service.h"
 
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <fmt/format.h>
 
-#include <netdb.h>
 #include <cerrno>
 #include <cstring>
-#include <memory>
-#include <string_view>
 #include <utility>
-#include <arpa/inet.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -21,19 +19,15 @@
 namespace mneme::internal {
 namespace {
 
+using asio::ip::tcp;
+using UnixProtocol = asio::local::stream_protocol;
+using boost::system::error_code;
+
 constexpr std::string_view kUnix = "unix:";
-constexpr int kBacklog = 128;
+constexpr std::string_view kDigits = "0123456789";
 
-tl::unexpected<Error> cannot_listen(const std::string& where) {
-  return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where, std::strerror(errno)));
-}
-
-Descriptor new_socket(int family) {
-  return Descriptor(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-}
-
-const sockaddr* generic(const sockaddr_un& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
+tl::unexpected<Error> cannot_listen(const std::string& where, const std::string& why) {
+  return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where, why));
 }
 
 /// HOST and PORT, or the path of a socket.
@@ -52,8 +46,8 @@ Result<Address> split_address(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   std::string host = where.substr(0, colon);
   const std::string port = colon == std::string::npos ? "" : where.substr(colon + 1);
-  const bool is_number = !port.empty() && port.size() <= 5 &&
-                         port.find_first_not_of("0123456789") == std::string::npos;
+  const bool is_number =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of(kDigits) == std::string::npos;
   if (host.empty() || !is_number || std::stoi(port) > 65535) {
     return fail(
         ErrorCode::invalid,
@@ -64,105 +58,78 @@ Result<Address> split_address(const std::string& where) {
   return Address{.host = std::move(host), .port = port};
 }
 
-Result<Listener> listen_at_file(const std::string& path, const std::string& where) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, path.size());
+/// True if a program listens at the socket file. A full line of waiting clients counts.
+bool is_listened_at(asio::io_context& io, const UnixProtocol::endpoint& endpoint) {
+  UnixProtocol::socket probe(io, UnixProtocol());
+  probe.native_non_blocking(true);
+  return ::connect(probe.native_handle(), endpoint.data(),
+                   static_cast<socklen_t>(endpoint.size())) == 0 ||
+         errno == EAGAIN;
+}
+
+/// Binds the acceptor and listens. Returns what went wrong.
+template <class Endpoint>
+error_code open(Listener& listener, const Endpoint& endpoint) {
+  error_code error;
+  listener.acceptor.open(endpoint.protocol(), error);
+  if (!error) listener.acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) listener.acceptor.bind(endpoint, error);
+  if (!error) listener.acceptor.listen(asio::socket_base::max_listen_connections, error);
+  return error;
+}
+
+Result<Listener> listen_at_file(asio::io_context& io, const std::string& path,
+                                const std::string& where) {
+  const UnixProtocol::endpoint endpoint(path);
   struct stat file {};
   if (stat(path.c_str(), &file) == 0) {
-    if (!S_ISSOCK(file.st_mode)) {
-      return fail(ErrorCode::io,
-                  fmt::format("cannot listen at {}: it is a file, not a socket", where));
-    }
-    const Descriptor probe = new_socket(AF_UNIX);
-    const bool is_answered = connect(probe.number(), generic(address), sizeof address) == 0;
-    // A long line of clients that wait is an answer, too.
-    if (is_answered || errno == EAGAIN) {
-      return fail(ErrorCode::io, fmt::format("cannot listen at {}: another program does", where));
-    }
-    if (errno != ECONNREFUSED) return cannot_listen(where);
+    if (!S_ISSOCK(file.st_mode)) return cannot_listen(where, "it is a file, not a socket");
+    if (is_listened_at(io, endpoint)) return cannot_listen(where, "another program does");
+    if (errno != ECONNREFUSED) return cannot_listen(where, std::strerror(errno));
     unlink(path.c_str());
   }
-  Listener listener{new_socket(AF_UNIX), where};
-  const int socket = listener.socket.number();
+  Listener listener{decltype(Listener::acceptor)(asio::make_strand(io)), where};
   const mode_t before = umask(0077);
-  const bool is_bound = bind(socket, generic(address), sizeof address) == 0;
+  const error_code error = open(listener, endpoint);
   umask(before);
-  if (!is_bound || listen(socket, kBacklog) != 0 || stat(path.c_str(), &file) != 0) {
-    return cannot_listen(where);
-  }
+  if (error) return cannot_listen(where, error.message());
+  if (stat(path.c_str(), &file) != 0) return cannot_listen(where, std::strerror(errno));
   listener.socket_file = path;
   listener.file_number = file.st_ino;
   return listener;
 }
 
-bool is_loopback(const in_addr& address) { return ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET; }
-
-bool is_loopback(const sockaddr* address) {
-  if (address->sa_family == AF_INET) {
-    return is_loopback(reinterpret_cast<const sockaddr_in*>(address)->sin_addr);
-  }
-  const auto* v6 = reinterpret_cast<const sockaddr_in6*>(address);
-  return IN6_IS_ADDR_LOOPBACK(&v6->sin6_addr);
-}
-
-int port_of(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  const bool is_v4 = address.ss_family == AF_INET;
-  return ntohs(is_v4 ? reinterpret_cast<const sockaddr_in&>(address).sin_port
-                     : reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
-}
-
-Result<Listener> listen_at_host(const Address& asked, const std::string& where,
-                                bool may_be_remote) {
-  const std::string& host = asked.host;
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  addrinfo* found = nullptr;
-  if (const int code = getaddrinfo(host.c_str(), asked.port.c_str(), &hints, &found); code != 0) {
-    return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where, gai_strerror(code)));
-  }
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
-  if (!may_be_remote && !is_loopback(found->ai_addr)) {
+Result<Listener> listen_at_host(asio::io_context& io, const Address& wanted,
+                                const std::string& where, bool may_be_remote) {
+  error_code error;
+  const auto found = tcp::resolver(io).resolve(
+      wanted.host, wanted.port, tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error) return cannot_listen(where, error.message());
+  const tcp::endpoint endpoint = *found.begin();
+  if (!may_be_remote && !endpoint.address().is_loopback()) {
     return fail(ErrorCode::invalid,
                 fmt::format("other machines reach {}: expected a token that they must know, or an "
                             "address of this machine, such as 127.0.0.1",
                             where));
   }
-  Listener listener{new_socket(found->ai_family), ""};
-  const int socket = listener.socket.number(), on = 1;
-  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  if (bind(socket, found->ai_addr, found->ai_addrlen) != 0 || listen(socket, kBacklog) != 0) {
-    return cannot_listen(where);
-  }
-  const bool needs_brackets = host.find(':') != std::string::npos;
-  listener.address = fmt::format("http://{}{}{}:{}", needs_brackets ? "[" : "", host,
-                                 needs_brackets ? "]" : "", port_of(socket));
+  Listener listener{decltype(Listener::acceptor)(asio::make_strand(io))};
+  error = open(listener, endpoint);
+  if (error) return cannot_listen(where, error.message());
+  tcp::endpoint bound;
+  const auto local = listener.acceptor.local_endpoint();
+  std::memcpy(bound.data(), local.data(), local.size());
+  const bool needs_brackets = wanted.host.find(':') != std::string::npos;
+  listener.address = fmt::format("http://{}{}{}:{}", needs_brackets ? "[" : "", wanted.host,
+                                 needs_brackets ? "]" : "", bound.port());
   return listener;
 }
 
 }  // namespace
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (number_ >= 0) close(number_);
-  number_ = other.release();
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (number_ >= 0) close(number_);
-}
-
-int Descriptor::release() { return std::exchange(number_, -1); }
-
-Result<Listener> listen_at(const std::string& where, bool may_be_remote) {
-  const auto asked = split_address(where);
-  if (!asked) return tl::unexpected(asked.error());
-  return asked->path.empty() ? listen_at_host(*asked, where, may_be_remote)
-                             : listen_at_file(asked->path, where);
+Result<Listener> listen_at(asio::io_context& io, const std::string& where, bool may_be_remote) {
+  const Address wanted = MNEME_TRY(split_address(where));
+  return wanted.path.empty() ? listen_at_host(io, wanted, where, may_be_remote)
+                             : listen_at_file(io, wanted.path, where);
 }
 
 void remove_socket_file(const Listener& listener) {
@@ -172,16 +139,23 @@ void remove_socket_file(const Listener& listener) {
   if (is_there && file.st_ino == listener.file_number) unlink(listener.socket_file.c_str());
 }
 
-bool is_own_host(const std::string& host, const std::string& address) {
-  const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
-  if (bracket == std::string::npos) return false;
-  const std::string name = host.substr(0, host.find(':', bracket));
-  in_addr v4{};
-  in6_addr v6{};
-  const std::string inner = bracket > 0 ? name.substr(1, bracket - 1) : "";
-  if (inet_pton(AF_INET6, inner.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
-  if (inet_pton(AF_INET, name.c_str(), &v4) == 1) return is_loopback(v4);
-  return strcasecmp(name.c_str(), "localhost") == 0 || address.starts_with("http://" + name + ":");
+bool is_own_host(std::string_view host, const std::string& address) {
+  const bool is_bracketed = host.starts_with('[');
+  const std::size_t end = is_bracketed ? host.find(']') : host.find(':');
+  if (is_bracketed && end == std::string_view::npos) return false;
+  const std::string name(host.substr(is_bracketed ? 1 : 0, is_bracketed ? end - 1 : end));
+  const std::string_view port =
+      end == std::string_view::npos ? "" : host.substr(end + (is_bracketed ? 1 : 0));
+  if (!port.empty() &&
+      (port[0] != ':' || port.find_first_not_of(kDigits, 1) != std::string_view::npos)) {
+    return false;
+  }
+  error_code error;
+  const auto number = asio::ip::make_address(name, error);
+  if (!error) return number.is_loopback() && number.is_v6() == is_bracketed;
+  return !is_bracketed && !name.empty() &&
+         (strcasecmp(name.c_str(), "localhost") == 0 ||
+          address.starts_with("http://" + name + ":"));
 }
 
 }  // namespace mneme::internal

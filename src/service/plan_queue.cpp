@@ -13,35 +13,39 @@ constexpr std::chrono::milliseconds kLookAtFlag{10};
 }  // namespace
 
 std::optional<PlanQueue::Turn> PlanQueue::wait_for_turn(const std::atomic<bool>& is_cancelled,
-                                                        int threads) {
+                                                        int threads, bool is_alone) {
   std::unique_lock lock(mutex_);
-  if (free_ >= threads && line_.empty()) {
-    free_ -= threads;
-    return Turn(*this, threads);
-  }
-  if (static_cast<int>(line_.size()) >= longest_line_) return std::nullopt;
-  Waiter waiter{threads};
+  Waiter waiter{threads, is_alone};
   line_.push_back(&waiter);
-  while (!waiter.has_turn && !is_cancelled) {
+  serve();
+  const bool is_full = !waiter.has_turn && static_cast<int>(line_.size()) > longest_line_;
+  while (!waiter.has_turn && !is_cancelled && !is_full) {
     waiter.wake.wait_for(lock, kLookAtFlag, [&] { return waiter.has_turn; });
   }
-  if (waiter.has_turn) return Turn(*this, threads);
+  if (waiter.has_turn) return Turn(*this, threads, is_alone);
   std::erase(line_, &waiter);
   serve();
   return std::nullopt;
 }
 
-void PlanQueue::give_back(int threads) {
+void PlanQueue::give_back(int threads, bool is_alone) {
   const std::lock_guard lock(mutex_);
   free_ += threads;
+  if (is_alone) is_one_alone_ = false;
   serve();
 }
 
 void PlanQueue::serve() {
-  while (!line_.empty() && line_.front()->threads <= free_) {
-    Waiter& waiter = *line_.front();
-    line_.pop_front();
+  for (auto next = line_.begin(); next != line_.end();) {
+    Waiter& waiter = **next;
+    if (waiter.is_alone && is_one_alone_) {
+      ++next;
+      continue;
+    }
+    if (waiter.threads > free_) return;
+    next = line_.erase(next);
     free_ -= waiter.threads;
+    is_one_alone_ = is_one_alone_ || waiter.is_alone;
     // It cannot be gone before the lock is.
     waiter.has_turn = true;
     waiter.wake.notify_one();

@@ -7,6 +7,7 @@
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -40,17 +41,13 @@ void check_robot(const Input& input, const Robot& robot) {
   }
   const auto joints = input.find("joints");
   if (!joints) return;
-  const std::vector<Input> names = joints->items();
-  bool is_same = static_cast<int>(names.size()) == robot.joint_count();
-  std::string expected;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    const std::string& name = robot.group_joint(i).name;
-    is_same = is_same && names[static_cast<std::size_t>(i)].text() == name;
-    expected += (i == 0 ? "" : ", ") + name;
-  }
-  if (!is_same) {
-    joints->fail(ErrorCode::invalid,
-                 fmt::format("expected the joints that this service plans for, [{}]", expected));
+  std::vector<std::string> named, own;
+  for (const Input& name : joints->items()) named.push_back(name.text());
+  for (int i = 0; i < robot.joint_count(); ++i) own.push_back(robot.group_joint(i).name);
+  if (named != own) {
+    joints->fail(
+        ErrorCode::invalid,
+        fmt::format("expected the joints that this service plans for, [{}]", fmt::join(own, ", ")));
   }
 }
 

@@ -33,9 +33,8 @@ Result<SceneStore::Kept> SceneStore::change(
   const std::lock_guard editing(editing_);
   const Kept before = find(id);
   if (before == nullptr) return before;
-  Result<Scene> edited = edit(*before);
-  if (!edited) return tl::unexpected(edited.error());
-  auto kept = std::make_shared<const Scene>(*std::move(edited));
+  Scene edited = MNEME_TRY(edit(*before));
+  auto kept = std::make_shared<const Scene>(std::move(edited));
   const std::lock_guard lock(mutex_);
   // It may have been removed meanwhile.
   const auto found = scenes_.find(id);

@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/service.h"
 
+#include "base/check_ranges.h"
 #include "service/endpoints.h"
 #include "service/http_server.h"
-#include "service/live_page.h"
 
+#include <boost/beast/core/string.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <string_view>
@@ -23,23 +23,82 @@
 namespace mneme {
 namespace {
 
-using httplib::Request;
-using httplib::Response;
 using internal::Answer;
+using internal::Call;
 using internal::Endpoints;
+using internal::HttpRequest;
 using internal::HttpServer;
 using internal::refusal;
+namespace http = internal::http;
+namespace beast = boost::beast;
 
 constexpr double kGrace = 0.5;    ///< seconds for what runs when the service stops
 constexpr double kGoodbye = 0.3;  ///< seconds for the answers to what was cancelled then
-constexpr const char* kNames = "([A-Za-z0-9_.-]{1,64})";
 constexpr std::string_view kScenes = "/v1/scenes/";
+constexpr std::string_view kId = "{id}";
+constexpr std::size_t kMostIdBytes = 64;
+constexpr std::string_view kIdBytes =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
 
 ServiceSettings completed(ServiceSettings settings) {
   if (settings.threads <= 0) {
     settings.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
   return settings;
+}
+
+struct Route {
+  http::verb method;
+  std::string_view path;  ///< as the documents and metrics name it
+  Answer (Endpoints::*answer)(const Call&);
+};
+
+constexpr Route kRoutes[] = {
+    {http::verb::post, "/v1/plan", &Endpoints::plan},
+    {http::verb::post, "/v1/ik", &Endpoints::inverse_kinematics},
+    {http::verb::post, "/v1/check", &Endpoints::check},
+    {http::verb::get, "/v1/plans/{id}/trace", &Endpoints::trace},
+    {http::verb::get, "/v1/scenes/{id}", &Endpoints::scene},
+    {http::verb::put, "/v1/scenes/{id}", &Endpoints::put_scene},
+    {http::verb::patch, "/v1/scenes/{id}", &Endpoints::patch_scene},
+    {http::verb::delete_, "/v1/scenes/{id}", &Endpoints::delete_scene},
+    {http::verb::get, "/healthz", &Endpoints::health},
+    {http::verb::get, "/metrics", &Endpoints::metrics_text},
+    {http::verb::get, "/", &Endpoints::page},
+};
+
+std::string_view path_of(const HttpRequest& request) {
+  const std::string_view target(request.target().data(), request.target().size());
+  return target.substr(0, target.find('?'));
+}
+
+/// What `path` has in the place of {id}, empty where there is none; nothing if they do not match.
+std::optional<std::string> match(std::string_view pattern, std::string_view path) {
+  const std::size_t at = pattern.find(kId);
+  if (at == std::string_view::npos) return pattern == path ? std::optional("") : std::nullopt;
+  const std::string_view before = pattern.substr(0, at), after = pattern.substr(at + kId.size());
+  if (!path.starts_with(before) || !path.ends_with(after)) return std::nullopt;
+  if (path.size() <= before.size() + after.size()) return std::nullopt;
+  path = path.substr(at, path.size() - before.size() - after.size());
+  const bool is_id =
+      path.size() <= kMostIdBytes && path.find_first_not_of(kIdBytes) == std::string_view::npos;
+  return is_id ? std::optional(std::string(path)) : std::nullopt;
+}
+
+/// The route of a request and its id. A null route: there is none.
+std::pair<const Route*, std::string> find_route(const HttpRequest& request) {
+  const bool is_head = request.method() == http::verb::head;
+  const http::verb method = is_head ? http::verb::get : request.method();
+  for (const Route& route : kRoutes) {
+    if (route.method != method) continue;
+    if (auto id = match(route.path, path_of(request))) return {&route, *std::move(id)};
+  }
+  return {nullptr, ""};
+}
+
+std::string header(const HttpRequest& request, http::field name) {
+  const auto value = request[name];
+  return {value.data(), value.size()};
 }
 
 /// Equal or not, in a time that does not tell where they differ.
@@ -51,101 +110,76 @@ bool is_same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-bool knows(const std::string& token, const Request& request) {
+bool knows(const std::string& token, const HttpRequest& request) {
   return token.empty() ||
-         is_same_secret(request.get_header_value("Authorization"), "Bearer " + token);
+         is_same_secret(header(request, http::field::authorization), "Bearer " + token);
 }
 
-void respond(Response& response, Answer answer) {
-  response.status = answer.status;
-  if (answer.may_retry) response.set_header("Retry-After", "1");
-  response.set_content(std::move(answer.body), answer.type);
+bool takes_body(const HttpRequest& request) {
+  const http::verb method = request.method();
+  return method == http::verb::post || method == http::verb::put || method == http::verb::patch;
 }
 
-/// The body of the request was not read: what comes after the head is no next request.
-void respond_and_close(Response& response, Answer answer) {
-  HttpServer::connection().close_after_answer();
-  response.set_header("Connection", "close");
-  respond(response, std::move(answer));
-}
-
-bool takes_body(const Request& request) {
-  return request.method == "POST" || request.method == "PUT" || request.method == "PATCH";
-}
-
-bool is_count(std::string_view text) {
-  return !text.empty() && text.size() <= 18 &&
-         text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-/// Why it is not certain where a request ends: a proxy before the service may see another end, and
-/// what one client sends as a body would be a request of the next (RFC 9112, 6.3 and 11.2).
-std::optional<Answer> refuse_framing(const Request& request) {
+/// Refuses a request unless it is certain where it ends: a proxy before the service may see another
+/// end, and what one client sends as a body would be a request of the next (RFC 9112, 6.3 and
+/// 11.2). Beast takes a repeated length and knows other encodings than chunked.
+std::optional<Answer> refuse_framing(const HttpRequest& request) {
   const auto refuse = [](std::string_view message) { return refusal(400, "invalid", message); };
-  for (const auto& [name, value] : request.headers) {
-    if (name.find_first_of(" \t") != std::string::npos) {
-      return refuse("expected headers as NAME: VALUE, without blanks in the name");
-    }
-  }
-  const std::size_t lengths = request.get_header_value_count("Content-Length");
-  const std::size_t encodings = request.get_header_value_count("Transfer-Encoding");
+  const std::size_t lengths = request.count(http::field::content_length);
+  const std::size_t encodings = request.count(http::field::transfer_encoding);
   if (lengths + encodings > 1) return refuse("expected one Content-Length or Transfer-Encoding");
-  const std::string length = request.get_header_value("Content-Length");
-  if (lengths > 0 && !is_count(length)) return refuse("Content-Length: expected a whole number");
-  const std::string encoding = request.get_header_value("Transfer-Encoding");
-  if (encodings > 0 && strcasecmp(encoding.c_str(), "chunked") != 0) {
+  const std::string length = header(request, http::field::content_length);
+  if (length.find(',') != std::string::npos) {
+    return refuse("Content-Length: expected a whole number");
+  }
+  if (encodings > 0 && !beast::iequals(request[http::field::transfer_encoding], "chunked")) {
     return refuse("Transfer-Encoding: expected chunked");
   }
-  const bool has_none = encodings == 0 && (lengths == 0 || length == "0");
-  // httplib reads a body of known length after DELETE, and leaves it unread after other methods.
-  const bool is_read = takes_body(request) || (request.method == "DELETE" && encodings == 0);
-  if (!is_read && !has_none) return refuse("expected no body");
+  const bool has_body = encodings > 0 || (lengths > 0 && length != "0");
+  if (has_body && !takes_body(request) && request.method() != http::verb::delete_) {
+    return refuse("expected no body");
+  }
   if (takes_body(request) && lengths + encodings == 0) {
     return refusal(411, "invalid", "expected the header Content-Length");
   }
   return std::nullopt;
 }
 
-/// What is not served. A scene that is called so is a mistake of whoever uploads it.
-Answer refuse_path(const Request& request) {
-  const bool is_scene = request.path.starts_with(kScenes);
+/// Refuses what is not served. A scene with such a name is a mistake of whoever uploads it.
+std::optional<Answer> refuse_path(const HttpRequest& request) {
+  if (find_route(request).first != nullptr) return std::nullopt;
+  const bool is_scene = path_of(request).starts_with(kScenes);
   const std::string message =
-      fmt::format("there is no {} {}{}", request.method, request.path,
+      fmt::format("there is no {} {}{}", std::string(request.method_string()), path_of(request),
                   is_scene ? ": ids of scenes are 1 to 64 letters, digits, '_', '.' and '-'" : "");
-  return is_scene && request.method == "PUT" ? refusal(400, "invalid", message)
-                                             : refusal(404, "not_found", message);
+  return is_scene && request.method() == http::verb::put ? refusal(400, "invalid", message)
+                                                         : refusal(404, "not_found", message);
 }
 
 bool is_json(const std::string& type) {
-  const std::string essence = type.substr(0, type.find_first_of("; \t"));
-  return strcasecmp(essence.c_str(), "application/json") == 0;
+  return beast::iequals(type.substr(0, type.find_first_of("; \t")), "application/json");
 }
 
-/// Why a request to the service at `address` is not even looked at.
-std::optional<Answer> refuse_head(const Request& request, const ServiceSettings& settings,
+/// Refuses a request to the service at `address` by its head.
+std::optional<Answer> refuse_head(const HttpRequest& request, const ServiceSettings& settings,
                                   const std::string& address) {
   if (auto refused = refuse_framing(request)) return refused;
-  if (request.path != "/healthz" && !knows(settings.token, request)) {
+  if (path_of(request) != "/healthz" && !knows(settings.token, request)) {
     return refusal(401, "unauthorized", "expected the header Authorization: Bearer TOKEN");
   }
-  const bool is_open =
-      settings.token.empty() && address.starts_with("http:") && request.has_header("Host");
-  if (is_open && !internal::is_own_host(request.get_header_value("Host"), address)) {
+  const bool is_open = settings.token.empty() && address.starts_with("http:");
+  if (is_open && !internal::is_own_host(header(request, http::field::host), address)) {
     return refusal(403, "forbidden",
                    fmt::format("expected the header Host to name this machine, as in {}: without a "
                                "token only its own programs are answered",
                                address));
   }
-  const std::string length = request.get_header_value("Content-Length");
-  if (!length.empty() && std::stoull(length) > settings.body_bytes) {
-    return refusal(413, "refused",
-                   fmt::format("expected a body of at most {} bytes", settings.body_bytes));
-  }
-  if (request.has_header("Content-Encoding")) {
+  if (auto refused = refuse_path(request)) return refused;
+  if (request.count(http::field::content_encoding) > 0) {
     return refusal(415, "unsupported", "expected a body that is not compressed");
   }
   // Pages of other origins can send forms and plain text without being asked, but no JSON.
-  if (takes_body(request) && !is_json(request.get_header_value("Content-Type"))) {
+  if (takes_body(request) && !is_json(header(request, http::field::content_type))) {
     return refusal(415, "unsupported", "expected the header Content-Type: application/json");
   }
   return std::nullopt;
@@ -155,55 +189,41 @@ Result<void> check(const ServiceSettings& settings, bool has_memory) {
   if (settings.remember_after && !has_memory) {
     return fail(ErrorCode::invalid, "to remember paths takes a database");
   }
-  const struct {
-    const char* name;
-    double value, least;
-  } bounds[] = {{"threads", static_cast<double>(settings.threads), 0},
-                {"queue", static_cast<double>(settings.queue), 0},
-                {"connections", static_cast<double>(settings.connections), 1},
-                {"longest_plan_s", settings.longest_plan_s, 1e-3},
-                {"request_timeout_s", settings.request_timeout_s, 1e-3},
-                {"idle_timeout_s", settings.idle_timeout_s, 1e-3},
-                {"obstacles", static_cast<double>(settings.obstacles), 0},
-                {"scenes", static_cast<double>(settings.scenes), 0},
-                {"traces", static_cast<double>(settings.traces), 1},
-                {"refresh_s", settings.refresh_s, 1e-3}};
-  for (const auto& [name, value, least] : bounds) {
-    // Longer times than clocks can tell; written so that a NaN is out of range.
-    if (value >= least && value <= 1e9) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("{}: expected a number of {} or more, got {}", name, least, value));
-  }
-  return {};
+  return internal::check_ranges(settings);
 }
 
 }  // namespace
 
 class Service::State {
  public:
-  State(internal::Listener listener, const Robot& robot, std::shared_ptr<Database> database,
-        const ServiceSettings& settings, std::string page)
+  State(const Robot& robot, std::shared_ptr<Database> database, const ServiceSettings& settings,
+        LivePage page)
       : settings_(completed(settings)),
-        page_(std::move(page)),
-        endpoints_(robot, database, settings_),
-        server_(std::move(listener),
+        has_memory_(database != nullptr),
+        endpoints_(robot, std::move(database), settings_, std::move(page)),
+        server_({[this](const HttpRequest& request) {
+                   return refuse_head(request, settings_, address());
+                 },
+                 [this](const HttpRequest& request, const std::atomic<bool>& is_cancelled) {
+                   return answer(request, is_cancelled);
+                 },
+                 [this](int status) { endpoints_.metrics().add_request("refused", status, 0); }},
                 {.request_timeout_s = settings.request_timeout_s,
                  .idle_timeout_s = settings.idle_timeout_s,
-                 .body_bytes = settings.body_bytes},
-                settings.connections) {
-    add_routes();
-  }
+                 .body_bytes = settings.body_bytes,
+                 .connections = settings.connections,
+                 .busy_requests = settings_.threads + settings.queue}) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() { stop(); }
 
   [[nodiscard]] const std::string& address() const { return server_.address(); }
 
-  Result<void> start(bool has_memory) {
-    const auto kept = endpoints_.keep_scene_of_page();
-    if (!kept) return kept;
-    if (has_memory) refresher_ = std::thread([this] { refresh(); });
-    return server_.start();
+  Result<void> start() {
+    MNEME_TRY(endpoints_.keep_scene_of_page());
+    MNEME_TRY(server_.start(settings_.listen, !settings_.token.empty()));
+    if (has_memory_) refresher_ = std::thread([this] { refresh(); });
+    return {};
   }
 
   /// Whoever calls it while another one does returns with that one.
@@ -221,101 +241,20 @@ class Service::State {
     endpoints_.set_stopping();
     server_.stop_accepting();
     server_.wait(kGrace);
-    endpoints_.cancel_all();
+    server_.cancel_all();
     server_.wait(kGoodbye);
     server_.join();
     if (refresher_.joinable()) refresher_.join();
   }
 
-  using Handler = std::function<Answer(const Request&)>;
-
-  /// `endpoint` as metrics name it.
-  [[nodiscard]] HttpServer::Handler timed(const std::string& endpoint, Handler handler) {
-    return
-        [this, endpoint, handler = std::move(handler)](const Request& request, Response& response) {
-          const Stopwatch stopwatch;
-          respond(response, handler(request));
-          endpoints_.metrics().add_request(endpoint, response.status, stopwatch.elapsed_s());
-        };
-  }
-
-  static int socket() { return HttpServer::connection().socket(); }
-
-  void add_routes() {
-    server_.set_payload_max_length(settings_.body_bytes);
-    server_.Post("/v1/plan", timed("/v1/plan", [this](const Request& request) {
-                   return endpoints_.plan(request.body, socket());
-                 }));
-    server_.Post("/v1/ik", timed("/v1/ik", [this](const Request& request) {
-                   return endpoints_.inverse_kinematics(request.body, socket());
-                 }));
-    server_.Post("/v1/check", timed("/v1/check", [this](const Request& request) {
-                   return endpoints_.check(request.body, socket());
-                 }));
-    server_.Get(std::string("/v1/plans/") + kNames + "/trace",
-                timed("/v1/plans/{id}/trace", [this](const Request& request) {
-                  return endpoints_.trace(request.matches[1], socket());
-                }));
-    server_.Get("/healthz", timed("/healthz", [this](const Request& request) {
-                  return endpoints_.health(knows(settings_.token, request));
-                }));
-    server_.Get("/metrics", timed("/metrics", [this](const Request&) {
-                  return endpoints_.metrics_text(server_.connection_count());
-                }));
-    server_.Get("/", timed("/", [this](const Request&) {
-                  return Answer{200, page_, "text/html; charset=utf-8"};
-                }));
-    add_scene_routes();
-    add_refusals();
-  }
-
-  void add_scene_routes() {
-    const std::string pattern = std::string(kScenes) + kNames;
-    const std::string endpoint = "/v1/scenes/{id}";
-    server_.Get(pattern, timed(endpoint, [this](const Request& request) {
-                  return endpoints_.scene(request.matches[1]);
-                }));
-    server_.Put(pattern, timed(endpoint, [this](const Request& request) {
-                  return endpoints_.put_scene(request.matches[1], request.body);
-                }));
-    server_.Patch(pattern, timed(endpoint, [this](const Request& request) {
-                    return endpoints_.patch_scene(request.matches[1], request.body);
-                  }));
-    server_.Delete(pattern, timed(endpoint, [this](const Request& request) {
-                     return endpoints_.delete_scene(request.matches[1]);
-                   }));
-  }
-
-  void add_refusals() {
-    server_.set_pre_routing_handler([this](const Request& request, Response& response) {
-      auto refused = refuse_head(request, settings_, address());
-      if (!refused) {
-        HttpServer::connection().expect_body();
-        return HttpServer::HandlerResponse::Unhandled;
-      }
-      endpoints_.metrics().add_request("refused", refused->status, 0);
-      respond_and_close(response, *std::move(refused));
-      return HttpServer::HandlerResponse::Handled;
-    });
-    // What httplib refuses by itself has no body yet.
-    server_.set_error_handler([this](const Request& request, Response& response) {
-      if (!response.body.empty()) return;
-      Answer refused = response.status == 404
-                           ? refuse_path(request)
-                           : refusal(response.status, "refused",
-                                     "the request cannot be read, or is beyond a limit");
-      endpoints_.metrics().add_request("refused", refused.status, 0);
-      if (response.status == 416) {
-        // It would still be sent once per range: nothing is not.
-        HttpServer::connection().close_after_answer();
-        return;
-      }
-      respond_and_close(response, std::move(refused));
-    });
-    server_.set_exception_handler(
-        [](const Request&, Response& response, const std::exception_ptr&) {
-          respond(response, refusal(500, "internal", "the request could not be answered"));
-        });
+  Answer answer(const HttpRequest& request, const std::atomic<bool>& is_cancelled) {
+    const Stopwatch stopwatch;
+    const auto [route, id] = find_route(request);
+    Answer answer =
+        (endpoints_.*route->answer)({id, request.body(), is_cancelled,
+                                     knows(settings_.token, request), server_.connection_count()});
+    endpoints_.metrics().add_request(route->path, answer.status, stopwatch.elapsed_s());
+    return answer;
   }
 
   void refresh() {
@@ -329,7 +268,7 @@ class Service::State {
   }
 
   ServiceSettings settings_;
-  std::string page_;
+  bool has_memory_;
   Endpoints endpoints_;
   HttpServer server_;  ///< after what its threads use
   std::thread refresher_;
@@ -341,23 +280,20 @@ class Service::State {
 
 Result<Service> Service::start(const Robot& robot, std::shared_ptr<Database> database,
                                const ServiceSettings& settings) {
-  if (const auto checked = check(settings, database != nullptr); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  auto listener = internal::listen_at(settings.listen, !settings.token.empty());
-  if (!listener) return tl::unexpected(listener.error());
-  auto page = internal::make_live_page(robot, database != nullptr, settings);
-  if (!page) return tl::unexpected(page.error());
+  MNEME_TRY(check(settings, database != nullptr));
+  TraceSettings looks;
+  looks.package_paths = settings.package_paths;
+  LivePage page = MNEME_TRY(
+      make_live_page(settings.shown ? *settings.shown : resting_problem(robot, settings.robot_path),
+                     database != nullptr, looks));
   try {
-    const bool has_memory = database != nullptr;
-    auto state = std::make_unique<State>(*std::move(listener), robot, std::move(database), settings,
-                                         *std::move(page));
-    if (const auto started = state->start(has_memory); !started) {
-      return tl::unexpected(started.error());
-    }
+    auto state = std::make_unique<State>(robot, std::move(database), settings, std::move(page));
+    MNEME_TRY(state->start());
     return Service(std::move(state));
   } catch (const std::system_error& error) {
     return fail(ErrorCode::io, std::string("cannot serve: no thread to be had: ") + error.what());
+  } catch (const boost::system::system_error& error) {
+    return fail(ErrorCode::io, std::string("cannot listen: ") + error.what());
   }
 }
 

@@ -34,19 +34,38 @@ TEST_SUITE("flow") {
     const RunningService running(impatient());
     const std::string length = fmt::format("Content-Length: {}\r\n", kHidden.size());
     const std::string chunked = "Transfer-Encoding: chunked\r\n";
-    for (const std::string& head :
-         {kGet + length, kGet + chunked,
-          "OPTIONS /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
-          "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
-          "DELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n" + chunked,
-          kPost + "Content-Length: 5\r\n" + chunked, kPost + chunked + chunked,
-          kPost + "Content-Length: 0\r\n" + length, kPost + "Content-Length: abc\r\n",
-          kPost + "Content-Length: +0\r\n", kPost + "Content-Length: 0x0\r\n",
-          kPost + "Content-Length: 18446744073709551616\r\n",
-          kPost + "Content-Length : 0\r\n" + length, kPost + "Transfer-Encoding: gzip, chunked\r\n",
-          kPost + "Transfer-Encoding: identity\r\n", kPost}) {
+    for (const std::string& head : {kGet + length,
+                                    kGet + chunked,
+                                    "OPTIONS /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
+                                    "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n" + length,
+                                    "DELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n" + chunked,
+                                    kPost + "Content-Length: 5\r\n" + chunked,
+                                    kPost + chunked + chunked,
+                                    kPost + "Content-Length: 0\r\n" + length,
+                                    kPost + "Content-Length: abc\r\n",
+                                    kPost + "Content-Length: +0\r\n",
+                                    kPost + "Content-Length: 0x0\r\n",
+                                    kPost + "Content-Length: 18446744073709551616\r\n",
+                                    kPost + "Content-Length : 0\r\n" + length,
+                                    kPost + "Content-Length: %33%38\r\n",
+                                    kPost + "Content-Length: \r\n",
+                                    kPost + length + length,
+                                    kPost + "Content-Length: 38, 38\r\n",
+                                    kPost + "Transfer-Encoding: %63hunked\r\n",
+                                    kPost + "X: a\rb\r\n" + length,
+                                    kPost + "Transfer-Encoding: gzip, chunked\r\n",
+                                    kPost + "Transfer-Encoding: identity\r\n",
+                                    kPost}) {
       const std::string heard = heard_after(running, head + "\r\n" + kHidden);
       INFO(head, heard);
+      CHECK(count_answers(heard) == 1);
+      CHECK(heard.starts_with("HTTP/1.1 4"));
+    }
+    for (const char* chunk :
+         {"0x2\r\n{}\r\n", "2g\r\n{}\r\n", "+2\r\n{}\r\n", "2\r\n{}", "2\n{}\n"}) {
+      const std::string heard =
+          heard_after(running, kPost + chunked + "\r\n" + chunk + "0\r\n\r\n" + kHidden);
+      INFO(chunk, heard);
       CHECK(count_answers(heard) == 1);
       CHECK(heard.starts_with("HTTP/1.1 4"));
     }
@@ -59,19 +78,15 @@ TEST_SUITE("flow") {
     CHECK_MESSAGE(heard.find("there is no scene") != std::string::npos, heard);
   }
 
-  TEST_CASE("an answer is sent once, however many ranges of it are asked for") {
+  TEST_CASE("an answer is whole and sent once, whatever ranges of it a client wants") {
     const RunningService running;
-    const auto ask = [&](const std::string& ranges) {
-      return running.client()->Get("/healthz", httplib::Headers{{"Range", "bytes=" + ranges}});
-    };
-    const auto whole = ask("0-,0-,0-,0-");
-    REQUIRE(bool(whole));
-    CHECK(whole->status == 200);
-    CHECK(Json::parse(whole->body)["status"] == "ok");
-    const auto wrong = ask("0-,0-,0-,5-1");
-    REQUIRE(bool(wrong));
-    CHECK(wrong->status == 416);
-    CHECK(wrong->body.empty());
+    for (const char* ranges : {"0-,0-,0-,0-", "0-,0-,0-,5-1"}) {
+      const auto answer = running.client()->Get(
+          "/healthz", httplib::Headers{{"Range", std::string("bytes=") + ranges}});
+      REQUIRE(bool(answer));
+      CHECK(answer->status == 200);
+      CHECK(Json::parse(answer->body)["status"] == "ok");
+    }
   }
 
   TEST_CASE("a head has a limit of its own, a body the one that is set") {
@@ -97,7 +112,8 @@ TEST_SUITE("flow") {
       CHECK_MESSAGE(status_of(running, host) == "200", host);
     }
     for (const char* host : {"evil.example", "evil.example:7890", "127.0.0.1.evil.example",
-                             "localhost.evil", "10.0.0.1", "[::2]", "[::1", "[", ":", "http"}) {
+                             "localhost.evil", "10.0.0.1", "[::2]", "[::1", "[", ":", "http", "",
+                             "[::1].evil.example", "127.0.0.1:80.evil", "::1"}) {
       CHECK_MESSAGE(status_of(running, host) == "403", host);
     }
     ServiceSettings settings;
@@ -123,12 +139,12 @@ TEST_SUITE("flow") {
       const auto started = Service::start(planar8(), nullptr, settings);
       return started ? "" : started.error().message;
     };
-    CHECK(failure(&ServiceSettings::traces, 0) == "traces: expected a number of 1 or more, got 0");
-    CHECK(failure(&ServiceSettings::queue, -1).starts_with("queue: "));
-    CHECK(failure(&ServiceSettings::connections, 0).starts_with("connections: "));
+    CHECK(failure(&ServiceSettings::traces, 0) == "setting 'traces' is 0: expected 1 to 100000");
+    CHECK(failure(&ServiceSettings::queue, -1).starts_with("setting 'queue'"));
+    CHECK(failure(&ServiceSettings::connections, 0).starts_with("setting 'connections'"));
     CHECK(
-        failure(&ServiceSettings::idle_timeout_s, kPi - INFINITY).starts_with("idle_timeout_s: "));
-    CHECK(failure(&ServiceSettings::refresh_s, std::nan("")).starts_with("refresh_s: "));
+        failure(&ServiceSettings::idle_timeout_s, -INFINITY).starts_with("setting 'idle-timeout'"));
+    CHECK(failure(&ServiceSettings::refresh_s, std::nan("")).starts_with("setting 'refresh'"));
   }
 
   TEST_CASE("a machine without descriptors is told when the service starts") {
@@ -143,7 +159,8 @@ TEST_SUITE("flow") {
     setrlimit(RLIMIT_NOFILE, &before);
     REQUIRE_FALSE(started.has_value());
     CHECK(started.error().code == ErrorCode::io);
-    CHECK(started.error().message == "cannot listen: too many open files");
+    CHECK_MESSAGE(started.error().message.find("Too many open files") != std::string::npos,
+                  started.error().message);
   }
 }
 

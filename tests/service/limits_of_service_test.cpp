@@ -5,6 +5,7 @@
 #include "service/endpoints.h"
 #include "service/service_fixture.h"
 
+#include <atomic>
 #include <csignal>
 #include <sys/resource.h>
 
@@ -80,27 +81,28 @@ TEST_SUITE("flow") {
     ServiceSettings settings;
     settings.threads = 1;
     settings.remember_after = 0;
-    internal::Endpoints endpoints(planar8(), database, settings);
+    internal::Endpoints endpoints(planar8(), database, settings, {});
+    const std::atomic<bool> never = false;
     Json body = question();
     body["settings"] = {{"kind", "paths"}};
     const auto plan = [&] {
       body["settings"]["seed"] = body["settings"].value("seed", 0) + 1;
-      return answer_of(endpoints.plan(body.dump(), -1));
+      return answer_of(endpoints.plan({"", body.dump(), never}));
     };
     {
       const FullDisk full;
       CHECK(plan()["remembered"] == 0);
     }
-    const Json degraded = answer_of(endpoints.health(true));
+    const Json degraded = answer_of(endpoints.health({"", "", never, true}));
     CHECK(degraded["status"] == "degraded");
     CHECK_MESSAGE(degraded["memory"].contains("failure"), degraded.dump());
     // That it can be read says nothing of writing.
     endpoints.refresh_memory();
-    CHECK(answer_of(endpoints.health(true))["status"] == "degraded");
-    CHECK(answer_of(endpoints.health(false))["status"] == "degraded");
-    CHECK_FALSE(answer_of(endpoints.health(false))["memory"].contains("failure"));
+    CHECK(answer_of(endpoints.health({"", "", never, true}))["status"] == "degraded");
+    CHECK(answer_of(endpoints.health({"", "", never, false}))["status"] == "degraded");
+    CHECK_FALSE(answer_of(endpoints.health({"", "", never, false}))["memory"].contains("failure"));
     CHECK(plan()["remembered"].get<int>() > 0);
-    CHECK(answer_of(endpoints.health(true))["status"] == "ok");
+    CHECK(answer_of(endpoints.health({"", "", never, true}))["status"] == "ok");
   }
 }
 

@@ -53,6 +53,18 @@ TEST_SUITE("unit") {
     behind.join();
   }
 
+  TEST_CASE("of those that run alone one runs at a time, and others overtake them") {
+    PlanQueue queue(2, 10);
+    std::atomic<bool> never = false;
+    auto first = queue.wait_for_turn(never, 1, true);
+    REQUIRE(first.has_value());
+    std::jthread alone([&] { CHECK(queue.wait_for_turn(never, 1, true).has_value()); });
+    wait_until_waiting(queue, 1);
+    CHECK(queue.wait_for_turn(never).has_value());
+    CHECK(queue.waiting() == 1);
+    first.reset();
+  }
+
   TEST_CASE("the line has an end") {
     PlanQueue queue(1, 0);
     std::atomic<bool> never = false;

@@ -6,11 +6,11 @@
 
 #include "mneme/service.h"
 
-#include "service/cpp_httplib.h"
 #include "support/planar_circles.h"
 #include "support/support.h"
 
 #include <fmt/format.h>
+#include <httplib.h>
 #include <nlohmann/json.hpp>
 
 #include <memory>

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "service/live_page.h"
-
 #include "mneme/collision.h"
 #include "mneme/goal.h"
 #include "mneme/report.h"
@@ -17,7 +15,8 @@
 #include <functional>
 #include <iterator>
 
-namespace mneme::internal {
+namespace mneme {
+namespace internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -64,16 +63,6 @@ Configuration rest_of(const Robot& robot) {
   return middle;
 }
 
-Problem resting(const Robot& robot, const std::string& path) {
-  return {.name = robot.name(),
-          .robot = robot,
-          .robot_path = path,
-          .scene = {},
-          .start = rest_of(robot),
-          .goals = {},
-          .warnings = {}};
-}
-
 Json pose_json(const Transform& pose) {
   const Eigen::Quaterniond turn(pose.rotation);
   const Vec3& p = pose.translation;
@@ -99,17 +88,17 @@ struct TwoPoses {
   }
 };
 
-int index_of(const Robot& robot, const std::string& link) {
+int link_index_of(const Robot& robot, const std::string& link) {
   const auto found = std::ranges::find(robot.links(), link, &Link::name);
   return static_cast<int>(found - robot.links().begin());
 }
 
 /// The links of the trace that stand to `tip` as they do, wherever the group goes.
-Json carried_by(const Robot& robot, int tip, const std::vector<Link>& links) {
+Json carried_with(const Robot& robot, int tip, const std::vector<Link>& links) {
   const TwoPoses poses(robot);
   Json carried = Json::array();
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto pose = poses.fixed_pose(tip, index_of(robot, links[i].name));
+    const auto pose = poses.fixed_pose(tip, link_index_of(robot, links[i].name));
     if (pose) carried.push_back({{"link", i}, {"pose", pose_json(*pose)}});
   }
   return carried;
@@ -123,8 +112,8 @@ Json welds_json(const Robot& robot, const std::vector<Link>& links) {
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (has_shapes(links[i])) continue;
     for (std::size_t k = 0; k < links.size(); ++k) {
-      const auto pose =
-          poses.fixed_pose(index_of(robot, links[k].name), index_of(robot, links[i].name));
+      const auto pose = poses.fixed_pose(link_index_of(robot, links[k].name),
+                                         link_index_of(robot, links[i].name));
       if (!has_shapes(links[k]) || !pose) continue;
       welds.push_back({{"link", i}, {"to", k}, {"pose", pose_json(*pose)}});
       break;
@@ -145,10 +134,10 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
   const Robot& robot = problem.robot;
   Json tips = Json::array();
   for (const std::string& name : find_tips(robot)) {
-    const int index = index_of(robot, name);
+    const int index = link_index_of(robot, name);
     tips.push_back({{"link", name},
                     {"pose", pose_json(goal_of(problem, name, index))},
-                    {"carries", carried_by(robot, index, trace.links)}});
+                    {"carries", carried_with(robot, index, trace.links)}});
   }
   return tips;
 }
@@ -175,34 +164,36 @@ Json allow_json(const Scene& scene) {
 }
 
 }  // namespace
+}  // namespace internal
 
-Scene scene_of_page(const ServiceSettings& settings) {
-  Scene scene;
-  if (settings.shown) {
-    std::ranges::copy_if(settings.shown->scene.obstacles, std::back_inserter(scene.obstacles),
-                         has_compound);
-  }
-  return scene;
+Problem resting_problem(const Robot& robot, const std::string& robot_path) {
+  return {.name = robot.name(),
+          .robot = robot,
+          .robot_path = robot_path,
+          .scene = {},
+          .start = internal::rest_of(robot),
+          .goals = {},
+          .warnings = {}};
 }
 
-Result<std::string> make_live_page(const Robot& robot, bool has_memory,
-                                   const ServiceSettings& settings) {
-  Problem problem = settings.shown ? *settings.shown : resting(robot, settings.robot_path);
+Result<LivePage> make_live_page(Problem problem, bool has_memory, const TraceSettings& settings) {
+  LivePage page;
   // The order of a plan's scene: what its request holds, then what the service keeps.
   auto& obstacles = problem.scene.obstacles;
-  std::stable_partition(obstacles.begin(), obstacles.end(), std::not_fn(has_compound));
-  TraceSettings seen;
-  seen.package_paths = settings.package_paths;
-  const auto trace = make_trace(problem, {}, nullptr, 0, seen);
-  if (!trace) return tl::unexpected(trace.error());
-  Json json = Json::parse(to_json(*trace));
-  json["live"] = {{"start", problem.start},
-                  {"has_memory", has_memory},
-                  {"scene", scene_of_page(settings).obstacles.empty() ? Json() : Json(kPageScene)},
-                  {"allow", allow_json(problem.scene)},
-                  {"tips", tips_json(problem, *trace)},
-                  {"welds", welds_json(problem.robot, trace->links)}};
-  return to_page(json.dump(), "the page of the service");
+  const auto kept = std::stable_partition(obstacles.begin(), obstacles.end(),
+                                          std::not_fn(internal::has_compound));
+  page.kept.obstacles.assign(kept, obstacles.end());
+  const PlanTrace trace = MNEME_TRY(make_trace(problem, {}, nullptr, 0, settings));
+  auto json = internal::Json::parse(to_json(trace));
+  json["live"] = {
+      {"start", problem.start},
+      {"has_memory", has_memory},
+      {"scene", page.kept.obstacles.empty() ? internal::Json() : internal::Json(kLivePageScene)},
+      {"allow", internal::allow_json(problem.scene)},
+      {"tips", internal::tips_json(problem, trace)},
+      {"welds", internal::welds_json(problem.robot, trace.links)}};
+  page.html = MNEME_TRY(to_page(json.dump(), "the page of the service"));
+  return page;
 }
 
-}  // namespace mneme::internal
+}  // namespace mneme
