@@ -111,27 +111,16 @@ BenchPlan make_plan(const DemoOptions& options, const std::vector<Problem>& prob
   return plan;
 }
 
-Result<std::string> trace_of(const Problem& problem, Database& database, SolveSettings settings) {
-  PlanRecorder recorder;
-  settings.plan.observer = &recorder;
-  return solve(problem, &database, settings)
-      .and_then(
-          [&](const SolveResult& result) { return make_trace(problem, result, &recorder, 0); })
-      .map([](const PlanTrace& trace) { return to_json(trace); });
-}
-
 /// The page of a plan that was made before, as DIRECTORY/PROBLEM.html: it is planned again, and
 /// with uniform samples beside it.
 Result<std::string> write_page(const DemoOptions& options, const Problem& problem,
                                Database& database, const SolveSettings& settings) {
-  const Result<std::string> own = trace_of(problem, database, settings);
-  if (!own) return own;
+  const std::string own = MNEME_TRY(plan_and_trace(problem, &database, settings));
   SolveSettings uniform = settings;
   uniform.sampler = "uniform";
-  const Result<std::string> beside = trace_of(problem, database, uniform);
-  if (!beside) return beside;
+  const std::string beside = MNEME_TRY(plan_and_trace(problem, &database, uniform));
   const std::string name = problem.name + ".html";
-  return to_page(*own, name, *beside)
+  return to_page(own, name, beside)
       .and_then([&](const std::string& page) { return write_file(options.out + "/" + name, page); })
       .map([&] { return name; });
 }

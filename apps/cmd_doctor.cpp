@@ -100,24 +100,23 @@ class ScratchFile {
 /// Learns one primitive into a new database, and plans from it.
 Result<std::string> try_memory(const Problem& problem) {
   const ScratchFile file;
-  Result<Database> database =
-      Database::open(file.path(), make_signature(problem.robot), OpenMode::create);
-  if (!database) return tl::unexpected(database.error());
+  Database database =
+      MNEME_TRY(Database::open(file.path(), make_signature(problem.robot), OpenMode::create));
   SolveSettings settings;
   settings.plan.timeout_s = kTimeout;
   settings.learn_budget_s = kTimeout;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
   settings.learn.max_iterations = 1000;
-  const Result<SolveResult> result = solve(problem, &*database, settings);
+  const Result<SolveResult> result = solve(problem, &database, settings);
   if (!result) return tl::unexpected(result.error());
   const Result<std::vector<Damage>> damage = verify_database(file.path());
   if (!damage) return tl::unexpected(damage.error());
-  if (!damage->empty() || database->size() == 0 || !result->plan.is_solved()) {
+  if (!damage->empty() || database.size() == 0 || !result->plan.is_solved()) {
     return fail(ErrorCode::corrupt, fmt::format("'{}' did not keep what was learned", file.path()));
   }
   return fmt::format("learned {} in {:.0f} ms",
-                     counted(static_cast<std::size_t>(database->size()), "primitive", "primitives"),
+                     counted(static_cast<std::size_t>(database.size()), "primitive", "primitives"),
                      1e3 * result->gl.learning_time_s);
 }
 

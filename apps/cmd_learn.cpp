@@ -108,9 +108,8 @@ Result<ExitCode> report(const LearnOptions& options, const LearnSummary& summary
                         const Database& database, const std::optional<PrimitiveGrid>& grid) {
   std::optional<Coverage> coverage;
   if (grid) {
-    const auto measured = measure_coverage(database, *grid);
-    if (!measured) return tl::unexpected(measured.error());
-    coverage = *measured;
+    const auto measured = MNEME_TRY(measure_coverage(database, *grid));
+    coverage = measured;
   }
   if (options.is_json) {
     Json json = to_json(summary, database);
@@ -154,15 +153,13 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   const Robot& robot = problems.front().robot;
   MemorySettings memory = options.source.memory;
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
-  Result<Database> database =
-      Database::open(options.db, make_signature(robot), OpenMode::create, options.kept);
-  if (!database) return tl::unexpected(database.error());
+  Database database =
+      MNEME_TRY(Database::open(options.db, make_signature(robot), OpenMode::create, options.kept));
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
-  const auto summary = learn_with_progress(problems, memory, *database, lesson);
-  if (!summary) return tl::unexpected(summary.error());
-  report_problems(options, *summary, *database);
-  return end_of(*summary);
+  const auto summary = MNEME_TRY(learn_with_progress(problems, memory, database, lesson));
+  report_problems(options, summary, database);
+  return end_of(summary);
 }
 
 /// What falls to a shard.
@@ -187,34 +184,30 @@ Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<Pr
 
 Result<ExitCode> run_learn(const LearnOptions& options) {
   if (!options.problems.empty()) return run_problem_lesson(options);
-  Result<PrimitiveLesson> lesson = load_primitive_lesson(options.source);
-  if (!lesson) return tl::unexpected(lesson.error());
-  const Robot& robot = lesson->robot;
+  PrimitiveLesson lesson = MNEME_TRY(load_primitive_lesson(options.source));
+  const Robot& robot = lesson.robot;
   std::optional<PrimitiveGrid> grid;
   if (!options.grid.empty()) {
     if (!robot.is_planar()) {
       return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --problems");
     }
-    const Result<PrimitiveGrid> read = read_grid(options);
-    if (!read) return tl::unexpected(read.error());
-    grid = *read;
+    PrimitiveGrid read = MNEME_TRY(read_grid(options));
+    grid = std::move(read);
   }
-  if (lesson->keys.empty() && !grid) {
+  if (lesson.keys.empty() && !grid) {
     print_note(
         "these scenes have no primitives: no obstacles that the arm reaches are within --max-gap "
         "of each other");
   }
-  Result<Database> database =
-      Database::open(options.db, make_signature(robot), OpenMode::create, options.kept);
-  if (!database) return tl::unexpected(database.error());
+  Database database =
+      MNEME_TRY(Database::open(options.db, make_signature(robot), OpenMode::create, options.kept));
   LearnJob job = options.job;
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};
-  const Result<LearnSummary> summary =
-      learn_lesson(std::move(*lesson), grid, options.sharing.shard, *database, job);
-  if (!summary) return tl::unexpected(summary.error());
+  const LearnSummary summary =
+      MNEME_TRY(learn_lesson(std::move(lesson), grid, options.sharing.shard, database, job));
   // What one shard covers says nothing about the whole.
   if (options.sharing.shard.count > 1) grid.reset();
-  return report(options, *summary, *database, grid);
+  return report(options, summary, database, grid);
 }
 
 void add_sharing(CLI::App& command, Sharing& sharing) {

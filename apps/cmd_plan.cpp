@@ -73,30 +73,14 @@ struct ShownPlan {
   }
 };
 
-/// The trace of another plan of the same problem; an empty text if none is wanted.
-Result<std::string> trace_beside(const ShownPlan& shown, SolveSettings settings,
-                                 const std::string& sampler, Database* database) {
-  if (sampler.empty()) return "";
-  PlanRecorder recorder;
-  settings.sampler = sampler;
-  settings.plan.observer = &recorder;
-  settings.remember_after.reset();
-  settings.replay = 0;
-  settings.learn_budget_s = 0;
-  const Result<SolveResult> result = solve(shown.problem, database, settings);
-  if (!result) return tl::unexpected(result.error());
-  return ShownPlan{shown.problem, *result, recorder, 0, shown.settings}.to_trace();
-}
-
 Result<void> write_trace_and_page(const PlanFiles& files, const ShownPlan& shown,
                                   const std::string& beside) {
-  const Result<std::string> json = shown.to_trace();
-  if (!json) return tl::unexpected(json.error());
+  const std::string json = MNEME_TRY(shown.to_trace());
   if (!files.trace.empty()) {
-    if (auto written = write_file(files.trace, *json + "\n"); !written) return written;
+    if (auto written = write_file(files.trace, json + "\n"); !written) return written;
   }
   if (files.view.empty()) return {};
-  return to_page(*json, files.view, beside).and_then([&](const std::string& page) {
+  return to_page(json, files.view, beside).and_then([&](const std::string& page) {
     return write_file(files.view, page);
   });
 }
@@ -146,11 +130,11 @@ struct LoadedPlan {
 
 Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options,
                                                    const Problem& problem) {
-  if (options.db.empty()) return std::nullopt;
+  const bool is_off = options.settings.memory_mode == MemoryMode::off;
+  if (options.db.empty() || is_off) return std::nullopt;
   std::error_code ignored;
   if (!std::filesystem::exists(options.db, ignored)) {
-    const auto checked = check_query(problem, options.settings);
-    if (!checked) return tl::unexpected(checked.error());
+    MNEME_TRY(check_query(problem, options.settings));
   }
   return open_memory(options.db, problem.robot, options.settings, options.kept)
       .map([](Database database) { return std::optional<Database>(std::move(database)); });
@@ -168,28 +152,23 @@ Result<void> check_files(const PlanOptions& options, const Problem& problem) {
 
 Result<LoadedPlan> load(const PlanOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  Result<ProblemOptions> overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  overrides->start = options.start;
-  overrides->goal = options.goal;
-  overrides->pose_goals = options.goal_poses;
-  overrides->constraints = options.upright;
-  overrides->self_filter = options.self_filter;
-  Result<Problem> problem = read_problem(options.problem, *overrides);
-  if (!problem) return tl::unexpected(problem.error());
-  if (auto checked = check_files(options, *problem); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  ProblemOptions overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  overrides.start = options.start;
+  overrides.goal = options.goal;
+  overrides.pose_goals = options.goal_poses;
+  overrides.constraints = options.upright;
+  overrides.self_filter = options.self_filter;
+  Problem problem = MNEME_TRY(read_problem(options.problem, overrides));
+  MNEME_TRY(check_files(options, problem));
   Result<RateLimits> limits;
   if (options.trajectory.is_wanted()) {
     limits =
-        find_rate_limits(problem->robot, options.trajectory.settings, options.trajectory.limits);
+        find_rate_limits(problem.robot, options.trajectory.settings, options.trajectory.limits);
   }
   if (!limits) return tl::unexpected(limits.error());
-  Result<std::optional<Database>> database = open_memory_if_any(options, *problem);
-  if (!database) return tl::unexpected(database.error());
+  std::optional<Database> database = MNEME_TRY(open_memory_if_any(options, problem));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(*problem), std::move(*database), *std::move(limits), elapsed.count()};
+  return LoadedPlan{std::move(problem), std::move(database), *std::move(limits), elapsed.count()};
 }
 
 void print_memory(const Problem& problem, const SolveResult& result) {
@@ -198,7 +177,7 @@ void print_memory(const Problem& problem, const SolveResult& result) {
   if (result.replay.is_hit() || !needs_memory(result.sampler)) return;
   const GlSampler& gl = result.gl;
   if (gl.retrieval_time_s == 0) {
-    fmt::print("memory      not asked: it was over before (--retrieve-after 0 asks at once)\n");
+    fmt::print("memory      not used: solved before --retrieve-after\n");
     return;
   }
   std::size_t retrieved = 0;
@@ -302,34 +281,36 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
-  if (settings.sampler == "gl" && !loaded->database) {
-    print_note("without --db there is no memory: the sampler 'gl' draws uniformly");
+  if (needs_memory(settings.sampler) && options.db.empty()) {
+    print_note(fmt::format("without --db there is no memory: the sampler '{}' draws uniformly",
+                           settings.sampler));
   }
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
-  const Result<SolveResult> result = solve(loaded->problem, database, settings);
-  if (!result) return tl::unexpected(result.error());
+  const SolveResult result = MNEME_TRY(solve(loaded->problem, database, settings));
 
   // There is a path, whatever is wrong with its trajectory: that is said last.
-  const auto timed = time_path(options, *loaded, settings, result->plan.path);
-  print_answer(options, *loaded, *result, timed ? *timed : std::nullopt);
-  ShownPlan shown{loaded->problem, *result, recorder, loaded->load_time_s};
+  const auto timed = time_path(options, *loaded, settings, result.plan.path);
+  print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
+  ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
   shown.settings.package_paths = options.robot_options.package_paths;
   if (timed && *timed) shown.timed = {&**timed, &loaded->limits};
-  const auto beside = trace_beside(shown, settings, options.files.beside, database);
-  if (!beside) return tl::unexpected(beside.error());
-  const Result<void> written = write_plan_files(options.files, shown, *beside);
-  if (!written) return tl::unexpected(written.error());
+  std::string beside;
+  if (!options.files.beside.empty()) {
+    settings.sampler = options.files.beside;
+    beside = MNEME_TRY(plan_and_trace(loaded->problem, database, settings, shown.settings));
+  }
+  MNEME_TRY(write_plan_files(options.files, shown, beside));
   if (!timed) return tl::unexpected(timed.error());
   if (*timed) {
-    auto sent = write_trajectory(options.trajectory, loaded->problem.robot, **timed);
-    if (!sent) return tl::unexpected(sent.error());
+    MNEME_TRY(write_trajectory(options.trajectory, loaded->problem.robot, **timed));
   }
-  return exit_code(result->plan.status);
+  return exit_code(result.plan.status);
 }
 
 void add_problem_flags(CLI::App& command, PlanOptions& options) {
+  begin_rare_flags(command, "Problem");
   command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
   command.add_option("--robot", options.robot,
                      "robot to use instead of the problem's: a URDF file or a name");
@@ -351,69 +332,54 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
   SolveSettings& settings = options.settings;
+  begin_rare_flags(command, "Planner");
   add_choice(command, "--planner", "planner", settings.planner, planner_names(),
              fmt::format("planner (default {})", settings.planner));
   add_choice(command, "--sampler", "sampler", settings.sampler, sampler_names(),
              "source of configurations (default gl with --db, uniform without)");
-  add_settings(command, settings);
   add_settings(command, settings.plan);
+  add_isa(command);
+  begin_rare_flags(command, "Memory");
+  const auto read_mode = [&settings](const std::string& name) {
+    const auto mode = parse_memory_mode(name);
+    if (!mode) throw CLI::ValidationError("--memory", mode.error().message);
+    settings.memory_mode = *mode;
+  };
+  add_text(command, "--memory", read_mode,
+           "use of the memory: auto, off, or paper for its literal rules (default auto)")
+      ->type_name("MODE");
+  add_settings(command, settings);
   add_memory_settings(command, settings.memory);
+  for (const char* flag : {"--learn-budget", "--remember-after", "--replay"}) {
+    command.get_option(flag)->needs("--db");
+  }
+  begin_rare_flags(command, "Learning");
   add_settings(command, settings.learn);
+  begin_rare_flags(command, "Inverse kinematics");
   add_settings(command, settings.ik);
 }
 
-std::vector<FlagGroup> help_groups() {
-  return {
-      {"Usual", {"help", "help-all", "robot", "start", "goal", "timeout", "seed"}, {}},
-      {"Robot", {"srdf", "group", "package-path"}, {}},
-      {"Memory",
-       {"db", "kind", "lambda", "sigma", "remember-after", "replay"},
-       {"least-lambda", "similarity", "max-matches", "retarget", "drop-invalid-means",
-        "retrieve-after", "first-components", "component-growth", "max-gap", "db-memory"}},
-      {"Learning",
-       {"learn-budget"},
-       {"starts-per-link", "paths-per-start", "learn-iterations", "learn-range", "learn-resolution",
-        "merge-cliques"}},
-      {"Planner",
-       {"planner", "sampler", "range", "max-iterations", "simplify", "continuous", "margin",
-        "threads"},
-       {"max-nodes", "verify", "resolution", "anchor", "anchor-sigma", "walk", "walk-after",
-        "neighbours", "goal-bias", "ompl-defaults", "isa"}},
-      {"Output", {"view", "beside", "svg", "trace", "json"}, {}},
-  };
+void add_output_flags(CLI::App& command, PlanOptions& options) {
+  begin_rare_flags(command, "Output");
+  command.add_option("--view", options.files.view,
+                     "write a page that shows the plan in any browser, also offline");
+  add_choice(command, "--beside", "sampler", options.files.beside, sampler_names(),
+             "show a second plan, with this sampler, beside that of --view")
+      ->needs("--view");
+  command.add_option("--svg", options.files.svg, "write a picture of a planar robot's plan");
+  command.add_option("--trace", options.files.trace,
+                     "write what the page shows as JSON, for 'mneme view' and other programs");
+  add_trajectory_flags(command, options.trajectory);
+  add_json(command, options.is_json);
 }
 
-/// What is asked of a memory is asked in vain without one.
-void check_without_memory(const SolveSettings& settings) {
-  if (settings.learn_budget_s > 0) {
-    throw CLI::ValidationError("--learn-budget", "needs --db, where it puts what is learned");
-  }
-  if (settings.remember_after) {
-    throw CLI::ValidationError("--remember-after", "needs --db, where it puts what is remembered");
-  }
-  if (settings.replay > 0) {
-    throw CLI::ValidationError("--replay", "needs --db, whose paths it replays");
-  }
-}
-
-/// Flags that only make sense together.
-void check_choices(const PlanOptions& options) {
-  const SolveSettings& settings = options.settings;
-  const auto sampler = find_sampler(settings.sampler);
-  const auto planner = find_planner(settings.planner);
-  if (sampler && planner && (*sampler)->draws_valid_states && !(*planner)->draws_valid_states) {
-    throw CLI::ValidationError(
-        "--sampler", fmt::format("'{}' is for planners that draw valid states, such as ompl:PRM, "
-                                 "not '{}'",
-                                 settings.sampler, settings.planner));
-  }
-  // gl without memory is what is left of it when nothing is retrieved: uniform samples.
-  const bool draws_from_memory = needs_memory(settings.sampler) && settings.sampler != "gl";
-  if (draws_from_memory && options.db.empty()) {
-    throw CLI::ValidationError("--sampler",
-                               settings.sampler + " needs --db, the memory that it draws from");
-  }
-}
+/// What most people set: one screen.
+const std::vector<FlagGroup> kUsualFlags = {
+    {"Usual", {"help", "help-all", "db", "memory", "timeout", "improve", "seed"}},
+    {"Problem", {"start", "goal", "goal-pose", "upright"}},
+    {"Robot", {"robot", "srdf", "group", "package-path"}},
+    {"Output", {"view", "svg", "trajectory", "json"}},
+};
 
 }  // namespace
 
@@ -424,24 +390,12 @@ void add_plan(CLI::App& program, Action& action) {
   const auto options = std::make_shared<PlanOptions>();
   add_problem_flags(*command, *options);
   add_solve_flags(*command, *options);
-  add_isa(*command);
-  command->add_option("--view", options->files.view,
-                      "write a page that shows the plan in any browser, also offline");
-  add_choice(*command, "--beside", "sampler", options->files.beside, sampler_names(),
-             "show a second plan, with this sampler, beside that of --view")
-      ->needs("--view");
-  command->add_option("--svg", options->files.svg, "write a picture of a planar robot's plan");
-  command->add_option("--trace", options->files.trace,
-                      "write what the page shows as JSON, for 'mneme view' and other programs");
-  add_trajectory_flags(*command, options->trajectory);
-  add_json(*command, options->is_json);
-  group_flags(*command, help_groups());
+  add_output_flags(*command, *options);
+  show_flags(*command, kUsualFlags);
   command->callback([command, options, &action] {
     if (command->count("--sampler") == 0) {
       options->settings.sampler = options->db.empty() ? "uniform" : "gl";
     }
-    if (options->db.empty()) check_without_memory(options->settings);
-    check_choices(*options);
     action = [options] { return run_plan(*options); };
   });
 }

@@ -101,14 +101,12 @@ void print_robot(const Robot& robot, const std::string& path) {
 }
 
 Result<ExitCode> run_info(const RobotCommandOptions& options) {
-  const Result<std::string> path = robot_file(options.robot);
-  if (!path) return tl::unexpected(path.error());
-  const Result<Robot> robot = load_named_robot(*path, options.robot_options);
-  if (!robot) return tl::unexpected(robot.error());
+  const std::string path = MNEME_TRY(robot_file(options.robot));
+  const Robot robot = MNEME_TRY(load_named_robot(path, options.robot_options));
   if (options.is_json) {
-    print_json(to_json(*robot, *path));
+    print_json(to_json(robot, path));
   } else {
-    print_robot(*robot, *path);
+    print_robot(robot, path);
   }
   return ExitCode::done;
 }
@@ -191,11 +189,11 @@ ExitCode report_state(const CollisionChecker& checker, const Configuration& q, b
 }
 
 Result<ExitCode> run_check(const RobotCommandOptions& options) {
-  const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
-  if (!placed) return tl::unexpected(placed.error());
-  const auto q = placed->robot.configuration_of(*options.q);
+  const auto placed =
+      MNEME_TRY(load_placed_robot(options.robot, options.robot_options, options.scene));
+  const auto q = placed.robot.configuration_of(*options.q);
   if (!q) return fail(q.error().code, "--q: " + q.error().message);
-  if (const auto violation = placed->robot.describe_violation(*q, "configuration")) {
+  if (const auto violation = placed.robot.describe_violation(*q, "configuration")) {
     if (options.is_json) {
       print_json({{"is_valid", false},
                   {"violation", *violation},
@@ -207,7 +205,7 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
     }
     return ExitCode::invalid_ends;
   }
-  return CollisionChecker::make(placed->robot, placed->scene)
+  return CollisionChecker::make(placed.robot, placed.scene)
       .map([&](const CollisionChecker& checker) {
         return report_state(checker, *q, options.is_json);
       });
@@ -218,14 +216,12 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
 Result<ExitCode> run_planar(const PlanarOptions& options) {
   const std::string name =
       options.name.empty() ? fmt::format("planar{}", options.links.size()) : options.name;
-  const Result<std::string> urdf = planar_arm_urdf(name, options.links, options.thickness);
-  if (!urdf) return tl::unexpected(urdf.error());
+  const std::string urdf = MNEME_TRY(planar_arm_urdf(name, options.links, options.thickness));
   if (options.output == "-") {
-    fmt::print("{}", *urdf);
+    fmt::print("{}", urdf);
     return ExitCode::done;
   }
-  const Result<void> written = write_file(options.output, *urdf);
-  if (!written) return tl::unexpected(written.error());
+  MNEME_TRY(write_file(options.output, urdf));
   if (options.is_json) {
     print_json({{"path", options.output}, {"name", name}, {"links", options.links}});
   } else {

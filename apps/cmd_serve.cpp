@@ -40,9 +40,8 @@ struct ServeOptions {
 /// The file's first line. An empty token would let everybody in.
 Result<std::string> read_token(const std::string& path) {
   if (path.empty()) return "";
-  const auto text = read_file(path, kMostTokenBytes);
-  if (!text) return tl::unexpected(text.error());
-  std::string token = text->substr(0, text->find_first_of("\r\n"));
+  const auto text = MNEME_TRY(read_file(path, kMostTokenBytes));
+  std::string token = text.substr(0, text.find_first_of("\r\n"));
   if (token.empty()) {
     return fail(ErrorCode::invalid, fmt::format("'{}': expected a token in its first line", path));
   }
@@ -76,9 +75,8 @@ void wait_for_signal(const sigset_t& signals) {
 /// What the page begins with; null for the robot at rest.
 Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
   if (options.problem.empty()) return std::shared_ptr<const Problem>();
-  const auto overrides = problem_options(options.robot, options.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  return read_problem(options.problem, *overrides).map([](Problem problem) {
+  const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  return read_problem(options.problem, overrides).map([](Problem problem) {
     return std::make_shared<const Problem>(std::move(problem));
   });
 }
@@ -87,45 +85,25 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   const auto shown = load_shown(options);
   if (!shown) return tl::unexpected(shown.error());
   // Plans of the page must be those of its problem: with its group and its fixed joints.
-  const Result<Robot> robot = *shown ? Result<Robot>((*shown)->robot)
-                                     : load_named_robot(options.robot, options.robot_options);
-  if (!robot) return tl::unexpected(robot.error());
+  const Robot robot = MNEME_TRY(*shown ? Result<Robot>((*shown)->robot)
+                                       : load_named_robot(options.robot, options.robot_options));
   ServiceSettings settings = options.service;
   settings.body_bytes = static_cast<std::size_t>(options.body_mib) << kMebibyte;
-  const auto token = read_token(options.token_file);
-  if (!token) return tl::unexpected(token.error());
-  settings.token = *token;
-  const auto database = open_database(options, *robot);
-  if (!database) return tl::unexpected(database.error());
+  const auto token = MNEME_TRY(read_token(options.token_file));
+  settings.token = token;
+  const auto database = MNEME_TRY(open_database(options, robot));
   settings.shown = *shown;
   settings.robot_path = robot_file(options.robot).value_or("");
   settings.package_paths = options.robot_options.package_paths;
 
   sigset_t signals;
   hold_signals(signals);
-  auto service = Service::start(*robot, *database, settings);
-  if (!service) return tl::unexpected(service.error());
-  fmt::print("serving {} at {}\n", robot->name(), service->address());
+  auto service = MNEME_TRY(Service::start(robot, database, settings));
+  fmt::print("serving {} at {}\n", robot.name(), service.address());
   std::fflush(stdout);
   wait_for_signal(signals);
-  service->stop();
+  service.stop();
   return ExitCode::done;
-}
-
-void add_limits(CLI::App& command, ServeOptions& options) {
-  ServiceSettings& service = options.service;
-  add_number(command, "--queue", service.queue, 0, 100000,
-             "requests that may wait for a thread; more are told to try again");
-  add_number(command, "--connections", service.connections, 1, 10000, "clients at a time");
-  add_number(command, "--longest-plan", service.longest_plan_s, 0.001, 1e6,
-             "most seconds that a request may set as its time limit");
-  add_number(command, "--most-obstacles", service.obstacles, 1, 10000000, "in a scene");
-  add_number(command, "--most-points", service.points, 1, 1000000000,
-             "points, triangles and cubes of a scene");
-  add_number(command, "--most-scenes", service.scenes, 0, 1000000, "that are kept for clients");
-  add_number(command, "--most-nodes", service.nodes, 1, ~std::uint64_t{0},
-             "of a plan, which bounds memory");
-  add_number(command, "--longest-body", options.body_mib, 1, 1024, "MiB of a request");
 }
 
 }  // namespace
@@ -137,10 +115,6 @@ void add_serve(CLI::App& program, Action& action) {
   command->add_option("--robot", options->robot, "a URDF file or a name")->required();
   add_robot_flags(*command, options->robot_options);
   add_database(*command, options->db, options->kept, "memory: an SQLite file or postgresql://...");
-  add_number(*command, "--remember-after", options->service.remember_after, 0, 1000000000,
-             "insert what a solved problem teaches, once this many iterations came together since "
-             "the last")
-      ->needs("--db");
   const auto listen = [&where = options->service.listen](const std::string& text) {
     const auto checked = check_listen(text);
     if (!checked) throw CLI::ValidationError("--listen", checked.error().message);
@@ -155,9 +129,9 @@ void add_serve(CLI::App& program, Action& action) {
                       "or FILE.json#NAME");
   command->add_option("--token-file", options->token_file,
                       "file whose first line clients must send as Authorization: Bearer TOKEN");
-  add_number(*command, "--threads", options->service.threads, 0, 4096,
-             "plans at a time; 0: one per hardware thread");
-  add_limits(*command, *options);
+  add_settings(*command, options->service);
+  command->get_option("--remember-after")->needs("--db");
+  add_number(*command, "--longest-body", options->body_mib, 1, 1024, "MiB of a request");
   add_isa(*command);
   command->callback([options, &action] { action = [options] { return run_serve(*options); }; });
 }

@@ -3,12 +3,6 @@
 
 #include "command_line.h"
 
-#include "mneme/base.h"
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <utility>
 
 namespace mneme::app {
@@ -50,85 +44,12 @@ void append(const CLI::App& command, const std::string& words,
   }
 }
 
-std::vector<std::string> subcommand_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(subcommand->get_name());
-  }
-  return names;
-}
-
-std::vector<std::string> flag_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
 }  // namespace
 
 std::vector<CommandDescription> describe_commands(const CLI::App& program) {
   std::vector<CommandDescription> all;
   append(program, "", all);
   return all;
-}
-
-std::optional<Complaint> unknown_command(const CLI::App& program,
-                                         const std::vector<std::string>& words) {
-  const CLI::App* command = &program;
-  for (const std::string& word : words) {
-    const std::vector<std::string> names = subcommand_names(*command);
-    if (names.empty() || word.starts_with('-')) return std::nullopt;
-    if (std::find(names.begin(), names.end(), word) == names.end()) {
-      const std::string close = did_you_mean(word, names);
-      std::vector<std::string> shown;
-      for (const CLI::App* each : subcommands_of(*command)) shown.push_back(each->get_name());
-      return Complaint{command, fmt::format("unknown subcommand '{}'{}", word,
-                                            close.empty() ? fmt::format("; expected one of: {}",
-                                                                        fmt::join(shown, ", "))
-                                                          : close)};
-    }
-    command = command->get_subcommand(word);
-  }
-  return std::nullopt;
-}
-
-std::optional<Complaint> missing_value(const CLI::App& program,
-                                       const std::vector<std::string>& words) {
-  const CLI::App* command = &program;
-  for (const std::string& word : words) {
-    if (word == "--") return std::nullopt;
-    if (word.starts_with("--") && word.find('=') == word.size() - 1) {
-      return Complaint{
-          command, fmt::format("{}: expected a value after '='", word.substr(0, word.size() - 1))};
-    }
-    const std::vector<std::string> names = subcommand_names(*command);
-    const bool is_command = std::find(names.begin(), names.end(), word) != names.end();
-    if (is_command) command = command->get_subcommand(word);
-  }
-  return std::nullopt;
-}
-
-std::string describe_mismatch(const std::string& message) {
-  constexpr std::string_view kRequired = ": 1 required ", kMissing = " missing";
-  const std::size_t begin = message.find(kRequired);
-  if (begin == std::string::npos || !message.ends_with(kMissing)) return message;
-  const std::size_t type = begin + kRequired.size();
-  return fmt::format("{}: expected a value: {}", message.substr(0, begin),
-                     message.substr(type, message.size() - kMissing.size() - type));
-}
-
-std::optional<std::string> unexpected_argument(const CLI::App& command) {
-  const std::vector<std::string> words = command.remaining();
-  if (words.empty()) return std::nullopt;
-  // An unknown flag leaves its value over too: the flag is what to complain about.
-  auto word = std::find_if(words.begin(), words.end(),
-                           [](const std::string& w) { return w.starts_with('-'); });
-  if (word == words.end()) word = words.begin();
-  const std::string flag = word->substr(0, word->find('='));
-  return fmt::format("unexpected argument '{}'{}", *word,
-                     flag.starts_with("--") ? did_you_mean(flag, flag_names(command)) : "");
 }
 
 }  // namespace mneme::app

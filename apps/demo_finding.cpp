@@ -14,6 +14,9 @@
 namespace mneme::app {
 namespace {
 
+/// Medians whose ratio is less are reported as equal.
+constexpr double kNoGain = 1.1;
+
 /// Runs of one planner with one sampler.
 struct Runs {
   std::vector<double> times_s;  ///< infinite of those without a path
@@ -53,11 +56,14 @@ std::string compare(const std::string& planner, const Runs& memory, const Runs& 
     return fmt::format("{} takes {:.2g} ms from memory and solves {} of {} runs without", planner,
                        memory_ms, uniform.solved(), uniform.times_s.size());
   }
-  const bool is_sooner = memory_ms <= uniform_ms;
+  const double factor = uniform_ms / memory_ms;
+  if (std::abs(std::log(factor)) < std::log(kNoGain)) {
+    return fmt::format("{} gains nothing from memory ({:.2g} ms with, {:.2g} ms without)", planner,
+                       memory_ms, uniform_ms);
+  }
   return fmt::format("{} takes {:.2g} ms from memory and {:.2g} ms without, {:.2g} times {}",
-                     planner, memory_ms, uniform_ms,
-                     is_sooner ? uniform_ms / memory_ms : memory_ms / uniform_ms,
-                     is_sooner ? "sooner" : "later");
+                     planner, memory_ms, uniform_ms, std::max(factor, 1 / factor),
+                     factor > 1 ? "faster" : "slower");
 }
 
 }  // namespace

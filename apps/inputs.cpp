@@ -39,9 +39,8 @@ Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& opt
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options,
                                std::span<const std::string> outputs) {
-  const Result<std::string> path = robot_file(robot);
-  if (!path) return tl::unexpected(path.error());
-  return check_files_to_write(outputs, robot_files(*path, options.srdf_path)).and_then([&] {
+  const std::string path = MNEME_TRY(robot_file(robot));
+  return check_files_to_write(outputs, robot_files(path, options.srdf_path)).and_then([&] {
     return load_named_robot(robot, options);
   });
 }
@@ -58,11 +57,10 @@ Result<ProblemOptions> problem_options(const std::string& robot, const RobotOpti
 }
 
 Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
-  Result<Problem> problem = load_problem(where, options);
-  if (!problem) return problem;
-  for (const std::string& warning : problem->warnings) print_warning(warning);
+  Problem problem = MNEME_TRY(load_problem(where, options));
+  for (const std::string& warning : problem.warnings) print_warning(warning);
   // What checkers of a robot share is loading, too: the first plan shall be as fast as the second.
-  static_cast<void>(CollisionChecker::make(problem->robot, {}));
+  static_cast<void>(CollisionChecker::make(problem.robot, {}));
   return problem;
 }
 
@@ -92,18 +90,14 @@ Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptio
                                       const std::string& scene) {
   const auto alone = [](const Robot& loaded) { return PlacedRobot{loaded, {}, std::nullopt}; };
   if (scene.empty()) return load_named_robot(robot, options).map(alone);
-  const Result<ProblemOptions> overrides = problem_options(robot, options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const Result<Workspace> workspace = load_workspace(scene, *overrides);
-  if (!workspace) return tl::unexpected(workspace.error());
-  const std::optional<Problem>& problem = workspace->problem;
-  Result<PlacedRobot> placed =
-      problem ? Result<PlacedRobot>(PlacedRobot{problem->robot, {}, problem->start})
-              : load_named_robot(robot, options).map(alone);
-  if (!placed) return placed;
-  Result<Scene> in_frame = in_root_frame(workspace->framed, placed->robot);
-  if (!in_frame) return tl::unexpected(in_frame.error());
-  placed->scene = *std::move(in_frame);
+  const ProblemOptions overrides = MNEME_TRY(problem_options(robot, options));
+  const Workspace workspace = MNEME_TRY(load_workspace(scene, overrides));
+  const std::optional<Problem>& problem = workspace.problem;
+  PlacedRobot placed =
+      MNEME_TRY(problem ? Result<PlacedRobot>(PlacedRobot{problem->robot, {}, problem->start})
+                        : load_named_robot(robot, options).map(alone));
+  Scene in_frame = MNEME_TRY(in_root_frame(workspace.framed, placed.robot));
+  placed.scene = std::move(in_frame);
   return placed;
 }
 

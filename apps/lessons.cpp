@@ -31,17 +31,15 @@ Result<std::vector<std::string>> expand(const std::string& pattern) {
 /// The scenes and problems that a pattern stands for: all problems of a compact file without
 /// "#NAME".
 Result<std::vector<std::string>> expand_problems(const std::string& pattern) {
-  const Result<std::vector<std::string>> files = expand(pattern);
-  if (!files) return files;
+  const std::vector<std::string> files = MNEME_TRY(expand(pattern));
   std::vector<std::string> problems;
-  for (const std::string& file : *files) {
+  for (const std::string& file : files) {
     if (!file.ends_with(".json")) {
       problems.push_back(file);
       continue;
     }
-    const Result<std::vector<std::string>> names = list_problems(file);
-    if (!names) return names;
-    for (const std::string& name : *names) problems.push_back(file + "#" + name);
+    const std::vector<std::string> names = MNEME_TRY(list_problems(file));
+    for (const std::string& name : names) problems.push_back(file + "#" + name);
   }
   return problems;
 }
@@ -58,15 +56,11 @@ Result<void> check_robot(const std::string& where, const Workspace& workspace, c
 Result<void> append_primitives(const std::string& where, const Robot& robot,
                                const ProblemOptions& overrides, const MemorySettings& settings,
                                std::vector<PrimitiveKey>& keys) {
-  const Result<Workspace> workspace = load_workspace(where, overrides);
-  if (!workspace) return tl::unexpected(workspace.error());
-  const Result<void> fits = check_robot(where, *workspace, robot);
-  if (!fits) return fits;
-  const Result<Scene> scene = in_root_frame(workspace->framed, robot);
-  if (!scene) return tl::unexpected(scene.error());
-  const auto found = decompose({robot, *scene}, settings);
-  if (!found) return tl::unexpected(found.error());
-  for (const LocalPrimitive& primitive : *found) {
+  const Workspace workspace = MNEME_TRY(load_workspace(where, overrides));
+  MNEME_TRY(check_robot(where, workspace, robot));
+  const Scene scene = MNEME_TRY(in_root_frame(workspace.framed, robot));
+  const auto found = MNEME_TRY(decompose({robot, scene}, settings));
+  for (const LocalPrimitive& primitive : found) {
     if (std::ranges::find(keys, primitive.key) == keys.end()) keys.push_back(primitive.key);
   }
   return {};
@@ -75,9 +69,8 @@ Result<void> append_primitives(const std::string& where, const Robot& robot,
 Result<std::vector<std::string>> all_problems(const LessonSource& source) {
   std::vector<std::string> all;
   for (const std::string& pattern : source.scenes) {
-    const Result<std::vector<std::string>> problems = expand_problems(pattern);
-    if (!problems) return problems;
-    all.insert(all.end(), problems->begin(), problems->end());
+    const std::vector<std::string> problems = MNEME_TRY(expand_problems(pattern));
+    all.insert(all.end(), problems.begin(), problems.end());
   }
   return all;
 }
@@ -85,9 +78,8 @@ Result<std::vector<std::string>> all_problems(const LessonSource& source) {
 Result<Robot> choose_robot(const LessonSource& source, const ProblemOptions& overrides,
                            const std::vector<std::string>& problems) {
   if (!problems.empty()) {
-    const Result<Workspace> first = load_workspace(problems.front(), overrides);
-    if (!first) return tl::unexpected(first.error());
-    if (first->problem) return first->problem->robot;
+    const Workspace first = MNEME_TRY(load_workspace(problems.front(), overrides));
+    if (first.problem) return first.problem->robot;
   }
   return load_named_robot(source.robot, source.robot_options);
 }
@@ -95,28 +87,22 @@ Result<Robot> choose_robot(const LessonSource& source, const ProblemOptions& ove
 }  // namespace
 
 Result<PrimitiveLesson> load_primitive_lesson(const LessonSource& source) {
-  const Result<ProblemOptions> overrides = problem_options(source.robot, source.robot_options);
-  if (!overrides) return tl::unexpected(overrides.error());
-  const Result<std::vector<std::string>> problems = all_problems(source);
-  if (!problems) return tl::unexpected(problems.error());
-  const Result<Robot> robot = choose_robot(source, *overrides, *problems);
-  if (!robot) return tl::unexpected(robot.error());
-  if (!problems->empty()) {
-    const auto kind = choose_kind(*robot, source.memory);
-    if (!kind) return tl::unexpected(kind.error());
-    if (!(*kind)->can_learn_primitives()) {
+  const ProblemOptions overrides = MNEME_TRY(problem_options(source.robot, source.robot_options));
+  const std::vector<std::string> problems = MNEME_TRY(all_problems(source));
+  const Robot robot = MNEME_TRY(choose_robot(source, overrides, problems));
+  if (!problems.empty()) {
+    const MemoryKind* kind = MNEME_TRY(choose_kind(robot, source.memory));
+    if (!kind->can_learn_primitives()) {
       return fail(
           ErrorCode::unsupported,
           fmt::format("--scenes: memory of the kind '{}' learns from solved problems alone; "
                       "give --problems",
-                      (*kind)->name));
+                      kind->name));
     }
   }
-  PrimitiveLesson lesson{*robot, {}};
-  for (const std::string& problem : *problems) {
-    const Result<void> added =
-        append_primitives(problem, *robot, *overrides, source.memory, lesson.keys);
-    if (!added) return tl::unexpected(added.error());
+  PrimitiveLesson lesson{robot, {}};
+  for (const std::string& problem : problems) {
+    MNEME_TRY(append_primitives(problem, robot, overrides, source.memory, lesson.keys));
   }
   return lesson;
 }

@@ -7,16 +7,20 @@
 #include "mneme/ompl.h"
 #endif
 
-#include "command_line.h"
 #include "commands.h"
 #include "console.h"
 #include "options.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mneme::app {
 namespace {
@@ -68,6 +72,34 @@ std::string full_name(const CLI::App& command) {
   return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
 }
 
+/// The first word that `command` does not know, with what it may have been meant to be; otherwise
+/// what CLI11 says.
+std::string describe(const CLI::ParseError& error, const CLI::App& command) {
+  const std::vector<std::string> words = command.remaining();
+  if (words.empty()) return error.what();
+  // An unknown flag leaves its value over too: the flag is what to complain about.
+  auto word = std::ranges::find_if(words, [](const auto& w) { return w.starts_with('-'); });
+  if (word == words.end()) word = words.begin();
+  std::vector<std::string> known;
+  for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(subcommand->get_name());
+  }
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  return fmt::format("unexpected argument '{}'{}", *word,
+                     did_you_mean(word->substr(0, word->find('=')), known));
+}
+
+/// CLI11 would take the next word for the value of "--flag=".
+const char* flag_without_value(std::span<char*> words) {
+  for (const std::string_view word : words) {
+    if (word == "--") return nullptr;
+    if (word.starts_with("--") && word.find('=') == word.size() - 1) return word.data();
+  }
+  return nullptr;
+}
+
 int report_usage_error(const CLI::App& command, const std::string& message) {
   print_error(message);
   print_note(fmt::format("see '{} --help'", full_name(command)));
@@ -93,19 +125,16 @@ int run(int argument_count, char** arguments) {
       "remembers how.");
   Action action;
   set_up(program, action);
-  const std::vector<std::string> words(arguments + 1, arguments + argument_count);
-  for (const auto& complaint : {unknown_command(program, words), missing_value(program, words)}) {
-    if (complaint) return report_usage_error(*complaint->command, complaint->message);
+  if (const char* flag = flag_without_value({arguments, arguments + argument_count})) {
+    return report_usage_error(program, fmt::format("{}: expected a value after '='", flag));
   }
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::Success& request) {
     return program.exit(request);
-  } catch (const CLI::ArgumentMismatch& error) {
-    return report_usage_error(chosen_command(program), describe_mismatch(error.what()));
   } catch (const CLI::ParseError& error) {
     const CLI::App& command = chosen_command(program);
-    return report_usage_error(command, unexpected_argument(command).value_or(error.what()));
+    return report_usage_error(command, describe(error, command));
   }
   const char* isa = std::getenv("MNEME_ISA");
   const Result<Isa> parsed = parse_isa(isa == nullptr || *isa == '\0' ? "automatic" : isa);

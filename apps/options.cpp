@@ -25,6 +25,21 @@ constexpr std::size_t kHelpWidth = 100;
 /// Ends the names of the groups of flags that --help leaves out.
 constexpr std::string_view kMore = ", more";
 
+/// What settings that are left to the kind of memory are.
+std::string describe_kinds() {
+  constexpr const char* kRow = "  {:<16}{:>8}{:>8}{:>12}{:>13}{:>18}{:>9}\n";
+  std::string text = "Defaults by kind of memory:\n";
+  text += fmt::format(kRow, "kind", "lambda", "sigma", "similarity", "max-matches",
+                      "first-components", "max-gap");
+  for (const MemoryKind* kind : memory_kinds()) {
+    const MemoryDefaults& defaults = kind->defaults;
+    text +=
+        fmt::format(kRow, kind->name, defaults.share.lambda, defaults.sigma, defaults.similarity,
+                    defaults.max_matches, defaults.first_components, defaults.max_gap);
+  }
+  return text + "\n";
+}
+
 class WrappingFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name,
@@ -49,7 +64,9 @@ class WrappingFormatter : public CLI::Formatter {
     const bool is_whole = is_whole_ || std::ranges::none_of(groups, [](const std::string& group) {
                             return group.ends_with(kMore);
                           });
-    return (is_whole ? "" : "More flags: --help-all\n\n") + CLI::Formatter::make_footer(app);
+    std::string text = is_whole ? "" : "More flags: --help-all\n\n";
+    if (is_whole_ && app->get_option_no_throw("--kind") != nullptr) text += describe_kinds();
+    return text + CLI::Formatter::make_footer(app);
   }
 
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
@@ -321,17 +338,13 @@ void add_jobs(CLI::App& app, int& jobs) {
   add_number(app, "--jobs", jobs, 1, 4096, "threads");
 }
 
-void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups) {
-  const std::string rest = fmt::format("Others{}", kMore);
-  for (CLI::Option* option : command.get_options()) {
-    if (option->nonpositional() && option->get_group() == "Options") option->group(rest);
-  }
-  for (const FlagGroup& group : groups) {
-    for (const std::string& name : group.usual)
-      command.get_option("--" + name)->group(group.heading);
-    for (const std::string& name : group.more) {
-      command.get_option("--" + name)->group(fmt::format("{}{}", group.heading, kMore));
-    }
+void begin_rare_flags(CLI::App& command, const std::string& heading) {
+  command.option_defaults()->group(fmt::format("{}{}", heading, kMore));
+}
+
+void show_flags(CLI::App& command, const std::vector<FlagGroup>& groups) {
+  for (const auto& [heading, flags] : groups) {
+    for (const std::string& flag : flags) command.get_option("--" + flag)->group(heading);
   }
 }
 

@@ -72,29 +72,18 @@ template <class T>
                                                describe_range(least, most)));
 }
 
-/// A flag for a number from `least` to `most`; its default is the value it has.
+/// A flag for a number from `least` to `most`. Its default is the value it has, if there is one.
 template <class T>
-CLI::Option* add_number(CLI::App& app, const std::string& flag, T& value,
-                        std::type_identity_t<T> least, std::type_identity_t<T> most,
-                        const std::string& help) {
+CLI::Option* add_number(CLI::App& app, const std::string& flag, T& value, SettingValue<T> least,
+                        SettingValue<T> most, const std::string& help) {
+  using Value = SettingValue<T>;
   const auto read = [=, &value](const std::string& text) {
-    value = parse_in_range<T>(flag, text, least, most);
+    value = parse_in_range<Value>(flag, text, least, most);
   };
-  const std::string range = describe_range<T>(least, most);
-  return add_text(app, flag, read, fmt::format("{} (default {}; {})", help, value, range))
-      ->type_name(std::integral<T> ? "N" : "X");
-}
-
-/// A flag for a number that has no default.
-template <class T>
-CLI::Option* add_number(CLI::App& app, const std::string& flag, std::optional<T>& value,
-                        std::type_identity_t<T> least, std::type_identity_t<T> most,
-                        const std::string& help) {
-  const auto read = [=, &value](const std::string& text) {
-    value = parse_in_range<T>(flag, text, least, most);
-  };
-  return add_text(app, flag, read, fmt::format("{} ({})", help, describe_range<T>(least, most)))
-      ->type_name(std::integral<T> ? "N" : "X");
+  std::string range = describe_range<Value>(least, most);
+  if constexpr (!SettingTraits<T>::kIsOptional) range = fmt::format("default {}; {}", value, range);
+  return add_text(app, flag, read, fmt::format("{} ({})", help, range))
+      ->type_name(std::integral<Value> ? "N" : "X");
 }
 
 /// A flag that takes one of `names`.
@@ -150,17 +139,19 @@ void add_json(CLI::App& app, bool& is_json);
 /// The flag --jobs: threads; the default is one per hardware thread.
 void add_jobs(CLI::App& app, int& jobs);
 
-/// Flags that stand together in the help.
+/// A heading of the help and the names, without dashes, of the flags that stand under it.
 struct FlagGroup {
   std::string heading;
-  std::vector<std::string> usual;  ///< names without dashes: what --help shows
-  std::vector<std::string> more;   ///< what --help-all shows besides
+  std::vector<std::string> flags;
 };
-/// Sorts the flags of `command` into groups; those that none names stand last, under --help-all.
-void group_flags(CLI::App& command, const std::vector<FlagGroup>& groups);
+/// Puts the flags that are added to `command` from now on under `heading`, where --help leaves them
+/// out and --help-all shows them.
+void begin_rare_flags(CLI::App& command, const std::string& heading);
+/// Puts flags under the headings that --help shows.
+void show_flags(CLI::App& command, const std::vector<FlagGroup>& groups);
 
-/// Help whose descriptions are wrapped to the width of a terminal. --help leaves out what
-/// group_flags() put under --help-all.
+/// Help whose descriptions are wrapped to the width of a terminal. --help leaves out
+/// rare flags.
 [[nodiscard]] std::shared_ptr<CLI::Formatter> make_help_formatter();
 
 }  // namespace mneme::app

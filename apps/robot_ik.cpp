@@ -63,27 +63,24 @@ Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& pla
 }
 
 Result<ExitCode> run_ik(const IkOptions& options) {
-  const auto placed = load_placed_robot(options.robot, options.robot_options, options.scene);
-  if (!placed) return tl::unexpected(placed.error());
+  const auto placed =
+      MNEME_TRY(load_placed_robot(options.robot, options.robot_options, options.scene));
   for (const PoseGoal& pose : options.poses) {
-    if (const auto fault = describe_fault(placed->robot, pose)) {
+    if (const auto fault = describe_fault(placed.robot, pose)) {
       return fail(ErrorCode::invalid, "--pose: " + *fault);
     }
   }
-  const auto near = find_near(options, *placed);
-  if (!near) return tl::unexpected(near.error());
-  const auto checker = CollisionChecker::make(placed->robot, placed->scene);
-  if (!checker) return tl::unexpected(checker.error());
-  auto source =
-      PoseGoalSource::make(*checker, options.poses, *near, options.settings, kVerificationMargin);
-  if (!source) return tl::unexpected(source.error());
-  const std::vector<Configuration> solutions = source->more();
-  const std::string failure = solutions.empty() ? source->describe_failure() : "";
+  const auto near = MNEME_TRY(find_near(options, placed));
+  const auto checker = MNEME_TRY(CollisionChecker::make(placed.robot, placed.scene));
+  auto source = MNEME_TRY(
+      PoseGoalSource::make(checker, options.poses, near, options.settings, kVerificationMargin));
+  const std::vector<Configuration> solutions = source.more();
+  const std::string failure = solutions.empty() ? source.describe_failure() : "";
   if (options.is_json) {
-    print_json({{"solutions", to_json(placed->robot, *near, solutions)},
+    print_json({{"solutions", to_json(placed.robot, near, solutions)},
                 {"message", failure.empty() ? Json() : Json(failure)}});
   } else {
-    print_solutions(placed->robot, *near, solutions);
+    print_solutions(placed.robot, near, solutions);
   }
   if (!failure.empty()) print_error(failure);
   return solutions.empty() ? ExitCode::invalid_ends : ExitCode::done;

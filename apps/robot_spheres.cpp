@@ -88,27 +88,24 @@ Result<std::vector<LinkSpheres>> approximate_named(const SpheresOptions& options
                                                    Robot::Parts& parts) {
   std::vector<LinkSpheres> result;
   for (const std::string& text : options.link_excess) {
-    const auto named = parse_link_excess(text, parts);
-    if (!named) return tl::unexpected(named.error());
-    const auto& [link, excess] = *named;
+    const auto named = MNEME_TRY(parse_link_excess(text, parts));
+    const auto& [link, excess] = named;
     SphereSettings settings = options.spheres;
     settings.excess = excess;
-    auto made = approximate_link(*link, settings);
-    if (!made) return tl::unexpected(made.error());
+    auto made = MNEME_TRY(approximate_link(*link, settings));
     link->solids.clear();
-    link->spheres.insert(link->spheres.end(), made->spheres.begin(), made->spheres.end());
-    result.push_back(std::move(*made));
+    link->spheres.insert(link->spheres.end(), made.spheres.begin(), made.spheres.end());
+    result.push_back(std::move(made));
   }
   return result;
 }
 
 Result<Made> make(const std::string& path, const SpheresOptions& options) {
-  auto parts = read_robot(path, options.reading);
-  if (!parts) return tl::unexpected(parts.error());
-  for (const std::string& warning : parts->warnings) print_warning(warning);
-  auto named = approximate_named(options, *parts);
+  auto parts = MNEME_TRY(read_robot(path, options.reading));
+  for (const std::string& warning : parts.warnings) print_warning(warning);
+  auto named = approximate_named(options, parts);
   if (!named) return fail(named.error().code, fmt::format("{}: {}", path, named.error().message));
-  auto robot = approximate_robot(std::move(*parts), options.spheres, show_sphere_progress());
+  auto robot = approximate_robot(std::move(parts), options.spheres, show_sphere_progress());
   if (!robot) {
     return fail(robot.error().code, fmt::format("{}: {}", path, robot.error().message));
   }
@@ -116,9 +113,8 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
   std::ranges::move(*named, std::back_inserter(robot->links));
   Made made{std::move(*robot), {}};
   if (options.srdf_output.empty()) return made;
-  auto reasons = allow_pairs(made.robot.parts, options.pairs);
-  if (!reasons) return tl::unexpected(reasons.error());
-  made.reasons = std::move(*reasons);
+  auto reasons = MNEME_TRY(allow_pairs(made.robot.parts, options.pairs));
+  made.reasons = std::move(reasons);
   return made;
 }
 
@@ -192,19 +188,15 @@ Json to_json(const Made& made, const SpheresOptions& options) {
 }
 
 Result<ExitCode> run_spheres(const SpheresOptions& options) {
-  const Result<std::string> path = robot_file(options.robot);
-  if (!path) return tl::unexpected(path.error());
+  const std::string path = MNEME_TRY(robot_file(options.robot));
   const std::array outputs = {options.output, options.srdf_output};
-  const auto checked = check_files_to_write(outputs, robot_files(*path, options.reading.srdf_path));
-  if (!checked) return tl::unexpected(checked.error());
-  const Result<Made> made = make(*path, options);
-  if (!made) return tl::unexpected(made.error());
-  const Result<void> written = write(*made, options);
-  if (!written) return tl::unexpected(written.error());
+  MNEME_TRY(check_files_to_write(outputs, robot_files(path, options.reading.srdf_path)));
+  const Made made = MNEME_TRY(make(path, options));
+  MNEME_TRY(write(made, options));
   if (options.is_json) {
-    print_json(to_json(*made, options));
+    print_json(to_json(made, options));
   } else {
-    print_table(*made, options);
+    print_table(made, options);
   }
   return ExitCode::done;
 }
