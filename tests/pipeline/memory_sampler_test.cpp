@@ -144,10 +144,10 @@ TEST_SUITE("flow") {
     REQUIRE(query.kinds.size() == 2);
     std::vector<std::string_view> asked;
     const internal::ResolvedQuery goals = resolved(query);
-    internal::MemorySampler memory(goals, [&](const auto& query, const auto& memory_query,
+    internal::MemorySampler memory(goals, [&](const auto& same, const auto& memory_query,
                                               const internal::KindSettings& kind, GlSampler& gl) {
       asked.push_back(kind.kind->name);
-      return near_start(asked_query, memory_query, kind, gl);
+      return near_start(same, memory_query, kind, gl);
     });
     const auto stream = memory.draw_by_kind()->start(1);
     CHECK(asked == std::vector<std::string_view>{"pairs"});
