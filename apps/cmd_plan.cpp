@@ -376,9 +376,8 @@ void add_output_flags(CLI::App& command, PlanOptions& options) {
 /// What most people set: one screen.
 const std::vector<FlagGroup> kUsualFlags = {
     {"Usual", {"help", "help-all", "db", "memory", "timeout", "improve", "seed"}},
-    {"Problem", {"start", "goal", "goal-pose", "upright"}},
-    {"Robot", {"robot", "srdf", "group", "package-path"}},
-    {"Output", {"view", "svg", "trajectory", "json"}},
+    {"Problem", {"robot", "group", "start", "goal"}},
+    {"Output", {"view", "trajectory", "json"}},
 };
 
 }  // namespace

@@ -55,8 +55,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("the help of plan fits one screen and says where the rest is") {
     const std::string usual = run_program({"plan", "--help"}).out;
-    for (const char* text : {"Usual:", "Problem:", "Robot:", "Output:", "--timeout", "--db ",
-                             "--memory", "--improve", "More flags: --help-all"}) {
+    for (const char* text : {"Usual:", "Problem:", "Output:", "--timeout", "--db ", "--memory",
+                             "--improve", "More flags: --help-all"}) {
       CHECK_MESSAGE(has_text(usual, text), text);
     }
     CHECK_MESSAGE(std::ranges::count(usual, '\n') <= 40, usual);
