@@ -99,8 +99,9 @@ struct Column {
   void write(py::dict& arrays, const std::string& name, std::int64_t width = 1) const {
     std::vector<std::int64_t> row_ends = ends;
     for (std::int64_t& end : row_ends) end /= width;
-    const py::array_t<Number> flat = array_of(numbers);
-    arrays[py::str(name + "s")] = width == 1 ? flat : flat.attr("reshape")(-1, width);
+    py::object flat = array_of(numbers);
+    if (width > 1) flat = flat.attr("reshape")(-1, width);
+    arrays[py::str(name + "s")] = flat;
     arrays[py::str(name + "_ends")] = array_of(row_ends);
   }
 };
