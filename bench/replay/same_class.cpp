@@ -5,6 +5,7 @@
 // of those that are planned, can be led into the path that the memory has of the same task, without
 // contact, while the obstacles go from where they were to where they are. A problem of REPEATS is
 // one of TASKS up to an underscore in its name.
+#include "mneme/benchmark.h"
 #include "mneme/mneme.h"
 
 #include "support/deformation.h"
