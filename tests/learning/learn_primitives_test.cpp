@@ -102,7 +102,6 @@ TEST_SUITE("unit") {
     std::vector<PrimitiveKey> keys(7, near_pair());
     for (std::size_t i = 0; i < 6; ++i) keys[i][i] += 1e-12;
     LearnJob job = cheap_job(1);
-    job.settings.max_iterations = 1;
     CHECK(learn_all(robot, keys, database, job).learned == 7);
     job.seed = 2;
     CHECK(learn_all(robot, keys, database, job).learned == 7);
