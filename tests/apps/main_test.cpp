@@ -46,7 +46,7 @@ TEST_SUITE("unit") {
   TEST_CASE("help shows each setting's sentence, default and range") {
     const ProgramRun run = run_program({"plan", "--help-all"});
     CHECK(has_text(run.out, "--lambda"));
-    CHECK(has_text(run.out, "probability of drawing from the retrieved samplers"));
+    CHECK(has_text(run.out, "Probability of a sample from memory"));
     CHECK(has_text(run.out, "(default 0.05; 0 to 1)"));
     CHECK(has_text(run.out, "--no-simplify"));
     CHECK(has_text(run.out, "--starts-per-link"));
