@@ -58,7 +58,7 @@ TEST_SUITE("unit") {
     CHECK(info.samplers == 3);
     CHECK(info.components == 15);
     CHECK(info.bytes > 8192);
-    CHECK(info.schema_version == 3);
+    CHECK(info.schema_version == 4);
     CHECK(info.generation == 1);
     CHECK(info.tombstones == 0);
     CHECK(info.signature.robot_name == "arm");

@@ -46,7 +46,7 @@ TEST_SUITE("unit") {
       const auto created =
           internal::open_store_of(directory / "a.db", arm_signature(), OpenMode::create);
       REQUIRE(created.has_value());
-      CHECK(created->schema_version == 3);
+      CHECK(created->schema_version == 4);
     }
     const auto seen = internal::inspect_store(directory / "a.db");
     REQUIRE(seen.has_value());

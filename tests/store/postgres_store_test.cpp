@@ -21,7 +21,7 @@ TEST_SUITE("unit") {
     PostgresConnection connection = connect_to(server->new_url());
     CHECK(internal::read_postgres_version(connection) == 0);
     REQUIRE(internal::create_postgres_schema(connection, arm_signature()));
-    CHECK(internal::read_postgres_version(connection) == 3);
+    CHECK(internal::read_postgres_version(connection) == 4);
     RobotSignature other = arm_signature();
     other.robot_name = "other";
     REQUIRE(internal::create_postgres_schema(connection, other));
@@ -186,7 +186,7 @@ TEST_SUITE("flow") {
       }
     }
     CHECK(again.info().bytes > 8192);
-    CHECK(again.info().schema_version == 3);
+    CHECK(again.info().schema_version == 4);
     CHECK(!reader.insert({rows[0]}).has_value());
     RobotSignature other = arm_signature();
     other.model_hash = "other";

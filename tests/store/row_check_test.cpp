@@ -65,9 +65,9 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a sampler of the wrong shape is a flaw") {
     CHECK(flaw_after([](Experience& e) { e.sampler().joint_count = 4; }) ==
-          "its sampler is for 4 joints; expected 3");
+          "its means are for 4 joints; expected 3");
     CHECK(flaw_after([](Experience& e) { e.sampler().means.pop_back(); }) ==
-          "its 14 mean values are no multiple of 3");
+          "its 14 means are no multiple of 3");
     CHECK(flaw_after([](Experience& e) { e.sampler().sources.pop_back(); }) ==
           "it has 4 sources for 5 components");
     CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows.push_back(0); }) ==

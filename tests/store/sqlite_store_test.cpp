@@ -336,7 +336,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const auto first = open(directory / "a.db", OpenMode::create);
     REQUIRE(first->create(arm_signature()));
-    CHECK(first->schema_version() == 3);
+    CHECK(first->schema_version() == 4);
     const auto reader = open(directory / "a.db", OpenMode::read_only);
     const auto refused = reader->begin(internal::Store::Kind::write);
     REQUIRE(!refused.has_value());
