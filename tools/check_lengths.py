@@ -5,7 +5,7 @@
 
 usage: check_lengths.py SOURCE_DIRECTORY [--table]
 
-Hard limits: files of 600 lines, functions of 50 lines in src and 60 elsewhere, rooms of 4,000 lines, no cycles of
+Hard limits: files of 600 lines, functions of 50 lines in src and 60 elsewhere, rooms of 3,500 lines, no cycles of
 rooms. --table prints what is measured, with these limits. A function counts from the line of its { to that of its }; lambdas
 are part of theirs. A private header's users are the files that include it, without the .cpp of its name.
 """
@@ -19,7 +19,7 @@ import sys
 FILE_LIMIT = 600
 FUNCTION_LIMIT = {"src": 50}
 OTHER_FUNCTION_LIMIT = 60
-ROOM_LIMIT = 4000
+ROOM_LIMIT = 3500
 FOLDERS = ("src", "include", "apps", "python", "tests", "bench", "examples", "tools")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)

@@ -4,7 +4,7 @@
 
 #include "base/text.h"
 #include "experience/index_file.h"
-#include "store/open_store.h"
+#include "engines/open_store.h"
 #include "store/row_check.h"
 #include "experience/row_loader.h"
 #include "store/store_reads.h"

@@ -4,7 +4,7 @@
 
 #include "base/files.h"
 #include "base/new_file.h"
-#include "store/open_store.h"
+#include "engines/open_store.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/row_loader.h"
 
-#include "store/open_store.h"
+#include "engines/open_store.h"
 
 #include <fmt/format.h>
 

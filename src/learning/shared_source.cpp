@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
-#include "store/open_store.h"
+#include "engines/open_store.h"
 
 #include <unistd.h>
 #include <array>

@@ -3,7 +3,7 @@
 #include "mneme/upkeep.h"
 
 #include "base/new_file.h"
-#include "store/open_store.h"
+#include "engines/open_store.h"
 #include "store/row_check.h"
 #include "upkeep/store_upkeep.h"
 #include "upkeep/json_rows.h"

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "store/database_file.h"
-#include "store/open_store.h"
+#include "engines/database_file.h"
+#include "engines/open_store.h"
 #include "store/row_check.h"
 #include "store/store_reads.h"
 #include "upkeep/store_upkeep.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "apps/planar_files.h"
-#include "benchmark/bench_support.h"
+#include "statistics/bench_support.h"
 
 #include <cstdlib>
 #include <limits>

@@ -5,7 +5,7 @@
 #include "support/exported.h"
 #include "support/posts.h"
 #ifdef MNEME_HAS_POSTGRESQL
-#include "store/postgres_server.h"
+#include "engines/postgres_server.h"
 #endif
 
 #include <nlohmann/json.hpp>

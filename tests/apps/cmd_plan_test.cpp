@@ -372,7 +372,9 @@ TEST_SUITE("unit") {
     };
     check_bad_inputs({
         {plan({"--learn-budget", "1", "--kind", "paths"}), 1, {"does not learn on a miss"}},
-        {plan({"--learn-budget", "1", "--sampler", "halton"}), 1, {"'halton' does not query memory"}},
+        {plan({"--learn-budget", "1", "--sampler", "halton"}),
+         1,
+         {"'halton' does not query memory"}},
         {plan({"--learn-budget", "1", "--improve-rounds", "3"}), 1, {"improve-rounds"}},
         {plan({"--learn-budget", "1", "--planner", "prm", "--upright", "link_8:0.1"}),
          1,

@@ -88,7 +88,7 @@ TEST_SUITE("flow") {
 TEST_SUITE("unit") {
   TEST_CASE("wrong upkeep ends with a message and an exit code") {
     const PlanarFiles files;
-    std::filesystem::copy_file(source_file("tests/store/schema3.db"), files / "other.db");
+    std::filesystem::copy_file(source_file("tests/engines/schema3.db"), files / "other.db");
     const std::string database = files.database();
     check_bad_inputs({
         {{"db", "merge", database}, 2, {"FROM is required"}},

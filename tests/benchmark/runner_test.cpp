@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmark/bench_support.h"
+#include "statistics/bench_support.h"
 #include "support/no_threads.h"
 
 namespace mneme {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "store/fixtures.h"
-#include "store/open_store.h"
+#include "engines/fixtures.h"
+#include "engines/open_store.h"
 
 #include <atomic>
 #include <set>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/key_index.h"
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 // Databases that are larger than what they may take in memory.
 #include "mneme/upkeep.h"
 
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 #include "support/kinds.h"
 #include "experience/index_file.h"
 

@@ -3,7 +3,7 @@
 #include "mneme/upkeep.h"
 
 #include "experience/row_loader.h"
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 
 #include <thread>
 

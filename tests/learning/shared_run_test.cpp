@@ -6,7 +6,7 @@
 #include "support/planar_memory.h"
 
 #ifdef MNEME_HAS_POSTGRESQL
-#include "store/postgres_server.h"
+#include "engines/postgres_server.h"
 #endif
 
 #include <fmt/format.h>

@@ -49,7 +49,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a database of schema 3 is replayed from as the mneme that wrote it did") {
     const TemporaryDirectory directory;
-    std::filesystem::copy_file(source_file("tests/store/schema3_planar.db"), directory / "m.db");
+    std::filesystem::copy_file(source_file("tests/engines/schema3_planar.db"), directory / "m.db");
     Problem problem = planar_problem("scenario1");
     SolveSettings settings;
     settings.memory.kind = "paths";

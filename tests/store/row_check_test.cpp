@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 #include "store/row_check.h"
 #include "support/support.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "upkeep/json_rows.h"
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 
 #include <limits>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "store/fixtures.h"
+#include "engines/fixtures.h"
 
 #include <algorithm>
 

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/database_file.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <unistd.h>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+namespace mneme::internal {
+namespace {
+
+std::int64_t size_or_zero(const std::string& path) {
+  std::error_code missing;
+  const auto size = std::filesystem::file_size(path, missing);
+  return missing ? 0 : static_cast<std::int64_t>(size);
+}
+
+/// Only asks about the file: opening and closing it here would drop the locks that this process may
+/// hold on it.
+Result<void> check_access(const std::string& path, int access, const char* verb) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(status)) {
+    return fail(ErrorCode::io, fmt::format("{}: is a directory; expected a database file", path));
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return fail(ErrorCode::io, fmt::format("{}: is no regular file", path));
+  }
+  if (::access(path.c_str(), access) != 0) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be {}: {}", path, verb,
+                                           std::generic_category().message(errno)));
+  }
+  return {};
+}
+
+/// Makes SQLite look at the file: until then it has read nothing.
+Result<Connection> probed(Result<Connection> connection, const char* settings) {
+  if (!connection) return connection;
+  MNEME_TRY(connection->integer("PRAGMA schema_version"));
+  MNEME_TRY(connection->execute(settings));
+  return connection;
+}
+
+/// 16 MB of pages: the inner ones of a million rows stay, so that a row costs two reads.
+constexpr const char* kReading =
+    "PRAGMA cell_size_check = ON; PRAGMA query_only = ON; PRAGMA cache_size = -16384";
+constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronous = FULL";
+
+}  // namespace
+
+std::string log_path(const std::string& path) {
+  std::error_code error;
+  const auto file = std::filesystem::canonical(path, error);
+  return (error ? path : file.string()) + "-wal";
+}
+
+Result<Connection> open_for_reading(const std::string& path) {
+  MNEME_TRY(check_access(path, R_OK, "read"));
+  // A writing handle, where that is allowed, so that the log of a killed process is put in order.
+  auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
+  if (connection || connection.error().code != ErrorCode::io) return connection;
+  if (size_or_zero(log_path(path)) > 0) {
+    return fail(ErrorCode::io,
+                fmt::format("{}; its log {} holds unfinished work: open it once where its "
+                            "directory may be written",
+                            connection.error().message, log_path(path)));
+  }
+  return probed(Connection::open(path, Connection::Access::immutable), kReading);
+}
+
+Result<Connection> open_for_writing(const std::string& path, bool can_create) {
+  std::error_code ignored;
+  const bool is_new = can_create && !std::filesystem::exists(path, ignored);
+  if (!is_new) {
+    MNEME_TRY(check_access(path, R_OK | W_OK, "written"));
+  }
+  const auto access = is_new ? Connection::Access::create : Connection::Access::read_write;
+  auto connection = probed(Connection::open(path, access), kWriting);
+  if (connection && !connection->is_read_only()) return connection;
+  if (!connection && connection.error().code != ErrorCode::io) return connection;
+  return fail(ErrorCode::io,
+              fmt::format("{}; expected a file that may be written in a directory that may be "
+                          "written",
+                          connection ? path + ": is read-only" : connection.error().message));
+}
+
+std::int64_t bytes_on_disk(const std::string& path) {
+  return size_or_zero(path) + size_or_zero(log_path(path));
+}
+
+namespace {
+
+std::string shell_quoted(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+std::string saving_command(const std::string& path) {
+  std::error_code ignored;
+  std::string saved = path + ".saved";
+  for (int i = 2; std::filesystem::exists(saved, ignored); ++i) {
+    saved = fmt::format("{}.saved{}", path, i);
+  }
+  const bool can_recover = sqlite3_compileoption_used("ENABLE_DBPAGE_VTAB") == 1;
+  return fmt::format(
+      "sqlite3 {0} {1} | sed 's/^ROLLBACK/COMMIT/' | sqlite3 {2}; mneme db verify {2}",
+      shell_quoted(path), can_recover ? ".recover" : ".dump", shell_quoted(saved));
+}
+
+}  // namespace mneme::internal

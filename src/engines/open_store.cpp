@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/open_store.h"
+
+#include "engines/postgres_store.h"
+#include "store/row_check.h"
+#include "engines/sqlite_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <system_error>
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::string_view kHidden = "***";
+
+std::string scheme_of(const std::string& url) {
+  const std::size_t end = url.find("://");
+  if (end == std::string::npos) return "";
+  const std::string scheme = url.substr(0, end);
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  return std::ranges::all_of(scheme, is_letter) ? scheme : "";
+}
+
+}  // namespace
+
+Result<Engine> engine_of(const std::string& url) {
+  const std::string scheme = scheme_of(url);
+  if (scheme.empty()) return Engine::sqlite;
+  if (scheme == "postgresql" || scheme == "postgres") return Engine::postgresql;
+  return fail(ErrorCode::unsupported,
+              fmt::format("{}: databases of kind '{}' are not supported; expected the path of an "
+                          "SQLite file or postgresql://...",
+                          without_password(url), scheme));
+}
+
+std::string lasting_url(const std::string& url) {
+  if (engine_of(url) != Engine::sqlite) return url;
+  std::error_code error;
+  const auto path = std::filesystem::absolute(url, error);
+  return error ? url : path.string();
+}
+
+std::string without_password(const std::string& url) {
+  std::string shown = url;
+  const std::size_t scheme = shown.find("://");
+  if (scheme == std::string::npos) return shown;
+  const std::size_t begin = scheme + 3;
+  // As libpq reads it: a question mark may stand in a password.
+  const std::size_t host_end = std::min(shown.find('/', begin), shown.size());
+  const std::size_t at = shown.rfind('@', host_end);
+  const std::size_t colon = shown.find(':', begin);
+  if (at != std::string::npos && at >= begin && colon < at) {
+    shown.replace(colon + 1, at - colon - 1, kHidden);
+  }
+  constexpr std::string_view kKey = "password=";  // and with it sslpassword
+  std::size_t found = shown.find(kKey);
+  for (; found != std::string::npos; found = shown.find(kKey, found)) {
+    found += kKey.size();
+    const std::size_t end = std::min(shown.find('&', found), shown.size());
+    shown.replace(found, end - found, kHidden);
+  }
+  return shown;
+}
+
+namespace {
+
+#ifndef MNEME_HAS_POSTGRESQL
+tl::unexpected<Error> refuse_postgres(const std::string& url) {
+  return fail(
+      ErrorCode::unsupported,
+      fmt::format("{}: this mneme was built without PostgreSQL; build it where libpq-dev is "
+                  "installed",
+                  without_password(url)));
+}
+#endif
+
+/// Reads what the store is of.
+Result<OpenedStore> identified(std::unique_ptr<Store> store) {
+  OpenedStore opened;
+  const auto version = MNEME_TRY(store->schema_version());
+  opened.schema_version = version;
+  if (version > 0) {
+    const auto signature = MNEME_TRY(store->signature());
+    opened.signature = signature;
+  }
+  opened.store = std::move(store);
+  return opened;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode) {
+  const auto engine = MNEME_TRY(engine_of(url));
+  if (engine == Engine::sqlite) return open_sqlite_store(url, mode);
+#ifdef MNEME_HAS_POSTGRESQL
+  return open_postgres_store(url, mode);
+#else
+  return refuse_postgres(url);
+#endif
+}
+
+Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& signature,
+                                  OpenMode mode) {
+  if (signature.joint_count < 1) {
+    return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
+                                                without_password(url), describe(signature)));
+  }
+  auto opened = open_store(url, mode).and_then(identified);
+  if (!opened) return opened;
+  if (opened->schema_version == 0) {
+    if (mode == OpenMode::read_only) {
+      opened->signature = signature;
+      return opened;
+    }
+    MNEME_TRY(opened->store->create(signature));
+    opened = identified(std::move(opened->store));
+    if (!opened) return opened;
+  }
+  if (!is_same_robot(opened->signature, signature)) {
+    return refuse_robot(opened->store->name(), opened->signature, signature);
+  }
+  return opened;
+}
+
+Result<OpenedStore> inspect_store(const std::string& url) {
+  return open_store(url, OpenMode::read_only).and_then(identified);
+}
+
+Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
+                                              const RobotSignature& signature, TaskOwner owner) {
+  const auto engine = MNEME_TRY(engine_of(url));
+  if (engine == Engine::sqlite) {
+    return fail(ErrorCode::unsupported,
+                fmt::format("{}: workers share tasks on a PostgreSQL server only; for a file, "
+                            "learn in shards and merge them",
+                            url));
+  }
+#ifdef MNEME_HAS_POSTGRESQL
+  return open_postgres_tasks(url, signature, std::move(owner));
+#else
+  (void)signature;
+  (void)owner;
+  return refuse_postgres(url);
+#endif
+}
+
+Error with_advice(Error error, const std::string& url) {
+  if (error.code == ErrorCode::corrupt) {
+    error.message += fmt::format("; `mneme db verify {}` names all damage and says what to do",
+                                 without_password(url));
+  }
+  return error;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/postgres_store.h"
+
+#include "engines/row_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::string_view kServerJoin =
+    "FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id = e.id AND m.cell = e.cell";
+
+std::string array_of_contents(std::span<const ContentHash> contents) {
+  std::string text = "{";
+  for (const ContentHash& content : contents) {
+    if (text.size() > 1) text += ',';
+    text += "\"\\\\x" + to_hex(content) + "\"";
+  }
+  return text + "}";
+}
+
+class PostgresTransaction final : public StoreTransaction {
+ public:
+  PostgresTransaction(PostgresConnection& connection, Store::Kind kind, bool is_empty)
+      : connection_(connection), kind_(kind), is_empty_(is_empty) {}
+  PostgresTransaction(const PostgresTransaction&) = delete;
+  PostgresTransaction& operator=(const PostgresTransaction&) = delete;
+  ~PostgresTransaction() override {
+    if (!is_over_) (void)connection_.query("ROLLBACK");
+  }
+
+  Result<StoreState> head() override {
+    if (is_empty_) return StoreState{};
+    return read_postgres_head(connection_, kind_ == Store::Kind::write);
+  }
+
+  Result<void> read_tombstones(std::int64_t after, const TombstoneVisitor& visit) override {
+    if (is_empty_) return {};
+    return connection_.stream(
+        "SELECT id, row_id, generation, reason, time, checksum FROM mneme_tombstone "
+        "WHERE id > $1::bigint ORDER BY id",
+        {std::to_string(after)},
+        [&](const PostgresAnswer& answer) { return visit(read_tombstone(PostgresRow(answer))); });
+  }
+
+  Result<void> read_rows(std::int64_t after, RowParts parts, const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    const std::string select =
+        parts == RowParts::keys
+            ? fmt::format("SELECT {} FROM mneme_experience e", kKeyColumns)
+            : fmt::format("SELECT {}, {} {}", kKeyColumns, kMixtureColumns, kServerJoin);
+    return connection_.stream(
+        select + " WHERE e.id > $1::bigint ORDER BY e.id", {std::to_string(after)},
+        [&](const PostgresAnswer& answer) { return visit(read_row(PostgresRow(answer), parts)); });
+  }
+
+  Result<void> read_rows_by_id(std::span<const std::int64_t> ids,
+                               const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    return connection_.stream(fmt::format("SELECT {}, {} {} WHERE e.id = ANY($1::bigint[])",
+                                          kKeyColumns, kMixtureColumns, kServerJoin),
+                              {array_of(ids)}, [&](const PostgresAnswer& answer) {
+                                return visit(read_row(PostgresRow(answer), RowParts::all));
+                              });
+  }
+
+  Result<std::vector<KnownRow>> find_contents(std::span<const ContentHash> contents) override {
+    std::vector<KnownRow> known;
+    MNEME_TRY(connection_.stream(
+        "SELECT e.id, coalesce(m.tool, ''), coalesce(m.settings, ''), coalesce(m.seed, 0), "
+        "coalesce(m.time, ''), e.content FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id "
+        "= e.id AND m.cell = e.cell WHERE e.content = ANY($1::bytea[]) AND NOT EXISTS (SELECT 1 "
+        "FROM mneme_tombstone t WHERE t.row_id = e.id) ORDER BY e.id DESC",
+        {array_of_contents(contents)}, [&](const PostgresAnswer& answer) {
+          ContentHash content{};
+          const auto bytes = answer.blob(0, 5);
+          std::copy_n(bytes.begin(), std::min(bytes.size(), content.size()), content.begin());
+          known.push_back(read_known_row(PostgresRow(answer), content));
+          return Result<void>();
+        }));
+    return known;
+  }
+
+  Result<std::optional<std::size_t>> find_key_size(std::string_view kind) override {
+    const auto found = MNEME_TRY(
+        connection_.query("SELECT length(e.key) FROM mneme_experience e WHERE e.kind = $1 "
+                          "AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id) "
+                          "ORDER BY e.id LIMIT 1",
+                          {std::string(kind)}));
+    if (found.row_count() == 0) return std::nullopt;
+    return static_cast<std::size_t>(found.integer(0, 0)) / sizeof(double);
+  }
+
+  Result<std::vector<std::int64_t>> find_orphans() override {
+    std::vector<std::int64_t> ids;
+    if (is_empty_) return ids;
+    const auto found = connection_.stream(
+        "SELECT m.id FROM mneme_mixture m LEFT JOIN mneme_experience e ON e.id = m.id AND e.cell = "
+        "m.cell WHERE e.id IS NULL AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id "
+        "= m.id) ORDER BY m.id",
+        {}, [&](const PostgresAnswer& answer) {
+          ids.push_back(answer.integer(0, 0));
+          return Result<void>();
+        });
+    if (!found) return tl::unexpected(found.error());
+    return ids;
+  }
+
+  Result<void> add_rows(std::span<const StoredRow> rows) override {
+    BinaryCopy keys, mixtures;
+    for (const StoredRow& row : rows) {
+      write_key(keys.row(kKeyWidth), row);
+      write_mixture(mixtures.row(kMixtureWidth), row);
+    }
+    if (rows.empty()) return {};
+    return connection_
+        .copy_in("COPY mneme_experience FROM STDIN WITH (FORMAT binary)", keys.finish())
+        .and_then([&] {
+          return connection_.copy_in("COPY mneme_mixture FROM STDIN WITH (FORMAT binary)",
+                                     mixtures.finish());
+        });
+  }
+
+  Result<void> add_tombstones(std::span<const Tombstone> tombstones) override {
+    if (tombstones.empty()) return {};
+    BinaryCopy copy;
+    for (const Tombstone& tombstone : tombstones) {
+      write_tombstone(copy.row(kTombstoneWidth), tombstone);
+    }
+    return connection_.copy_in("COPY mneme_tombstone FROM STDIN WITH (FORMAT binary)",
+                               copy.finish());
+  }
+
+  Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
+    return connection_
+        .query("DELETE FROM mneme_tombstone WHERE id = ANY($1::bigint[])", {array_of(ids)})
+        .map([](const PostgresAnswer&) {});
+  }
+
+  Result<void> set_head(const StoreState& state) override {
+    return write_postgres_head(connection_, state);
+  }
+
+  Result<void> remove_dead() override {
+    for (const char* sql :
+         {"DELETE FROM mneme_mixture WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+          "DELETE FROM mneme_experience WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+          "DELETE FROM mneme_tombstone"}) {
+      MNEME_TRY(connection_.query(sql));
+    }
+    return {};
+  }
+
+  Result<void> commit() override {
+    const auto committed = connection_.query("COMMIT");
+    is_over_ = true;
+    if (!committed) return tl::unexpected(committed.error());
+    if (committed->command() == "COMMIT") return {};
+    return fail(ErrorCode::io,
+                fmt::format("{}: the transaction was rolled back", connection_.name()));
+  }
+
+ private:
+  PostgresConnection& connection_;
+  Store::Kind kind_;
+  bool is_empty_;
+  bool is_over_ = false;
+};
+
+class PostgresStore final : public Store {
+ public:
+  PostgresStore(std::shared_ptr<PostgresConnection> connection, OpenMode mode)
+      : owner_(std::move(connection)), connection_(*owner_), mode_(mode) {}
+
+  const std::string& name() const override { return connection_.name(); }
+
+  Result<int> schema_version() override {
+    if (version_ > 0) return version_;
+    return connection_.revive()
+        .and_then([&] { return read_postgres_version(connection_); })
+        .map([&](int version) { return version_ = version; });
+  }
+
+  Result<RobotSignature> signature() override { return read_postgres_signature(connection_); }
+
+  Result<void> create(const RobotSignature& signature) override {
+    return create_postgres_schema(connection_, signature);
+  }
+
+  Result<void> set_signature(const RobotSignature& signature) override {
+    return replace_postgres_signature(connection_, signature);
+  }
+
+  Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
+    if (kind == Kind::write && mode_ == OpenMode::read_only) {
+      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+    }
+    const auto version = connection_.revive().and_then([&] { return schema_version(); });
+    if (!version) return tl::unexpected(version.error());
+    MNEME_TRY(connection_.query(kind == Kind::read
+                                    ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
+                                    : "BEGIN ISOLATION LEVEL READ COMMITTED"));
+    auto transaction = std::make_unique<PostgresTransaction>(connection_, kind, *version == 0);
+    if (kind == Kind::write) {
+      MNEME_TRY(prepare_writing());
+    }
+    return transaction;
+  }
+
+  Result<std::int64_t> bytes() override {
+    const auto size = connection_.revive().and_then([&] {
+      return connection_.query(
+          "SELECT coalesce(sum(pg_total_relation_size(to_regclass(name))), 0)::bigint FROM "
+          "unnest(ARRAY['mneme_robot', 'mneme_head', 'mneme_experience', 'mneme_mixture', "
+          "'mneme_tombstone']) AS name");
+    });
+    if (!size) return tl::unexpected(size.error());
+    return size->integer(0, 0);
+  }
+
+  /// A server looks after its own files.
+  Result<void> check_structure(std::vector<Damage>&) override { return {}; }
+
+  Result<void> reclaim() override {
+    for (const char* sql :
+         {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
+      MNEME_TRY(connection_.query(sql));
+    }
+    return {};
+  }
+
+ private:
+  /// Locks the head, whether or not it is sound, and makes a commit wait for the disk even where
+  /// the server's settings do not.
+  Result<void> prepare_writing() {
+    for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
+                            "SELECT set_config('synchronous_commit', 'on', true) WHERE "
+                            "current_setting('synchronous_commit') = 'off'"}) {
+      MNEME_TRY(connection_.query(sql));
+    }
+    return {};
+  }
+
+  std::shared_ptr<PostgresConnection> owner_;
+  PostgresConnection& connection_;
+  OpenMode mode_;
+  int version_ = 0;
+};
+
+}  // namespace
+
+namespace {
+
+/// Brings tables of kOldSchema up to ours, unless another process was faster.
+Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
+  MNEME_TRY(connection.query("BEGIN"));
+  PostgresTransaction transaction(connection, Store::Kind::write, false);
+  if (mode != OpenMode::read_only) MNEME_TRY(transaction.head());
+  const auto version = MNEME_TRY(read_postgres_version(connection));
+  if (version != kOldSchema) return {};
+  MNEME_TRY(migrate_tables(connection, mode, [&](const OldRows& old_rows) {
+    return migrate_rows(connection.name(), old_rows, transaction);
+  }));
+  return transaction.commit();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
+  auto connection = MNEME_TRY(PostgresConnection::open(url));
+  const auto version = MNEME_TRY(read_postgres_version(connection));
+  if (version == kOldSchema) MNEME_TRY(migrate(connection, mode));
+  return make_postgres_store(std::make_shared<PostgresConnection>(std::move(connection)), mode);
+}
+
+std::unique_ptr<Store> make_postgres_store(std::shared_ptr<PostgresConnection> connection,
+                                           OpenMode mode) {
+  return std::make_unique<PostgresStore>(std::move(connection), mode);
+}
+
+}  // namespace mneme::internal

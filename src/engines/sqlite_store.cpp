@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/sqlite_store.h"
+
+#include "engines/database_file.h"
+#include "engines/row_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+constexpr std::string_view kFileJoin = "FROM experience e LEFT JOIN mixture m ON m.id = e.id";
+
+class SqliteTransaction final : public StoreTransaction {
+ public:
+  SqliteTransaction(Connection& connection, Transaction transaction, bool is_empty)
+      : connection_(connection), transaction_(std::move(transaction)), is_empty_(is_empty) {}
+
+  Result<StoreState> head() override { return is_empty_ ? StoreState{} : read_head(connection_); }
+
+  Result<void> read_tombstones(std::int64_t after, const TombstoneVisitor& visit) override {
+    if (is_empty_) return {};
+    auto statement =
+        MNEME_TRY(connection_.prepare("SELECT id, row, generation, reason, time, checksum FROM "
+                                      "tombstone WHERE id > ? ORDER BY id"));
+    statement.add(after);
+    return statement.for_each([&] { return visit(read_tombstone(statement)); });
+  }
+
+  Result<void> read_rows(std::int64_t after, RowParts parts, const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    const std::string select =
+        parts == RowParts::keys
+            ? fmt::format("SELECT {} FROM experience e", kKeyColumns)
+            : fmt::format("SELECT {}, {} {}", kKeyColumns, kMixtureColumns, kFileJoin);
+    auto statement = MNEME_TRY(connection_.prepare(select + " WHERE e.id > ? ORDER BY e.id"));
+    statement.add(after);
+    return statement.for_each([&] { return visit(read_row(statement, parts)); });
+  }
+
+  Result<void> read_rows_by_id(std::span<const std::int64_t> ids,
+                               const RowVisitor& visit) override {
+    if (is_empty_) return {};
+    const auto statement = MNEME_TRY(connection_.kept(
+        fmt::format("SELECT {}, {} {} WHERE e.id = ?", kKeyColumns, kMixtureColumns, kFileJoin)));
+    for (const std::int64_t id : ids) {
+      statement->add(id);
+      MNEME_TRY(statement->for_each([&] { return visit(read_row(*statement, RowParts::all)); }));
+      statement->reset();
+    }
+    return {};
+  }
+
+  Result<std::vector<std::int64_t>> find_orphans() override {
+    std::vector<std::int64_t> ids;
+    if (is_empty_) return ids;
+    auto statement = MNEME_TRY(connection_.prepare(
+        "SELECT m.id FROM mixture m LEFT JOIN experience e ON e.id = m.id WHERE e.id IS NULL "
+        "AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = m.id) ORDER BY m.id"));
+    MNEME_TRY(statement.for_each([&] {
+      ids.push_back(statement.integer(0));
+      return Result<void>();
+    }));
+    return ids;
+  }
+
+  Result<std::vector<KnownRow>> find_contents(std::span<const ContentHash> contents) override {
+    auto statement = MNEME_TRY(connection_.prepare(
+        "SELECT e.id, m.tool, m.settings, m.seed, m.time FROM experience e LEFT JOIN mixture m ON "
+        "m.id = e.id WHERE e.content = ? AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = "
+        "e.id) ORDER BY e.id LIMIT 1"));
+    std::vector<KnownRow> known;
+    for (const ContentHash& content : contents) {
+      statement.add(std::span<const std::byte>(content));
+      MNEME_TRY(statement.for_each([&] {
+        known.push_back(read_known_row(statement, content));
+        return Result<void>();
+      }));
+      statement.reset();
+    }
+    return known;
+  }
+
+  Result<std::optional<std::size_t>> find_key_size(std::string_view kind) override {
+    auto statement = MNEME_TRY(connection_.prepare(
+        "SELECT length(e.key) FROM experience e WHERE e.kind = ? "
+        "AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = e.id) ORDER BY e.id LIMIT 1"));
+    const auto has_row = MNEME_TRY(statement.add(kind).step());
+    if (!has_row) return std::nullopt;
+    return static_cast<std::size_t>(statement.integer(0)) / sizeof(double);
+  }
+
+  Result<void> add_rows(std::span<const StoredRow> rows) override {
+    auto key =
+        MNEME_TRY(connection_.prepare("INSERT INTO experience VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+    auto mixture = MNEME_TRY(connection_.prepare(
+        "INSERT INTO mixture VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+    for (const StoredRow& row : rows) {
+      write_key(key, row);
+      MNEME_TRY(key.run());
+      write_mixture(mixture, row);
+      MNEME_TRY(mixture.run());
+    }
+    return {};
+  }
+
+  Result<void> add_tombstones(std::span<const Tombstone> tombstones) override {
+    auto insert = MNEME_TRY(connection_.prepare("INSERT INTO tombstone VALUES (?, ?, ?, ?, ?, ?)"));
+    for (const Tombstone& tombstone : tombstones) {
+      write_tombstone(insert, tombstone);
+      MNEME_TRY(insert.run());
+    }
+    return {};
+  }
+
+  Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
+    auto removal = MNEME_TRY(connection_.prepare("DELETE FROM tombstone WHERE id = ?"));
+    for (const std::int64_t id : ids) MNEME_TRY(removal.add(id).run());
+    return {};
+  }
+
+  Result<void> remove_dead() override {
+    return connection_.execute(
+        "DELETE FROM mixture WHERE id IN (SELECT row FROM tombstone);"
+        "DELETE FROM experience WHERE id IN (SELECT row FROM tombstone);"
+        "DELETE FROM tombstone");
+  }
+
+  Result<void> set_head(const StoreState& state) override { return write_head(connection_, state); }
+  Result<void> commit() override { return transaction_.commit(); }
+
+ private:
+  Connection& connection_;
+  Transaction transaction_;
+  bool is_empty_;
+};
+
+/// Makes an opened file ready to be written.
+Result<void> prepare_for_writing(Connection& connection) {
+  MNEME_TRY(check_pages(connection));
+  MNEME_TRY(mark(connection));
+  MNEME_TRY(connection.enter_wal_mode());
+  // Content hashes are spread over their index at random: it should stay in memory.
+  return connection.execute("PRAGMA cache_size = -65536");
+}
+
+/// Brings a database of kOldSchema up to ours, unless another process was faster.
+Result<void> migrate(Connection& connection) {
+  auto writing = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::write));
+  const auto version = MNEME_TRY(identify(connection));
+  if (version != kOldSchema) return {};
+  SqliteTransaction transaction(connection, std::move(writing), false);
+  MNEME_TRY(migrate_tables(connection, [&](const OldRows& old_rows) {
+    return migrate_rows(connection.path(), old_rows, transaction);
+  }));
+  return transaction.commit();
+}
+
+class SqliteStore final : public Store {
+ public:
+  SqliteStore(Connection connection, OpenMode mode)
+      : connection_(std::move(connection)), mode_(mode) {}
+
+  const std::string& name() const override { return connection_.path(); }
+
+  Result<int> schema_version() override {
+    const auto transaction = MNEME_TRY(Transaction::begin(connection_, Transaction::Kind::read));
+    return current_version();
+  }
+
+  Result<RobotSignature> signature() override { return read_signature(connection_); }
+
+  Result<void> create(const RobotSignature& robot) override {
+    MNEME_TRY(create_schema(connection_, robot));
+    return prepare_for_writing(connection_);
+  }
+
+  Result<void> set_signature(const RobotSignature& robot) override {
+    auto transaction = MNEME_TRY(Transaction::begin(connection_, Transaction::Kind::write));
+    MNEME_TRY(write_signature(connection_, robot));
+    return transaction.commit();
+  }
+
+  Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
+    if (kind == Kind::write && mode_ == OpenMode::read_only) {
+      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+    }
+    MNEME_TRY(look_again());
+    auto transaction = MNEME_TRY(Transaction::begin(
+        connection_, kind == Kind::read ? Transaction::Kind::read : Transaction::Kind::write));
+    const auto version = MNEME_TRY(current_version());
+    return std::make_unique<SqliteTransaction>(connection_, std::move(transaction), version == 0);
+  }
+
+  Result<std::int64_t> bytes() override { return bytes_on_disk(connection_.lasting_path()); }
+
+  Result<void> check_structure(std::vector<Damage>& damages) override {
+    auto statement = MNEME_TRY(connection_.prepare("PRAGMA integrity_check"));
+    return statement.for_each([&] {
+      std::string what(statement.text(0));
+      std::ranges::replace(what, '\n', ' ');
+      if (what != "ok") damages.push_back({0, std::move(what)});
+      return Result<void>();
+    });
+  }
+
+  Result<void> reclaim() override {
+    return connection_.execute("VACUUM; PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+
+ private:
+  /// What SQLite reads as immutable it never looks at again by itself.
+  Result<void> look_again() {
+    if (!connection_.is_immutable()) return {};
+    auto connection = MNEME_TRY(open_for_reading(connection_.lasting_path()));
+    connection_ = std::move(connection);
+    return {};
+  }
+
+  /// Identifies the file, unless its tables are those that it had the last time.
+  Result<int> current_version() {
+    const auto cookie = MNEME_TRY(connection_.integer("PRAGMA schema_version"));
+    if (version_ > 0 && cookie_ == cookie) return version_;
+    const auto version = MNEME_TRY(identify(connection_));
+    if (version == kOldSchema) return refuse_schema(name(), version);
+    cookie_ = cookie;
+    version_ = version;
+    return version_;
+  }
+
+  Connection connection_;
+  OpenMode mode_;
+  std::int64_t cookie_ = -1;
+  int version_ = 0;
+};
+
+/// In one snapshot, because another process may be creating the tables.
+Result<int> identify_once(Connection& connection) {
+  const auto transaction = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::read));
+  return identify(connection);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMode mode) {
+  const bool is_writer = mode != OpenMode::read_only;
+  auto connection = MNEME_TRY(is_writer ? open_for_writing(path, mode == OpenMode::create)
+                                        : open_for_reading(path));
+  // Before anything is written: a stranger's file stays as it is.
+  const auto version = MNEME_TRY(identify_once(connection));
+  // A new file gets its page size, which a log would fix, before it gets a log.
+  if (is_writer && version != 0) MNEME_TRY(prepare_for_writing(connection));
+  if (version == kOldSchema) {
+    if (!is_writer) {
+      auto copy = MNEME_TRY(connection.copy_in_memory());
+      connection = std::move(copy);
+    }
+    MNEME_TRY(migrate(connection));
+  }
+  return std::make_unique<SqliteStore>(std::move(connection), mode);
+}
+
+}  // namespace mneme::internal
