@@ -7,6 +7,7 @@
 #include "options.h"
 
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 namespace {
