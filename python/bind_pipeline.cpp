@@ -271,7 +271,7 @@ std::string plan_help() {
   return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
          "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
          "database, 'uniform' without. isa: instruction set of the kernels.\n"
-         "memory: 'auto', 'off' or 'paper' (the paper's literal rules).\n"
+         "memory: str = 'auto', or 'off', or 'paper' for the paper's literal rules.\n"
          "record: keep some of the samples and edges, to be seen in view(); costs a little "
          "time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +

@@ -61,8 +61,10 @@ TEST_SUITE("flow") {
       problem.constraints = {{"link_8", Vec3::UnitZ(), Vec3::UnitZ(), angle}};
       if (angle == 0) problem.constraints.clear();
       const SolveResult result = solve(problem, &*database, settings).value();
-      CHECK(result.plan.path.size() == 11);
-      CHECK(path_length(problem.robot, result.plan.path) == doctest::Approx(10.521183514462283));
+      if (result.replay.is_hit()) {
+        CHECK(result.plan.path.size() == 11);
+        CHECK(path_length(problem.robot, result.plan.path) == doctest::Approx(10.521183514462283));
+      }
       return result.replay.row;
     };
     CHECK(replayed_row(0) == 3);
