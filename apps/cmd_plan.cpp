@@ -327,7 +327,7 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
                   "and left out; 0: only those in contact (default: none)")
       ->type_name("X");
   add_database(command, options.db, options.kept,
-               "memory: an SQLite file; made if missing when there is a --learn-budget");
+               "memory: an SQLite file or postgresql://..; a file is made if planning adds to it");
 }
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
