@@ -27,6 +27,16 @@ GaussianMixture pool_matches(const MemoryQuery& query, std::vector<Match> matche
   return pool_moved_means(query, {&retrieval, 1});
 }
 
+/// A row whose remembered path is a sampler: a component at each waypoint.
+std::shared_ptr<const Experience> with_waypoints_as_means(const Experience& row) {
+  LocalSampler sampler;
+  sampler.joint_count = row.path().joint_count;
+  sampler.means = row.path().waypoints;
+  auto pooled = std::make_shared<Experience>(row);
+  pooled->content = std::move(sampler);
+  return pooled;
+}
+
 /// Mean over the circles of `a` of the squared distance to the nearest of `b`.
 double one_way_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
   double sum = 0;
@@ -50,10 +60,10 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
 
 Result<GaussianMixture> pool_all(const Query& query, const MemoryQuery& asked) {
   std::vector<Match> matches;
-  return query.database->for_each([&](const auto& row) {
-                         matches.push_back({row, 0, {}});
-                       })
-      .map([&] { return pool_matches(asked, std::move(matches)); });
+  MNEME_TRY(query.database->for_each([&](const auto& row) {
+    matches.push_back({row->is_path() ? with_waypoints_as_means(*row) : row, 0, {}});
+  }));
+  return pool_matches(asked, std::move(matches));
 }
 
 Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQuery& asked) {
@@ -71,7 +81,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
     const auto visited = query.database->for_each([&](const auto& row) {
-      if (row->kind != kind.kind->version) return;
+      if (row->kind != kind.kind->version || row->is_path()) return;
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
     });
     if (!visited) return tl::unexpected(visited.error());

@@ -47,6 +47,7 @@ Result<std::vector<Entry>> look_up(const Query& query) {
       const auto rows = MNEME_TRY(query.database->find(
           kind.kind->version, {&primitives[i].primitive.key, 1}, kind.replay * kind.replay, 0));
       for (const KeyMatch& row : rows) {
+        if (!row.experience->is_path()) continue;
         entries.push_back({row.experience->id, row.similarity_error, 0,
                            stored_path(asked, asked.goals[i], *row.experience)});
       }

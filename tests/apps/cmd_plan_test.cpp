@@ -283,10 +283,11 @@ TEST_SUITE("unit") {
          {"--db-memory", "'-1'", "0 to 1000000"}},
         {{"plan", problem, "--db-memory", "1"}, 2, {"--db-memory", "requires --db"}},
         {{"plan", problem, "--db", ""}, 2, {"--db", "got an empty text"}},
-        {{"plan", problem, "--sampler", "gaussian"},
-         1,
-         {"'gaussian' is for planners", "ompl:PRM", "not 'rrt_connect'"}},
     });
+    const PlanarFiles files;
+    check_bad_inputs({{{"plan", files.problem(), "--sampler", "gaussian"},
+                       1,
+                       {"'gaussian' is for planners", "ompl:PRM", "not 'rrt_connect'"}}});
   }
 
   TEST_CASE("files that are missing or malformed are failures that name the file") {
@@ -420,12 +421,12 @@ TEST_SUITE("unit") {
     CHECK_FALSE(std::filesystem::exists(files / "p.svg"));
   }
 
-  TEST_CASE("a memory that was not asked says so") {
+  TEST_CASE("a memory that was not used says so") {
     const PlanarFiles files;
     const ProgramRun late = run_program(
         {"plan", files.problem(), "--db", files.database(), "--retrieve-after", "1000000"});
     REQUIRE_MESSAGE(late.exit_code == 0, late.err);
-    CHECK(has_text(late.out, "memory      not asked"));
+    CHECK(has_text(late.out, "memory      not used: solved before"));
     const ProgramRun without =
         run_program({"plan", files.problem(), "--db", files.database(), "--sampler", "uniform"});
     REQUIRE_MESSAGE(without.exit_code == 0, without.err);

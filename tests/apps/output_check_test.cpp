@@ -111,14 +111,14 @@ TEST_SUITE("unit") {
   TEST_CASE("a suite does not write over a memory that it names") {
     const PlanarFiles files;
     std::filesystem::create_directory(files / "out");
-    std::filesystem::copy_file(files.database(), files / "out/runs.sqlite");
+    std::filesystem::copy_file(files.database(), files / "out/report.html");
     write_file(files / "s.yaml",
-               "problems: [problem.yaml]\nmemories: {m: {file: out/runs.sqlite}}\n"
+               "problems: [problem.yaml]\nmemories: {m: {file: out/report.html}}\n"
                "settings: {a: {memory: m}}\n");
     check_bad_inputs({{{"bench", "run", files / "s.yaml", "--out", files / "out"},
                        1,
-                       {"runs.sqlite", "is a memory that is read"}}});
-    CHECK(run_program({"db", "info", files / "out/runs.sqlite"}).exit_code == 0);
+                       {"report.html", "is a memory that is read"}}});
+    CHECK(run_program({"db", "info", files / "out/report.html"}).exit_code == 0);
   }
 }
 

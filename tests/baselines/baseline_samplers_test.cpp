@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "baselines/baseline_samplers.h"
+#include "support/kinds.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -32,6 +33,17 @@ TEST_SUITE("unit") {
     CHECK(pooled.component_count() == memory.components(0) + memory.components(1));
     CHECK(memory.robot.distance(mean_of(pooled, 0), mean_of(memory.database.get(0)->sampler(), 0)) <
           1e-5);
+  }
+
+  TEST_CASE("remembered paths are pooled as a component at each waypoint") {
+    TwoRows memory;
+    const Problem problem = memory.problem({});
+    const Path path = {problem.start, Configuration(8, 0.05), problem.goals[0]};
+    REQUIRE(memory.database.insert(learn_whole_paths(memory.robot, std::vector<Path>{path})));
+    const auto pooled = internal::pool_all(*internal::make_query(problem, &memory.database, {}),
+                                           memory_query(problem));
+    REQUIRE(pooled.has_value());
+    CHECK(pooled->component_count() == memory.components(0) + memory.components(1) + 3);
   }
 
   TEST_CASE("the nearest scene is the one that was learned, whichever way it is turned") {

@@ -70,7 +70,7 @@ Result<cvae::Examples> make_examples(const Robot& robot, const Database& databas
   cvae::Examples examples;
   std::int64_t scene = 0;
   const auto read = database.for_each([&](const std::shared_ptr<const Experience>& row) {
-    if (row->kind != (*pairs)->version) return;
+    if (row->kind != (*pairs)->version || row->is_path()) return;
     add_row(robot, *row, input, half_extent, examples, scene);
   });
   if (!read) return tl::unexpected(read.error());
