@@ -44,10 +44,12 @@ Result<std::vector<Entry>> look_up(const Query& query) {
     if (!(kind.replay > 0)) continue;
     const auto primitives = MNEME_TRY(decompose(asked, kind));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const auto rows = MNEME_TRY(query.database->find(
-          kind.kind->version, {&primitives[i].primitive.key, 1}, kind.replay * kind.replay, 0));
+      const LocalPrimitive& primitive = primitives[i].primitive;
+      const auto rows = MNEME_TRY(query.database->find(kind.kind->version, {&primitive.key, 1},
+                                                       kind.replay * kind.replay, 0, nullptr,
+                                                       primitive.constraints));
       for (const KeyMatch& row : rows) {
-        if (!row.experience->is_path()) continue;
+        if (row.experience->path().waypoint_count() < 2) continue;
         entries.push_back({row.experience->id, row.similarity_error, 0,
                            stored_path(asked, asked.goals[i], *row.experience)});
       }
@@ -101,10 +103,9 @@ Result<SolveResult> fetch(const Problem& problem, Database* database, const Solv
   std::optional<CollisionChecker> checker;
   if (looks_at_scene) {
     const Stopwatch making;
-    checker.emplace(
-        MNEME_TRY(make_query_checker(problem.robot, problem.scene, query.checker_settings(),
-                                     {problem.start, problem.goals}))
-            .checker);
+    QueryChecker made = MNEME_TRY(make_query_checker(
+        problem.robot, problem.scene, query.checker_settings(), {problem.start, problem.goals}));
+    checker = std::move(made.checker);
     tables_s = making.elapsed_s();
   }
   SolveResult result;

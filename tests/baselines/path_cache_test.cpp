@@ -60,6 +60,15 @@ TEST_SUITE("unit") {
     CHECK(cell.is_free(result.plan.path));
   }
 
+  TEST_CASE("what was planned under other constraints is not found") {
+    ArmCell cell;
+    cell.remember(kKnown);
+    cell.problem.constraints = {{"link_2", Vec3::UnitZ(), Vec3::UnitZ(), 0.2}};
+    CHECK_FALSE(cell.solve("cache").replay.is_hit());
+    cell.remember(kKnown);
+    CHECK(cell.solve("cache").replay.row == cell.database.get(1)->id);
+  }
+
   TEST_CASE("errors are those of a plan") {
     ArmCell cell;
     cell.settings.lambda = 2;
