@@ -81,7 +81,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
     const auto visited = query.database->for_each([&](const auto& row) {
-      if (row->kind != kind.kind->version || row->is_path()) return;
+      if (row->kind != kind.kind->version) return;
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
     });
     if (!visited) return tl::unexpected(visited.error());

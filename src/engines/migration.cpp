@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/migration.h"
 
+#include "store/row_check.h"
 #include "store/store_reads.h"
 
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ class UpgradedRow {
   explicit UpgradedRow(const StoredRow& old) : row_(old) {
     RowView& columns = row_.columns;
     row_.flaw.clear();
-    columns.is_path = columns.kind.starts_with("paths/");
+    columns.is_path = holds_paths(columns.kind);
     columns.is_complete = columns.is_path || !columns.settings.ends_with(" cut short");
     if (columns.is_path) {
       columns.planning_states = states_in(columns.settings);

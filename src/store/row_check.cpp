@@ -72,6 +72,8 @@ std::optional<std::string> describe_key_flaw(const std::string& kind,
                      *flaw, kMaxKeyMagnitude);
 }
 
+bool holds_paths(std::string_view kind) { return kind.starts_with("paths/"); }
+
 std::optional<std::string> KeySizes::check(std::string_view kind, std::size_t size) {
   const auto known = sizes_.find(kind);
   if (known == sizes_.end()) {
@@ -119,6 +121,10 @@ std::optional<std::string> describe_flaw(const Experience& experience,
                                          const RobotSignature& signature) {
   if (auto flaw = describe_key_flaw(experience.kind, experience.key)) return flaw;
   if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
+  if (experience.is_path() != holds_paths(experience.kind)) {
+    return fmt::format("it holds a {}, which no row of kind '{}' does",
+                       experience.is_path() ? "path" : "sampler", experience.kind);
+  }
   if (!experience.is_path()) return describe_sampler_flaw(experience.sampler(), signature);
   const RememberedPath& path = experience.path();
   return describe_joint_flaw(path.joint_count, path.waypoints, "waypoints", signature);

@@ -27,6 +27,9 @@ inline constexpr std::size_t kMostKindBytes = 64;
 [[nodiscard]] std::optional<std::string> describe_key_flaw(const std::string& kind,
                                                            const std::vector<double>& key);
 
+/// True if rows of `kind` hold whole paths; those of other kinds hold samplers.
+[[nodiscard]] bool holds_paths(std::string_view kind);
+
 /// How long the keys of each kind are.
 class KeySizes {
  public:
@@ -38,9 +41,9 @@ class KeySizes {
   std::map<std::string, std::size_t, std::less<>> sizes_;
 };
 
-/// Why `experience` cannot be of that robot (sizes, values that are not finite, rows that do not
-/// exist, texts that are not UTF-8), or nothing if it can; how long the key should be is not
-/// checked. An empty sampler may have a joint count of 0.
+/// Why `experience` cannot be of that robot (content of another kind, sizes, values that are not
+/// finite, rows that do not exist, texts that are not UTF-8), or nothing if it can; how long the
+/// key should be is not checked. An empty sampler may have a joint count of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
                                                        const RobotSignature& signature);
 

@@ -50,6 +50,17 @@ TEST_SUITE("unit") {
     CHECK(flaw_after([](Experience& e) { e.kind = "caf\xc3\xa9/1"; }).empty());
   }
 
+  TEST_CASE("only rows of a kind of paths hold paths, and they hold nothing else") {
+    Rng rng(42);
+    Experience row = random_path(rng);
+    CHECK(!internal::describe_flaw(row, arm_signature()));
+    row.kind = "pairs/1";
+    CHECK(internal::describe_flaw(row, arm_signature()) ==
+          "it holds a path, which no row of kind 'pairs/1' does");
+    CHECK(flaw_after([](Experience& e) { e.kind = "paths/1"; }) ==
+          "it holds a sampler, which no row of kind 'paths/1' does");
+  }
+
   TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {
     CHECK(flaw_after([](Experience& e) { e.key.clear(); }) == "its key has no numbers");
     internal::KeySizes sizes;
