@@ -230,8 +230,10 @@ Result<void> migrate_tables(PostgresConnection& connection, OpenMode mode,
   MNEME_TRY(create(connection, kNewTables, is_reader));
   MNEME_TRY(write_rows([&](const auto& visit) { return read_old_rows(connection, visit); }));
   MNEME_TRY(insert_robot(connection, robot));
-  if (is_reader) return {};
-  return run_all(connection, {"DROP TABLE mneme_old_experience", "DROP TABLE mneme_old_mixture"});
+  // Views would keep another process from dropping the tables.
+  return run_all(connection, {is_reader ? "DROP VIEW mneme_old_experience, mneme_old_mixture, "
+                                          "mneme_old_head, mneme_old_tombstone"
+                                        : "DROP TABLE mneme_old_experience, mneme_old_mixture"});
 }
 
 }  // namespace mneme::internal

@@ -259,9 +259,13 @@ namespace {
 
 /// Brings tables of kOldSchema up to ours, unless another process was faster.
 Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
-  MNEME_TRY(connection.query("BEGIN"));
+  const bool is_reader = mode == OpenMode::read_only;
+  MNEME_TRY(connection.query(is_reader ? "BEGIN ISOLATION LEVEL REPEATABLE READ" : "BEGIN"));
   PostgresTransaction transaction(connection, Store::Kind::write, false);
-  if (mode != OpenMode::read_only) MNEME_TRY(transaction.head());
+  // Either waits for another process that brings them up, and the second lock makes the server
+  // notice what was replaced meanwhile.
+  if (!is_reader) MNEME_TRY(connection.query("SELECT 1 FROM mneme_head FOR UPDATE"));
+  MNEME_TRY(connection.query("LOCK TABLE mneme_experience IN ACCESS SHARE MODE"));
   const auto version = MNEME_TRY(read_postgres_version(connection));
   if (version != kOldSchema) return {};
   MNEME_TRY(migrate_tables(connection, mode, [&](const OldRows& old_rows) {
@@ -270,11 +274,18 @@ Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
   return transaction.commit();
 }
 
+/// Another process may replace the old tables between two looks at them.
+Result<int> read_lasting_version(PostgresConnection& connection) {
+  auto version = read_postgres_version(connection);
+  const bool is_replaced = !version && version.error().code == ErrorCode::corrupt;
+  return is_replaced ? read_postgres_version(connection) : version;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
   auto connection = MNEME_TRY(PostgresConnection::open(url));
-  const auto version = MNEME_TRY(read_postgres_version(connection));
+  const auto version = MNEME_TRY(read_lasting_version(connection));
   if (version == kOldSchema) MNEME_TRY(migrate(connection, mode));
   return make_postgres_store(std::make_shared<PostgresConnection>(std::move(connection)), mode);
 }

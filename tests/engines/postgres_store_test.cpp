@@ -130,25 +130,52 @@ void copy_old_rows(const std::string& path, PostgresConnection& connection) {
   }
 }
 
+/// The URL of a database of schema 3 on the server, with the rows of a copy of the file at `path`.
+std::string old_database(PostgresServer& server, const std::string& path) {
+  std::filesystem::copy_file(source_file("tests/engines/schema3_planar.db"), path);
+  const std::string url = server.new_url();
+  PostgresConnection connection = connect_to(url);
+  for (const char* table : kOldTables) REQUIRE(connection.query(table));
+  copy_old_rows(path, connection);
+  return url;
+}
+
 }  // namespace
 
 TEST_SUITE("flow") {
+  TEST_CASE("processes that open tables of schema 3 at once all find them brought up") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    for (int round = 0; round < 5; ++round) {
+      const TemporaryDirectory directory;
+      const std::string url = old_database(*server, directory / "a.db");
+      const auto expected = Database::inspect(directory / "a.db");
+      REQUIRE(expected.has_value());
+      std::vector<pid_t> children;
+      for (const OpenMode mode : {OpenMode::read_write, OpenMode::read_only, OpenMode::read_write,
+                                  OpenMode::read_only, OpenMode::read_write}) {
+        children.push_back(start_child([&] {
+          const auto database = Database::open(url, expected->signature(), mode);
+          if (!database) return 1;
+          return database->size() == expected->size() ? 0 : 2;
+        }));
+      }
+      for (const pid_t child : children) CHECK(wait_for(child) == 0);
+      CHECK(verify_database(url)->empty());
+    }
+  }
+
   TEST_CASE("tables of schema 3 are brought up by who writes, and copied by who reads") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
     const TemporaryDirectory directory;
-    std::filesystem::copy_file(source_file("tests/engines/schema3_planar.db"), directory / "a.db");
-    const std::string url = server->new_url();
-    {
-      PostgresConnection connection = connect_to(url);
-      for (const char* table : kOldTables) REQUIRE(connection.query(table));
-      copy_old_rows(directory / "a.db", connection);
-    }
+    const std::string url = old_database(*server, directory / "a.db");
     const auto expected = Database::inspect(directory / "a.db");
     REQUIRE_MESSAGE(expected.has_value(), (expected ? "" : expected.error().message));
+    std::vector<Result<Database>> opened;  // readers that stay keep nobody from it
     for (const OpenMode mode :
          {OpenMode::read_only, OpenMode::read_write, OpenMode::read_write, OpenMode::read_only}) {
-      const auto database = Database::open(url, expected->signature(), mode);
+      const auto& database = opened.emplace_back(Database::open(url, expected->signature(), mode));
       REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
       REQUIRE(database->size() == expected->size());
       for (std::int64_t i = 0; i < database->size(); ++i) {
