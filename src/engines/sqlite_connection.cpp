@@ -161,6 +161,7 @@ Result<Connection> Connection::open(const std::string& path, const std::string& 
   connection.path_ = std::make_unique<const std::string>(path);
   connection.handle_.reset(handle);
   if (status != SQLITE_OK) return sqlite_error(path, handle, status);
+  if (const char* file = sqlite3_db_filename(handle, "main")) connection.lasting_path_ = file;
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
   // A file from elsewhere must not run code of its own through views, triggers or a doctored
@@ -178,10 +179,9 @@ Result<Connection> Connection::copy_in_memory() {
   const int copied = backup == nullptr ? SQLITE_ERROR : sqlite3_backup_step(backup, -1);
   sqlite3_backup_finish(backup);
   if (copied != SQLITE_DONE) return sqlite_error(*path_, nullptr, copied);
+  copy.lasting_path_ = lasting_path_;
   return copy;
 }
-
-std::string Connection::lasting_path() const { return sqlite3_db_filename(handle_.get(), "main"); }
 
 Result<void> Connection::execute(const char* sql) {
   const int status = sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr);

@@ -81,8 +81,9 @@ class Connection {
 
   /// As it was asked for: for messages.
   [[nodiscard]] const std::string& path() const { return *path_; }
-  /// The file's name, which stays right when the process changes its directory.
-  [[nodiscard]] std::string lasting_path() const;
+  /// The file's name, which stays right when the process changes its directory; of a copy in
+  /// memory, that of the file.
+  [[nodiscard]] const std::string& lasting_path() const { return lasting_path_; }
   [[nodiscard]] Result<void> execute(const char* sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
   /// Prepares it once: to compile a statement takes as long as to read some rows. One at a time of
@@ -109,6 +110,7 @@ class Connection {
   std::unique_ptr<const std::string> path_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::map<std::string, Statement, std::less<>> kept_;
+  std::string lasting_path_;
   bool is_immutable_ = false;
 };
 

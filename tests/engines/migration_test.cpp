@@ -80,7 +80,9 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     const std::string path = copy_of("schema3_planar.db", directory);
     const std::string before = read_file(path);
-    const auto seen = rows_by_id(open_planar(path, OpenMode::read_only));
+    const Database reader = open_planar(path, OpenMode::read_only);
+    CHECK(reader.info().bytes == static_cast<std::int64_t>(before.size()));
+    const auto seen = rows_by_id(reader);
     CHECK(verify_database(path)->empty());
     CHECK(read_file(path) == before);
     const auto migrated = rows_by_id(open_planar(path, OpenMode::read_write));
