@@ -70,18 +70,24 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, Strand>;
 
-  Connection(HttpServer& server, Socket socket) : server_(server), stream_(std::move(socket)) {
-    const std::lock_guard lock(server_.mutex_);
-    server_.connections_.insert(this);
-  }
+  Connection(HttpServer& server, Socket socket)
+      : server_(server),
+        stream_(std::move(socket)),
+        // More than a head may have; bodies are taken out as they come.
+        buffer_(2 * std::size_t{server.limits_.head_bytes}) {}
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
   ~Connection() {
     const std::lock_guard lock(server_.mutex_);
     server_.connections_.erase(this);
+    server_.answering_.erase(this);
   }
 
   void start() {
+    {
+      const std::lock_guard lock(server_.mutex_);
+      server_.connections_.insert(this);
+    }
     asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->await_request(); });
   }
   /// From any thread. A request that is being read or answered is finished first.
@@ -275,8 +281,9 @@ void HttpServer::accept() {
   listener_->acceptor.async_accept(
       asio::make_strand(io_), [this](error_code error, Connection::Socket socket) {
         if (!error) {
-          add(std::move(socket));
+          // First, because what add() throws must not be the end of it.
           accept();
+          add(std::move(socket));
         } else if (error != asio::error::operation_aborted) {
           // Most likely out of descriptors: the client waits until another one leaves.
           accept_timer_.expires_after(kAcceptPause);

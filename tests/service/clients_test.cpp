@@ -121,6 +121,19 @@ TEST_SUITE("flow") {
     CHECK(post(*running.client(), "/v1/plan", question()).status == 200);
   }
 
+  TEST_CASE("what surrounds the chunks of a body has a limit, too") {
+    const RunningService running;
+    const std::string head =
+        "POST /v1/plan HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        "Transfer-Encoding: chunked\r\n\r\n";
+    for (const std::string& endless :
+         {"2;" + std::string(1 << 20, 'x'), "0\r\nX: " + std::string(1 << 20, 'x')}) {
+      const RawClient client(running.port());
+      static_cast<void>(client.offer(head + endless));
+      CHECK(client.hear().starts_with("HTTP/1.1 400"));
+    }
+  }
+
   TEST_CASE("a service that stops answers what runs as cancelled") {
     RunningService running(one_thread(4));
     const RawClient planning(running.port());
