@@ -37,8 +37,8 @@ struct RememberedPath {
   }
 };
 
-/// Where a row of experience came from: for people. Nothing depends on it but which of two equal
-/// rows a merge keeps.
+/// Where a row of experience came from: for people, and never parsed. By it a merge decides which
+/// of two equal rows stays, and learning that is repeated knows what it has learned before.
 struct Provenance {
   std::string tool;      ///< such as "mneme 0.2.0"
   std::string settings;  ///< of the learning, as text
