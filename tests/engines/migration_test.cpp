@@ -12,7 +12,7 @@ namespace {
 /// Copies a database of schema 3, which mneme 0.1.0 wrote.
 std::string copy_of(const std::string& name, const TemporaryDirectory& directory) {
   const std::string path = directory / "a.db";
-  std::filesystem::copy_file(source_file("tests/store/" + name), path);
+  std::filesystem::copy_file(source_file("tests/engines/" + name), path);
   std::filesystem::permissions(path, std::filesystem::perms::owner_write,
                                std::filesystem::perm_options::add);
   return path;
