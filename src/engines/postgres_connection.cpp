@@ -96,6 +96,7 @@ Result<PostgresConnection> PostgresConnection::open(const std::string& url) {
 Result<void> PostgresConnection::revive() {
   if (PQstatus(connection_.get()) == CONNECTION_OK) return {};
   PQreset(connection_.get());
+  ++revivals_;
   if (PQstatus(connection_.get()) == CONNECTION_OK) return {};
   return error_of(nullptr);
 }

@@ -75,6 +75,8 @@ class PostgresConnection {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Connects again if the connection was lost.
   [[nodiscard]] Result<void> revive();
+  /// How often it did.
+  [[nodiscard]] int revivals() const { return revivals_; }
 
   /// Parameters are text; $1 is the first.
   [[nodiscard]] Result<PostgresAnswer> query(const std::string& sql,
@@ -97,6 +99,7 @@ class PostgresConnection {
 
   std::string name_;
   std::string last_state_;
+  int revivals_ = 0;
   std::unique_ptr<pg_conn, Finish> connection_;
 };
 

@@ -3,6 +3,7 @@
 #include "engines/postgres_store.h"
 
 #include "engines/row_columns.h"
+#include "engines/sqlite_store.h"
 
 #include <fmt/format.h>
 
@@ -173,90 +174,6 @@ class PostgresTransaction final : public StoreTransaction {
   bool is_over_ = false;
 };
 
-class PostgresStore final : public Store {
- public:
-  PostgresStore(std::shared_ptr<PostgresConnection> connection, OpenMode mode)
-      : owner_(std::move(connection)), connection_(*owner_), mode_(mode) {}
-
-  const std::string& name() const override { return connection_.name(); }
-
-  Result<int> schema_version() override {
-    if (version_ > 0) return version_;
-    return connection_.revive()
-        .and_then([&] { return read_postgres_version(connection_); })
-        .map([&](int version) { return version_ = version; });
-  }
-
-  Result<RobotSignature> signature() override { return read_postgres_signature(connection_); }
-
-  Result<void> create(const RobotSignature& signature) override {
-    return create_postgres_schema(connection_, signature);
-  }
-
-  Result<void> set_signature(const RobotSignature& signature) override {
-    return replace_postgres_signature(connection_, signature);
-  }
-
-  Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
-    if (kind == Kind::write && mode_ == OpenMode::read_only) {
-      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
-    }
-    const auto version = connection_.revive().and_then([&] { return schema_version(); });
-    if (!version) return tl::unexpected(version.error());
-    MNEME_TRY(connection_.query(kind == Kind::read
-                                    ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
-                                    : "BEGIN ISOLATION LEVEL READ COMMITTED"));
-    auto transaction = std::make_unique<PostgresTransaction>(connection_, kind, *version == 0);
-    if (kind == Kind::write) {
-      MNEME_TRY(prepare_writing());
-    }
-    return transaction;
-  }
-
-  Result<std::int64_t> bytes() override {
-    const auto size = connection_.revive().and_then([&] {
-      return connection_.query(
-          "SELECT coalesce(sum(pg_total_relation_size(to_regclass(name))), 0)::bigint FROM "
-          "unnest(ARRAY['mneme_robot', 'mneme_head', 'mneme_experience', 'mneme_mixture', "
-          "'mneme_tombstone']) AS name");
-    });
-    if (!size) return tl::unexpected(size.error());
-    return size->integer(0, 0);
-  }
-
-  /// A server looks after its own files.
-  Result<void> check_structure(std::vector<Damage>&) override { return {}; }
-
-  Result<void> reclaim() override {
-    for (const char* sql :
-         {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
-      MNEME_TRY(connection_.query(sql));
-    }
-    return {};
-  }
-
- private:
-  /// Locks the head, whether or not it is sound, and makes a commit wait for the disk even where
-  /// the server's settings do not.
-  Result<void> prepare_writing() {
-    for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
-                            "SELECT set_config('synchronous_commit', 'on', true) WHERE "
-                            "current_setting('synchronous_commit') = 'off'"}) {
-      MNEME_TRY(connection_.query(sql));
-    }
-    return {};
-  }
-
-  std::shared_ptr<PostgresConnection> owner_;
-  PostgresConnection& connection_;
-  OpenMode mode_;
-  int version_ = 0;
-};
-
-}  // namespace
-
-namespace {
-
 /// Brings tables of kOldSchema up to ours, unless another process was faster.
 Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
   const bool is_reader = mode == OpenMode::read_only;
@@ -281,13 +198,107 @@ Result<int> read_lasting_version(PostgresConnection& connection) {
   return is_replaced ? read_postgres_version(connection) : version;
 }
 
+class PostgresStore final : public Store {
+ public:
+  PostgresStore(std::shared_ptr<PostgresConnection> connection, OpenMode mode)
+      : owner_(std::move(connection)), connection_(*owner_), mode_(mode) {}
+
+  const std::string& name() const override { return connection_.name(); }
+
+  Result<int> schema_version() override {
+    MNEME_TRY(revive());
+    if (version_ > 0) return version_;
+    int version = MNEME_TRY(read_lasting_version(connection_));
+    if (version == kOldSchema) {
+      MNEME_TRY(migrate(connection_, mode_));
+      version = kSchemaVersion;
+    }
+    return version_ = version;
+  }
+
+  Result<RobotSignature> signature() override { return read_postgres_signature(connection_); }
+
+  Result<void> create(const RobotSignature& signature) override {
+    return create_postgres_schema(connection_, signature);
+  }
+
+  Result<void> set_signature(const RobotSignature& signature) override {
+    return replace_postgres_signature(connection_, signature);
+  }
+
+  Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
+    if (kind == Kind::write && mode_ == OpenMode::read_only) {
+      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+    }
+    const int version = MNEME_TRY(schema_version());
+    MNEME_TRY(connection_.query(kind == Kind::read
+                                    ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
+                                    : "BEGIN ISOLATION LEVEL READ COMMITTED"));
+    auto transaction = std::make_unique<PostgresTransaction>(connection_, kind, version == 0);
+    if (kind == Kind::write) {
+      MNEME_TRY(prepare_writing());
+    }
+    return transaction;
+  }
+
+  Result<std::int64_t> bytes() override {
+    const auto size = revive().and_then([&] {
+      return connection_.query(
+          "SELECT coalesce(sum(pg_total_relation_size(to_regclass(name))), 0)::bigint FROM "
+          "unnest(ARRAY['mneme_robot', 'mneme_head', 'mneme_experience', 'mneme_mixture', "
+          "'mneme_tombstone']) AS name");
+    });
+    if (!size) return tl::unexpected(size.error());
+    return size->integer(0, 0);
+  }
+
+  /// A server looks after its own files.
+  Result<void> check_structure(std::vector<Damage>&) override { return {}; }
+
+  Result<void> reclaim() override {
+    for (const char* sql :
+         {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
+      MNEME_TRY(connection_.query(sql));
+    }
+    return {};
+  }
+
+ private:
+  /// Connects again if the connection was lost, and with it a reader's copy of old tables.
+  Result<void> revive() {
+    MNEME_TRY(connection_.revive());
+    const bool was_lost =
+        std::exchange(revivals_, connection_.revivals()) != connection_.revivals();
+    if (was_lost && mode_ == OpenMode::read_only) version_ = 0;
+    return {};
+  }
+
+  /// Locks the head, whether or not it is sound, and makes a commit wait for the disk even where
+  /// the server's settings do not.
+  Result<void> prepare_writing() {
+    for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
+                            "SELECT set_config('synchronous_commit', 'on', true) WHERE "
+                            "current_setting('synchronous_commit') = 'off'"}) {
+      MNEME_TRY(connection_.query(sql));
+    }
+    return {};
+  }
+
+  std::shared_ptr<PostgresConnection> owner_;
+  PostgresConnection& connection_;
+  OpenMode mode_;
+  int version_ = 0;
+  int revivals_ = 0;
+};
+
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
   auto connection = MNEME_TRY(PostgresConnection::open(url));
-  const auto version = MNEME_TRY(read_lasting_version(connection));
-  if (version == kOldSchema) MNEME_TRY(migrate(connection, mode));
-  return make_postgres_store(std::make_shared<PostgresConnection>(std::move(connection)), mode);
+  auto store =
+      make_postgres_store(std::make_shared<PostgresConnection>(std::move(connection)), mode);
+  MNEME_TRY(store->schema_version());
+  return store;
 }
 
 std::unique_ptr<Store> make_postgres_store(std::shared_ptr<PostgresConnection> connection,

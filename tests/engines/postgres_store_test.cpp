@@ -165,6 +165,25 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a reader of tables of schema 3 outlives its connection") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    const TemporaryDirectory directory;
+    const std::string url = old_database(*server, directory / "a.db");
+    auto reader = Database::inspect(url);
+    REQUIRE(reader.has_value());
+    const std::int64_t size = reader->size();
+    run_on_server(url,
+                  "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
+                  "pid <> pg_backend_pid() AND backend_type = 'client backend'");
+    // The first call notices it.
+    const auto lost = reader->refresh();
+    if (!lost) CHECK(lost.error().code == ErrorCode::io);
+    const auto refreshed = reader->refresh();
+    REQUIRE_MESSAGE(refreshed.has_value(), (refreshed ? "" : refreshed.error().message));
+    CHECK(reader->size() == size);
+  }
+
   TEST_CASE("tables of schema 3 are brought up by who writes, and copied by who reads") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
