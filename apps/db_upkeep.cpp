@@ -47,7 +47,9 @@ ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages
   if (options.is_json) {
     print_json({{"is_clean", damages.empty()}, {"damages", rows}});
   } else if (damages.empty()) {
-    fmt::print("the database is sound\n");
+    const auto opened = Database::inspect(options.url);
+    const bool is_empty = opened && opened->info().schema_version == 0;
+    fmt::print("the database is {}\n", is_empty ? "empty" : "sound");
   } else if (damages.front().is_quarantined) {
     fmt::print("what is left is sound\n");
   }

@@ -128,6 +128,7 @@ std::optional<Answer> refuse_framing(const HttpRequest& request) {
   const std::size_t lengths = request.count(http::field::content_length);
   const std::size_t encodings = request.count(http::field::transfer_encoding);
   if (lengths + encodings > 1) return refuse("expected one Content-Length or Transfer-Encoding");
+  if (request.count(http::field::host) > 1) return refuse("expected one header Host");
   const std::string length = header(request, http::field::content_length);
   if (length.find(',') != std::string::npos) {
     return refuse("Content-Length: expected a whole number");

@@ -35,6 +35,8 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     CHECK(run_upkeep({"db", "verify", files.database()})["is_clean"] == true);
     CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
+    write_file(files / "empty.db", "");
+    CHECK(has_text(run_program({"db", "verify", files / "empty.db"}).out, "is empty"));
 
     const std::string damaged = damaged_copy(files);
     const Json report = run_upkeep({"db", "verify", damaged, "--report"}, 5);

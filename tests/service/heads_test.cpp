@@ -42,6 +42,7 @@ TEST_SUITE("flow") {
                                     kPost + "Content-Length: 5\r\n" + chunked,
                                     kPost + chunked + chunked,
                                     kPost + "Content-Length: 0\r\n" + length,
+                                    kPost + "Host: evil.com\r\n" + length,
                                     kPost + "Content-Length: abc\r\n",
                                     kPost + "Content-Length: +0\r\n",
                                     kPost + "Content-Length: 0x0\r\n",
