@@ -174,7 +174,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   Answer answer_or_fail() {
     try {
       return server_.handlers_.answer(parser_->get(), is_cancelled_);
-    } catch (const std::exception&) {
+    } catch (...) {  // whatever it is, other clients are served
       return refusal(500, "internal", "the request could not be answered");
     }
   }
