@@ -112,19 +112,19 @@ const std::vector<OldValues> kOldValues = {
 void copy_old_rows(const std::string& path, PostgresConnection& connection) {
   auto file = internal::Connection::open(path, internal::Connection::Access::read_write);
   REQUIRE(file.has_value());
-  for (const auto& [table, columns] : kOldValues) {
+  for (const OldValues& old : kOldValues) {
     std::string selected;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      selected += (i > 0 ? ", quote(" : "quote(") + columns[i] + ")";
+    for (std::size_t i = 0; i < old.columns.size(); ++i) {
+      selected += (i > 0 ? ", quote(" : "quote(") + old.columns[i] + ")";
     }
-    auto select = file->prepare("SELECT " + selected + " FROM " + table);
+    auto select = file->prepare("SELECT " + selected + " FROM " + old.table);
     REQUIRE(select.has_value());
     REQUIRE(select->for_each([&] {
       std::string values;
-      for (int i = 0; i < static_cast<int>(columns.size()); ++i) {
+      for (int i = 0; i < static_cast<int>(old.columns.size()); ++i) {
         values += (i > 0 ? ", " : "") + std::string(select->text(i));
       }
-      return connection.query("INSERT INTO mneme_" + table + " VALUES (" + values + ")")
+      return connection.query("INSERT INTO mneme_" + old.table + " VALUES (" + values + ")")
           .map([](const auto&) {});
     }));
   }
