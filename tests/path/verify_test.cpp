@@ -41,7 +41,6 @@ TEST_SUITE("unit") {
     CheckerSettings coarse;
     coarse.resolution = 1;
     const CollisionChecker checker = make_checker(world, coarse);
-    CheckCounters counters;
     const std::vector<Configuration> path = {{-2, 0, 0}, {2, 0, 0}};
     CHECK(invalid_motion(checker, path) == 0);
     coarse.resolution = 0.001;

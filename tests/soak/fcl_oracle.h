@@ -51,7 +51,6 @@ class FclOracle {
   [[nodiscard]] bool overlaps_itself(Overlap& worst) const;
 
   const Robot& robot_;
-  const Scene& scene_;
   std::vector<std::vector<Part>> links_;
   std::vector<fcl::AABBd> link_bounds_;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> obstacles_;

@@ -15,7 +15,7 @@ Experience small_experience() {
   Experience experience;
   experience.kind = "pairs/1";
   experience.key = {1, 0, 0.5, 2, 0, 0.25};
-  experience.sampler() = {3, {1, -2, 0.5}, {0}, {1, 0, 1, 0, 0, 1}, {7}};
+  experience.sampler() = {{3, {1, -2, 0.5}, {0}, {1, 0, 1, 0, 0, 1}, {7}}};
   experience.provenance = {"tool", "settings", 0xfedcba9876543210u, "2020-01-02T03:04:05Z"};
   return experience;
 }

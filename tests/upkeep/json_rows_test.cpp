@@ -26,7 +26,7 @@ TEST_SUITE("unit") {
     Experience row;
     row.kind = "pairs/1";
     row.key = {1, 0.1};
-    row.sampler() = {2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}};
+    row.sampler() = {{2, {0.1f, -1, 2, 3}, {-1, 0}, {1, 0, 1}, {}}};
     row.provenance = {"mneme", "say \"hi\"", std::numeric_limits<std::uint64_t>::max(), "2020"};
     const std::string line = json_of(row);
     CHECK(
