@@ -89,8 +89,7 @@ double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
 
 }  // namespace
 
-FclOracle::FclOracle(const Robot& robot, const Scene& scene, double margin)
-    : robot_(robot) {
+FclOracle::FclOracle(const Robot& robot, const Scene& scene, double margin) : robot_(robot) {
   const auto add = [&](std::vector<Part>& parts, auto shape) {
     const Object placed = test::ToFcl{}(shape);
     shape.radius += margin;
